@@ -12,6 +12,7 @@ pub mod entity;
 pub mod evaluate;
 pub mod function;
 pub mod history;
+mod index_type;
 pub mod machine;
 pub mod module;
 pub mod parse;

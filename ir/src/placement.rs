@@ -10,6 +10,8 @@
 //! later cycle. A word written in cycle `w` can be read by an issue at
 //! `w + 1`.
 
+use crate::entity::{Operand, Value};
+use crate::index_types;
 use robovec_num::fnv::Fnv;
 
 /// A group of equal processing elements, as scheduled.
@@ -21,25 +23,24 @@ pub struct ElementKind {
     pub count: u32,
 }
 
-/// Cycle and processing element of one node.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Slot {
-    /// The cycle of issue, from 0; meaningless on the host.
-    pub cycle: u32,
-    /// Index over all processing elements, kind after kind, or
-    /// [`Slot::HOST`].
-    pub element: u32,
+index_types! {
+    /// A processing element; counted over all kinds, kind after kind.
+    pub struct Element;
+
+    /// The address of a word in a memory of a processing element.
+    pub struct Address;
+
+    /// A word of a processing element's buffer.
+    pub struct BufferWord;
 }
 
-impl Slot {
-    /// The host evaluates this node before the run (sine and cosine of
-    /// inputs); its value is initial data.
-    pub const HOST: u32 = u32::MAX;
-
-    /// True for a node the host evaluates.
-    pub fn is_host(self) -> bool {
-        self.element == Slot::HOST
-    }
+/// Cycle and processing element of a node that the machine computes.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Slot {
+    /// The cycle of issue, from 0.
+    pub cycle: u32,
+    /// The element that it is issued on.
+    pub element: Element,
 }
 
 /// Cycle and processing element of every node.
@@ -53,8 +54,9 @@ pub struct Schedule {
     pub machine_hash: Option<Fnv>,
     /// The kinds of processing elements, with their counts.
     pub kinds: Vec<ElementKind>,
-    /// One slot per node.
-    pub slots: Vec<Slot>,
+    /// One slot per node; `None` where the host evaluates the node before the
+    /// run (sine and cosine of inputs), so that its value is initial data.
+    pub slots: Vec<Option<Slot>>,
     /// Length: the first cycle in which every result can be read.
     pub cycles: u32,
     /// No schedule on this machine is shorter than this (proved).
@@ -62,24 +64,39 @@ pub struct Schedule {
 }
 
 impl Schedule {
+    /// True for a node the host evaluates.
+    pub fn is_host(&self, value: Value) -> bool {
+        self.slots[value.index()].is_none()
+    }
+
+    /// The slot of a node that the machine computes.
+    ///
+    /// # Panics
+    ///
+    /// When the host evaluates the node.
+    pub fn slot(&self, value: Value) -> Slot {
+        self.slots[value.index()].expect("the machine computes the node")
+    }
+
     /// The kind and the number within the kind, from 0, of an element.
-    pub fn element_name(&self, element: u32) -> (&str, u32) {
+    pub fn element_name(&self, element: Element) -> (&str, u32) {
+        let number = element.number();
         let mut first = 0;
         for kind in &self.kinds {
-            if element < first + kind.count {
-                return (&kind.name, element - first);
+            if number < first + kind.count {
+                return (&kind.name, number - first);
             }
             first += kind.count;
         }
-        ("unknown", element)
+        ("unknown", number)
     }
 
     /// The index of an element, the inverse of [`Schedule::element_name`].
-    pub fn element(&self, kind: &str, number: u32) -> Option<u32> {
+    pub fn element(&self, kind: &str, number: u32) -> Option<Element> {
         let mut first = 0;
         for candidate in &self.kinds {
             if candidate.name == kind {
-                return (number < candidate.count).then_some(first + number);
+                return (number < candidate.count).then(|| Element::new(first + number));
             }
             first += candidate.count;
         }
@@ -106,12 +123,12 @@ pub enum Bank {
 /// A word of a processing element's memory.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Word {
-    /// The processing element, over all kinds.
-    pub element: u32,
+    /// The processing element.
+    pub element: Element,
     /// The memory of that element.
     pub bank: Bank,
-    /// The address, from 0.
-    pub address: u32,
+    /// The address in that memory.
+    pub address: Address,
 }
 
 /// A word filled before the run with an input, a constant or a value of the
@@ -121,7 +138,7 @@ pub struct Preload {
     /// The word that is filled.
     pub word: Word,
     /// The operand that it is filled with.
-    pub operand: crate::Operand,
+    pub operand: Operand,
 }
 
 /// One write of a result into a memory.
@@ -143,12 +160,12 @@ pub struct Placement {
     pub preloads: Vec<Preload>,
     /// Read addresses of the operands, in the issuing element's memory (for
     /// a side-split element those of the left and right operand in its left
-    /// and right memory); `u32::MAX` where there is no operand. One entry per
+    /// and right memory); `None` where there is no operand. One entry per
     /// node.
-    pub reads: Vec<[u32; crate::Operand::MAX_COUNT]>,
+    pub reads: Vec<[Option<Address>; Operand::MAX_COUNT]>,
     /// The buffer word of the producing element that holds the result from
-    /// its write-back on, or `u32::MAX`. One entry per node.
-    pub buffers: Vec<u32>,
+    /// its write-back on, if it passes through the buffer. One entry per node.
+    pub buffers: Vec<Option<BufferWord>>,
     /// For each node the range of its writes in [`Placement::writes`] is
     /// `write_starts[i]..write_starts[i + 1]`.
     pub write_starts: Vec<u32>,
@@ -160,11 +177,8 @@ pub struct Placement {
 }
 
 impl Placement {
-    /// No address or no buffer word.
-    pub const NONE: u32 = u32::MAX;
-
     /// The writes of one node.
-    pub fn writes_of(&self, value: crate::Value) -> &[Write] {
+    pub fn writes_of(&self, value: Value) -> &[Write] {
         let start = self.write_starts[value.index()] as usize;
         let end = self.write_starts[value.index() + 1] as usize;
         &self.writes[start..end]

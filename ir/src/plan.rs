@@ -12,7 +12,7 @@
 //! reads what was in it; places of inputs, literals and outputs are never
 //! reused.
 
-use crate::entity::{Operand, OperandKind};
+use crate::entity::{Operand, OperandKind, Value};
 use crate::function::Function;
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::operation::Operation;
@@ -39,11 +39,16 @@ struct EvaluationStep {
     result: u32,
 }
 
-/// Marks a node that nothing wanted needs.
-const UNUSED: u32 = u32::MAX;
-
-/// Marks a value that lives until the end.
-const FOREVER: u32 = u32::MAX - 1;
+/// How long a value lives.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Lifetime {
+    /// Nothing wanted needs it.
+    Unused,
+    /// Until this node, the last that reads it.
+    Until(Value),
+    /// To the end: it is an output.
+    Forever,
+}
 
 impl EvaluationPlan {
     /// The plan of all outputs.
@@ -58,7 +63,7 @@ impl EvaluationPlan {
             .filter(|(index, _)| wanted(*index))
             .map(|(_, assignment)| assignment.operand)
             .collect();
-        let last = last_readers(function, &wanted);
+        let lifetimes = lifetimes(function, &wanted);
         let mut literals: Vec<f64> = function.constants().to_vec();
         literals.push(0.0);
         let inputs = function.input_len();
@@ -71,31 +76,27 @@ impl EvaluationPlan {
             outputs: Vec::new(),
         };
         let mut free: Vec<u32> = Vec::new();
-        let mut place = vec![UNUSED; function.nodes().len()];
-        for (index, node) in function.nodes().iter().enumerate() {
-            if last[index] == UNUSED {
+        let mut place: Vec<Option<u32>> = vec![None; function.nodes().len()];
+        for (value, node) in function.values() {
+            if lifetimes[value.index()] == Lifetime::Unused {
                 continue;
             }
             let operands = node.operands.map(|operand| plan.place(&place, operand));
-            debug_assert!(
-                !operands.contains(&UNUSED),
-                "an operand has a place before it is read"
-            );
             for (position, operand) in node.operands().iter().enumerate() {
-                let Some(value) = operand.value() else {
+                let Some(read) = operand.value() else {
                     continue;
                 };
                 // An operand that is read twice by one step is freed once.
                 let again = node.operands()[..position].contains(operand);
-                if last[value.index()] == index as u32 && !again {
-                    free.push(place[value.index()]);
+                if lifetimes[read.index()] == Lifetime::Until(value) && !again {
+                    free.extend(place[read.index()]);
                 }
             }
             let result = free.pop().unwrap_or_else(|| {
                 plan.places += 1;
                 plan.places as u32 - 1
             });
-            place[index] = result;
+            place[value.index()] = Some(result);
             plan.steps.push(EvaluationStep {
                 operation: node.operation,
                 operands,
@@ -109,9 +110,11 @@ impl EvaluationPlan {
         plan
     }
 
-    fn place(&self, places: &[u32], operand: Operand) -> u32 {
+    fn place(&self, places: &[Option<u32>], operand: Operand) -> u32 {
         match operand.kind() {
-            OperandKind::Value(value) => places[value.index()],
+            OperandKind::Value(value) => {
+                places[value.index()].expect("an operand has a place before it is read")
+            }
             OperandKind::Input(input) => input.0,
             OperandKind::Constant(constant) => self.inputs as u32 + constant.0,
             OperandKind::None => (self.inputs + self.literals.len()) as u32 - 1,
@@ -192,29 +195,24 @@ impl EvaluationPlan {
     }
 }
 
-/// For each node the last one that reads it: [`FOREVER`] for an output,
-/// [`UNUSED`] when nothing wanted needs it.
-fn last_readers(function: &Function, wanted: &[Operand]) -> Vec<u32> {
-    let mut last = vec![UNUSED; function.nodes().len()];
-    for operand in wanted {
-        if let Some(value) = operand.value() {
-            last[value.index()] = FOREVER;
-        }
+/// How long the value of each node lives.
+fn lifetimes(function: &Function, wanted: &[Operand]) -> Vec<Lifetime> {
+    let mut lifetimes = vec![Lifetime::Unused; function.nodes().len()];
+    for value in wanted.iter().filter_map(|operand| operand.value()) {
+        lifetimes[value.index()] = Lifetime::Forever;
     }
-    for (index, node) in function.nodes().iter().enumerate().rev() {
-        if last[index] == UNUSED {
+    for (reader, node) in function.values().rev() {
+        if lifetimes[reader.index()] == Lifetime::Unused {
             continue;
         }
-        for operand in node.operands() {
-            if let Some(value) = operand.value() {
-                let entry = &mut last[value.index()];
-                if *entry == UNUSED {
-                    *entry = index as u32;
-                }
+        for value in node.operands().iter().filter_map(|operand| operand.value()) {
+            let lifetime = &mut lifetimes[value.index()];
+            if *lifetime == Lifetime::Unused {
+                *lifetime = Lifetime::Until(reader);
             }
         }
     }
-    last
+    lifetimes
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use crate::entity::{Operand, OperandKind, Value};
 use crate::function::{Array, Assignment, Boundary, Level, Shape, Timing};
 use crate::history::History;
 use crate::module::{Module, View};
-use crate::placement::{Bank, Placement, Schedule, Word};
+use crate::placement::{Bank, Element, Placement, Schedule, Word};
 use crate::source::{SourcePlace, SourceSet};
 use hashbrown::HashMap;
 use robovec_num::operation::Operation;
@@ -336,11 +336,11 @@ impl<'a> FunctionPrinter<'a> {
             Bank::Right => text.push(".right"),
         }
         text.push("[");
-        text.integer(word.address);
+        text.integer(word.address.number());
         text.push("]");
     }
 
-    fn element_name(&self, text: &mut Text<'_>, schedule: &Schedule, element: u32) {
+    fn element_name(&self, text: &mut Text<'_>, schedule: &Schedule, element: Element) {
         let (kind, number) = schedule.element_name(element);
         text.push(kind);
         text.integer(number);
@@ -361,14 +361,14 @@ impl<'a> FunctionPrinter<'a> {
             text.push(&format.to_string());
         }
         if let Some(schedule) = &function.schedule {
-            let slot = schedule.slots[value.index()];
             text.push(" on ");
-            if slot.is_host() {
-                text.push("host");
-            } else {
-                self.element_name(text, schedule, slot.element);
-                text.push(" at ");
-                text.integer(slot.cycle);
+            match schedule.slots[value.index()] {
+                None => text.push("host"),
+                Some(slot) => {
+                    self.element_name(text, schedule, slot.element);
+                    text.push(" at ");
+                    text.integer(slot.cycle);
+                }
             }
             if let Some(placement) = &function.placement {
                 self.transfers(text, schedule, placement, value);
@@ -391,15 +391,13 @@ impl<'a> FunctionPrinter<'a> {
         value: Value,
     ) {
         let reads = placement.reads[value.index()];
-        let present = reads.iter().take_while(|&&read| read != Placement::NONE);
-        for (index, &read) in present.enumerate() {
+        for (index, read) in reads.iter().map_while(|&read| read).enumerate() {
             text.push(if index == 0 { " read " } else { " " });
-            text.integer(read);
+            text.integer(read.number());
         }
-        let buffer = placement.buffers[value.index()];
-        if buffer != Placement::NONE {
+        if let Some(word) = placement.buffers[value.index()] {
             text.push(" buffer ");
-            text.integer(buffer);
+            text.integer(word.number());
         }
         for (index, write) in placement.writes_of(value).iter().enumerate() {
             text.push(if index == 0 { " write " } else { ", " });

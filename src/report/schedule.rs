@@ -103,7 +103,7 @@ impl ScheduleReport {
             let mut kinds = schedule.kinds.iter();
             kinds.find(|kind| kind.name == *name).map(|kind| kind.count)
         };
-        let issued = schedule.slots.iter().filter(|slot| !slot.is_host()).count();
+        let issued = schedule.slots.iter().flatten().count();
         let capacity = f64::from(schedule.element_count()) * f64::from(schedule.cycles);
         let placed = placement_statistics(function, machine);
         let words = |pick: fn(&KindStatistics) -> ElementSpread| {
@@ -151,9 +151,9 @@ fn occupation(schedule: &Schedule) -> Vec<KindReport> {
         kinds.extend((0..kind.count).map(|_| index));
     }
     let mut issued = vec![[0u32; SLICES]; schedule.kinds.len()];
-    for slot in schedule.slots.iter().filter(|slot| !slot.is_host()) {
+    for slot in schedule.slots.iter().flatten() {
         let slice = u64::from(slot.cycle) * SLICES as u64 / cycles;
-        issued[kinds[slot.element as usize]][slice as usize] += 1;
+        issued[kinds[slot.element.index()]][slice as usize] += 1;
     }
     // Slices differ by a cycle when the length is no multiple of their
     // number: the first cycle of a slice is where the division rounds up.

@@ -4,7 +4,10 @@ use super::*;
 use robovec_analysis::class::NumericClass;
 use robovec_analysis::rounding::rounding;
 use robovec_framework::check::check;
-use robovec_ir::placement::{Bank, ElementKind, Placement, Preload, Schedule, Slot, Word, Write};
+use robovec_ir::placement::{
+    Address, Bank, BufferWord, Element, ElementKind, Placement, Preload, Schedule, Slot, Word,
+    Write,
+};
 use robovec_ir::states::States;
 use robovec_ir::{
     Assignment, Boundary, Input, Level, Name, Node, Operand, Operation, Output, Shape, SourceSet,
@@ -60,19 +63,22 @@ fn place(function: &mut Function, [a, b, zero]: [Operand; 3]) {
         name: name.to_owned(),
         count: 1,
     };
-    let slot = |cycle, element| Slot { cycle, element };
+    let slot = |cycle, element| {
+        let element = Element::new(element);
+        Some(Slot { cycle, element })
+    };
     function.schedule = Some(Schedule {
         machine: "thesis".to_owned(),
         machine_hash: None,
         kinds: vec![kind("add"), kind("multi")],
-        slots: vec![slot(0, Slot::HOST), slot(0, 1), slot(9, 0), slot(21, 0)],
+        slots: vec![None, slot(0, 1), slot(9, 0), slot(21, 0)],
         cycles: 33,
         lower_bound: 31,
     });
     let word = |element, address| Word {
-        element,
+        element: Element::new(element),
         bank: Bank::Unified,
-        address,
+        address: Address::new(address),
     };
     let preload = |element, address, operand| Preload {
         word: word(element, address),
@@ -89,10 +95,13 @@ fn place(function: &mut Function, [a, b, zero]: [Operand; 3]) {
             preload(1, 0, a),
             preload(1, 1, b),
         ],
-        reads: [[Placement::NONE; 2], [0, 1], [0, 2], [3, 1]]
-            .map(|[left, right]| [left, right, Placement::NONE])
+        reads: [None, Some([0, 1]), Some([0, 2]), Some([3, 1])]
+            .map(|read| match read {
+                None => [None; Operand::MAX_COUNT],
+                Some([left, right]) => [Some(Address::new(left)), Some(Address::new(right)), None],
+            })
             .to_vec(),
-        buffers: vec![Placement::NONE, 0, Placement::NONE, Placement::NONE],
+        buffers: vec![None, Some(BufferWord::new(0)), None, None],
         write_starts: vec![0, 0, 1, 2, 3],
         writes: vec![write(2, 8), write(3, 20), write(0, 32)],
         homes: vec![Some(word(0, 0)), None],

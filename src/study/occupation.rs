@@ -34,8 +34,8 @@ pub fn occupation(schedule: &Schedule, kind: usize) -> OccupationCurve {
     let count = schedule.kinds[kind].count;
     // issued[c] counts the operations issued before cycle c.
     let mut issued = vec![0u32; schedule.cycles as usize + 1];
-    for slot in schedule.slots.iter().filter(|slot| !slot.is_host()) {
-        if (before..before + count).contains(&slot.element) {
+    for slot in schedule.slots.iter().flatten() {
+        if (before..before + count).contains(&slot.element.number()) {
             issued[slot.cycle as usize + 1] += 1;
         }
     }
@@ -58,7 +58,7 @@ pub fn occupation(schedule: &Schedule, kind: usize) -> OccupationCurve {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use robovec_ir::placement::{ElementKind, Slot};
+    use robovec_ir::placement::{Element, ElementKind, Slot};
 
     /// One adder busy for the first half of 400 cycles, two multipliers of
     /// which one is busy all the time.
@@ -67,19 +67,17 @@ mod tests {
             name: name.to_owned(),
             count,
         };
-        let adds = (0..200).map(|cycle| Slot { cycle, element: 0 });
-        let muls = (0..400).map(|cycle| Slot { cycle, element: 2 });
+        let slot = |cycle, element| {
+            let element = Element::new(element);
+            Some(Slot { cycle, element })
+        };
+        let adds = (0..200).map(|cycle| slot(cycle, 0));
+        let muls = (0..400).map(|cycle| slot(cycle, 2));
         Schedule {
             machine: "test".to_owned(),
             machine_hash: None,
             kinds: vec![kind("add", 1), kind("multi", 2)],
-            slots: adds
-                .chain(muls)
-                .chain([Slot {
-                    cycle: 0,
-                    element: Slot::HOST,
-                }])
-                .collect(),
+            slots: adds.chain(muls).chain([None]).collect(),
             cycles: 400,
             lower_bound: 400,
         }

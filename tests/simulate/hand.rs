@@ -14,7 +14,10 @@ use robovec::simulate::mif::Image;
 use robovec::simulate::{Hazard, LoadError, LoadedProgram};
 use robovec_codegen::images;
 use robovec_codegen::manifest::Manifest;
-use robovec_ir::placement::{Bank, ElementKind, Placement, Preload, Schedule, Slot, Word, Write};
+use robovec_ir::placement::{
+    Address, Bank, BufferWord, Element, ElementKind, Placement, Preload, Schedule, Slot, Word,
+    Write,
+};
 use robovec_ir::{
     Assignment, Function, Input, Level, Machine, Module, Name, Node, Operand, Operation, Output,
     Shape, SourceSet,
@@ -26,9 +29,9 @@ pub(crate) const MULTI0: u32 = 1;
 
 pub(crate) fn word(element: u32, address: u32) -> Word {
     Word {
-        element,
+        element: Element::new(element),
         bank: Bank::Unified,
-        address,
+        address: Address::new(address),
     }
 }
 
@@ -85,7 +88,10 @@ fn function(module: &mut Module) -> Function {
 pub(crate) fn module() -> Module {
     let mut module = Module::new();
     let mut function = function(&mut module);
-    let slot = |cycle, element| Slot { cycle, element };
+    let slot = |cycle, element| {
+        let element = Element::new(element);
+        Some(Slot { cycle, element })
+    };
     let kind = |name: &str, count| ElementKind {
         name: name.to_owned(),
         count,
@@ -109,9 +115,9 @@ pub(crate) fn module() -> Module {
             preload(MULTI0, 0, 1),
         ],
         reads: [[0, 1], [1, 0], [2, 3]]
-            .map(|[left, right]| [left, right, Placement::NONE])
+            .map(|[left, right]| [Some(Address::new(left)), Some(Address::new(right)), None])
             .to_vec(),
-        buffers: vec![0, Placement::NONE, Placement::NONE],
+        buffers: vec![Some(BufferWord::new(0)), None, None],
         write_starts: vec![0, 2, 3, 4],
         writes: vec![
             write(MULTI0, 1, 11),

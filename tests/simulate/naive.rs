@@ -3,7 +3,10 @@
 //! transfer without sharing an idea with the real placement.
 
 use robovec_ir::machine::MemoryStyle;
-use robovec_ir::placement::{Bank, ElementKind, Placement, Preload, Schedule, Slot, Word, Write};
+use robovec_ir::placement::{
+    Address, Bank, BufferWord, Element, ElementKind, Placement, Preload, Schedule, Slot, Word,
+    Write,
+};
 use robovec_ir::{
     Assignment, Function, Input, Level, Machine, Module, Name, Node, Operand, Operation, Output,
     Shape, SourceSet, Value,
@@ -141,14 +144,14 @@ pub(crate) fn place(function: &mut Function, machine: &Machine, random: &mut Ran
 
 struct Naive {
     schedule: Schedule,
-    reads: Vec<[u32; Operand::MAX_COUNT]>,
-    buffers: Vec<u32>,
+    reads: Vec<[Option<Address>; Operand::MAX_COUNT]>,
+    buffers: Vec<Option<BufferWord>>,
     writes: Vec<Vec<Write>>,
     preloads: Vec<Preload>,
     /// Where an operand stands in a memory.
-    places: BTreeMap<(u32, Bank, Operand), u32>,
+    places: BTreeMap<(Element, Bank, Operand), u32>,
     /// The next free address of a memory.
-    free: BTreeMap<(u32, Bank), u32>,
+    free: BTreeMap<(Element, Bank), u32>,
     issued: u32,
     step: u32,
 }
@@ -170,8 +173,8 @@ impl Naive {
                 cycles: 0,
                 lower_bound: 0,
             },
-            reads: vec![[Placement::NONE; Operand::MAX_COUNT]; count],
-            buffers: vec![Placement::NONE; count],
+            reads: vec![[None; Operand::MAX_COUNT]; count],
+            buffers: vec![None; count],
             writes: vec![Vec::new(); count],
             preloads: Vec::new(),
             places: BTreeMap::new(),
@@ -184,15 +187,15 @@ impl Naive {
     fn node(&mut self, function: &Function, machine: &Machine, value: Value, random: &mut Random) {
         let node = *function.node(value);
         let Some(kind) = machine.kind_of(node.operation) else {
-            let (cycle, element) = (0, Slot::HOST);
-            self.schedule.slots.push(Slot { cycle, element });
+            self.schedule.slots.push(None);
             return;
         };
         let before: u32 = machine.elements[..kind].iter().map(|kind| kind.count).sum();
-        let element = before + random.below(machine.elements[kind].count as usize) as u32;
+        let number = random.below(machine.elements[kind].count as usize) as u32;
+        let element = Element::new(before + number);
         let cycle = self.issued * self.step;
         self.issued += 1;
-        self.schedule.slots.push(Slot { cycle, element });
+        self.schedule.slots.push(Some(Slot { cycle, element }));
         let banks = match machine.memory.style {
             MemoryStyle::Unified | MemoryStyle::FourPort => [Bank::Unified; Operand::MAX_COUNT],
             MemoryStyle::SideSplit => [Bank::Left, Bank::Right, Bank::Left],
@@ -200,7 +203,7 @@ impl Naive {
         for (side, &operand) in node.operands().iter().enumerate() {
             let bank = banks[side];
             let word = self.bring(machine, operand, element, bank, random);
-            self.reads[value.index()][side] = word.address;
+            self.reads[value.index()][side] = Some(word.address);
         }
     }
 
@@ -209,7 +212,7 @@ impl Naive {
         &mut self,
         machine: &Machine,
         operand: Operand,
-        element: u32,
+        element: Element,
         bank: Bank,
         random: &mut Random,
     ) -> Word {
@@ -224,22 +227,22 @@ impl Naive {
         let word = Word {
             element,
             bank,
-            address,
+            address: Address::new(address),
         };
         if address < *free || self.is_there(word) {
             return word;
         }
         match operand
             .value()
-            .filter(|value| !self.schedule.slots[value.index()].is_host())
+            .filter(|&value| !self.schedule.is_host(value))
         {
             None => self.preloads.push(Preload { word, operand }),
             Some(value) => {
-                let slot = self.schedule.slots[value.index()];
+                let slot = self.schedule.slot(value);
                 let weight = weight_of(machine, slot.element);
                 let delay = random.below(4) as u32;
                 if delay > 0 {
-                    self.buffers[value.index()] = value.0 % 5;
+                    self.buffers[value.index()] = Some(BufferWord::new(value.0 % 5));
                 }
                 let cycle = slot.cycle + weight - 1 + delay;
                 self.writes[value.index()].push(Write { word, cycle });
@@ -258,9 +261,9 @@ impl Naive {
         let mut homes = Vec::new();
         for assignment in &function.assignments {
             let computed = assignment.operand.value();
-            let home = computed.filter(|value| !self.schedule.slots[value.index()].is_host());
+            let home = computed.filter(|&value| !self.schedule.is_host(value));
             homes.push(home.map(|value| {
-                let element = self.schedule.slots[value.index()].element;
+                let element = self.schedule.slot(value).element;
                 let bank = match machine.memory.style {
                     MemoryStyle::Unified | MemoryStyle::FourPort => Bank::Unified,
                     MemoryStyle::SideSplit => Bank::Right,
@@ -288,11 +291,11 @@ impl Naive {
     }
 }
 
-fn weight_of(machine: &Machine, element: u32) -> u32 {
+fn weight_of(machine: &Machine, element: Element) -> u32 {
     let mut first = 0;
     for kind in &machine.elements {
         first += kind.count;
-        if element < first {
+        if element.number() < first {
             return kind.weight();
         }
     }

@@ -7,7 +7,7 @@ use robovec::simulate::mif::Image;
 use robovec_codegen::manifest::Manifest;
 use robovec_codegen::{ImageError, images};
 use robovec_ir::machine::BufferDescription;
-use robovec_ir::placement::{Bank, Placement, Preload, Schedule, Write};
+use robovec_ir::placement::{Bank, BufferWord, Element, Placement, Preload, Schedule, Slot, Write};
 use robovec_ir::{Function, Input, Level, Machine, Operand, Operation, Shape, Value};
 
 fn thesis() -> Machine {
@@ -27,6 +27,11 @@ fn placement(function: &mut Function) -> &mut Placement {
 
 fn schedule(function: &mut Function) -> &mut Schedule {
     function.schedule.as_mut().expect("it is placed")
+}
+
+fn slot(function: &mut Function, node: usize) -> &mut Slot {
+    let slot = &mut schedule(function).slots[node];
+    slot.as_mut().expect("the machine computes it")
 }
 
 /// Adds a write of the last value.
@@ -69,12 +74,12 @@ fn functions_of_another_level_or_machine() {
 
 #[test]
 fn two_operations_in_one_pipeline_slot() {
-    let error = refused(|function, _| schedule(function).slots[2].cycle = 0);
+    let error = refused(|function, _| slot(function, 2).cycle = 0);
     // The write at 30 is then late, but the slot is what cannot be expressed.
     let late = matches!(error, ImageError::NotBuffered { .. });
     assert!(late, "{error}");
     let error = refused(|function, _| {
-        schedule(function).slots[2].cycle = 0;
+        slot(function, 2).cycle = 0;
         placement(function).writes[3].cycle = 11;
     });
     assert!(
@@ -109,12 +114,10 @@ fn two_buffer_words_through_one_port() {
     let error = refused(|function, _| {
         // %y leaves multi0 at 18; a second value of multi0 does not exist, so
         // %z is moved there in time for both to be read in one cycle.
-        schedule(function).slots[2] = robovec_ir::placement::Slot {
-            cycle: 13,
-            element: ADD0,
-        };
+        let (cycle, element) = (13, Element::new(ADD0));
+        *slot(function, 2) = Slot { cycle, element };
         let placement = placement(function);
-        placement.buffers[2] = 1;
+        placement.buffers[2] = Some(BufferWord::new(1));
         placement.writes[1].cycle = 26;
         placement.writes[3].cycle = 26;
     });
@@ -131,7 +134,7 @@ fn two_buffer_words_through_one_port() {
 
 #[test]
 fn writes_at_the_wrong_time() {
-    let error = refused(|function, _| placement(function).buffers[0] = Placement::NONE);
+    let error = refused(|function, _| placement(function).buffers[0] = None);
     assert!(matches!(error, ImageError::NotBuffered { cycle: 13, .. }));
     let error = refused(|_, machine| machine.buffer = None);
     assert!(matches!(error, ImageError::NotBuffered { .. }));
@@ -147,7 +150,7 @@ fn writes_at_the_wrong_time() {
     let error = refused(|function, _| schedule(function).cycles = 30);
     assert!(matches!(error, ImageError::AfterEnd { cycle: 30, .. }));
     let error = refused(|function, _| {
-        schedule(function).slots[2].cycle = u32::MAX - 5;
+        slot(function, 2).cycle = u32::MAX - 5;
         placement(function).writes[3].cycle = u32::MAX;
     });
     assert!(matches!(error, ImageError::AfterEnd { .. }), "{error}");
@@ -159,7 +162,7 @@ fn writes_at_the_wrong_time() {
         placement.homes.remove(0);
         placement.writes.pop();
         *placement.write_starts.last_mut().expect("an end") -= 1;
-        placement.buffers[2] = 0;
+        placement.buffers[2] = Some(BufferWord::new(0));
     });
     assert!(
         matches!(error, ImageError::AfterEnd { cycle: 30, .. }),
@@ -181,7 +184,7 @@ fn addresses_beyond_the_machine() {
     let error = refused(|function, machine| {
         let (words, reads) = (Some(3), Some(1));
         machine.buffer = Some(BufferDescription { words, reads });
-        placement(function).buffers[0] = 3;
+        placement(function).buffers[0] = Some(BufferWord::new(3));
     });
     assert!(matches!(
         error,
@@ -228,9 +231,9 @@ fn placements_that_do_not_fit_their_function() {
         |function| placement(function).write_starts[1] = 9,
         |function| placement(function).write_starts.truncate(1),
         |function| placement(function).reads.truncate(1),
-        |function| placement(function).reads[1][1] = Placement::NONE,
-        |function| schedule(function).slots[0].element = 3,
-        |function| placement(function).writes[0].word.element = 3,
+        |function| placement(function).reads[1][1] = None,
+        |function| slot(function, 0).element = Element::new(3),
+        |function| placement(function).writes[0].word.element = Element::new(3),
         |function| placement(function).writes[0].word.bank = Bank::Left,
         |function| placement(function).homes[0] = Some(word(MULTI0, 1)),
     ];

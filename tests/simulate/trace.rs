@@ -74,17 +74,16 @@ fn traces_are_schedules_with_the_evaluators_values() {
         let schedule = function.schedule.as_ref().expect("it is scheduled");
         let mut expected = Vec::new();
         for (value, _) in function.values() {
-            let slot = schedule.slots[value.index()];
-            if slot.is_host() {
+            let Some(slot) = schedule.slots[value.index()] else {
                 continue;
-            }
+            };
             let (kind, _) = schedule.element_name(slot.element);
             let kinds = &machine.elements;
             let kind = kinds.iter().find(|element| element.kind == kind);
             let stages = kind.expect("a kind of the machine").stages;
             expected.push(TracedResult {
                 cycle: slot.cycle + stages + 1,
-                element: slot.element,
+                element: slot.element.number(),
                 word: arithmetic.word(values[value.index()]),
             });
         }

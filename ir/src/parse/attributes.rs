@@ -9,7 +9,7 @@ use crate::diagnostic::{clip, did_you_mean};
 use crate::entity::Operand;
 use crate::function::{Level, Timing};
 use crate::history::History;
-use crate::placement::{Placement, Slot, Word, Write};
+use crate::placement::{Address, BufferWord, Slot, Word, Write};
 use crate::source::{SourcePlace, SourceSet};
 use robovec_num::format::Format;
 
@@ -19,9 +19,9 @@ const TIMING_KEYS: [&str; 5] = ["asap", "alap", "asap_cycle", "alap_cycle", "mob
 #[derive(Clone, Default)]
 pub(super) struct Attributes {
     pub(super) sources: Option<(SourceSet, Span)>,
-    pub(super) slot: Option<(Slot, Span)>,
-    pub(super) reads: Option<([u32; Operand::MAX_COUNT], Span)>,
-    pub(super) buffer: Option<(u32, Span)>,
+    pub(super) slot: Option<(Option<Slot>, Span)>,
+    pub(super) reads: Option<([Option<Address>; Operand::MAX_COUNT], Span)>,
+    pub(super) buffer: Option<(BufferWord, Span)>,
     pub(super) write: Option<Span>,
     pub(super) home: Option<(Word, Span)>,
     pub(super) timing: Option<(Timing, Span)>,
@@ -67,11 +67,9 @@ impl ModuleBuilder<'_> {
             return;
         }
         let is_host = self.slice(element) == "host";
+        // After an error the slot only has to be there.
         let slot = match cycle {
-            None if is_host => Some(Slot {
-                cycle: 0,
-                element: Slot::HOST,
-            }),
+            None if is_host => None,
             Some(cycle) if is_host => {
                 self.error(cycle, "what the host evaluates has no cycle");
                 None
@@ -86,11 +84,6 @@ impl ModuleBuilder<'_> {
                 element.map(|element| Slot { cycle, element })
             }
         };
-        // An error was reported; the slot only has to be there.
-        let slot = slot.unwrap_or(Slot {
-            cycle: 0,
-            element: Slot::HOST,
-        });
         self.attributes.slot = Some((slot, span));
     }
 
@@ -99,9 +92,7 @@ impl ModuleBuilder<'_> {
         let first = self.attributes.reads.map(|(_, span)| span);
         if self.belongs_to(Level::Placed, span, "addresses") && self.once(first, span, "'read'") {
             let reads = addresses.map(|address| {
-                address.map_or(Placement::NONE, |address| {
-                    self.limited(address, "address", ADDRESS)
-                })
+                address.map(|address| Address::new(self.limited(address, "address", ADDRESS)))
             });
             self.attributes.reads = Some((reads, span));
         }
@@ -111,8 +102,8 @@ impl ModuleBuilder<'_> {
     pub(super) fn buffer(&mut self, word: Span, span: Span) {
         let first = self.attributes.buffer.map(|(_, span)| span);
         if self.belongs_to(Level::Placed, span, "buffers") && self.once(first, span, "'buffer'") {
-            self.attributes.buffer =
-                Some((self.limited(word, "word of the buffer", ADDRESS), span));
+            let word = self.limited(word, "word of the buffer", ADDRESS);
+            self.attributes.buffer = Some((BufferWord::new(word), span));
         }
     }
 

@@ -6,7 +6,6 @@ use crate::diagnostic::{clip, did_you_mean};
 use crate::entity::{Input, Operand, Output, Value};
 use crate::function::{Array, Level, Node, Shape, Timing};
 use crate::history::History;
-use crate::placement::Placement;
 use crate::source::SourceSet;
 use crate::symbol::Name;
 use robovec_num::operation::Operation;
@@ -407,17 +406,15 @@ impl ModuleBuilder<'_> {
         let Some(placement) = &mut self.open.function.placement else {
             return;
         };
-        let none = [Placement::NONE; Operand::MAX_COUNT];
+        let none = [None; Operand::MAX_COUNT];
         placement.reads.resize(count - 1, none);
         placement
             .reads
             .push(self.attributes.reads.map_or(none, |(reads, _)| reads));
-        placement.buffers.resize(count - 1, Placement::NONE);
-        let buffer = self
-            .attributes
-            .buffer
-            .map_or(Placement::NONE, |(word, _)| word);
-        placement.buffers.push(buffer);
+        placement.buffers.resize(count - 1, None);
+        placement
+            .buffers
+            .push(self.attributes.buffer.map(|(word, _)| word));
         placement
             .write_starts
             .resize(count, placement.writes.len() as u32);

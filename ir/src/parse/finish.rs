@@ -6,7 +6,7 @@ use crate::entity::{Operand, Value};
 use crate::function::{Assignment, Function, Level, Node, Timing};
 use crate::history::History;
 use crate::module::View;
-use crate::placement::{Placement, Preload, Slot};
+use crate::placement::Preload;
 use crate::verify::{Violation, ViolationSubject, verify, verify_placement};
 
 impl<'t> ModuleBuilder<'t> {
@@ -197,17 +197,11 @@ impl<'t> ModuleBuilder<'t> {
             histories.values.resize(count, History::NONE);
         }
         if let Some(schedule) = &mut function.schedule {
-            let slot = Slot {
-                cycle: 0,
-                element: Slot::HOST,
-            };
-            schedule.slots.resize(count, slot);
+            schedule.slots.resize(count, None);
         }
         if let Some(placement) = &mut function.placement {
-            placement
-                .reads
-                .resize(count, [Placement::NONE; Operand::MAX_COUNT]);
-            placement.buffers.resize(count, Placement::NONE);
+            placement.reads.resize(count, [None; Operand::MAX_COUNT]);
+            placement.buffers.resize(count, None);
             placement
                 .write_starts
                 .resize(count + 1, placement.writes.len() as u32);

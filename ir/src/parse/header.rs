@@ -7,7 +7,7 @@ use crate::diagnostic::{clip, did_you_mean};
 use crate::entity::Operand;
 use crate::function::{Boundary, Level, Shape};
 use crate::history::{History, HistoryStep};
-use crate::placement::{Bank, ElementKind, Placement, Schedule, Word};
+use crate::placement::{Address, Bank, Element, ElementKind, Placement, Schedule, Word};
 use robovec_num::limits::{Amount, NumberLimit};
 
 /// The number of elements of all inputs or of all outputs.
@@ -323,12 +323,12 @@ impl ModuleBuilder<'_> {
         Some(Word {
             element: self.element(name)?,
             bank,
-            address: self.limited(address, "address", ADDRESS),
+            address: Address::new(self.limited(address, "address", ADDRESS)),
         })
     }
 
-    /// The index of a processing element, `add0`.
-    pub(super) fn element(&mut self, span: Span) -> Option<u32> {
+    /// A processing element, `add0`.
+    pub(super) fn element(&mut self, span: Span) -> Option<Element> {
         let text = self.slice(span);
         let Some(schedule) = &self.open.function.schedule else {
             self.advise(

@@ -5,13 +5,11 @@
 //! through a hash map. Entries carry the number of the function they were
 //! made for, so that starting the next function costs nothing.
 
-use crate::entity::Value;
+use crate::entity::{Operand, Value};
 use crate::symbol::{Name, Symbol};
 use hashbrown::HashMap;
 use rustc_hash::FxBuildHasher;
 use std::hash::BuildHasher;
-
-const ABSENT: u32 = u32::MAX;
 
 /// Places of [`Recent`]; a power of two.
 const RECENT: usize = 4096;
@@ -69,13 +67,24 @@ impl<'t> Recent<'t> {
     }
 }
 
-#[derive(Clone, Default)]
+#[derive(Clone)]
 struct NameEntry {
     function: u32,
-    /// The value that bears the symbol itself, or `ABSENT`.
-    plain: u32,
-    /// Values by number, from 1; `ABSENT` where no value bears the name.
-    numbered: Vec<u32>,
+    /// The value that bears the symbol itself. Operands here are values or
+    /// none, in half the room that an `Option` takes.
+    plain: Operand,
+    /// Values by number, from 1.
+    numbered: Vec<Operand>,
+}
+
+impl Default for NameEntry {
+    fn default() -> NameEntry {
+        NameEntry {
+            function: 0,
+            plain: Operand::NONE,
+            numbered: Vec::new(),
+        }
+    }
 }
 
 /// The names of one function at a time.
@@ -83,7 +92,7 @@ struct NameEntry {
 pub(super) struct NameTable {
     function: u32,
     entries: Vec<NameEntry>,
-    sparse: HashMap<Name, u32, FxBuildHasher>,
+    sparse: HashMap<Name, Value, FxBuildHasher>,
 }
 
 impl NameTable {
@@ -99,18 +108,14 @@ impl NameTable {
         if entry.function != self.function {
             return None;
         }
-        let value = match name.suffix {
-            0 => entry.plain,
-            suffix => entry
-                .numbered
-                .get(suffix as usize - 1)
-                .copied()
-                .unwrap_or(ABSENT),
+        let dense = match name.suffix {
+            0 => entry.plain.value(),
+            suffix => {
+                let value = entry.numbered.get(suffix as usize - 1);
+                value.and_then(|value| value.value())
+            }
         };
-        if value != ABSENT {
-            return Some(Value(value));
-        }
-        self.sparse.get(&name).map(|&value| Value(value))
+        dense.or_else(|| self.sparse.get(&name).copied())
     }
 
     /// The last value, in program order, whose name derives from a symbol.
@@ -120,8 +125,7 @@ impl NameTable {
             return None;
         }
         let all = entry.numbered.iter().chain([&entry.plain]);
-        let values = all.filter(|&&value| value != ABSENT);
-        values.max().map(|&value| Value(value))
+        all.filter_map(|value| value.value()).max()
     }
 
     /// Makes a value the bearer of a name.
@@ -134,19 +138,19 @@ impl NameTable {
         let entry = &mut self.entries[index];
         if entry.function != self.function {
             entry.function = self.function;
-            entry.plain = ABSENT;
+            entry.plain = Operand::NONE;
             entry.numbered.clear();
         }
         let suffix = name.suffix as usize;
         if suffix == 0 {
-            entry.plain = value.0;
+            entry.plain = value.into();
         } else if suffix > 2 * entry.numbered.len() + 16 {
-            self.sparse.insert(name, value.0);
+            self.sparse.insert(name, value);
         } else {
             if suffix > entry.numbered.len() {
-                entry.numbered.resize(suffix, ABSENT);
+                entry.numbered.resize(suffix, Operand::NONE);
             }
-            entry.numbered[suffix - 1] = value.0;
+            entry.numbered[suffix - 1] = value.into();
         }
     }
 }

@@ -8,7 +8,7 @@ use super::placement::PlacementCheck;
 use super::{ViolationCollector, ViolationSubject};
 use crate::entity::Value;
 use crate::machine::interconnect::{Interconnect, LinkNetwork, Topology, places};
-use crate::placement::Placement;
+use crate::placement::Element;
 
 /// A point of a network: a place and, behind the switches of an omega
 /// network, how many of them lie before it.
@@ -33,8 +33,8 @@ impl Routes {
     }
 
     /// The wires between two elements, as pairs of points.
-    fn wires(&self, from: u32, to: u32) -> Vec<(NetworkPoint, NetworkPoint)> {
-        let (mut at, end) = (self.places[from as usize], self.places[to as usize]);
+    fn wires(&self, from: Element, to: Element) -> Vec<(NetworkPoint, NetworkPoint)> {
+        let (mut at, end) = (self.places[from.index()], self.places[to.index()]);
         let mut wires = Vec::new();
         if from == to {
             return wires;
@@ -86,17 +86,17 @@ impl Routes {
     }
 
     /// Cycles from the departure of a word to its arrival.
-    pub(super) fn latency(&self, from: u32, to: u32) -> u64 {
+    pub(super) fn latency(&self, from: Element, to: Element) -> u64 {
         self.wires(from, to).len() as u64 * u64::from(self.network.hop)
     }
 
     /// The wires a word is on, and how long after its departure.
-    fn uses(&self, from: u32, to: u32) -> Vec<((NetworkPoint, NetworkPoint), u64)> {
+    fn uses(&self, from: Element, to: Element) -> Vec<((NetworkPoint, NetworkPoint), u64)> {
         let hop = u64::from(self.network.hop);
         let wires = self.wires(from, to).into_iter();
         let mut uses: Vec<_> = (0..).zip(wires).map(|(k, wire)| (wire, k * hop)).collect();
         if self.network.topology == Topology::Omega && from != to {
-            let line = (self.places[from as usize], 0);
+            let line = (self.places[from.index()], 0);
             uses.push(((line, line), 0));
         }
         uses
@@ -127,7 +127,7 @@ pub(super) fn check(
     collector: &mut ViolationCollector<'_>,
 ) {
     let mut uses: Vec<Use> = Vec::new();
-    let mut sent: Vec<(u32, u64, u32)> = Vec::new();
+    let mut sent: Vec<(Element, u64, u32)> = Vec::new();
     for value in check.placed_values() {
         let from = check.slot(value).element;
         let back = check.write_back(value);
@@ -136,7 +136,7 @@ pub(super) fn check(
             let departs = u64::from(write.cycle).saturating_sub(routes.latency(from, to));
             let used = routes.uses(from, to).into_iter();
             uses.extend(used.map(|(wire, after)| (wire, departs + after, value.0, departs)));
-            if departs > back && check.placement.buffers[value.index()] != Placement::NONE {
+            if departs > back && check.placement.buffers[value.index()].is_some() {
                 sent.push((from, departs, value.0));
             }
         }

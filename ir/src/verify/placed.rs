@@ -19,19 +19,18 @@ pub(super) fn check(
     // All that follows indexes the tables by node and assignment.
     if !tables_fit(collector, placement) {
         return;
-    }
+    };
     let elements = schedule.element_count();
     for (value, node) in collector.view.function.values() {
         let addresses = placement.reads[value.index()];
-        let expected = match schedule.slots[value.index()].is_host() {
+        let expected = match schedule.is_host(value) {
             // What the host evaluates reads no memory.
             true => 0,
             false => node.operation.arity(),
         };
-        let is_address = |&&address: &&u32| address != Placement::NONE;
-        let present = addresses.iter().filter(is_address).count();
+        let present = addresses.iter().flatten().count();
         // The first operands have the addresses, without a gap.
-        let leading = addresses.iter().take_while(is_address).count();
+        let leading = addresses.iter().map_while(|&address| address).count();
         if present != expected || leading != present {
             collector.value(value, || {
                 format!("has {present} addresses to read from instead of {expected}")
@@ -71,20 +70,19 @@ fn writes(
     placement: &Placement,
     value: Value,
 ) {
-    let slot = schedule.slots[value.index()];
     let writes = placement.writes_of(value);
-    let buffered = placement.buffers[value.index()] != Placement::NONE;
-    if slot.is_host() {
+    let buffered = placement.buffers[value.index()].is_some();
+    let Some(slot) = schedule.slots[value.index()] else {
         if !writes.is_empty() || buffered {
             collector.value(value, || {
                 "is written, but the host evaluates it before the run".to_owned()
             });
         }
         return;
-    }
+    };
     let elements = schedule.element_count();
     for (index, write) in writes.iter().enumerate() {
-        if write.word.element >= elements {
+        if write.word.element.number() >= elements {
             collector.value(value, || {
                 "is written to a processing element that does not exist".to_owned()
             });
@@ -114,7 +112,7 @@ fn writes(
 /// value that the host evaluates. The value must exist.
 fn is_initial(schedule: &Schedule, operand: Operand) -> bool {
     match operand.kind() {
-        OperandKind::Value(value) => schedule.slots[value.index()].is_host(),
+        OperandKind::Value(value) => schedule.is_host(value),
         OperandKind::Input(_) | OperandKind::Constant(_) => true,
         OperandKind::None => false,
     }
@@ -143,7 +141,7 @@ fn preloads(
     let mut previous: Option<Word> = None;
     for (index, preload) in placement.preloads.iter().enumerate() {
         let subject = ViolationSubject::Preload(index);
-        if preload.word.element >= elements {
+        if preload.word.element.number() >= elements {
             collector.add(subject, || {
                 "initial data lies in a processing element that does not exist".to_owned()
             });
@@ -182,7 +180,7 @@ fn homes(
                     "has a word where it stays, but is known before the run".to_owned()
                 });
             }
-            Some(word) if word.element >= elements => collector.assignment(index, || {
+            Some(word) if word.element.number() >= elements => collector.assignment(index, || {
                 "stays in a processing element that does not exist".to_owned()
             }),
             None | Some(_) => {}

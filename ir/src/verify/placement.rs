@@ -100,14 +100,15 @@ pub(super) struct PlacementCheck<'a> {
 }
 
 impl PlacementCheck<'_> {
+    /// The slot of a value that the machine computes.
     pub(super) fn slot(&self, value: Value) -> Slot {
-        self.schedule.slots[value.index()]
+        self.schedule.slot(value)
     }
 
     /// The cycle in which the result is on the crossbar.
     pub(super) fn write_back(&self, value: Value) -> u64 {
         let slot = self.slot(value);
-        u64::from(slot.cycle) + u64::from(self.stages[slot.element as usize]) + 1
+        u64::from(slot.cycle) + u64::from(self.stages[slot.element.index()]) + 1
     }
 
     /// The cycle in which the word of a write left its producer or the
@@ -124,7 +125,7 @@ impl PlacementCheck<'_> {
         let count = self.view.function.nodes().len() as u32;
         (0..count)
             .map(Value)
-            .filter(|&value| !self.slot(value).is_host())
+            .filter(|&value| !self.schedule.is_host(value))
     }
 
     pub(super) fn name(&self, word: Word) -> String {
@@ -156,7 +157,9 @@ impl PlacementCheck<'_> {
         let memory = &self.machine.memory;
         let split = word.bank != Bank::Unified;
         split == (memory.style == MemoryStyle::SideSplit)
-            && memory.words.is_none_or(|words| word.address < words)
+            && memory
+                .words
+                .is_none_or(|words| word.address.number() < words)
     }
 
     /// The word an operand is read from.
@@ -169,7 +172,8 @@ impl PlacementCheck<'_> {
         Word {
             element: self.slot(value).element,
             bank,
-            address: self.placement.reads[value.index()][side],
+            address: self.placement.reads[value.index()][side]
+                .expect("every operand has an address"),
         }
     }
 
@@ -197,7 +201,7 @@ impl PlacementCheck<'_> {
         for value in self.placed_values() {
             let back = self.write_back(value);
             let writes = self.placement.writes_of(value);
-            let buffered = self.placement.buffers[value.index()] != Placement::NONE;
+            let buffered = self.placement.buffers[value.index()].is_some();
             for write in writes {
                 let departs = self.departs(value, write);
                 if departs < back {
@@ -230,11 +234,10 @@ impl PlacementCheck<'_> {
     }
 
     fn buffer_word(&self, collector: &mut ViolationCollector<'_>, value: Value) {
-        let word = self.placement.buffers[value.index()];
         let words = self.machine.buffer.map_or(Some(0), |buffer| buffer.words);
-        if word != Placement::NONE
+        if let Some(word) = self.placement.buffers[value.index()]
             && let Some(words) = words
-            && word >= words
+            && word.number() >= words
         {
             collector.value(value, || {
                 format!("is in buffer word {word}, but the buffers have {words} words")

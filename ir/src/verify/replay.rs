@@ -9,7 +9,7 @@
 use super::placement::PlacementCheck;
 use super::{ViolationCollector, ViolationSubject, describe, describe_operand};
 use crate::entity::{Operand, OperandKind, Value};
-use crate::placement::{Bank, Placement, Word};
+use crate::placement::{Bank, Word};
 use hashbrown::HashMap;
 use rustc_hash::FxBuildHasher;
 
@@ -142,7 +142,7 @@ fn memory(word: Word) -> usize {
         Bank::Left => 1,
         Bank::Right => 2,
     };
-    3 * word.element as usize + bank
+    3 * word.element.index() + bank
 }
 
 fn memories(check: &PlacementCheck<'_>, elements: usize) -> Vec<WordStore<Cell>> {
@@ -150,7 +150,7 @@ fn memories(check: &PlacementCheck<'_>, elements: usize) -> Vec<WordStore<Cell>>
     let preloads = check.placement.preloads.iter().map(|preload| preload.word);
     let writes = check.placement.writes.iter().map(|write| write.word);
     for word in preloads.chain(writes) {
-        extents[memory(word)].add(word.address);
+        extents[memory(word)].add(word.address.number());
     }
     extents.into_iter().map(WordStore::with).collect()
 }
@@ -158,9 +158,8 @@ fn memories(check: &PlacementCheck<'_>, elements: usize) -> Vec<WordStore<Cell>>
 fn buffers(check: &PlacementCheck<'_>, elements: usize) -> Vec<WordStore<Stay>> {
     let mut extents = vec![MemoryExtent::default(); elements];
     for value in check.placed_values() {
-        let word = check.placement.buffers[value.index()];
-        if word != Placement::NONE {
-            extents[check.slot(value).element as usize].add(word);
+        if let Some(word) = check.placement.buffers[value.index()] {
+            extents[check.slot(value).element.index()].add(word.number());
         }
     }
     extents.into_iter().map(WordStore::with).collect()
@@ -170,7 +169,9 @@ impl PlacementReplay<'_, '_, '_> {
     fn preload(&mut self) {
         for preload in &self.check.placement.preloads {
             let word = preload.word;
-            self.memories[memory(word)].at(word.address).operand = preload.operand;
+            self.memories[memory(word)]
+                .at(word.address.number())
+                .operand = preload.operand;
         }
     }
 
@@ -218,7 +219,9 @@ impl PlacementReplay<'_, '_, '_> {
         let operands = check.view.function.node(value).operands();
         for (side, &operand) in operands.iter().enumerate() {
             let word = check.read_word(value, side);
-            let held = self.memories[memory(word)].get(word.address).operand;
+            let held = self.memories[memory(word)]
+                .get(word.address.number())
+                .operand;
             if held != operand {
                 let cycle = check.slot(value).cycle;
                 self.collector.value(value, || {
@@ -235,15 +238,14 @@ impl PlacementReplay<'_, '_, '_> {
     /// which they start, since all take as many stages.
     fn enter_buffer(&mut self, value: Value) {
         let check = self.check;
-        let word = check.placement.buffers[value.index()];
-        if word == Placement::NONE {
+        let Some(word) = check.placement.buffers[value.index()] else {
             return;
-        }
+        };
         let from = check.write_back(value);
         let writes = check.placement.writes_of(value).iter();
         let last = writes.map(|write| check.departs(value, write)).max();
-        let element = check.slot(value).element as usize;
-        let stay = self.buffers[element].at(word);
+        let element = check.slot(value).element;
+        let stay = self.buffers[element.index()].at(word.number());
         if stay.to >= from {
             let (other, to) = (Value(stay.value), stay.to);
             self.collector.value(value, || {
@@ -268,7 +270,7 @@ impl PlacementReplay<'_, '_, '_> {
                 format!("is one word too many for {name} at cycle {cycle}, which takes {limit}")
             });
         }
-        let cell = self.memories[memory(word)].at(word.address);
+        let cell = self.memories[memory(word)].at(word.address.number());
         if cell.readable == cycle + 1 {
             let other = cell.operand;
             self.collector.value(value, || {
@@ -288,21 +290,18 @@ impl PlacementReplay<'_, '_, '_> {
 
     /// One word of a buffer reaches any number of memories in a cycle.
     fn read_buffer(&mut self, cycle: u64, value: Value) {
-        let word = self.check.placement.buffers[value.index()];
         let element = self.check.slot(value).element;
-        let buffer = self.check.machine.buffer;
-        let Some(limit) = buffer.and_then(|buffer| buffer.reads) else {
+        let limit = self.check.machine.buffer.and_then(|buffer| buffer.reads);
+        let word = self.check.placement.buffers[value.index()];
+        let (Some(limit), Some(word)) = (limit, word) else {
             return;
         };
-        if word == Placement::NONE {
-            return;
-        }
-        let stay = self.buffers[element as usize].at(word);
+        let stay = self.buffers[element.index()].at(word.number());
         if stay.read == cycle + 1 {
             return;
         }
         stay.read = cycle + 1;
-        if self.buffer_ports[element as usize].take(cycle) == limit.saturating_add(1) {
+        if self.buffer_ports[element.index()].take(cycle) == limit.saturating_add(1) {
             let (kind, number) = self.check.schedule.element_name(element);
             self.collector.add(ViolationSubject::Schedule, || {
                 format!(
@@ -318,7 +317,9 @@ impl PlacementReplay<'_, '_, '_> {
             let Some(word) = check.placement.homes[index] else {
                 continue;
             };
-            let held = self.memories[memory(word)].get(word.address).operand;
+            let held = self.memories[memory(word)]
+                .get(word.address.number())
+                .operand;
             if held != assignment.operand {
                 self.collector.assignment(index, || {
                     let operand = describe_operand(check.view, assignment.operand);

@@ -60,11 +60,10 @@ fn slots(collector: &mut ViolationCollector<'_>, schedule: &Schedule) -> bool {
         .sum();
     let mut sound = elements < 1 << 24;
     for (value, node) in collector.view.function.values() {
-        let slot = schedule.slots[value.index()];
-        if slot.is_host() {
+        let Some(slot) = schedule.slots[value.index()] else {
             continue;
-        }
-        if u64::from(slot.element) >= elements {
+        };
+        if u64::from(slot.element.number()) >= elements {
             sound = false;
             collector.value(value, || {
                 format!("is on processing element {} of {elements}", slot.element)
@@ -90,36 +89,30 @@ fn dependencies(collector: &mut ViolationCollector<'_>, schedule: &Schedule) {
     for (value, node) in view.function.values() {
         let slot = schedule.slots[value.index()];
         for operand in node.operands().iter().filter_map(|operand| operand.value()) {
-            let source = schedule.slots[operand.index()];
-            if source.is_host() {
+            let Some(source) = schedule.slots[operand.index()] else {
                 continue;
-            }
-            if slot.is_host() {
-                collector.value(value, || {
+            };
+            match slot {
+                None => collector.value(value, || {
                     let operand = describe(view, operand);
                     format!("is evaluated by the host before the run, but reads {operand}")
-                });
-            } else if slot.cycle <= source.cycle {
-                collector.value(value, || {
+                }),
+                Some(slot) if slot.cycle <= source.cycle => collector.value(value, || {
                     let operand = describe(view, operand);
                     format!(
                         "starts at cycle {}, but {operand}, which it reads, starts at {}",
                         slot.cycle, source.cycle
                     )
-                });
+                }),
+                Some(_) => {}
             }
         }
     }
 }
 
 fn one_at_a_time(collector: &mut ViolationCollector<'_>, schedule: &Schedule) {
-    let key = |slot: &Slot| u64::from(slot.element) << 32 | u64::from(slot.cycle);
-    let mut keys: Vec<u64> = schedule
-        .slots
-        .iter()
-        .filter(|slot| !slot.is_host())
-        .map(key)
-        .collect();
+    let key = |slot: &Slot| u64::from(slot.element.number()) << 32 | u64::from(slot.cycle);
+    let mut keys: Vec<u64> = schedule.slots.iter().flatten().map(key).collect();
     keys.sort_unstable();
     let mut twice: Vec<u64> = keys
         .windows(2)
@@ -133,6 +126,7 @@ fn one_at_a_time(collector: &mut ViolationCollector<'_>, schedule: &Schedule) {
     let mut first: Vec<Option<Value>> = vec![None; twice.len()];
     let view = collector.view;
     for (index, slot) in schedule.slots.iter().enumerate() {
+        let Some(slot) = slot else { continue };
         let Ok(at) = twice.binary_search(&key(slot)) else {
             continue;
         };

@@ -7,7 +7,7 @@ use crate::entity::{Input, Output};
 use crate::function::{Assignment, Function, Node, Shape};
 use crate::module::Module;
 use crate::parse::parse_module;
-use crate::placement::{Bank, Slot, Word};
+use crate::placement::{Address, Bank, BufferWord, Element, Slot, Word};
 use crate::source::SourceSet;
 use crate::symbol::{Name, Symbol};
 use crate::{Machine, Tables};
@@ -251,7 +251,10 @@ fn placement(function: &mut Function) -> &mut crate::placement::Placement {
 }
 
 fn slot(function: &mut Function, node: usize) -> &mut Slot {
-    &mut function.schedule.as_mut().expect("it is placed").slots[node]
+    let schedule = function.schedule.as_mut().expect("it is placed");
+    schedule.slots[node]
+        .as_mut()
+        .expect("the machine computes it")
 }
 
 /// Every change breaks exactly the rule whose message it is beside.
@@ -260,19 +263,17 @@ fn placements_are_checked_against_the_machine() {
     type Change = fn(&mut Function, &mut Machine);
     let changes: [(&str, Change); 19] = [
         // Node 1 is the product %p, 2 is %r (in a buffer), 3 and 4 are sums.
-        ("has 1 addresses", |f, _| {
-            placement(f).reads[3][1] = u32::MAX
-        }),
+        ("has 1 addresses", |f, _| placement(f).reads[3][1] = None),
         (
             "reads %p at cycle 7 from add0[0], which then holds c[1]",
             |f, _| {
-                placement(f).reads[3][0] = 0;
+                placement(f).reads[3][0] = Some(Address::new(0));
             },
         ),
         (
             "reads c[1] at cycle 7 from add0[9], which then holds nothing",
             |f, _| {
-                placement(f).reads[3][1] = 9;
+                placement(f).reads[3][1] = Some(Address::new(9));
             },
         ),
         (
@@ -294,21 +295,21 @@ fn placements_are_checked_against_the_machine() {
             },
         ),
         ("is in a buffer that nothing reads it from", |f, _| {
-            placement(f).buffers[1] = 1
+            placement(f).buffers[1] = Some(BufferWord::new(1))
         }),
         ("starts on multi0 at cycle 0, and so does %p", |f, _| {
-            slot(f, 2).element = 1
+            slot(f, 2).element = Element::new(1)
         }),
         ("is on multi1, which does not perform 'add'", |f, _| {
-            slot(f, 3).element = 2
+            slot(f, 3).element = Element::new(2)
         }),
         (
             "should stay in add0[5], which at the end holds nothing",
             |f, _| {
                 placement(f).homes[0] = Some(Word {
-                    element: 0,
+                    element: Element::new(0),
                     bank: Bank::Unified,
-                    address: 5,
+                    address: Address::new(5),
                 });
             },
         ),
@@ -316,9 +317,9 @@ fn placements_are_checked_against_the_machine() {
             "should stay in add0[1], which at the end holds %s",
             |f, _| {
                 placement(f).homes[0] = Some(Word {
-                    element: 0,
+                    element: Element::new(0),
                     bank: Bank::Unified,
-                    address: 1,
+                    address: Address::new(1),
                 });
             },
         ),
@@ -336,8 +337,8 @@ fn placements_are_checked_against_the_machine() {
         ("is written to add0[2] at cycle 9, and so is %p", |f, _| {
             let writes = &mut placement(f).writes;
             writes[0].cycle = 9;
-            writes[0].word.address = 2;
-            placement(f).buffers[1] = 1;
+            writes[0].word.address = Address::new(2);
+            placement(f).buffers[1] = Some(BufferWord::new(1));
         }),
         ("has no processing elements 'multi'", |_, m| {
             m.elements[1].kind = "fused".to_owned()
@@ -369,8 +370,8 @@ fn sides_of_a_split_memory_are_told_apart() {
     let messages = placement_after(SIDE_SPLIT, |f, _| {
         let writes = &mut placement(f).writes;
         writes[0].word.bank = Bank::Right;
-        writes[0].word.address = 5;
-        placement(f).reads[1][0] = 5;
+        writes[0].word.address = Address::new(5);
+        placement(f).reads[1][0] = Some(Address::new(5));
     });
     assert!(
         messages.contains("from add0.left[5], which then holds nothing"),

@@ -43,7 +43,7 @@ impl<'a> PreloadBinding<'a> {
         let host: Vec<Value> = function
             .values()
             .map(|(value, _)| value)
-            .filter(|value| traffic.schedule.slots[value.index()].is_host())
+            .filter(|&value| traffic.schedule.is_host(value))
             .collect();
         let read_by_host = host
             .iter()
@@ -89,7 +89,7 @@ impl<'a> PreloadBinding<'a> {
         if let Some(pair) = words.windows(2).find(|pair| pair[0] == pair[1]) {
             return Err(ImageError::PreloadTwice {
                 memory: self.traffic.memory_name(pair[0].element, pair[0].bank),
-                address: pair[0].address,
+                address: pair[0].address.number(),
             });
         }
         Ok(())
@@ -129,7 +129,7 @@ impl<'a> PreloadBinding<'a> {
     fn address(&self, word: Word) -> WordAddress {
         WordAddress {
             memory: self.traffic.memory_name(word.element, word.bank),
-            address: word.address,
+            address: word.address.number(),
         }
     }
 

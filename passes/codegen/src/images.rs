@@ -9,8 +9,8 @@ use super::mif::MifWriter;
 use super::rtl::Hardware;
 use super::traffic::Traffic;
 use super::words::NonzeroWords;
-use robovec_ir::placement::{Bank, Preload};
-use robovec_ir::{Format, Machine, View};
+use robovec_ir::placement::{Bank, Element, Preload};
+use robovec_ir::{Format, Machine, Value, View};
 use robovec_num::fnv::Fnv;
 use robovec_num::soft_float::FormatArithmetic;
 use robovec_num::trigonometry::host::KEY;
@@ -117,7 +117,7 @@ pub(super) fn write_traffic(
     };
     let mut hash = Fnv::new();
     let mut elements = Vec::new();
-    for element in 0..traffic.usage.elements {
+    for element in traffic.elements() {
         let layout = writer.layout(element);
         hash = writer.instruction_image(element, &layout, hash, &mut artifacts)?;
         writer.data_images(element, &loaded, &mut artifacts)?;
@@ -277,15 +277,16 @@ fn write_manifest(target: &mut dyn io::Write, manifest: &Manifest) -> io::Result
 /// The crossbar's code for a value in a cycle: its producer's result, or the
 /// read port of the producer's buffer that shows it.
 pub(super) fn select(traffic: &Traffic<'_>, value: u32, cycle: u32) -> u32 {
-    let element = traffic.schedule.slots[value as usize].element;
+    let element = traffic.schedule.slot(Value(value)).element;
     if u64::from(cycle) == traffic.ready(value) {
-        return element;
+        return element.number();
     }
     let reads = &traffic.buffer_reads;
     let word = traffic.placement.buffers[value as usize];
+    let word = word.expect("traffic has checked that late writes have a buffer word");
     let first = reads.partition_point(|&(e, c, _)| (e, c) < (element, cycle));
     let port = reads.partition_point(|&read| read < (element, cycle, word)) - first;
-    traffic.usage.elements * (1 + port as u32) + element
+    traffic.usage.elements * (1 + port as u32) + element.number()
 }
 
 /// The window, one memory per line.
@@ -333,13 +334,13 @@ impl ImageWriter<'_> {
         self.file_name(&format!("{memory}.data.mif"))
     }
 
-    pub(super) fn operations(&self, element: u32) -> &[String] {
-        let kind = self.traffic.kinds[element as usize];
+    pub(super) fn operations(&self, element: Element) -> &[String] {
+        let kind = self.traffic.kinds[element.index()];
         &self.traffic.machine.elements[kind].operations
     }
 
-    fn layout(&self, element: u32) -> WordLayout {
-        let kind = &self.traffic.machine.elements[self.traffic.kinds[element as usize]];
+    fn layout(&self, element: Element) -> WordLayout {
+        let kind = &self.traffic.machine.elements[self.traffic.kinds[element.index()]];
         WordLayout::new(&self.sizes, kind.operations.len(), kind.is_fused())
     }
 
@@ -357,7 +358,7 @@ impl ImageWriter<'_> {
         let elements = self.sizes.elements;
         (0..self.sizes.sources())
             .map(|code| {
-                let name = self.traffic.element_name(code % elements);
+                let name = self.traffic.element_name(Element::new(code % elements));
                 match (code / elements, self.sizes.buffer) {
                     (0, _) => name,
                     (1, Some((_, 1))) => format!("{name}.buffer"),
@@ -369,7 +370,7 @@ impl ImageWriter<'_> {
 
     fn instruction_image(
         &self,
-        element: u32,
+        element: Element,
         layout: &WordLayout,
         hash: Fnv,
         artifacts: &mut dyn Artifacts,
@@ -404,7 +405,7 @@ impl ImageWriter<'_> {
     /// The same words for simulators and synthesis, over the whole memory.
     fn instruction_hex(
         &self,
-        element: u32,
+        element: Element,
         layout: &WordLayout,
         hardware: &Hardware,
         artifacts: &mut dyn Artifacts,
@@ -429,7 +430,7 @@ impl ImageWriter<'_> {
 
     fn data_images(
         &self,
-        element: u32,
+        element: Element,
         loaded: &[(Preload, Option<u64>)],
         artifacts: &mut dyn Artifacts,
     ) -> Result<(), ImageError> {
@@ -447,9 +448,10 @@ impl ImageWriter<'_> {
                 let mut mif = MifWriter::new(target, hash, &title, self.width, self.sizes.words)?;
                 for (load, word) in own {
                     let comment = robovec_ir::print::print_operand(self.traffic.view, load.operand);
+                    let address = load.word.address.number();
                     match word {
-                        Some(word) => mif.word_with(load.word.address, &[*word], &comment)?,
-                        None => mif.unknown(load.word.address, &comment)?,
+                        Some(word) => mif.word_with(address, &[*word], &comment)?,
+                        None => mif.unknown(address, &comment)?,
                     }
                 }
                 mif.finish().map(|_| ())
@@ -459,7 +461,7 @@ impl ImageWriter<'_> {
                     let mut hex = HexWriter::new(target, &title, self.width)?;
                     let known = own.iter().filter_map(|(load, word)| Some((load, (*word)?)));
                     for (load, word) in known.clone() {
-                        hex.word_at(load.word.address, &[word])?;
+                        hex.word_at(load.word.address.number(), &[word])?;
                     }
                     // Readers complain of a file without any word.
                     if known.count() == 0 {
@@ -478,9 +480,9 @@ impl ImageWriter<'_> {
         format!("{what}: function {function} on machine {machine}").replace(['\n', '\r'], " ")
     }
 
-    fn element(&self, element: u32, layout: &WordLayout) -> manifest::ProcessingElement {
+    fn element(&self, element: Element, layout: &WordLayout) -> manifest::ProcessingElement {
         let name = self.traffic.element_name(element);
-        let kind = self.traffic.kinds[element as usize];
+        let kind = self.traffic.kinds[element.index()];
         let memories = self.banks().iter().map(|&bank| {
             let name = self.traffic.memory_name(element, bank);
             manifest::OperandMemory {

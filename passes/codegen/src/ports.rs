@@ -2,7 +2,7 @@
 
 use super::ImageError;
 use super::traffic::Traffic;
-use robovec_ir::placement::Placement;
+use robovec_ir::Value;
 
 impl Traffic<'_> {
     /// Declared sizes must hold what is used.
@@ -30,17 +30,17 @@ impl Traffic<'_> {
     /// An element starts one operation per cycle, and what enters a buffer
     /// does so before the end.
     pub(super) fn check_issues(&self) -> Result<(), ImageError> {
-        for element in 0..self.usage.elements {
+        for element in self.elements() {
             let mut last = None;
             for &value in self.issues.of(element) {
-                let cycle = self.schedule.slots[value as usize].cycle;
+                let cycle = self.schedule.slot(Value(value)).cycle;
                 if last.replace(cycle) == Some(cycle) {
                     return Err(ImageError::IssueTwice {
                         element: self.element_name(element),
                         cycle,
                     });
                 }
-                if self.placement.buffers[value as usize] == Placement::NONE {
+                if self.placement.buffers[value as usize].is_none() {
                     continue;
                 }
                 if self.machine.buffer.is_none() {
@@ -67,7 +67,7 @@ impl Traffic<'_> {
     pub(super) fn check_ports(&self) -> Result<(), ImageError> {
         let ports = self.machine.memory.writes.unwrap_or(u32::MAX);
         if self.usage.write_ports > ports {
-            for element in 0..self.usage.elements {
+            for element in self.elements() {
                 let mut groups = self.write_groups(element);
                 if let Some(group) = groups.find(|group| group.len() > ports as usize) {
                     let write = self.placement.writes[group[0] as usize];

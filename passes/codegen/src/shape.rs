@@ -61,7 +61,7 @@ pub(super) fn check_shape(
         .chain(placement.homes.iter().flatten().copied());
     for word in words {
         let bank_exists = (word.bank != Bank::Unified) == split;
-        if word.element as usize >= kinds.len() || !bank_exists || word.address == Placement::NONE {
+        if word.element.index() >= kinds.len() || !bank_exists {
             return Err(malformed(view, format!("there is no memory word {word:?}")));
         }
     }
@@ -78,11 +78,10 @@ fn check_issues(
     kinds: &[usize],
 ) -> Result<(), ImageError> {
     for (value, node) in view.function.values() {
-        let slot = schedule.slots[value.index()];
-        if slot.is_host() {
+        let Some(slot) = schedule.slots[value.index()] else {
             continue;
-        }
-        let Some(&kind) = kinds.get(slot.element as usize) else {
+        };
+        let Some(&kind) = kinds.get(slot.element.index()) else {
             let what = format!("there is no element {}", slot.element);
             return Err(malformed(view, what));
         };
@@ -91,7 +90,7 @@ fn check_issues(
         let pairs = operands.iter().zip(reads);
         if pairs
             .into_iter()
-            .any(|(operand, &read)| operand.is_none() || read == Placement::NONE)
+            .any(|(operand, read)| operand.is_none() || read.is_none())
         {
             let what = format!(
                 "the operation issued in cycle {} lacks an operand or its address",

@@ -9,7 +9,7 @@
 use super::ImageError;
 use super::shape::{check_shape, element_kinds, value_name};
 use robovec_ir::machine::Interconnect;
-use robovec_ir::placement::{Bank, Placement, Schedule, Slot, Word, Write};
+use robovec_ir::placement::{Bank, BufferWord, Element, Placement, Schedule, Word, Write};
 use robovec_ir::{Machine, Value, View};
 
 /// The parts of the machine that the program uses.
@@ -35,10 +35,10 @@ pub(super) struct ElementGroups {
 
 impl ElementGroups {
     /// Sorts the pairs (element, item) by element, keeping their order.
-    fn new(elements: u32, pairs: impl Iterator<Item = (u32, u32)> + Clone) -> ElementGroups {
+    fn new(elements: u32, pairs: impl Iterator<Item = (Element, u32)> + Clone) -> ElementGroups {
         let mut starts = vec![0u32; elements as usize + 1];
         for (element, _) in pairs.clone() {
-            starts[element as usize + 1] += 1;
+            starts[element.index() + 1] += 1;
         }
         for index in 1..starts.len() {
             starts[index] += starts[index - 1];
@@ -46,7 +46,7 @@ impl ElementGroups {
         let mut next = starts.clone();
         let mut items = vec![0; starts[elements as usize] as usize];
         for (element, item) in pairs {
-            let place = &mut next[element as usize];
+            let place = &mut next[element.index()];
             items[*place as usize] = item;
             *place += 1;
         }
@@ -54,19 +54,19 @@ impl ElementGroups {
     }
 
     /// The items of one element.
-    pub(super) fn of(&self, element: u32) -> &[u32] {
-        let element = element as usize;
+    pub(super) fn of(&self, element: Element) -> &[u32] {
+        let element = element.index();
         &self.items[self.starts[element] as usize..self.starts[element + 1] as usize]
     }
 
-    fn of_mut(&mut self, element: u32) -> &mut [u32] {
-        let element = element as usize;
+    fn of_mut(&mut self, element: Element) -> &mut [u32] {
+        let element = element.index();
         &mut self.items[self.starts[element] as usize..self.starts[element + 1] as usize]
     }
 }
 
 /// One buffer word read in one cycle: element, cycle, word.
-pub(super) type BufferRead = (u32, u32, u32);
+pub(super) type BufferRead = (Element, u32, BufferWord);
 
 /// A placed function with its traffic sorted by element.
 pub(super) struct Traffic<'a> {
@@ -108,13 +108,11 @@ impl<'a> Traffic<'a> {
         check_shape(view, machine, schedule, placement, &kinds)?;
         let elements = kinds.len() as u32;
         let slots = &schedule.slots;
-        let on_elements = |&(element, _): &(u32, u32)| element != Slot::HOST;
         let mut issues = ElementGroups::new(
             elements,
             (0u32..)
                 .zip(slots)
-                .map(|(value, slot)| (slot.element, value))
-                .filter(on_elements),
+                .filter_map(|(value, slot)| Some(((*slot)?.element, value))),
         );
         let mut arrivals = ElementGroups::new(
             elements,
@@ -122,9 +120,9 @@ impl<'a> Traffic<'a> {
                 .zip(&placement.writes)
                 .map(|(index, write)| (write.word.element, index)),
         );
-        for element in 0..elements {
+        for element in (0..elements).map(Element::new) {
             let issued = issues.of_mut(element);
-            issued.sort_by_key(|&value| slots[value as usize].cycle);
+            issued.sort_by_key(|&value| schedule.slot(Value(value)).cycle);
             let arriving = arrivals.of_mut(element);
             arriving.sort_by_key(|&index| {
                 let write = placement.writes[index as usize];
@@ -160,21 +158,26 @@ impl<'a> Traffic<'a> {
         Ok(traffic)
     }
 
+    /// All elements, in order.
+    pub(super) fn elements(&self) -> impl Iterator<Item = Element> + use<> {
+        (0..self.kinds.len() as u32).map(Element::new)
+    }
+
     /// The cycle in which a value's result is on the crossbar.
     pub(super) fn ready(&self, value: u32) -> u64 {
-        let slot = self.schedule.slots[value as usize];
-        let kind = self.kinds[slot.element as usize];
+        let slot = self.schedule.slot(Value(value));
+        let kind = self.kinds[slot.element.index()];
         u64::from(slot.cycle) + u64::from(self.machine.elements[kind].stages) + 1
     }
 
     /// Kind and number of an element, as in the placed text.
-    pub(super) fn element_name(&self, element: u32) -> String {
+    pub(super) fn element_name(&self, element: Element) -> String {
         let (kind, number) = self.schedule.element_name(element);
         format!("{kind}{number}")
     }
 
     /// The name of a memory.
-    pub(super) fn memory_name(&self, element: u32, bank: Bank) -> String {
+    pub(super) fn memory_name(&self, element: Element, bank: Bank) -> String {
         let side = match bank {
             Bank::Unified => "",
             Bank::Left => ".left",
@@ -192,14 +195,13 @@ impl<'a> Traffic<'a> {
     /// collected.
     fn collect_buffer_reads(&mut self) -> Result<(), ImageError> {
         for (write, &value) in self.placement.writes.iter().zip(&self.owners) {
-            let slot = self.schedule.slots[value as usize];
-            if slot.is_host() {
+            let Some(slot) = self.schedule.slots[value as usize] else {
                 return Err(self.malformed(format!(
                     "'%{}' is computed by the host and written in cycle {}",
                     self.value_name(value),
                     write.cycle
                 )));
-            }
+            };
             let ready = self.ready(value);
             if u64::from(write.cycle) < ready {
                 return Err(ImageError::WriteTooEarly {
@@ -217,13 +219,13 @@ impl<'a> Traffic<'a> {
             }
             if u64::from(write.cycle) > ready {
                 let word = self.placement.buffers[value as usize];
-                if word == Placement::NONE || self.machine.buffer.is_none() {
+                let Some(word) = word.filter(|_| self.machine.buffer.is_some()) else {
                     return Err(ImageError::NotBuffered {
                         value: self.value_name(value),
                         element: self.element_name(slot.element),
                         cycle: write.cycle,
                     });
-                }
+                };
                 self.buffer_reads.push((slot.element, write.cycle, word));
             }
         }
@@ -238,16 +240,14 @@ impl<'a> Traffic<'a> {
             .reads
             .iter()
             .flatten()
-            .filter(|&&address| address != Placement::NONE)
+            .flatten()
             .copied()
             .chain(placement.writes.iter().map(|write| write.word.address))
             .chain(placement.preloads.iter().map(|load| load.word.address))
             .chain(placement.homes.iter().flatten().map(|word| word.address));
-        let buffer_words = placement
-            .buffers
-            .iter()
-            .filter(|&&word| word != Placement::NONE);
-        let write_ports = (0..self.kinds.len() as u32)
+        let buffer_words = placement.buffers.iter().flatten();
+        let write_ports = self
+            .elements()
             .flat_map(|element| self.write_groups(element))
             .map(<[u32]>::len)
             .max();
@@ -258,16 +258,16 @@ impl<'a> Traffic<'a> {
             .max();
         Usage {
             elements: self.kinds.len() as u32,
-            words: addresses.max().map_or(0, |most| most + 1),
+            words: addresses.max().map_or(0, |most| most.number() + 1),
             write_ports: write_ports.unwrap_or(0) as u32,
-            buffer_words: buffer_words.max().map_or(0, |most| most + 1),
+            buffer_words: buffer_words.max().map_or(0, |most| most.number() + 1),
             buffer_reads: buffer_reads.unwrap_or(0) as u32,
         }
     }
 
     /// The writes into an element's memories, those of one memory and cycle
     /// together, in order of cycle.
-    pub(super) fn write_groups(&self, element: u32) -> impl Iterator<Item = &[u32]> {
+    pub(super) fn write_groups(&self, element: Element) -> impl Iterator<Item = &[u32]> {
         let writes = &self.placement.writes;
         self.arrivals.of(element).chunk_by(|&a, &b| {
             let [a, b] = [a, b].map(|index| writes[index as usize]);
@@ -277,7 +277,7 @@ impl<'a> Traffic<'a> {
 
     /// The words an element's buffer shows, those of one cycle together, in
     /// order of cycle.
-    pub(super) fn buffer_groups(&self, element: u32) -> impl Iterator<Item = &[BufferRead]> {
+    pub(super) fn buffer_groups(&self, element: Element) -> impl Iterator<Item = &[BufferRead]> {
         let start = self.buffer_reads.partition_point(|read| read.0 < element);
         let end = self.buffer_reads.partition_point(|read| read.0 <= element);
         self.buffer_reads[start..end].chunk_by(|a, b| a.1 == b.1)

@@ -8,7 +8,7 @@ use super::layout::{ISSUE, OPERATION, READ, WordLayout};
 use super::manifest::InstructionField;
 use super::traffic::BufferRead;
 use robovec_ir::Value;
-use robovec_ir::placement::{Bank, Placement};
+use robovec_ir::placement::{Bank, Element};
 use std::iter::Peekable;
 
 type PeekableGroups<'a, T> = Peekable<Box<dyn Iterator<Item = &'a [T]> + 'a>>;
@@ -17,7 +17,7 @@ type PeekableGroups<'a, T> = Peekable<Box<dyn Iterator<Item = &'a [T]> + 'a>>;
 pub(super) struct NonzeroWords<'a> {
     writer: &'a ImageWriter<'a>,
     layout: &'a WordLayout,
-    element: u32,
+    element: Element,
     issues: &'a [u32],
     /// The values that enter the buffer: a subsequence of the issues, since
     /// all results take equally long.
@@ -30,7 +30,7 @@ pub(super) struct NonzeroWords<'a> {
 impl<'a> NonzeroWords<'a> {
     pub(super) fn new(
         writer: &'a ImageWriter<'a>,
-        element: u32,
+        element: Element,
         layout: &'a WordLayout,
     ) -> NonzeroWords<'a> {
         let issues = writer.traffic.issues.of(element);
@@ -59,7 +59,7 @@ impl<'a> NonzeroWords<'a> {
     pub(super) fn advance(&mut self) -> Option<u32> {
         let traffic = self.writer.traffic;
         while let Some((&first, rest)) = self.buffered.split_first()
-            && traffic.placement.buffers[first as usize] == Placement::NONE
+            && traffic.placement.buffers[first as usize].is_none()
         {
             self.buffered = rest;
         }
@@ -82,14 +82,14 @@ impl<'a> NonzeroWords<'a> {
         self.memory_writes(cycle);
         if let Some(group) = self.reads.next_if(|group| group[0].1 == cycle) {
             for (port, &(_, _, word)) in (0u32..).zip(group) {
-                self.set(self.layout.buffer_read(port), word);
+                self.set(self.layout.buffer_read(port), word.number());
             }
         }
         Some(cycle)
     }
 
     fn issue_cycle(&self, value: u32) -> u32 {
-        self.writer.traffic.schedule.slots[value as usize].cycle
+        self.writer.traffic.schedule.slot(Value(value)).cycle
     }
 
     fn issue(&mut self) {
@@ -105,7 +105,8 @@ impl<'a> NonzeroWords<'a> {
         self.set(OPERATION, code as u32);
         let reads = traffic.placement.reads[value as usize];
         for (field, &address) in (READ..).zip(&reads[..operation.arity()]) {
-            self.set(field, address);
+            let address = address.expect("traffic has checked that every operand has one");
+            self.set(field, address.number());
         }
     }
 
@@ -116,7 +117,8 @@ impl<'a> NonzeroWords<'a> {
         let word = self.writer.traffic.placement.buffers[value as usize];
         let field = self.layout.buffer_write();
         self.set(field, 1);
-        self.set(field + 1, word);
+        let word = word.expect("only values with a word enter the buffer");
+        self.set(field + 1, word.number());
     }
 
     /// All writes of a cycle, each through the next free port of its memory.
@@ -131,7 +133,7 @@ impl<'a> NonzeroWords<'a> {
                 let field = self.layout.write(memory, port);
                 let value = traffic.owners[index as usize];
                 self.set(field, 1);
-                self.set(field + 1, word.address);
+                self.set(field + 1, word.address.number());
                 self.set(field + 2, select(traffic, value, cycle));
             }
         }

@@ -4,22 +4,23 @@
 //! handing out a freed address whenever there is one needs exactly as many
 //! addresses as words are ever alive at once: no allocation needs fewer.
 
-use super::graph::DependenceGraph;
-use super::locations::{FOREVER, NO_ENTRY, PRELOADED, StoredDatum};
+use super::graph::{Datum, DependenceGraph};
+use super::locations::{Entry, Memory, StoredDatum};
 use super::sweep::ScheduleDraft;
+use robovec_ir::placement::{Address, BufferWord};
 
 /// An address for each entry, and how many each memory uses.
 #[derive(Clone, Debug)]
 pub(super) struct Addresses {
-    /// Per entry.
-    pub(super) of_entry: Vec<u32>,
+    /// Per entry; `None` for entries that were forgotten.
+    pub(super) of_entry: Vec<Option<Address>>,
     /// Per memory.
     pub(super) used: Vec<u32>,
     /// The entries of initial data with their data, by memory and address.
-    pub(super) preloads: Vec<(u32, u32)>,
+    pub(super) preloads: Vec<(Entry, Datum)>,
 }
 
-/// Free addresses of one memory.
+/// Free addresses of one memory, or words of one buffer.
 #[derive(Clone, Default, Debug)]
 struct Pool {
     freed: Vec<u32>,
@@ -45,26 +46,25 @@ impl Pool {
 pub(super) fn allocate(graph: &DependenceGraph, draft: &ScheduleDraft) -> Addresses {
     let entries = &draft.locations.entries;
     let mut pools = vec![Pool::default(); draft.live.len()];
-    let mut of_entry = vec![0; entries.len()];
+    let mut of_entry = vec![None; entries.len()];
     let preloads = preloads(graph, draft);
     for &(entry, _) in &preloads {
-        let memory = entries[entry as usize].memory as usize;
-        of_entry[entry as usize] = pools[memory].take();
+        let memory = entries[entry.index()].memory;
+        of_entry[entry.index()] = Some(Address::new(pools[memory.index()].take()));
     }
-    let written = |entry: &StoredDatum| (entry.written != PRELOADED).then_some(entry.written);
-    let dies = |entry: &StoredDatum| (entry.last_read != FOREVER).then_some(entry.last_read);
-    let mut dying = sorted_by(entries, draft.cycles, dies)
+    let mut dying = sorted_by(entries, draft.cycles, StoredDatum::last_read)
         .into_iter()
         .peekable();
-    for index in sorted_by(entries, draft.cycles, written) {
-        let entry = &entries[index as usize];
-        while let Some(dead) =
-            dying.next_if(|&dead| entries[dead as usize].last_read < entry.written)
-        {
-            let memory = entries[dead as usize].memory as usize;
-            pools[memory].give_back(of_entry[dead as usize]);
+    for entry in sorted_by(entries, draft.cycles, StoredDatum::written) {
+        let stored = &entries[entry.index()];
+        let dies_before = |dead: &Entry| entries[dead.index()].last_read() < stored.written();
+        while let Some(dead) = dying.next_if(dies_before) {
+            let memory = entries[dead.index()].memory;
+            let address = of_entry[dead.index()].expect("it was written before");
+            pools[memory.index()].give_back(address.number());
         }
-        of_entry[index as usize] = pools[entry.memory as usize].take();
+        let address = pools[stored.memory.index()].take();
+        of_entry[entry.index()] = Some(Address::new(address));
     }
     Addresses {
         of_entry,
@@ -73,22 +73,21 @@ pub(super) fn allocate(graph: &DependenceGraph, draft: &ScheduleDraft) -> Addres
     }
 }
 
-/// The indices of the entries that have a key, by key and then index. Keys
+/// The entries that have a key, by key and then in order. Keys
 /// are cycles, so that counting them beats comparing them unless the
 /// schedule is mostly waiting.
 fn sorted_by(
     entries: &[StoredDatum],
     cycles: u32,
     key: impl Fn(&StoredDatum) -> Option<u32>,
-) -> Vec<u32> {
-    let with_key = entries
-        .iter()
-        .enumerate()
-        .filter_map(|(index, entry)| Some((key(entry)?, index as u32)));
+) -> Vec<Entry> {
+    let with_key = (0..)
+        .zip(entries)
+        .filter_map(|(number, stored)| Some((key(stored)?, Entry::new(number))));
     if cycles as usize > 4 * entries.len() + 1024 {
-        let mut keyed: Vec<(u32, u32)> = with_key.collect();
+        let mut keyed: Vec<(u32, Entry)> = with_key.collect();
         keyed.sort_unstable();
-        return keyed.into_iter().map(|(_, index)| index).collect();
+        return keyed.into_iter().map(|(_, entry)| entry).collect();
     }
     let mut starts = vec![0_u32; cycles as usize + 2];
     for (key, _) in with_key.clone() {
@@ -97,47 +96,50 @@ fn sorted_by(
     for index in 1..starts.len() {
         starts[index] += starts[index - 1];
     }
-    let mut sorted = vec![0; starts.last().map_or(0, |&end| end as usize)];
-    for (key, index) in with_key {
+    let count = starts.last().map_or(0, |&end| end as usize);
+    let mut sorted = vec![Entry::new(0); count];
+    for (key, entry) in with_key {
         let place = &mut starts[key as usize];
-        sorted[*place as usize] = index;
+        sorted[*place as usize] = entry;
         *place += 1;
     }
     sorted
 }
 
 /// The entries of initial data with their data, by memory and datum.
-fn preloads(graph: &DependenceGraph, draft: &ScheduleDraft) -> Vec<(u32, u32)> {
-    let mut found: Vec<(u32, u32, u32)> = (0..graph.data_len() as u32)
+fn preloads(graph: &DependenceGraph, draft: &ScheduleDraft) -> Vec<(Entry, Datum)> {
+    let mut found: Vec<(Memory, Datum, Entry)> = (0..graph.data_len() as u32)
+        .map(Datum::new)
         .filter(|&datum| !graph.is_computed(datum))
         .flat_map(|datum| {
             let entries = draft.locations.of(datum);
-            entries.map(move |(index, entry)| (entry.memory, datum, index))
+            entries.map(move |(entry, stored)| (stored.memory, datum, entry))
         })
         .collect();
     found.sort_unstable();
     found
         .into_iter()
-        .map(|(_, datum, index)| (index, datum))
+        .map(|(_, datum, entry)| (entry, datum))
         .collect()
 }
 
-/// The buffer word of each node, or [`NO_ENTRY`], for those whose result is
-/// read from the buffer. A word is taken in the write-back cycle and can be
-/// taken anew in a cycle after its last read.
-pub(super) fn allocate_buffers(graph: &DependenceGraph, draft: &ScheduleDraft) -> Vec<u32> {
-    let mut words = vec![NO_ENTRY; graph.kind.len()];
-    let mut stays: Vec<(u32, u32, u32)> = Vec::new();
-    for node in 0..graph.kind.len() as u32 {
-        if !graph.is_computed(node) {
-            continue;
-        }
+/// The buffer word of each node whose result is read from the buffer. A word
+/// is taken in the write-back cycle and can be taken anew in a cycle after its
+/// last read.
+pub(super) fn allocate_buffers(
+    graph: &DependenceGraph,
+    draft: &ScheduleDraft,
+) -> Vec<Option<BufferWord>> {
+    let mut words: Vec<Option<BufferWord>> = vec![None; graph.kind.len()];
+    let result = |node: Datum| draft.locations.computed(node);
+    let mut stays: Vec<(u32, u32, Datum)> = Vec::new();
+    for node in (0..graph.kind.len() as u32).map(Datum::new) {
         if let Some(until) = draft.locations.buffered_until(node) {
-            stays.push((draft.locations.data[node as usize].back, until, node));
+            stays.push((result(node).cycle, until, node));
         }
     }
     stays.sort_unstable();
-    let mut leaving: Vec<(u32, u32)> = stays
+    let mut leaving: Vec<(u32, Datum)> = stays
         .iter()
         .map(|&(_, until, node)| (until, node))
         .collect();
@@ -147,10 +149,11 @@ pub(super) fn allocate_buffers(graph: &DependenceGraph, draft: &ScheduleDraft) -
     let mut pools = vec![Pool::default(); elements];
     for (back, _, node) in stays {
         while let Some((_, gone)) = leaving.next_if(|&(until, _)| until < back) {
-            let element = draft.locations.data[gone as usize].element as usize;
-            pools[element].give_back(words[gone as usize]);
+            let word = words[gone.index()].expect("it was taken before");
+            pools[result(gone).element.index()].give_back(word.number());
         }
-        words[node as usize] = pools[draft.locations.data[node as usize].element as usize].take();
+        let pool = &mut pools[result(node).element.index()];
+        words[node.index()] = Some(BufferWord::new(pool.take()));
     }
     words
 }

@@ -20,20 +20,19 @@
 //! is not issued yet; ports of later cycles are always free, so this never
 //! gets stuck, whatever the machine.
 
-use super::graph::{DependenceGraph, NO_DATUM};
-use super::locations::{NOT_COMPUTED, Travel};
+use super::graph::{Datum, DependenceGraph};
+use super::locations::{Entry, Memory, Travel, WriteBack};
 use super::plan::{IssueDecision, IssuePlan};
 use super::ports::{PLANNED, WordTransfer};
 use super::sweep::{IssueOutcome, Manner, Sweep};
 use robovec_ir::Operand;
-
-const UNBOUND: u32 = u32::MAX;
+use robovec_ir::placement::Element;
 
 /// Elements of operations that are not issued yet.
 #[derive(Clone, Debug)]
 pub(super) struct Ahead {
-    /// Element and sides of each node, or [`UNBOUND`].
-    bound: Vec<u32>,
+    /// The seat that each node is bound to.
+    bound: Vec<Option<Seat>>,
     /// Operations bound to each element and not issued yet.
     load: Vec<u32>,
     /// For each entry, the operations that have a claim on it.
@@ -44,7 +43,7 @@ pub(super) struct Ahead {
 /// An operation's element: its number, and whether the operands change sides.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Seat {
-    pub(super) element: usize,
+    pub(super) element: Element,
     pub(super) swapped: bool,
 }
 
@@ -52,7 +51,7 @@ pub(super) struct Seat {
 #[derive(Clone, Copy, Debug)]
 struct WordNeed {
     word: WordTransfer,
-    memory: usize,
+    memory: Memory,
     arrives: u32,
 }
 
@@ -72,7 +71,7 @@ impl Ahead {
     /// Nothing bound.
     pub(super) fn new(nodes: usize, elements: usize, banks: usize) -> Ahead {
         Ahead {
-            bound: vec![UNBOUND; nodes],
+            bound: vec![None; nodes],
             load: vec![0; elements],
             claims: Vec::new(),
             banks,
@@ -81,36 +80,33 @@ impl Ahead {
 
     /// The seat a node is bound to.
     fn seat(&self, node: usize) -> Option<Seat> {
-        let bound = self.bound[node];
-        (bound != UNBOUND).then_some(Seat {
-            element: (bound >> 1) as usize,
-            swapped: bound & 1 == 1,
-        })
+        self.bound[node]
     }
 
     /// Binds a node, or unbinds it.
     fn bind(&mut self, node: usize, seat: Option<Seat>) {
         if let Some(old) = self.seat(node) {
-            self.load[old.element] -= 1;
+            self.load[old.element.index()] -= 1;
         }
-        self.bound[node] = seat.map_or(UNBOUND, |seat| {
-            self.load[seat.element] += 1;
-            (seat.element as u32) << 1 | u32::from(seat.swapped)
-        });
+        if let Some(new) = seat {
+            self.load[new.element.index()] += 1;
+        }
+        self.bound[node] = seat;
     }
 
     /// The memory in which a node at a seat reads an operand.
-    fn memory(&self, seat: Seat, operand: usize) -> usize {
+    fn memory(&self, seat: Seat, operand: usize) -> Memory {
         let side = match operand {
             2 => 2,
             _ => operand ^ usize::from(seat.swapped),
         };
         // Machines with a memory per side have no third operand.
-        seat.element * self.banks + side.min(self.banks - 1)
+        let memory = seat.element.index() * self.banks + side.min(self.banks - 1);
+        Memory::new(memory as u32)
     }
 
-    fn claim(&mut self, entry: u32, more: bool) -> u32 {
-        let index = entry as usize;
+    fn claim(&mut self, entry: Entry, more: bool) -> u32 {
+        let index = entry.index();
         if self.claims.len() <= index {
             self.claims.resize(index + 1, 0);
         }
@@ -129,10 +125,14 @@ impl Sweep<'_> {
     pub(super) fn issue_ahead(&mut self, node: usize, cycle: u32) -> IssueOutcome {
         let back = cycle + self.graph.weight(node) - 1;
         self.draft.ports.reach(back);
+        let result_on = |element| WriteBack {
+            cycle: back,
+            element,
+        };
         let Some(first) = self.plan_ahead(node, cycle, None) else {
             return IssueOutcome::Failed;
         };
-        let Some(booking) = self.book(node, back, first.element, false) else {
+        let Some(booking) = self.book(node, result_on(first.element), false) else {
             return IssueOutcome::Failed;
         };
         // What was just reserved may have taken the ports of the plan.
@@ -150,9 +150,13 @@ impl Sweep<'_> {
     pub(super) fn issue_booked(&mut self, node: usize, cycle: u32) -> IssueOutcome {
         let back = cycle + self.graph.weight(node) - 1;
         self.draft.ports.reach(back);
+        let result_on = |element| WriteBack {
+            cycle: back,
+            element,
+        };
         let waits = self.can_wait(node, cycle);
         let seat = self.ahead.as_ref().and_then(|ahead| ahead.seat(node));
-        if waits && seat.is_some_and(|seat| self.busy[seat.element] == cycle + 1) {
+        if waits && seat.is_some_and(|seat| self.busy[seat.element.index()] == cycle + 1) {
             return IssueOutcome::Waits;
         }
         let plan = match self.consider(node, cycle) {
@@ -160,7 +164,7 @@ impl Sweep<'_> {
             IssueDecision::Wait => return IssueOutcome::Waits,
             IssueDecision::Fail => return IssueOutcome::Failed,
         };
-        let Some(booking) = self.book(node, back, plan.element, !waits) else {
+        let Some(booking) = self.book(node, result_on(plan.element), !waits) else {
             return IssueOutcome::Waits;
         };
         match self.consider(node, cycle) {
@@ -188,7 +192,7 @@ impl Sweep<'_> {
         cycle: u32,
         again: Option<IssuePlan>,
     ) -> Option<IssuePlan> {
-        let sources = self.graph.data[node].map(|datum| self.source(datum));
+        let sources = self.sources(node);
         self.mark(sources);
         let seat = match again {
             Some(plan) => Some(Seat {
@@ -197,7 +201,7 @@ impl Sweep<'_> {
             }),
             None => self.ahead.as_ref()?.seat(node),
         };
-        let is_free = |at: &IssuePlan| self.busy[at.element] != cycle + 1;
+        let is_free = |at: &IssuePlan| self.busy[at.element.index()] != cycle + 1;
         let is_seat = |at: &IssuePlan| {
             seat == Some(Seat {
                 element: at.element,
@@ -217,9 +221,8 @@ impl Sweep<'_> {
     /// at the seats of its readers, which get one or another one for it.
     /// Where that is impossible nothing is reserved and there is `None`, or,
     /// when `partial`, those readers go without.
-    fn book(&mut self, node: usize, back: u32, element: usize, partial: bool) -> Option<Booking> {
-        let datum = &mut self.draft.locations.data[node];
-        (datum.back, datum.element) = (back, element as u32);
+    fn book(&mut self, node: usize, result: WriteBack, partial: bool) -> Option<Booking> {
+        self.draft.locations.data[node].result = Some(result);
         let mut booking = Booking::default();
         let graph = self.graph;
         let users = graph.users_of(node);
@@ -238,7 +241,7 @@ impl Sweep<'_> {
             }
         }
         if self.manner == Manner::Ahead && self.is_output[node] && users.is_empty() {
-            match self.find_home(node, back, element) {
+            match self.find_home(node, result) {
                 Some(need) => self.reserve(need, &mut booking),
                 None => {
                     self.undo(node, &booking);
@@ -270,7 +273,7 @@ impl Sweep<'_> {
                 .clone()
                 .map(|need| need.arrives - need.word.departs)
                 .sum();
-            (travels + ahead.load[seat.element], new.count())
+            (travels + ahead.load[seat.element.index()], new.count())
         })
     }
 
@@ -280,25 +283,25 @@ impl Sweep<'_> {
         let ahead = self.ahead.as_ref()?;
         let (ports, locations) = (&self.draft.ports, &self.draft.locations);
         let mut needs: Needs = [None; Operand::MAX_COUNT];
-        for (operand, &datum) in self.graph.data[user].iter().enumerate() {
-            if datum == NO_DATUM || locations.data[datum as usize].back == NOT_COMPUTED {
+        for (operand, source) in self.sources(user).into_iter().enumerate() {
+            let Some((datum, result)) =
+                source.and_then(|source| Some((source.datum, source.result?)))
+            else {
                 continue;
-            }
+            };
             let memory = ahead.memory(seat, operand);
-            let known = locations.data[datum as usize];
             let same = |need: &WordNeed| need.word.datum == datum && need.memory == memory;
             if needs.iter().flatten().any(same) || locations.find(datum, memory).is_some() {
                 continue;
             }
-            let from = known.element as usize;
-            let arrives = known.back + ports.latency(from, memory);
+            let arrives = result.cycle + ports.latency(result.element, memory);
             let beside = needs.iter().flatten();
             let beside = beside.filter(|need| (need.memory, need.arrives) == (memory, arrives));
             let word = WordTransfer {
                 datum,
-                from,
+                from: result.element,
                 to: seat.element,
-                departs: known.back,
+                departs: result.cycle,
             };
             let planned = || -> [Option<WordTransfer>; PLANNED] {
                 std::array::from_fn(|other| needs[other].map(|need| need.word))
@@ -318,23 +321,24 @@ impl Sweep<'_> {
     }
 
     /// Any memory that can take the result of an output nobody reads.
-    fn find_home(&self, node: usize, back: u32, element: usize) -> Option<WordNeed> {
+    fn find_home(&self, node: usize, result: WriteBack) -> Option<WordNeed> {
         let (ports, locations) = (&self.draft.ports, &self.draft.locations);
-        let need = |memory: usize| WordNeed {
+        let need = |memory: Memory| WordNeed {
             word: WordTransfer {
-                datum: node as u32,
-                from: element,
+                datum: Datum::new(node as u32),
+                from: result.element,
                 to: ports.element_of(memory),
-                departs: back,
+                departs: result.cycle,
             },
             memory,
-            arrives: back + ports.latency(element, memory),
+            arrives: result.cycle + ports.latency(result.element, memory),
         };
         let free = |need: &WordNeed| {
             ports.can_write(need.arrives, need.memory, 1)
                 && ports.can_travel(locations, need.word, || [None; PLANNED])
         };
-        (0..self.draft.live.len())
+        ports
+            .memories()
             .map(need)
             .filter(free)
             .min_by_key(|need| need.arrives)
@@ -354,14 +358,14 @@ impl Sweep<'_> {
         let draft = &mut self.draft;
         draft.ports.write(need.arrives, need.memory);
         draft.ports.travel(&draft.locations, need.word);
-        draft.live[need.memory] += 1;
+        draft.live[need.memory.index()] += 1;
         let travel = Travel {
             departs: need.word.departs,
             arrives: need.arrives,
         };
         // The readers extend the life when they are issued.
-        let (datum, read) = (need.word.datum, need.arrives);
-        draft.locations.add(datum, need.memory, travel, read);
+        let (datum, read) = (need.word.datum, Some(need.arrives));
+        draft.locations.add(datum, need.memory, Some(travel), read);
         booking.needs.push(need);
     }
 
@@ -379,9 +383,9 @@ impl Sweep<'_> {
             draft
                 .ports
                 .retract(&draft.locations, need.word, arrives, memory);
-            draft.live[memory] -= 1;
+            draft.live[memory.index()] -= 1;
         }
-        draft.locations.data[node].back = NOT_COMPUTED;
+        draft.locations.data[node].result = None;
     }
 
     /// Issues a node, and settles the claims that changed.
@@ -390,12 +394,13 @@ impl Sweep<'_> {
             let seat = ahead.seat(node);
             ahead.bind(node, None);
             if let Some(seat) = seat {
-                let read: [Option<usize>; Operand::MAX_COUNT] = std::array::from_fn(|operand| {
+                let read: [Option<Memory>; Operand::MAX_COUNT] = std::array::from_fn(|operand| {
                     plan.routes[operand].map(|_| plan.memories[operand])
                 });
                 self.release(node, seat, None, read);
             }
         }
+        let datum = Datum::new(node as u32);
         // Its words must be known to be read before others give theirs up.
         self.commit(node, cycle, plan);
         for &(user, old) in &booking.seats {
@@ -405,17 +410,17 @@ impl Sweep<'_> {
             };
             let moved = old.filter(|&old| old != seat);
             // A reader that keeps its seat has its other claims already.
-            let only = (old == Some(seat)).then_some(node as u32);
+            let only = (old == Some(seat)).then_some(datum);
             self.claim_seat(user, seat, only);
             if let Some(old) = moved {
-                self.release(user, old, Some(node as u32), [None; Operand::MAX_COUNT]);
+                self.release(user, old, Some(datum), [None; Operand::MAX_COUNT]);
             }
         }
     }
 
     /// Claims the words of the issued operands of a node at a seat; of one
     /// of them only, if it is given.
-    fn claim_seat(&mut self, user: usize, seat: Seat, only: Option<u32>) {
+    fn claim_seat(&mut self, user: usize, seat: Seat, only: Option<Datum>) {
         let Some(ahead) = &mut self.ahead else { return };
         for (memory, datum) in claimed(self.graph, ahead, user, seat).into_iter().flatten() {
             if only.is_none_or(|only| only == datum)
@@ -433,8 +438,8 @@ impl Sweep<'_> {
         &mut self,
         user: usize,
         seat: Seat,
-        except: Option<u32>,
-        read: [Option<usize>; Operand::MAX_COUNT],
+        except: Option<Datum>,
+        read: [Option<Memory>; Operand::MAX_COUNT],
     ) {
         let Some(ahead) = &mut self.ahead else { return };
         let data = self.graph.data[user];
@@ -443,28 +448,30 @@ impl Sweep<'_> {
             if except == Some(datum) {
                 continue;
             }
-            let Some(index) = draft.locations.find(datum, memory) else {
+            let Some(entry) = draft.locations.find(datum, memory) else {
                 continue;
             };
-            let left = ahead.claim(index, false);
+            let left = ahead.claim(entry, false);
             let is_read = (0..Operand::MAX_COUNT)
-                .any(|operand| data[operand] == datum && read[operand] == Some(memory));
-            let entry = draft.locations.entries[index as usize];
-            if left > 0 || is_read || entry.last_read != entry.written {
+                .any(|operand| data[operand] == Some(datum) && read[operand] == Some(memory));
+            let stored = draft.locations.entries[entry.index()];
+            if left > 0 || is_read || !stored.is_unread() {
                 continue;
             }
-            let from = draft.locations.data[datum as usize].element as usize;
+            let travel = stored
+                .travel()
+                .expect("only words on their way are claimed");
             let word = WordTransfer {
                 datum,
-                from,
+                from: draft.locations.computed(datum).element,
                 to: draft.ports.element_of(memory),
-                departs: entry.departed,
+                departs: travel.departs,
             };
-            draft.locations.forget(datum, index);
+            draft.locations.forget(datum, entry);
             draft
                 .ports
-                .retract(&draft.locations, word, entry.written, memory);
-            draft.live[memory] -= 1;
+                .retract(&draft.locations, word, travel.arrives, memory);
+            draft.live[memory.index()] -= 1;
         }
     }
 }
@@ -475,11 +482,14 @@ fn claimed(
     ahead: &Ahead,
     user: usize,
     seat: Seat,
-) -> [Option<(usize, u32)>; Operand::MAX_COUNT] {
+) -> [Option<(Memory, Datum)>; Operand::MAX_COUNT] {
     let mut pairs = [None; Operand::MAX_COUNT];
-    for (operand, &datum) in graph.data[user].iter().enumerate() {
+    for (operand, datum) in graph.data[user].iter().enumerate() {
+        let Some(datum) = datum.filter(|&datum| graph.is_computed(datum)) else {
+            continue;
+        };
         let pair = Some((ahead.memory(seat, operand), datum));
-        if datum != NO_DATUM && graph.is_computed(datum) && !pairs.contains(&pair) {
+        if !pairs.contains(&pair) {
             pairs[operand] = pair;
         }
     }

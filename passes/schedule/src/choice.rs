@@ -7,9 +7,11 @@
 //! nine combinations; direct transfers never need what indirect ones do, so
 //! indirect ones are looked at only when no element does without.
 
-use super::locations::{Locations, PRELOADED};
+use super::graph::Datum;
+use super::locations::{Entry, Locations, Memory, WriteBack};
 use super::ports::{PLANNED, Ports, WordTransfer};
 use robovec_framework::option_words;
+use robovec_ir::placement::Element;
 
 option_words! {
     /// How the processing element is chosen among those that can take an
@@ -47,16 +49,16 @@ const LATE_WINDOW: u32 = 24;
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct OperandSource {
     /// The datum.
-    pub(super) datum: u32,
-    /// Its write-back cycle and producer; `None` for initial data.
-    pub(super) result: Option<(u32, usize)>,
+    pub(super) datum: Datum,
+    /// When and where it appears; `None` for initial data.
+    pub(super) result: Option<WriteBack>,
 }
 
 /// The way in which an operand gets into (or is in) a memory.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Route {
     /// It is there, by an earlier transfer: the entry.
-    Held(u32),
+    Held(Entry),
     /// Initial data, to be preloaded there as well.
     Load,
     /// A write in the write-back cycle.
@@ -81,7 +83,7 @@ impl Route {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Planned {
     source: OperandSource,
-    memory: usize,
+    memory: Memory,
     route: Route,
     /// The cycle in which the word departs, unless it is there.
     word: Option<WordTransfer>,
@@ -91,7 +93,7 @@ impl Planned {
     pub(super) fn new(
         ports: &Ports,
         source: OperandSource,
-        memory: usize,
+        memory: Memory,
         route: Route,
     ) -> Planned {
         Planned {
@@ -102,7 +104,7 @@ impl Planned {
         }
     }
 
-    fn writes(&self, cycle: u32, memory: usize) -> u8 {
+    fn writes(&self, cycle: u32, memory: Memory) -> u8 {
         let at = match self.route {
             Route::Held(_) | Route::Load => return 0,
             Route::Direct(at) | Route::Indirect(at) => at,
@@ -110,7 +112,7 @@ impl Planned {
         u8::from(at == cycle && self.memory == memory)
     }
 
-    fn reads_buffer(&self, cycle: u32, element: usize) -> bool {
+    fn reads_buffer(&self, cycle: u32, element: Element) -> bool {
         matches!(self.route, Route::Indirect(_))
             && self
                 .word
@@ -122,13 +124,13 @@ impl Planned {
 pub(super) fn word(
     ports: &Ports,
     source: OperandSource,
-    memory: usize,
+    memory: Memory,
     route: Route,
 ) -> Option<WordTransfer> {
     let (Route::Direct(at) | Route::Indirect(at)) = route else {
         return None;
     };
-    let (_, from) = source.result?;
+    let from = source.result?.element;
     Some(WordTransfer {
         datum: source.datum,
         from,
@@ -166,19 +168,19 @@ impl Others {
     }
 
     /// Words they write into a memory in a cycle.
-    fn writes(&self, cycle: u32, memory: usize) -> u8 {
+    fn writes(&self, cycle: u32, memory: Memory) -> u8 {
         self.iter().map(|other| other.writes(cycle, memory)).sum()
     }
 
     /// Words other than this one they read from a buffer in a cycle.
-    fn other_words(&self, datum: u32, cycle: u32, element: usize) -> u8 {
+    fn other_words(&self, datum: Datum, cycle: u32, element: Element) -> u8 {
         self.iter()
             .filter(|other| other.source.datum != datum && other.reads_buffer(cycle, element))
             .count() as u8
     }
 
     /// True when one of them reads this word from the buffer in the cycle.
-    fn reads_same(&self, datum: u32, cycle: u32, element: usize) -> bool {
+    fn reads_same(&self, datum: Datum, cycle: u32, element: Element) -> bool {
         self.iter()
             .any(|other| other.source.datum == datum && other.reads_buffer(cycle, element))
     }
@@ -188,9 +190,9 @@ impl Others {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wanted {
     /// The memory.
-    pub(super) memory: usize,
+    pub(super) memory: Memory,
     /// The entry of the datum there, if it has one.
-    pub(super) held: Option<u32>,
+    pub(super) held: Option<Entry>,
     /// It must be written before this cycle.
     pub(super) before: u32,
 }
@@ -209,13 +211,14 @@ pub(super) fn plain_route(
         before,
     } = wanted;
     if let Some(entry) = held {
-        let written = locations.entries[entry as usize].written;
-        return (written == PRELOADED || written < before).then_some(Route::Held(entry));
+        let written = locations.entries[entry.index()].written();
+        let in_time = written.is_none_or(|written| written < before);
+        return in_time.then_some(Route::Held(entry));
     }
-    let Some((back, from)) = source.result else {
+    let Some(back) = source.result else {
         return Some(Route::Load);
     };
-    let arrives = back + ports.latency(from, memory);
+    let arrives = back.cycle + ports.latency(back.element, memory);
     if arrives >= before || !ports.can_write(arrives, memory, others.writes(arrives, memory) + 1) {
         return None;
     }
@@ -232,11 +235,15 @@ pub(super) fn indirect_route(
     ports: &Ports,
     locations: &Locations,
     source: OperandSource,
-    memory: usize,
+    memory: Memory,
     issue: u32,
     others: &Others,
 ) -> Option<Route> {
-    let (back, producer) = source.result?;
+    let result = source.result?;
+    let WriteBack {
+        cycle: back,
+        element: producer,
+    } = result;
     if !ports.has_buffer() {
         return None;
     }
@@ -245,7 +252,7 @@ pub(super) fn indirect_route(
     let end = issue.saturating_sub(latency);
     let early_end = end.min(back + 1 + EARLY_WINDOW);
     let late_start = early_end.max(end.saturating_sub(LATE_WINDOW));
-    let mut room = Room::new(ports, locations, source, others);
+    let mut room = Room::new(ports, locations, source.datum, result, others);
     for cycle in (back + 1..early_end).chain(late_start..end) {
         let arrives = cycle + latency;
         let planned = others.writes(arrives, memory);
@@ -257,7 +264,7 @@ pub(super) fn indirect_route(
             others.reads_same(source.datum, cycle, producer)
                 || locations
                     .of(source.datum)
-                    .any(|(_, entry)| entry.departed == cycle)
+                    .any(|(_, entry)| entry.departed() == Some(cycle))
         };
         if !ports.can_read_buffer(cycle, producer, taken + 1) && !shared() {
             continue;
@@ -268,44 +275,52 @@ pub(super) fn indirect_route(
         if !travels {
             continue;
         }
-        return room.reaches(ports, cycle, producer).then_some(route);
+        return room.reaches(ports, cycle).then_some(route);
     }
     None
 }
 
 /// The time for which the producer's buffer can keep the word.
 struct Room {
+    producer: Element,
     /// The first cycle not yet known to have room.
     next: u32,
     words: u16,
 }
 
 impl Room {
-    fn new(ports: &Ports, locations: &Locations, source: OperandSource, others: &Others) -> Room {
-        let (back, producer) = source.result.unwrap_or((0, 0));
-        let mut next = back;
+    fn new(
+        ports: &Ports,
+        locations: &Locations,
+        datum: Datum,
+        back: WriteBack,
+        others: &Others,
+    ) -> Room {
+        let producer = back.element;
+        let mut next = back.cycle;
         if ports.buffers_are_limited()
-            && let Some(until) = locations.buffered_until(source.datum)
+            && let Some(until) = locations.buffered_until(datum)
         {
             next = until + 1;
         }
         let rivals = others.iter().filter(|other| {
             matches!(other.route, Route::Indirect(_))
-                && other.source.datum != source.datum
-                && other.source.result.is_some_and(|(_, by)| by == producer)
+                && other.source.datum != datum
+                && (other.source.result).is_some_and(|result| result.element == producer)
         });
         Room {
+            producer,
             next,
             words: rivals.count() as u16 + 1,
         }
     }
 
-    fn reaches(&mut self, ports: &Ports, cycle: u32, producer: usize) -> bool {
+    fn reaches(&mut self, ports: &Ports, cycle: u32) -> bool {
         if !ports.buffers_are_limited() {
             return true;
         }
         while self.next <= cycle {
-            if !ports.has_room(self.next, producer, self.words) {
+            if !ports.has_room(self.next, self.producer, self.words) {
                 return false;
             }
             self.next += 1;

@@ -2,21 +2,23 @@
 
 use super::addresses::{Addresses, allocate};
 use super::error::PlaceError;
-use super::graph::{DependenceGraph, HOST};
-use super::locations::{NO_ENTRY, NOT_COMPUTED};
+use super::graph::{Datum, DependenceGraph, HOST};
+use super::locations::Entry;
 use super::ports::{Ports, banks};
 use super::sweep::ScheduleDraft;
-use robovec_ir::placement::{Bank, ElementKind, Placement, Preload, Schedule, Slot, Word, Write};
+use robovec_ir::placement::{
+    Bank, BufferWord, Element, ElementKind, Placement, Preload, Schedule, Slot, Word, Write,
+};
 use robovec_ir::{Function, Level, Machine, Value};
 
 /// Everything that is decided, but for addresses in memories.
 pub(super) struct Settled {
     /// Cycles, elements and transfers.
     pub(super) draft: ScheduleDraft,
-    /// The entry that keeps each assignment, or [`NO_ENTRY`].
-    pub(super) homes: Vec<u32>,
-    /// The buffer word of each node, or [`NO_ENTRY`].
-    pub(super) buffers: Vec<u32>,
+    /// The entry that keeps each assignment, if the machine computes it.
+    pub(super) homes: Vec<Option<Entry>>,
+    /// The buffer word of each node that needs one.
+    pub(super) buffers: Vec<Option<BufferWord>>,
     /// The proved bound.
     pub(super) lower_bound: u32,
 }
@@ -72,20 +74,17 @@ pub(super) fn finish(
     Ok(())
 }
 
-fn slots(graph: &DependenceGraph, draft: &ScheduleDraft) -> Vec<Slot> {
+fn slots(graph: &DependenceGraph, draft: &ScheduleDraft) -> Vec<Option<Slot>> {
     let data = draft.locations.data.iter().enumerate();
     data.take(graph.kind.len())
         .map(|(node, datum)| match graph.kind[node] {
-            HOST => Slot {
-                cycle: 0,
-                element: Slot::HOST,
-            },
+            HOST => None,
             _ => {
-                assert_ne!(datum.back, NOT_COMPUTED, "every operation was issued");
-                Slot {
-                    cycle: datum.back + 1 - graph.weight(node),
-                    element: datum.element,
-                }
+                let result = datum.result.expect("every operation was issued");
+                Some(Slot {
+                    cycle: result.cycle + 1 - graph.weight(node),
+                    element: result.element,
+                })
             }
         })
         .collect()
@@ -108,7 +107,7 @@ fn check_sizes(
         .max_by_key(|&(memory, &used)| (used, std::cmp::Reverse(memory)));
     match fullest {
         Some((memory, &needed)) if needed > available => {
-            let (kind, number) = schedule.element_name((memory / banks) as u32);
+            let (kind, number) = schedule.element_name(Element::new((memory / banks) as u32));
             let side = match (banks, memory % banks) {
                 (1, _) => "",
                 (_, 0) => ".left",
@@ -131,25 +130,27 @@ struct WordNames<'a> {
 }
 
 impl WordNames<'_> {
-    fn word(&self, entry: u32) -> Word {
-        let memory = self.draft.locations.entries[entry as usize].memory;
+    fn word(&self, entry: Entry) -> Word {
+        let memory = self.draft.locations.entries[entry.index()].memory.number();
         let bank = match (self.banks, memory % self.banks) {
             (1, _) => Bank::Unified,
             (_, 0) => Bank::Left,
             (_, _) => Bank::Right,
         };
         Word {
-            element: memory / self.banks,
+            element: Element::new(memory / self.banks),
             bank,
-            address: self.addresses.of_entry[entry as usize],
+            address: self.addresses.of_entry[entry.index()]
+                .expect("an entry that is used has an address"),
         }
     }
 
-    fn placement(&self, graph: &DependenceGraph, homes: &[u32], buffers: Vec<u32>) -> Placement {
-        let address = |entry: u32| match entry {
-            NO_ENTRY => Placement::NONE,
-            entry => self.addresses.of_entry[entry as usize],
-        };
+    fn placement(
+        &self,
+        graph: &DependenceGraph,
+        homes: &[Option<Entry>],
+        buffers: Vec<Option<BufferWord>>,
+    ) -> Placement {
         let preloads = self
             .addresses
             .preloads
@@ -161,14 +162,14 @@ impl WordNames<'_> {
         let mut write_starts = Vec::with_capacity(graph.kind.len() + 1);
         let transfers = self.draft.locations.entries.len() - self.addresses.preloads.len();
         let mut writes: Vec<Write> = Vec::with_capacity(transfers);
-        for node in 0..graph.kind.len() as u32 {
+        for node in (0..graph.kind.len() as u32).map(Datum::new) {
             let start = writes.len();
             write_starts.push(start as u32);
             if graph.is_computed(node) {
                 let entries = self.draft.locations.of(node);
-                writes.extend(entries.map(|(index, entry)| Write {
-                    word: self.word(index),
-                    cycle: entry.written,
+                writes.extend(entries.map(|(entry, stored)| Write {
+                    word: self.word(entry),
+                    cycle: stored.written().expect("a result is written"),
                 }));
                 writes[start..].sort_unstable_by_key(|write| (write.cycle, write.word));
             }
@@ -180,14 +181,14 @@ impl WordNames<'_> {
                 .draft
                 .reads
                 .iter()
-                .map(|read| read.map(address))
+                .map(|read| read.map(|entry| self.addresses.of_entry[entry?.index()]))
                 .collect(),
             buffers,
             write_starts,
             writes,
             homes: homes
                 .iter()
-                .map(|&entry| (entry != NO_ENTRY).then(|| self.word(entry)))
+                .map(|entry| entry.map(|entry| self.word(entry)))
                 .collect(),
         }
     }

@@ -2,7 +2,7 @@
 //! element, and how long the chains before and after an operation are.
 
 use super::error::PlaceError;
-use robovec_ir::{Function, Level, Machine, Operand, OperandKind, Value};
+use robovec_ir::{Function, Level, Machine, Operand, OperandKind, Value, index_types};
 
 /// The kind of a node the host evaluates.
 pub(super) const HOST: u8 = u8::MAX;
@@ -10,6 +10,18 @@ pub(super) const HOST: u8 = u8::MAX;
 /// No schedule is longer than this: numbers of cycles then fit `u32` with
 /// room for sums of three.
 const LONGEST: u64 = 1 << 30;
+
+index_types! {
+    /// What an operation reads: below the number of nodes a node, from there
+    /// on an input or constant of [`DependenceGraph::initial`].
+    pub(super) struct Datum;
+}
+
+impl From<Value> for Datum {
+    fn from(value: Value) -> Datum {
+        Datum::new(value.0)
+    }
+}
 
 /// A kind of processing element.
 #[derive(Clone, Copy, Debug)]
@@ -43,15 +55,11 @@ pub(super) struct DependenceGraph {
     pub(super) tail: Vec<u32>,
     /// The longest chain of the program.
     pub(super) path: u32,
-    /// The data each node reads: below the number of nodes a node, from there
-    /// on an index into [`DependenceGraph::initial`]; [`NO_DATUM`] for no operand.
-    pub(super) data: Vec<[u32; Operand::MAX_COUNT]>,
+    /// The data each node reads.
+    pub(super) data: Vec<[Option<Datum>; Operand::MAX_COUNT]>,
     /// The inputs and constants that are read, in order.
     pub(super) initial: Vec<Operand>,
 }
-
-/// No operand.
-pub(super) const NO_DATUM: u32 = u32::MAX;
 
 impl DependenceGraph {
     /// Builds the graph.
@@ -130,17 +138,17 @@ impl DependenceGraph {
     }
 
     /// The operand that is a datum the machine does not compute.
-    pub(super) fn initial_operand(&self, datum: u32) -> Operand {
-        match (datum as usize).checked_sub(self.kind.len()) {
-            None => Operand::from(Value(datum)),
+    pub(super) fn initial_operand(&self, datum: Datum) -> Operand {
+        match datum.index().checked_sub(self.kind.len()) {
+            None => Operand::from(Value(datum.number())),
             Some(index) => self.initial[index],
         }
     }
 
     /// The machine computes the datum.
-    pub(super) fn is_computed(&self, datum: u32) -> bool {
+    pub(super) fn is_computed(&self, datum: Datum) -> bool {
         self.kind
-            .get(datum as usize)
+            .get(datum.index())
             .is_some_and(|&kind| kind != HOST)
     }
 
@@ -163,13 +171,13 @@ impl DependenceGraph {
         self.initial.sort_unstable();
         self.initial.dedup();
         let number = |operand: Operand| match operand.kind() {
-            OperandKind::Value(value) => value.0,
+            OperandKind::Value(value) => Some(Datum::from(value)),
             OperandKind::Input(_) | OperandKind::Constant(_) => {
                 let place = self.initial.binary_search(&operand);
                 let place = place.expect("all operands that are no values were collected");
-                (self.kind.len() + place) as u32
+                Some(Datum::new((self.kind.len() + place) as u32))
             }
-            OperandKind::None => NO_DATUM,
+            OperandKind::None => None,
         };
         self.data = function
             .nodes()

@@ -1,14 +1,14 @@
 //! Words for the outputs: every result that is an output stays readable.
 
 use super::choice::OperandSource;
-use super::graph::DependenceGraph;
-use super::locations::{FOREVER, NO_ENTRY, Travel};
+use super::graph::{Datum, DependenceGraph};
+use super::locations::{Entry, Memory, Travel};
 use super::ports::{PLANNED, WordTransfer};
 use super::sweep::{ScheduleDraft, Stuck, reserve_indirect};
 use robovec_ir::Function;
 
-/// Gives each assignment the entry that keeps its result to the end, or
-/// [`NO_ENTRY`] where the machine does not compute it.
+/// Gives each assignment whose operand the machine computes the entry that
+/// keeps it to the end.
 ///
 /// A word that was written for a reader serves; a result without readers gets
 /// a write of its own, directly if a port is free, else through the buffer as
@@ -21,49 +21,45 @@ pub(super) fn settle_homes(
     function: &Function,
     graph: &DependenceGraph,
     draft: &mut ScheduleDraft,
-) -> Result<Vec<u32>, Stuck> {
+) -> Result<Vec<Option<Entry>>, Stuck> {
     let mut kept = vec![0_u32; draft.live.len()];
     let mut homes = Vec::with_capacity(function.assignments.len());
     for assignment in &function.assignments {
-        let home = match assignment.operand.value() {
-            Some(value) if graph.is_computed(value.0) => {
-                let known = draft
-                    .locations
-                    .of(value.0)
-                    .min_by_key(|(_, entry)| {
-                        // The word another assignment of the value keeps is free.
-                        let memory = entry.memory;
-                        let price = kept[memory as usize] + 1;
-                        (if entry.last_read == FOREVER { 0 } else { price }, memory)
-                    })
-                    .map(|(index, _)| index);
-                let home = match known {
-                    Some(entry) => entry,
-                    None => new_home(draft, value.0, &kept)?,
-                };
-                let entry = &mut draft.locations.entries[home as usize];
-                draft.cycles = draft.cycles.max(entry.written + 1);
-                if entry.last_read != FOREVER {
-                    entry.last_read = FOREVER;
-                    kept[entry.memory as usize] += 1;
-                }
-                home
-            }
-            _ => NO_ENTRY,
+        let datum = assignment.operand.value().map(Datum::from);
+        let Some(datum) = datum.filter(|&datum| graph.is_computed(datum)) else {
+            homes.push(None);
+            continue;
         };
-        homes.push(home);
+        let known = draft.locations.of(datum).min_by_key(|(_, stored)| {
+            // The word another assignment of the value keeps is free.
+            let memory = stored.memory;
+            let price = kept[memory.index()] + 1;
+            (stored.last_read().map_or(0, |_| price), memory)
+        });
+        let home = match known {
+            Some((entry, _)) => entry,
+            None => new_home(draft, datum, &kept)?,
+        };
+        let stored = &mut draft.locations.entries[home.index()];
+        let written = stored.written().expect("a result is written");
+        draft.cycles = draft.cycles.max(written + 1);
+        if stored.last_read().is_some() {
+            stored.set_last_read(None);
+            kept[stored.memory.index()] += 1;
+        }
+        homes.push(Some(home));
     }
     Ok(homes)
 }
 
 /// Reserves a write for a result that nothing reads.
-fn new_home(draft: &mut ScheduleDraft, datum: u32, kept: &[u32]) -> Result<u32, Stuck> {
-    let known = draft.locations.data[datum as usize];
-    let (producer, back) = (known.element as usize, known.back);
+fn new_home(draft: &mut ScheduleDraft, datum: Datum, kept: &[u32]) -> Result<Entry, Stuck> {
+    let result = draft.locations.computed(datum);
+    let (producer, back) = (result.element, result.cycle);
     draft.ports.reach(back);
     // The emptiest memory a word that departs in a cycle gets into, and when.
     let emptiest = |draft: &ScheduleDraft, departs: u32| {
-        let reach = |memory: usize| {
+        let reach = |memory: Memory| {
             let ports = &draft.ports;
             let arrives = departs + ports.latency(producer, memory);
             let word = WordTransfer {
@@ -76,9 +72,11 @@ fn new_home(draft: &mut ScheduleDraft, datum: u32, kept: &[u32]) -> Result<u32, 
                 && ports.can_travel(&draft.locations, word, || [None; PLANNED]);
             free.then_some((memory, Travel { departs, arrives }, word))
         };
-        (0..kept.len())
-            .filter_map(reach)
-            .min_by_key(|&(memory, travel, _)| (travel.arrives, kept[memory] + draft.live[memory]))
+        let reached = draft.ports.memories().filter_map(reach);
+        reached.min_by_key(|&(memory, travel, _)| {
+            let words = kept[memory.index()] + draft.live[memory.index()];
+            (travel.arrives, words)
+        })
     };
     if let Some((memory, travel, word)) = emptiest(draft, back) {
         draft.ports.write(travel.arrives, memory);
@@ -103,7 +101,7 @@ fn new_home(draft: &mut ScheduleDraft, datum: u32, kept: &[u32]) -> Result<u32, 
         if let Some((memory, travel, _)) = emptiest(draft, cycle) {
             let source = OperandSource {
                 datum,
-                result: Some((back, producer)),
+                result: Some(result),
             };
             reserve_indirect(draft, source, memory, travel);
             return Ok(add(draft, datum, memory, travel));
@@ -111,8 +109,8 @@ fn new_home(draft: &mut ScheduleDraft, datum: u32, kept: &[u32]) -> Result<u32, 
     }
 }
 
-fn add(draft: &mut ScheduleDraft, datum: u32, memory: usize, travel: Travel) -> u32 {
-    draft.live[memory] += 1;
+fn add(draft: &mut ScheduleDraft, datum: Datum, memory: Memory, travel: Travel) -> Entry {
+    draft.live[memory.index()] += 1;
     draft.cycles = draft.cycles.max(travel.arrives + 1);
-    draft.locations.add(datum, memory, travel, FOREVER)
+    draft.locations.add(datum, memory, Some(travel), None)
 }

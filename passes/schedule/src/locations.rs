@@ -1,13 +1,19 @@
 //! The places of the data: which memories hold them, from when to when.
 
-/// The index no entry has.
-pub(super) const NO_ENTRY: u32 = u32::MAX;
+use super::graph::Datum;
+use robovec_ir::index_types;
+use robovec_ir::placement::Element;
 
-/// The write cycle of initial data, which are there before the run.
-pub(super) const PRELOADED: u32 = u32::MAX;
+index_types! {
+    /// A memory of an element: the element's number times banks plus bank.
+    pub(super) struct Memory;
 
-/// The last read of a word that stays to the end.
-pub(super) const FOREVER: u32 = u32::MAX;
+    /// A datum in a memory: an index into [`Locations::entries`].
+    pub(super) struct Entry;
+
+    /// A cycle as entries keep it, of which there are more than operations.
+    struct StoredCycle;
+}
 
 /// When a word travels.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -18,53 +24,88 @@ pub(super) struct Travel {
     pub(super) arrives: u32,
 }
 
-impl Travel {
-    /// Initial data, there before the run.
-    pub(super) const PRELOADED: Travel = Travel {
-        departs: PRELOADED,
-        arrives: PRELOADED,
-    };
-}
-
 /// A datum in a memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StoredDatum {
-    /// The memory: element times banks plus bank.
-    pub(super) memory: u32,
-    /// The cycle at whose end the word is written, or [`PRELOADED`].
-    pub(super) written: u32,
-    /// The last cycle in which an issue reads it, or [`FOREVER`].
-    pub(super) last_read: u32,
-    /// The cycle in which the word left its producer or the producer's
-    /// buffer, or [`PRELOADED`]; over a crossbar that of the write.
-    pub(super) departed: u32,
-    /// The next entry of the same datum, or [`NO_ENTRY`].
-    next: u32,
+    /// The memory.
+    pub(super) memory: Memory,
+    written: Option<StoredCycle>,
+    last_read: Option<StoredCycle>,
+    departed: Option<StoredCycle>,
+    /// The next entry of the same datum.
+    next: Option<Entry>,
 }
 
-/// The write-back cycle of a datum the machine does not compute, or has not
-/// computed yet.
-pub(super) const NOT_COMPUTED: u32 = u32::MAX;
+impl StoredDatum {
+    /// The cycle at whose end the word is written; `None` for initial data,
+    /// which are there before the run.
+    pub(super) fn written(&self) -> Option<u32> {
+        self.written.map(StoredCycle::number)
+    }
+
+    /// The last cycle in which an issue reads it; `None` for a word that stays
+    /// to the end.
+    pub(super) fn last_read(&self) -> Option<u32> {
+        self.last_read.map(StoredCycle::number)
+    }
+
+    /// The cycle in which the word left its producer or the producer's
+    /// buffer, over a crossbar that of the write; `None` for initial data.
+    pub(super) fn departed(&self) -> Option<u32> {
+        self.departed.map(StoredCycle::number)
+    }
+
+    /// When the word travels; `None` for initial data.
+    pub(super) fn travel(&self) -> Option<Travel> {
+        Some(Travel {
+            departs: self.departed()?,
+            arrives: self.written()?,
+        })
+    }
+
+    /// Sets the last read.
+    pub(super) fn set_last_read(&mut self, cycle: Option<u32>) {
+        self.last_read = cycle.map(StoredCycle::new);
+    }
+
+    /// True for a word that was booked and that nothing has read so far: its
+    /// last read is still the cycle in which it is written.
+    pub(super) fn is_unread(&self) -> bool {
+        self.last_read == self.written
+    }
+
+    fn clear(&mut self) {
+        (self.written, self.last_read) = (None, None);
+    }
+}
+
+/// When and where a result appears.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct WriteBack {
+    /// The cycle in which it is on the crossbar.
+    pub(super) cycle: u32,
+    /// The element that computes it.
+    pub(super) element: Element,
+}
 
 /// The state of a datum; all in one place, because operands come from anywhere
 /// in a large program and each look at one is a cache miss.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Datum {
-    /// The cycle in which it is on the crossbar, or [`NOT_COMPUTED`].
-    pub(super) back: u32,
-    /// The element that computes it.
-    pub(super) element: u32,
+pub(super) struct DatumState {
+    /// `None` for a datum the machine does not compute, or has not computed
+    /// yet.
+    pub(super) result: Option<WriteBack>,
     /// Reads still to come; an output has one that never comes.
     pub(super) readers_left: u32,
-    /// Its first entry, or [`NO_ENTRY`].
-    first: u32,
+    /// Its first entry.
+    first: Option<Entry>,
 }
 
 /// All data, and their entries as one list per datum in a common vector.
 #[derive(Clone, Debug)]
 pub(super) struct Locations {
     /// The data.
-    pub(super) data: Vec<Datum>,
+    pub(super) data: Vec<DatumState>,
     /// The entries, in the order in which they were reserved.
     pub(super) entries: Vec<StoredDatum>,
 }
@@ -72,12 +113,11 @@ pub(super) struct Locations {
 impl Locations {
     /// No datum is anywhere.
     pub(super) fn new(readers: impl Iterator<Item = u32>) -> Locations {
-        let data: Vec<Datum> = readers
-            .map(|readers_left| Datum {
-                back: NOT_COMPUTED,
-                element: 0,
+        let data: Vec<DatumState> = readers
+            .map(|readers_left| DatumState {
+                result: None,
                 readers_left,
-                first: NO_ENTRY,
+                first: None,
             })
             .collect();
         Locations {
@@ -86,102 +126,118 @@ impl Locations {
         }
     }
 
-    /// Adds a word that travels as given, and its last read as far as known.
-    pub(super) fn add(&mut self, datum: u32, memory: usize, travel: Travel, read: u32) -> u32 {
-        let index = self.entries.len() as u32;
-        let first = &mut self.data[datum as usize].first;
-        self.entries.push(StoredDatum {
-            memory: memory as u32,
-            written: travel.arrives,
-            last_read: read,
-            departed: travel.departs,
-            next: *first,
-        });
-        *first = index;
-        index
+    /// When and where a datum appears, if it has been computed.
+    pub(super) fn result(&self, datum: Datum) -> Option<WriteBack> {
+        self.data[datum.index()].result
     }
 
-    /// The entries of a datum with their indices, latest reservation first.
-    pub(super) fn of(&self, datum: u32) -> impl Iterator<Item = (u32, &StoredDatum)> + '_ {
-        let mut next = self.data[datum as usize].first;
+    /// When and where a datum that was computed appears.
+    pub(super) fn computed(&self, datum: Datum) -> WriteBack {
+        self.result(datum).expect("the datum was computed")
+    }
+
+    /// Adds a word that travels as given, or that is there before the run,
+    /// and its last read as far as known.
+    pub(super) fn add(
+        &mut self,
+        datum: Datum,
+        memory: Memory,
+        travel: Option<Travel>,
+        read: Option<u32>,
+    ) -> Entry {
+        let entry = Entry::new(self.entries.len() as u32);
+        let first = &mut self.data[datum.index()].first;
+        self.entries.push(StoredDatum {
+            memory,
+            written: travel.map(|travel| StoredCycle::new(travel.arrives)),
+            last_read: read.map(StoredCycle::new),
+            departed: travel.map(|travel| StoredCycle::new(travel.departs)),
+            next: *first,
+        });
+        *first = Some(entry);
+        entry
+    }
+
+    /// The entries of a datum, latest reservation first.
+    pub(super) fn of(&self, datum: Datum) -> impl Iterator<Item = (Entry, &StoredDatum)> + '_ {
+        let mut next = self.data[datum.index()].first;
         std::iter::from_fn(move || {
-            let index = next;
-            let entry = self.entries.get(index as usize)?;
-            next = entry.next;
-            Some((index, entry))
+            let entry = next?;
+            let stored = &self.entries[entry.index()];
+            next = stored.next;
+            Some((entry, stored))
         })
     }
 
     /// The entry of a datum in a memory, if it has one.
-    pub(super) fn find(&self, datum: u32, memory: usize) -> Option<u32> {
+    pub(super) fn find(&self, datum: Datum, memory: Memory) -> Option<Entry> {
         let mut entries = self.of(datum);
-        let found = entries.find(|(_, entry)| entry.memory as usize == memory);
-        found.map(|(index, _)| index)
+        let found = entries.find(|(_, stored)| stored.memory == memory);
+        found.map(|(entry, _)| entry)
     }
 
     /// Takes back the entry that was added last, which is the datum's.
-    pub(super) fn remove_last(&mut self, datum: u32) {
-        let entry = self.entries.pop().expect("an entry was added");
-        let first = &mut self.data[datum as usize].first;
+    pub(super) fn remove_last(&mut self, datum: Datum) {
+        let stored = self.entries.pop().expect("an entry was added");
+        let first = &mut self.data[datum.index()].first;
         debug_assert_eq!(
-            *first as usize,
-            self.entries.len(),
+            first.map(Entry::index),
+            Some(self.entries.len()),
             "the entry that was added last is the datum's"
         );
-        *first = entry.next;
+        *first = stored.next;
     }
 
     /// Forgets one entry of a datum.
-    pub(super) fn forget(&mut self, datum: u32, index: u32) {
-        let next = self.entries[index as usize].next;
-        let mut link = self.data[datum as usize].first;
-        if link == index {
-            self.data[datum as usize].first = next;
+    pub(super) fn forget(&mut self, datum: Datum, entry: Entry) {
+        let next = self.entries[entry.index()].next;
+        let first = &mut self.data[datum.index()].first;
+        let mut link = *first;
+        if link == Some(entry) {
+            *first = next;
         }
-        while let Some(entry) = self.entries.get_mut(link as usize) {
-            if entry.next == index {
-                entry.next = next;
+        while let Some(at) = link {
+            let stored = &mut self.entries[at.index()];
+            if stored.next == Some(entry) {
+                stored.next = next;
             }
-            link = entry.next;
+            link = stored.next;
         }
-        let entry = &mut self.entries[index as usize];
-        (entry.written, entry.last_read) = (PRELOADED, FOREVER);
+        self.entries[entry.index()].clear();
     }
 
-    /// Forgets the words that were booked and are never read: those whose
-    /// last read is still the cycle in which they are written.
+    /// Forgets the words that were booked and are never read.
     pub(super) fn drop_unread(&mut self) {
-        let unread = |entry: &StoredDatum| entry.last_read == entry.written;
-        if !self.entries.iter().any(unread) {
+        if !self.entries.iter().any(StoredDatum::is_unread) {
             return;
         }
         for datum in &mut self.data {
-            let mut link: Option<usize> = None;
+            let mut link: Option<Entry> = None;
             let mut next = datum.first;
-            while let Some(&entry) = self.entries.get(next as usize) {
-                if unread(&entry) {
-                    match link {
-                        None => datum.first = entry.next,
-                        Some(before) => self.entries[before].next = entry.next,
-                    }
+            while let Some(entry) = next {
+                let stored = self.entries[entry.index()];
+                if !stored.is_unread() {
+                    link = next;
+                } else if let Some(before) = link {
+                    self.entries[before.index()].next = stored.next;
                 } else {
-                    link = Some(next as usize);
+                    datum.first = stored.next;
                 }
-                next = entry.next;
+                next = stored.next;
             }
         }
-        for entry in self.entries.iter_mut().filter(|entry| unread(entry)) {
-            (entry.written, entry.last_read) = (PRELOADED, FOREVER);
+        for stored in self.entries.iter_mut().filter(|stored| stored.is_unread()) {
+            stored.clear();
         }
     }
 
     /// The last cycle in which the datum is read from its producer's buffer,
     /// if it is in the buffer at all.
-    pub(super) fn buffered_until(&self, datum: u32) -> Option<u32> {
-        let back = self.data[datum as usize].back;
+    pub(super) fn buffered_until(&self, datum: Datum) -> Option<u32> {
+        let back = self.result(datum)?.cycle;
         self.of(datum)
-            .map(|(_, entry)| entry.departed)
-            .filter(|&departed| departed > back && departed != PRELOADED)
+            .filter_map(|(_, stored)| stored.departed())
+            .filter(|&departed| departed > back)
             .max()
     }
 }

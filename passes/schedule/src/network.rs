@@ -5,6 +5,7 @@
 //! table of all pairs would grow with the square of the elements.
 
 use robovec_ir::machine::interconnect::{self, Interconnect, LinkNetwork, Topology};
+use robovec_ir::placement::Element;
 
 /// The links of a machine's network.
 #[derive(Clone, Debug)]
@@ -66,11 +67,11 @@ impl Wires {
     }
 
     /// Cycles from the departure of a word to its arrival.
-    pub(super) fn latency(&self, from: usize, to: usize) -> u32 {
+    pub(super) fn latency(&self, from: Element, to: Element) -> u32 {
         if from == to {
             return 0;
         }
-        let (from, to) = (self.places[from], self.places[to]);
+        let (from, to) = (self.places[from.index()], self.places[to.index()]);
         let along = |difference: u32, length: u32| match self.network.topology {
             Topology::Torus => difference.min(length - difference),
             _ => difference,
@@ -90,8 +91,12 @@ impl Wires {
 
     /// The links on the way, each with the cycles from the departure to its
     /// use.
-    pub(super) fn way(&self, from: usize, to: usize) -> impl Iterator<Item = (usize, u32)> + '_ {
-        let (start, end) = (self.places[from], self.places[to]);
+    pub(super) fn way(
+        &self,
+        from: Element,
+        to: Element,
+    ) -> impl Iterator<Item = (usize, u32)> + '_ {
+        let (start, end) = (self.places[from.index()], self.places[to.index()]);
         let mut at = start;
         let mut step = 0;
         let mut entered = self.network.topology != Topology::Omega;
@@ -174,8 +179,8 @@ mod tests {
         for topology in Topology::ALL {
             for elements in [2, 5, 8, 9, 13] {
                 let wires = wires(topology, elements);
-                for (from, to) in (0..elements as usize * elements as usize)
-                    .map(|pair| (pair / elements as usize, pair % elements as usize))
+                for (from, to) in (0..elements * elements)
+                    .map(|pair| [pair / elements, pair % elements].map(Element::new).into())
                 {
                     let way: Vec<(usize, u32)> = wires.way(from, to).collect();
                     let latency = wires.latency(from, to);
@@ -197,7 +202,7 @@ mod tests {
                 // ways from one element are used at the same time.
                 let mut used = std::collections::BTreeMap::new();
                 for end in (0..8).filter(|&end| end != start) {
-                    for (link, delay) in wires.way(start, end) {
+                    for (link, delay) in wires.way(Element::new(start), Element::new(end)) {
                         assert_eq!(*used.entry(link).or_insert(delay), delay, "{topology:?}");
                     }
                 }
@@ -210,7 +215,9 @@ mod tests {
         // Eight elements: three columns and three rows; three dimensions.
         let far = |topology| {
             let wires = wires(topology, 8);
-            (1..8).map(|to| wires.latency(0, to)).max()
+            (1..8)
+                .map(|to| wires.latency(Element::new(0), Element::new(to)))
+                .max()
         };
         assert_eq!(far(Topology::Bus), Some(1));
         assert_eq!(far(Topology::Mesh), Some(3));

@@ -5,11 +5,12 @@ use super::choice::{
     ADDEND_RANKS, ElementChoice, OperandSource, Others, Planned, RANKS, Route, Wanted,
     indirect_route, plain_route,
 };
-use super::graph::NO_DATUM;
-use super::locations::NOT_COMPUTED;
+use super::graph::Datum;
+use super::locations::{Entry, Memory};
 use super::ports::Ports;
 use super::sweep::Sweep;
 use robovec_ir::Operand;
+use robovec_ir::placement::Element;
 
 /// An operation waits for a better element only while its longest chain ends
 /// this many cycles before the target.
@@ -24,11 +25,11 @@ const MAX_COMPARED: usize = 128;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct IssuePlan {
     /// The element.
-    pub(super) element: usize,
+    pub(super) element: Element,
     /// The operands change sides.
     pub(super) swapped: bool,
     /// The memory each operand, as written in the program, is read from.
-    pub(super) memories: [usize; Operand::MAX_COUNT],
+    pub(super) memories: [Memory; Operand::MAX_COUNT],
     /// The route of each operand; `None` for no operand or not planned yet.
     pub(super) routes: [Option<Route>; Operand::MAX_COUNT],
 }
@@ -79,36 +80,39 @@ pub(super) enum IssueDecision {
 }
 
 impl Sweep<'_> {
-    /// The operand as data flow, `None` for the absent second one.
-    pub(super) fn source(&self, datum: u32) -> Option<OperandSource> {
-        if datum == NO_DATUM {
-            return None;
+    /// The operand as data flow.
+    pub(super) fn source(&self, datum: Datum) -> OperandSource {
+        OperandSource {
+            datum,
+            result: self.draft.locations.result(datum),
         }
-        let known = self.draft.locations.data[datum as usize];
-        let result = (known.back != NOT_COMPUTED).then_some((known.back, known.element as usize));
-        Some(OperandSource { datum, result })
+    }
+
+    /// The operands of a node as data flow.
+    pub(super) fn sources(&self, node: usize) -> OperandSources {
+        self.graph.data[node].map(|datum| Some(self.source(datum?)))
     }
 
     pub(super) fn mark(&mut self, sources: OperandSources) {
         self.stamp += 1;
         for (marks, source) in self.marks.iter_mut().zip(sources) {
             let Some(source) = source else { continue };
-            for (index, entry) in self.draft.locations.of(source.datum) {
-                marks[entry.memory as usize] = (self.stamp, index);
+            for (entry, stored) in self.draft.locations.of(source.datum) {
+                marks[stored.memory.index()] = (self.stamp, Some(entry));
             }
         }
     }
 
-    fn held(&self, operand: usize, memory: usize) -> Option<u32> {
-        let (stamp, entry) = self.marks[operand][memory];
-        (stamp == self.stamp).then_some(entry)
+    fn held(&self, operand: usize, memory: Memory) -> Option<Entry> {
+        let (stamp, entry) = self.marks[operand][memory.index()];
+        entry.filter(|_| stamp == self.stamp)
     }
 
     /// The best plan for a node whose operands have been computed.
     pub(super) fn consider(&mut self, node: usize, cycle: u32) -> IssueDecision {
-        let sources = self.graph.data[node].map(|datum| self.source(datum));
+        let sources = self.sources(node);
         self.mark(sources);
-        let is_free = |at: &IssuePlan| self.busy[at.element] != cycle + 1;
+        let is_free = |at: &IssuePlan| self.busy[at.element.index()] != cycle + 1;
         let plan = match self.choice {
             ElementChoice::First => self.places(node).filter(is_free).find_map(|at| {
                 self.plain(sources, at, cycle)
@@ -168,19 +172,19 @@ impl Sweep<'_> {
     pub(super) fn places(&self, node: usize) -> impl Iterator<Item = IssuePlan> + use<> {
         let kind = self.graph.kinds[self.graph.kind[node] as usize];
         let [left, right, _] = self.graph.data[node];
-        let banks = self.banks;
-        let exchanges =
-            banks > 1 && left != right && self.function.nodes()[node].operation.is_commutative();
-        let sides = 1 + usize::from(exchanges);
-        let (first, count) = (kind.first as usize, kind.count as usize);
-        (first * sides..(first + count) * sides).map(move |place| {
+        let exchanges = self.banks > 1
+            && left != right
+            && self.function.nodes()[node].operation.is_commutative();
+        let sides = 1 + u32::from(exchanges);
+        let banks = self.banks as u32;
+        (kind.first * sides..(kind.first + kind.count) * sides).map(move |place| {
             let (element, swapped) = match sides {
                 1 => (place, false),
                 _ => (place >> 1, place & 1 == 1),
             };
-            let (near, far) = (element * banks, (element + 1) * banks - 1);
+            let [near, far] = [element * banks, (element + 1) * banks - 1].map(Memory::new);
             IssuePlan {
-                element,
+                element: Element::new(element),
                 swapped,
                 // Machines with a memory per side have no third operand.
                 memories: if swapped {
@@ -196,8 +200,8 @@ impl Sweep<'_> {
     fn plain_route(
         &self,
         source: OperandSource,
-        memory: usize,
-        held: Option<u32>,
+        memory: Memory,
+        held: Option<Entry>,
         before: u32,
         others: &Others,
     ) -> Option<Route> {
@@ -290,7 +294,7 @@ impl Sweep<'_> {
         let words = plan
             .memories
             .iter()
-            .map(|&memory| self.draft.live[memory])
+            .map(|memory| self.draft.live[memory.index()])
             .sum();
         let ports = &self.draft.ports;
         let travel = |operand: usize| {
@@ -299,9 +303,9 @@ impl Sweep<'_> {
                 Some(Route::Direct(_) | Route::Indirect(_))
             );
             let producer = sources[operand].and_then(|source| source.result);
-            producer
-                .filter(|_| moves)
-                .map_or(0, |(_, from)| ports.latency(from, plan.memories[operand]))
+            producer.filter(|_| moves).map_or(0, |from| {
+                ports.latency(from.element, plan.memories[operand])
+            })
         };
         let travels: u32 = match ports.has_network() {
             true => (0..Operand::MAX_COUNT).map(travel).sum(),
@@ -310,7 +314,7 @@ impl Sweep<'_> {
         let stay = plan.routes.iter().zip(sources).map(|(route, source)| {
             let back = source
                 .and_then(|source| source.result)
-                .map_or(0, |(back, _)| back);
+                .map_or(0, |result| result.cycle);
             match route {
                 Some(Route::Indirect(at)) => at - back,
                 _ => 0,
@@ -322,7 +326,7 @@ impl Sweep<'_> {
     /// False when no element, free now or not, can take the node in this or
     /// any later cycle.
     pub(super) fn can_ever(&mut self, node: usize, cycle: u32) -> bool {
-        let sources = self.graph.data[node].map(|datum| self.source(datum));
+        let sources = self.sources(node);
         self.mark(sources);
         self.places(node).any(|at| {
             self.plain(sources, at, u32::MAX).is_some()
@@ -342,7 +346,7 @@ impl Sweep<'_> {
                 };
                 let memory = at.memories[operand];
                 let held = self.held(operand, memory);
-                let Some((back, producer)) = source.result else {
+                let Some(result) = source.result else {
                     return true;
                 };
                 let others = Others::default();
@@ -355,8 +359,8 @@ impl Sweep<'_> {
                 let from = draft
                     .locations
                     .buffered_until(source.datum)
-                    .map_or(back, |until| until + 1);
-                (from..=cycle).all(|at| draft.ports.has_room(at, producer, 1))
+                    .map_or(result.cycle, |until| until + 1);
+                (from..=cycle).all(|at| draft.ports.has_room(at, result.element, 1))
             })
     }
 }

@@ -6,8 +6,10 @@
 //! per memory and cycle, because the cycles asked about lie close together
 //! and a row then is a single cache line.
 
-use super::locations::Locations;
+use super::graph::Datum;
+use super::locations::{Locations, Memory};
 use super::network::Wires;
+use robovec_ir::placement::Element;
 use robovec_ir::{Machine, Operand};
 
 /// The most words planned at once, beside the one asked about.
@@ -37,9 +39,9 @@ pub(super) struct Ports {
 /// A word on its way: what, from which element to which, and when it departs.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct WordTransfer {
-    pub(super) datum: u32,
-    pub(super) from: usize,
-    pub(super) to: usize,
+    pub(super) datum: Datum,
+    pub(super) from: Element,
+    pub(super) to: Element,
     pub(super) departs: u32,
 }
 
@@ -98,14 +100,19 @@ impl Ports {
     }
 
     /// Cycles from the departure of a word to its arrival in a memory.
-    pub(super) fn latency(&self, from: usize, memory: usize) -> u32 {
+    pub(super) fn latency(&self, from: Element, memory: Memory) -> u32 {
         let wires = self.wires.as_ref();
-        wires.map_or(0, |wires| wires.latency(from, memory / self.banks))
+        wires.map_or(0, |wires| wires.latency(from, self.element_of(memory)))
     }
 
     /// The element a memory belongs to.
-    pub(super) fn element_of(&self, memory: usize) -> usize {
-        memory / self.banks
+    pub(super) fn element_of(&self, memory: Memory) -> Element {
+        Element::new((memory.index() / self.banks) as u32)
+    }
+
+    /// All memories, in order.
+    pub(super) fn memories(&self) -> impl Iterator<Item = Memory> + use<> {
+        (0..self.memories as u32).map(Memory::new)
     }
 
     /// True when every link on the way of a word has room for it beside
@@ -141,8 +148,8 @@ impl Ports {
             return false;
         };
         locations.of(word.datum).any(|(_, entry)| {
-            let to = self.element_of(entry.memory as usize);
-            entry.departed == word.departs
+            let to = self.element_of(entry.memory);
+            entry.departed() == Some(word.departs)
                 && wires.way(word.from, to).any(|(other, _)| other == link)
         })
     }
@@ -159,9 +166,9 @@ impl Ports {
         locations: &Locations,
         word: WordTransfer,
         arrives: u32,
-        memory: usize,
+        memory: Memory,
     ) {
-        self.writes[arrives as usize * self.memories + memory] -= 1;
+        self.writes[arrives as usize * self.memories + memory.index()] -= 1;
         self.change_links(locations, word, |uses| *uses -= 1);
     }
 
@@ -207,47 +214,47 @@ impl Ports {
     }
 
     /// True when the memory can take `words` more in the cycle.
-    pub(super) fn can_write(&self, cycle: u32, memory: usize, words: u8) -> bool {
-        let taken = self.writes[cycle as usize * self.memories + memory];
+    pub(super) fn can_write(&self, cycle: u32, memory: Memory, words: u8) -> bool {
+        let taken = self.writes[cycle as usize * self.memories + memory.index()];
         taken.saturating_add(words) <= self.write_limit
     }
 
     /// Takes a write port.
-    pub(super) fn write(&mut self, cycle: u32, memory: usize) {
+    pub(super) fn write(&mut self, cycle: u32, memory: Memory) {
         debug_assert!(
             self.can_write(cycle, memory, 1),
             "a memory that is written has a free port"
         );
-        self.writes[cycle as usize * self.memories + memory] += 1;
+        self.writes[cycle as usize * self.memories + memory.index()] += 1;
     }
 
     /// True when the element's buffer can hand out `words` more in the cycle.
-    pub(super) fn can_read_buffer(&self, cycle: u32, element: usize, words: u8) -> bool {
-        let taken = self.buffer_reads[cycle as usize * self.elements + element];
+    pub(super) fn can_read_buffer(&self, cycle: u32, element: Element, words: u8) -> bool {
+        let taken = self.buffer_reads[cycle as usize * self.elements + element.index()];
         taken.saturating_add(words) <= self.buffer_read_limit
     }
 
     /// Takes a buffer output.
-    pub(super) fn read_buffer(&mut self, cycle: u32, element: usize) {
+    pub(super) fn read_buffer(&mut self, cycle: u32, element: Element) {
         debug_assert!(
             self.can_read_buffer(cycle, element, 1),
             "a buffer that is read has a free port"
         );
-        self.buffer_reads[cycle as usize * self.elements + element] += 1;
+        self.buffer_reads[cycle as usize * self.elements + element.index()] += 1;
     }
 
     /// True when the element's buffer has room for `words` more in the cycle.
-    pub(super) fn has_room(&self, cycle: u32, element: usize, words: u16) -> bool {
+    pub(super) fn has_room(&self, cycle: u32, element: Element, words: u16) -> bool {
         self.buffer_word_limit.is_none_or(|limit| {
-            self.buffer_words[cycle as usize * self.elements + element] + words <= limit
+            self.buffer_words[cycle as usize * self.elements + element.index()] + words <= limit
         })
     }
 
     /// Keeps a word in the element's buffer during the cycles given.
-    pub(super) fn occupy(&mut self, cycles: std::ops::RangeInclusive<u32>, element: usize) {
+    pub(super) fn occupy(&mut self, cycles: std::ops::RangeInclusive<u32>, element: Element) {
         if self.buffer_word_limit.is_some() {
             for cycle in cycles {
-                self.buffer_words[cycle as usize * self.elements + element] += 1;
+                self.buffer_words[cycle as usize * self.elements + element.index()] += 1;
             }
         }
     }

@@ -4,7 +4,7 @@ use super::choice::RANKS;
 use super::testing::{TestFunctionBuilder, machine, replay};
 use super::{ElementChoice, PlaceError, PlaceOptions, Priority, place};
 use robovec_ir::machine::BufferDescription;
-use robovec_ir::placement::{Bank, Placement};
+use robovec_ir::placement::{Address, Bank, BufferWord, Element, Placement};
 use robovec_ir::{Function, Machine, Operand, Operation, Value};
 
 fn placed(builder: TestFunctionBuilder, machine: &Machine) -> Function {
@@ -20,12 +20,22 @@ fn placed(builder: TestFunctionBuilder, machine: &Machine) -> Function {
 
 fn cycle(function: &Function, operand: Operand) -> u32 {
     let value = operand.value().expect("a node");
-    function.schedule.as_ref().expect("placed").slots[value.index()].cycle
+    function
+        .schedule
+        .as_ref()
+        .expect("placed")
+        .slot(value)
+        .cycle
 }
 
-fn element(function: &Function, operand: Operand) -> u32 {
+fn element(function: &Function, operand: Operand) -> Element {
     let value = operand.value().expect("a node");
-    function.schedule.as_ref().expect("placed").slots[value.index()].element
+    function
+        .schedule
+        .as_ref()
+        .expect("placed")
+        .slot(value)
+        .element
 }
 
 fn placement(function: &Function) -> &Placement {
@@ -68,12 +78,7 @@ fn a_chain_waits_for_weights_and_nothing_else() {
         .map(|w| w.cycle)
         .collect();
     assert_eq!(back, [6, 18]);
-    assert!(
-        placement(&function)
-            .buffers
-            .iter()
-            .all(|&b| b == Placement::NONE)
-    );
+    assert!(placement(&function).buffers.iter().all(Option::is_none));
 }
 
 #[test]
@@ -88,8 +93,8 @@ fn a_taken_port_costs_a_cycle_and_goes_through_the_buffer() {
     let function = placed(builder, &one_port);
     assert_eq!(cycle(&function, sum), 8);
     let buffers = &placement(&function).buffers;
-    let in_buffer = [a, b].map(|operand| operand.value().map(|v| buffers[v.index()]));
-    assert!(in_buffer.contains(&Some(0)) && in_buffer.contains(&Some(Placement::NONE)));
+    let in_buffer = [a, b].map(|operand| buffers[operand.value().expect("a node").index()]);
+    assert!(in_buffer.contains(&Some(BufferWord::new(0))) && in_buffer.contains(&None));
 }
 
 #[test]
@@ -102,12 +107,7 @@ fn without_a_buffer_a_product_is_issued_later_instead() {
     let mut starts = [cycle(&function, a), cycle(&function, b)];
     starts.sort_unstable();
     assert_eq!((starts, cycle(&function, sum)), ([0, 1], 8));
-    assert!(
-        placement(&function)
-            .buffers
-            .iter()
-            .all(|&b| b == Placement::NONE)
-    );
+    assert!(placement(&function).buffers.iter().all(Option::is_none));
 }
 
 #[test]
@@ -171,7 +171,9 @@ fn a_commutative_operation_changes_sides_where_that_saves_a_transfer() {
     assert_eq!(operands(difference), Operand::list([q[2], a]));
     let value = a.value().expect("a node");
     let writes = placement(&function).writes_of(value);
-    let in_multiplier = writes.iter().filter(|write| write.word.element == 1);
+    let in_multiplier = writes
+        .iter()
+        .filter(|write| write.word.element == Element::new(1));
     assert_eq!(in_multiplier.count(), 1);
 }
 
@@ -211,8 +213,8 @@ fn the_preferential_choice_goes_where_the_operands_are() {
         };
         place(&mut function, &machine, options).expect("it fits");
         assert_eq!(replay(&function, &machine), Ok(()));
-        assert_eq!(element(&function, right), 1);
-        assert_eq!(element(&function, last), expected, "{choice:?}");
+        assert_eq!(element(&function, right).number(), 1);
+        assert_eq!(element(&function, last).number(), expected, "{choice:?}");
     }
 }
 
@@ -226,7 +228,7 @@ fn a_host_value_is_preloaded() {
     builder.output(1, sine);
     let function = placed(builder, &machine("thesis", 1, 1));
     let schedule = function.schedule.as_ref().expect("placed");
-    assert!(schedule.slots[0].is_host());
+    assert!(schedule.is_host(Value(0)));
     assert_eq!(cycle(&function, product), 0);
     let preloaded: Vec<Operand> = placement(&function)
         .preloads
@@ -315,7 +317,7 @@ fn addresses_are_used_again() {
         .iter()
         .map(|write| write.word.address)
         .max();
-    assert_eq!(highest, Some(1));
+    assert_eq!(highest, Some(Address::new(1)));
     let home = placement.homes[0].expect("computed");
     assert_eq!(home.bank, Bank::Unified);
 }

@@ -2,11 +2,12 @@
 //! while the work is in proportion, and the best result wins.
 
 use super::choice::ElementChoice;
-use super::locations::NO_ENTRY;
+use super::locations::Entry;
 use super::order::SchedulingOrder;
 use super::sweep::{Manner, ScheduleDraft, Stuck, Task, sweep};
 use super::{addresses, homes, list};
 use robovec_ir::machine::Interconnect;
+use robovec_ir::placement::BufferWord;
 
 /// The number of visits of an operation that [`Priority::Best`] may spend
 /// beyond its first sweep: a few more tries for a model of 30,000 operations,
@@ -187,10 +188,10 @@ impl<'a> Trials<'a> {
 pub(super) struct PlacementCandidate {
     /// Cycles, elements and transfers.
     pub(super) draft: ScheduleDraft,
-    /// The entry that keeps each assignment.
-    pub(super) homes: Vec<u32>,
-    /// The buffer word of each node.
-    pub(super) buffers: Vec<u32>,
+    /// The entry that keeps each assignment, if the machine computes it.
+    pub(super) homes: Vec<Option<Entry>>,
+    /// The buffer word of each node that needs one.
+    pub(super) buffers: Vec<Option<BufferWord>>,
     /// The order it comes from.
     pub(super) order: &'static str,
     /// Smaller is better: cycles above the bound, in steps of 1/4096 of it;
@@ -207,8 +208,8 @@ impl PlacementCandidate {
         let homes = homes::settle_homes(task.function, task.graph, &mut draft)?;
         draft.locations.drop_unread();
         let buffers = addresses::allocate_buffers(task.graph, &draft);
-        let used = buffers.iter().filter(|&&word| word != NO_ENTRY);
-        let depth = used.map(|word| word + 1).max().unwrap_or(0);
+        let used = buffers.iter().flatten().max();
+        let depth = used.map_or(0, |word| word.number() + 1);
         let above = draft.cycles - task.target;
         Ok(PlacementCandidate {
             cost: (above / (task.target / 4096 + 1), depth, above),

@@ -96,11 +96,7 @@ pub fn placement_statistics(function: &Function, machine: &Machine) -> Option<Pl
         ranks: view.ranks(),
         direct_writes,
         indirect_writes: placement.writes.len() as u32 - direct_writes,
-        buffered_results: placement
-            .buffers
-            .iter()
-            .filter(|&&word| word != Placement::NONE)
-            .count() as u32,
+        buffered_results: placement.buffers.iter().flatten().count() as u32,
         preloads: placement.preloads.len() as u32,
     })
 }
@@ -133,24 +129,24 @@ impl PlacedView<'_> {
     /// The values the machine computes, with their write-back cycles.
     fn values(&self) -> impl Iterator<Item = (Value, u32)> + '_ {
         self.function.values().filter_map(|(value, node)| {
-            let slot = self.schedule.slots[value.index()];
+            let slot = self.schedule.slots[value.index()]?;
             let weight = self.machine.weight(node.operation);
-            (!slot.is_host()).then(|| (value, slot.cycle.saturating_add(weight).saturating_sub(1)))
+            Some((value, slot.cycle.saturating_add(weight).saturating_sub(1)))
         })
     }
 
     /// The cycle in which a written word left its producer.
     fn departs(&self, value: Value, write: &Write) -> u32 {
-        let from = self.schedule.slots[value.index()].element as usize;
+        let from = self.schedule.slot(value).element;
         let wires = self.wires.as_ref();
-        let latency = wires.map_or(0, |wires| wires.latency(from, write.word.element as usize));
+        let latency = wires.map_or(0, |wires| wires.latency(from, write.word.element));
         write.cycle.saturating_sub(latency)
     }
 
     fn operations(&self) -> Vec<u32> {
         let mut operations = vec![0; self.schedule.element_count() as usize];
-        for slot in self.schedule.slots.iter().filter(|slot| !slot.is_host()) {
-            operations[slot.element as usize] += 1;
+        for slot in self.schedule.slots.iter().flatten() {
+            operations[slot.element.index()] += 1;
         }
         operations
     }
@@ -161,18 +157,18 @@ impl PlacedView<'_> {
         let writes = self.placement.writes.iter().map(|write| write.word);
         for word in preloads.chain(writes) {
             let side = usize::from(word.bank == Bank::Right);
-            let used = &mut words[word.element as usize][side];
-            *used = word.address.saturating_add(1).max(*used);
+            let used = &mut words[word.element.index()][side];
+            *used = (word.address.number() + 1).max(*used);
         }
         words.into_iter().map(|sides| sides.iter().sum()).collect()
     }
 
     fn buffer_words(&self) -> Vec<u32> {
         let mut words = vec![0; self.schedule.element_count() as usize];
-        for (slot, &word) in self.schedule.slots.iter().zip(&self.placement.buffers) {
-            if word != Placement::NONE && !slot.is_host() {
-                let used: &mut u32 = &mut words[slot.element as usize];
-                *used = word.saturating_add(1).max(*used);
+        for (slot, word) in self.schedule.slots.iter().zip(&self.placement.buffers) {
+            if let (Some(slot), Some(word)) = (slot, word) {
+                let used: &mut u32 = &mut words[slot.element.index()];
+                *used = (word.number() + 1).max(*used);
             }
         }
         words
@@ -183,8 +179,8 @@ impl PlacedView<'_> {
     fn write_read(&self, node: Value, side: usize) -> Option<usize> {
         let operand = *self.function.node(node).operands().get(side)?;
         let value = operand.value()?;
-        let element = self.schedule.slots[node.index()].element;
-        let address = self.placement.reads[node.index()][side];
+        let element = self.schedule.slot(node).element;
+        let address = self.placement.reads[node.index()][side]?;
         let wrong_side = if side == 0 { Bank::Right } else { Bank::Left };
         let feeds = |write: &Write| {
             let word = write.word;
@@ -195,11 +191,12 @@ impl PlacedView<'_> {
     }
 
     fn ranks(&self) -> [u32; 9] {
-        let mut first_read = vec![u32::MAX; self.placement.writes.len()];
+        let mut first_read: Vec<Option<u32>> = vec![None; self.placement.writes.len()];
         for (node, _) in self.values() {
-            let cycle = self.schedule.slots[node.index()].cycle;
+            let cycle = self.schedule.slot(node).cycle;
             for write in (0..2).filter_map(|side| self.write_read(node, side)) {
-                first_read[write] = first_read[write].min(cycle);
+                let first = first_read[write].get_or_insert(cycle);
+                *first = cycle.min(*first);
             }
         }
         let backs: Vec<(Value, u32)> = self.values().collect();
@@ -209,9 +206,9 @@ impl PlacedView<'_> {
         };
         let mut ranks = [0; 9];
         for (node, _) in self.values() {
-            let cycle = self.schedule.slots[node.index()].cycle;
+            let cycle = self.schedule.slot(node).cycle;
             let status = |side: usize| match self.write_read(node, side) {
-                Some(write) if first_read[write] == cycle => {
+                Some(write) if first_read[write] == Some(cycle) => {
                     let producer = self.function.node(node).operands[side].value();
                     let producer = producer.expect("only values are written");
                     let departs = self.departs(producer, &self.placement.writes[write]);

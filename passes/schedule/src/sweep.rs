@@ -9,8 +9,8 @@
 
 use super::ahead::Ahead;
 use super::choice::{ElementChoice, OperandSource, Route, word};
-use super::graph::{DependenceGraph, HOST, NO_DATUM};
-use super::locations::{Locations, NO_ENTRY, Travel};
+use super::graph::{Datum, DependenceGraph, HOST};
+use super::locations::{Entry, Locations, Memory, Travel, WriteBack};
 use super::order::SchedulingOrder;
 use super::plan::{IssueDecision, IssuePlan};
 use super::ports::{Ports, WordTransfer};
@@ -24,7 +24,7 @@ const LONGEST_PAUSE: u32 = 64;
 #[derive(Clone, Debug)]
 pub(super) struct ScheduleDraft {
     /// The entries each node reads as its operands.
-    pub(super) reads: Vec<[u32; Operand::MAX_COUNT]>,
+    pub(super) reads: Vec<[Option<Entry>; Operand::MAX_COUNT]>,
     /// The nodes whose operands change sides.
     pub(super) swapped: Vec<bool>,
     /// The places of the data.
@@ -124,7 +124,7 @@ pub(super) struct Sweep<'a> {
     /// The last cycle each element issued in, plus one.
     pub(super) busy: Vec<u32>,
     /// Per operand and memory: the stamp of the last look, and the entry.
-    pub(super) marks: [Vec<(u32, u32)>; Operand::MAX_COUNT],
+    pub(super) marks: [Vec<(u32, Option<Entry>)>; Operand::MAX_COUNT],
     pub(super) stamp: u32,
     pub(super) last_issue: u32,
     /// Operations wait for an element that needs no buffer while the schedule
@@ -159,7 +159,7 @@ impl<'a> Sweep<'a> {
             choice,
             banks,
             draft: ScheduleDraft {
-                reads: vec![[NO_ENTRY; Operand::MAX_COUNT]; nodes],
+                reads: vec![[None; Operand::MAX_COUNT]; nodes],
                 swapped: vec![false; nodes],
                 locations: Locations::new(count_readers(function, graph).into_iter()),
                 ports,
@@ -182,7 +182,7 @@ impl<'a> Sweep<'a> {
                 })
                 .collect(),
             busy: vec![0; elements],
-            marks: std::array::from_fn(|_| vec![(0, 0); elements * banks]),
+            marks: std::array::from_fn(|_| vec![(0, None); elements * banks]),
             stamp: 0,
             last_issue: 0,
             picky: true,
@@ -302,14 +302,14 @@ impl<'a> Sweep<'a> {
             "an operation is issued after all its operands"
         );
         debug_assert!(
-            self.busy[plan.element] <= cycle,
+            self.busy[plan.element.index()] <= cycle,
             "an element issues one operation in a cycle"
         );
         let data = self.graph.data[node];
-        let mut reads = [NO_ENTRY; Operand::MAX_COUNT];
+        let sources = self.sources(node);
+        let mut reads = [None; Operand::MAX_COUNT];
         for operand in 0..Operand::MAX_COUNT {
-            let (Some(route), Some(source)) = (plan.routes[operand], self.source(data[operand]))
-            else {
+            let (Some(route), Some(source)) = (plan.routes[operand], sources[operand]) else {
                 continue;
             };
             let same_word = |&before: &usize| {
@@ -317,60 +317,69 @@ impl<'a> Sweep<'a> {
             };
             reads[operand] = match (0..operand).find(same_word) {
                 Some(before) => reads[before],
-                None => self.transfer(source, route, plan.memories[operand], cycle),
+                None => Some(self.transfer(source, route, plan.memories[operand], cycle)),
             };
         }
-        for datum in data.into_iter().filter(|&datum| datum != NO_DATUM) {
+        for datum in data.into_iter().flatten() {
             self.has_read(datum);
         }
-        let datum = &mut self.draft.locations.data[node];
-        datum.back = cycle + self.graph.weight(node) - 1;
-        datum.element = plan.element as u32;
+        self.draft.locations.data[node].result = Some(WriteBack {
+            cycle: cycle + self.graph.weight(node) - 1,
+            element: plan.element,
+        });
         if plan.swapped {
             reads.swap(0, 1);
             self.draft.swapped[node] = true;
         }
         self.draft.reads[node] = reads;
-        self.busy[plan.element] = cycle + 1;
+        self.busy[plan.element.index()] = cycle + 1;
         self.last_issue = cycle;
         self.announce(node, cycle);
     }
 
     /// Reserves a transfer and returns the entry that is read.
-    fn transfer(&mut self, source: OperandSource, route: Route, memory: usize, cycle: u32) -> u32 {
+    fn transfer(
+        &mut self,
+        source: OperandSource,
+        route: Route,
+        memory: Memory,
+        cycle: u32,
+    ) -> Entry {
         let draft = &mut self.draft;
         let word = word(&draft.ports, source, memory, route);
+        let travel = |arrives| Travel {
+            departs: word.map_or(arrives, |word| word.departs),
+            arrives,
+        };
         let travel = match route {
             Route::Held(entry) => {
-                draft.locations.entries[entry as usize].last_read = cycle;
+                draft.locations.entries[entry.index()].set_last_read(Some(cycle));
                 return entry;
             }
-            Route::Load => Travel::PRELOADED,
-            Route::Direct(at) | Route::Indirect(at) => Travel {
-                departs: word.map_or(at, |word| word.departs),
-                arrives: at,
-            },
-        };
-        match route {
-            Route::Direct(_) => {
-                draft.ports.write(travel.arrives, memory);
+            Route::Load => None,
+            Route::Direct(at) => {
+                draft.ports.write(at, memory);
                 if let Some(word) = word {
                     draft.ports.travel(&draft.locations, word);
                 }
+                Some(travel(at))
             }
-            Route::Indirect(_) => reserve_indirect(draft, source, memory, travel),
-            Route::Held(_) | Route::Load => {}
-        }
-        draft.live[memory] += 1;
-        draft.locations.add(source.datum, memory, travel, cycle)
+            Route::Indirect(at) => {
+                reserve_indirect(draft, source, memory, travel(at));
+                Some(travel(at))
+            }
+        };
+        draft.live[memory.index()] += 1;
+        let datum = source.datum;
+        draft.locations.add(datum, memory, travel, Some(cycle))
     }
 
-    fn has_read(&mut self, datum: u32) {
-        let left = &mut self.draft.locations.data[datum as usize].readers_left;
+    fn has_read(&mut self, datum: Datum) {
+        let left = &mut self.draft.locations.data[datum.index()].readers_left;
         *left -= 1;
         if *left == 0 {
             for (_, entry) in self.draft.locations.of(datum) {
-                self.draft.live[entry.memory as usize] -= 1;
+                self.draft.live[entry.memory.index()] -= 1;
             }
         }
     }
@@ -397,16 +406,16 @@ impl<'a> Sweep<'a> {
     /// whose operands are issued, as far as the network's latency goes.
     fn first_arrival(&self, node: usize) -> u32 {
         let draft = &self.draft;
-        let data = self.graph.data[node];
-        let at = |element: usize| {
-            let operands = data.into_iter().filter(|&datum| datum != NO_DATUM);
-            let results = operands.filter_map(|datum| self.source(datum)?.result);
-            let arrivals = results
-                .map(|(back, from)| back + draft.ports.latency(from, element * self.banks) + 1);
+        let sources = self.sources(node);
+        let at = |element: u32| {
+            let memory = Memory::new(element * self.banks as u32);
+            let results = sources.iter().flatten().filter_map(|source| source.result);
+            let arrivals =
+                results.map(|back| back.cycle + draft.ports.latency(back.element, memory) + 1);
             arrivals.max().unwrap_or(0)
         };
         let kind = self.graph.kinds[self.graph.kind[node] as usize];
-        let elements = kind.first as usize..(kind.first + kind.count) as usize;
+        let elements = kind.first..kind.first + kind.count;
         elements.map(at).min().unwrap_or(0)
     }
 }
@@ -415,10 +424,11 @@ impl<'a> Sweep<'a> {
 pub(super) fn reserve_indirect(
     draft: &mut ScheduleDraft,
     source: OperandSource,
-    memory: usize,
+    memory: Memory,
     travel: Travel,
 ) {
-    let (back, producer) = source.result.expect("only results are written");
+    let result = source.result.expect("only results are written");
+    let producer = result.element;
     draft.ports.write(travel.arrives, memory);
     let departs = travel.departs;
     let word = WordTransfer {
@@ -429,13 +439,13 @@ pub(super) fn reserve_indirect(
     };
     draft.ports.travel(&draft.locations, word);
     let mut sent = draft.locations.of(source.datum);
-    if !sent.any(|(_, entry)| entry.departed == departs) {
+    if !sent.any(|(_, entry)| entry.departed() == Some(departs)) {
         draft.ports.read_buffer(departs, producer);
     }
     let from = draft
         .locations
         .buffered_until(source.datum)
-        .map_or(back, |until| until + 1);
+        .map_or(result.cycle, |until| until + 1);
     draft.ports.occupy(from..=departs, producer);
 }
 
@@ -453,10 +463,8 @@ fn outputs(function: &Function) -> Vec<bool> {
 /// words are never taken for dead.
 fn count_readers(function: &Function, graph: &DependenceGraph) -> Vec<u32> {
     let mut readers = vec![0; graph.data_len()];
-    for datum in graph.data.iter().flatten() {
-        if *datum != NO_DATUM {
-            readers[*datum as usize] += 1;
-        }
+    for datum in graph.data.iter().flatten().flatten() {
+        readers[datum.index()] += 1;
     }
     for assignment in &function.assignments {
         if let Some(value) = assignment.operand.value() {

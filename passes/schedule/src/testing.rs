@@ -1,7 +1,7 @@
 //! Programs and a replay for the tests of placement.
 
 use robovec_ir::machine::MemoryStyle;
-use robovec_ir::placement::{Bank, Placement, Slot, Word};
+use robovec_ir::placement::{Bank, BufferWord, Element, Placement, Schedule, Word};
 use robovec_ir::{
     Assignment, Function, Level, Machine, Name, Node, Operand, Operation, Output, Shape, SourceSet,
     Symbol, Value,
@@ -172,12 +172,11 @@ struct TestReplay<'a> {
     function: &'a Function,
     machine: &'a Machine,
     placement: &'a Placement,
-    slots: &'a [Slot],
+    schedule: &'a Schedule,
     memory: BTreeMap<Word, Operand>,
     unread: BTreeSet<Word>,
     issues: BTreeMap<u32, Vec<usize>>,
     writes: BTreeMap<u32, Vec<(usize, Word)>>,
-    cycles: u32,
 }
 
 impl<'a> TestReplay<'a> {
@@ -188,12 +187,11 @@ impl<'a> TestReplay<'a> {
             function,
             machine,
             placement,
-            slots: &schedule.slots,
+            schedule,
             memory: BTreeMap::new(),
             unread: BTreeSet::new(),
             issues: BTreeMap::new(),
             writes: BTreeMap::new(),
-            cycles: schedule.cycles,
         };
         if schedule.lower_bound > schedule.cycles {
             return Err("below the bound".to_owned());
@@ -209,11 +207,10 @@ impl<'a> TestReplay<'a> {
             }
         }
         for (value, node) in function.values() {
-            let slot = schedule.slots[value.index()];
-            if slot.is_host() {
+            let Some(slot) = schedule.slots[value.index()] else {
                 assert!(node.operation.is_trigonometric());
                 continue;
-            }
+            };
             let kind = machine.kind_of(node.operation).ok_or("no kind")?;
             if schedule.element_name(slot.element).0 != machine.elements[kind].kind {
                 return Err(format!("{value:?} on a wrong element"));
@@ -238,14 +235,16 @@ impl<'a> TestReplay<'a> {
             return Err(format!("{word:?} in a bank the machine lacks"));
         }
         match self.machine.memory.words {
-            Some(words) if word.address >= words => Err(format!("{word:?} beyond the memory")),
+            Some(words) if word.address.number() >= words => {
+                Err(format!("{word:?} beyond the memory"))
+            }
             _ => Ok(()),
         }
     }
 
     fn back(&self, node: usize) -> u32 {
         let operation = self.function.nodes()[node].operation;
-        self.slots[node].cycle + self.machine.weight(operation) - 1
+        self.schedule.slot(Value(node as u32)).cycle + self.machine.weight(operation) - 1
     }
 
     fn run(mut self) -> Result<(), String> {
@@ -257,7 +256,7 @@ impl<'a> TestReplay<'a> {
             let issues = self.issues.remove(&cycle).unwrap_or_default();
             let mut busy = BTreeSet::new();
             for node in issues {
-                if !busy.insert(self.slots[node].element) {
+                if !busy.insert(self.schedule.slot(Value(node as u32)).element) {
                     return Err(format!("two issues at {cycle} on one element"));
                 }
                 finish = finish.max(self.back(node) + 1);
@@ -269,14 +268,14 @@ impl<'a> TestReplay<'a> {
             }
             self.write_all(cycle, &writes)?;
         }
-        if finish != self.cycles {
-            return Err(format!("ends at {finish}, said {}", self.cycles));
+        if finish != self.schedule.cycles {
+            return Err(format!("ends at {finish}, said {}", self.schedule.cycles));
         }
         for (assignment, home) in self.function.assignments.iter().zip(&self.placement.homes) {
             let computed = assignment
                 .operand
                 .value()
-                .is_some_and(|value| !self.slots[value.index()].is_host());
+                .is_some_and(|value| !self.schedule.is_host(value));
             let right = match home {
                 Some(word) => computed && self.memory.get(word) == Some(&assignment.operand),
                 None => !computed,
@@ -303,9 +302,9 @@ impl<'a> TestReplay<'a> {
                 (MemoryStyle::SideSplit, _) => Bank::Right,
             };
             let word = Word {
-                element: self.slots[node].element,
+                element: self.schedule.slot(Value(node as u32)).element,
                 bank,
-                address: self.placement.reads[node][side],
+                address: self.placement.reads[node][side].ok_or("no address")?,
             };
             self.unread.remove(&word);
             if self.memory.get(&word) != Some(operand) {
@@ -316,8 +315,8 @@ impl<'a> TestReplay<'a> {
     }
 
     fn write_all(&mut self, cycle: u32, writes: &[(usize, Word)]) -> Result<(), String> {
-        let mut per_memory: BTreeMap<(u32, Bank), u32> = BTreeMap::new();
-        let mut from_buffer: BTreeMap<u32, BTreeSet<usize>> = BTreeMap::new();
+        let mut per_memory: BTreeMap<(Element, Bank), u32> = BTreeMap::new();
+        let mut from_buffer: BTreeMap<Element, BTreeSet<usize>> = BTreeMap::new();
         let mut written = BTreeSet::new();
         for &(node, word) in writes {
             *per_memory.entry((word.element, word.bank)).or_default() += 1;
@@ -328,7 +327,7 @@ impl<'a> TestReplay<'a> {
                 return Err(format!("{node} written before it is there"));
             }
             if cycle > self.back(node) {
-                let element = self.slots[node].element;
+                let element = self.schedule.slot(Value(node as u32)).element;
                 from_buffer.entry(element).or_default().insert(node);
             }
             let value = robovec_ir::Value(node as u32);
@@ -352,12 +351,12 @@ impl<'a> TestReplay<'a> {
     }
 
     fn check_buffers(&self) -> Result<(), String> {
-        let mut stays: BTreeMap<(u32, u32), Vec<(u32, u32)>> = BTreeMap::new();
+        let mut stays: BTreeMap<(Element, BufferWord), Vec<(u32, u32)>> = BTreeMap::new();
         for (node, &word) in self.placement.buffers.iter().enumerate() {
-            if self.slots[node].is_host() {
+            let value = Value(node as u32);
+            if self.schedule.is_host(value) {
                 continue;
             }
-            let value = robovec_ir::Value(node as u32);
             let last = self
                 .placement
                 .writes_of(value)
@@ -365,16 +364,16 @@ impl<'a> TestReplay<'a> {
                 .map(|write| write.cycle);
             let last = last.max().filter(|&last| last > self.back(node));
             match (word, last) {
-                (Placement::NONE, None) => {}
-                (Placement::NONE, Some(_)) | (_, None) => {
-                    return Err(format!("{node} in buffer {word} until {last:?}"));
+                (None, None) => {}
+                (None, Some(_)) | (Some(_), None) => {
+                    return Err(format!("{node} in buffer {word:?} until {last:?}"));
                 }
-                (word, Some(last)) => {
+                (Some(word), Some(last)) => {
                     let limit = self.machine.buffer.and_then(|buffer| buffer.words);
-                    if limit.is_some_and(|limit| word >= limit) {
+                    if limit.is_some_and(|limit| word.number() >= limit) {
                         return Err(format!("{node} beyond its buffer"));
                     }
-                    let key = (self.slots[node].element, word);
+                    let key = (self.schedule.slot(Value(node as u32)).element, word);
                     stays.entry(key).or_default().push((self.back(node), last));
                 }
             }

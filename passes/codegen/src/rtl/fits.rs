@@ -5,7 +5,7 @@ use super::hardware::{Crossbar, Hardware};
 use super::legs;
 use crate::traffic::Traffic;
 use robovec_ir::View;
-use robovec_ir::placement::Bank;
+use robovec_ir::placement::{Bank, Element};
 use std::fmt;
 
 /// The demand of a program on one part of the hardware.
@@ -138,7 +138,7 @@ impl HardwareFit {
             return;
         }
         let name = |&(code, port): &(u32, u32)| {
-            let source = traffic.element_name(code % sizes.elements);
+            let source = traffic.element_name(Element::new(code % sizes.elements));
             let through = if code < sizes.elements {
                 ""
             } else {
@@ -150,7 +150,7 @@ impl HardwareFit {
                 (_, 0) => Bank::Left,
                 (_, _) => Bank::Right,
             };
-            let target = traffic.memory_name(memory / sizes.memories, bank);
+            let target = traffic.memory_name(Element::new(memory / sizes.memories), bank);
             format!("{source}{through} to port {port} of {target}")
         };
         let named: Vec<String> = missing.iter().take(MAX_NAMED).map(name).collect();

@@ -14,12 +14,12 @@ pub(super) fn used(traffic: &Traffic<'_>, sizes: &Sizes) -> Vec<Vec<u32>> {
     let ports = (sizes.elements * sizes.memories * sizes.write_ports) as usize;
     let mut legs = vec![BTreeSet::new(); ports];
     let writes = &traffic.placement.writes;
-    for element in 0..sizes.elements {
+    for element in traffic.elements() {
         for group in traffic.write_groups(element) {
             for (port, &index) in (0u32..).zip(group) {
                 let write = writes[index as usize];
                 let memory = u32::from(write.word.bank == Bank::Right);
-                let place = (element * sizes.memories + memory) * sizes.write_ports + port;
+                let place = (element.number() * sizes.memories + memory) * sizes.write_ports + port;
                 let value = traffic.owners[index as usize];
                 legs[place as usize].insert(select(traffic, value, write.cycle));
             }

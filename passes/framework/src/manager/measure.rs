@@ -90,7 +90,8 @@ pub(super) fn fingerprint(function: &Function) -> u64 {
     }
     if let Some(schedule) = &function.schedule {
         for slot in &schedule.slots {
-            (slot.cycle, slot.element).hash(&mut hasher);
+            slot.map(|slot| (slot.cycle, slot.element))
+                .hash(&mut hasher);
         }
     }
     if let Some(placement) = &function.placement {

@@ -57,9 +57,10 @@ fn issues(bench: &TestBench<'_>) -> BTreeMap<(u32, u32), (Value, u32)> {
         .values()
         .zip(&schedule.slots)
         .filter_map(|((value, _), slot)| {
-            let stages = stages.get(slot.element as usize)?;
+            let slot = (*slot)?;
+            let stages = stages.get(slot.element.index())?;
             let cycle = slot.cycle.checked_add(stages + 1)?;
-            Some(((cycle, slot.element), (value, slot.cycle)))
+            Some(((cycle, slot.element.number()), (value, slot.cycle)))
         })
         .collect()
 }
