@@ -13,7 +13,7 @@
 
 use super::profile::{SensitivityProfile, StateLanes, squares};
 use super::terms::{self, StepSource, SumPlan, SumSetting, SumTerm, TermFactor};
-use crate::reassociate::{GroupFamily, GroupLeaf, GroupReach, OperandGroups};
+use crate::sums::groups::{GroupFamily, GroupLeaf, GroupReach, OperandGroups};
 use robovec_analysis::critical_path::{Weights, tails};
 use robovec_analysis::slice::live;
 use robovec_framework::pass::Context;

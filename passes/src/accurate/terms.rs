@@ -18,10 +18,9 @@
 //! *Floating-Point Computation*, 1974), and so is adding zero.
 
 use super::profile::{LANES, StateLanes, squares};
+use crate::sums::earliest::finish;
 use robovec_ir::{Operand, Operation};
 use std::array;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 /// Sums of more terms are added greedily.
 const EXHAUSTIVE: usize = 6;
@@ -115,22 +114,9 @@ impl SumSetting {
         self.rounding(&sum)
     }
 
-    /// Whether the terms can be added by the deadline: adding the two
-    /// earliest again and again finishes first (Golumbic, *IEEE Trans.
-    /// Computers* C-25, 1976).
+    /// Whether the terms can be added by the deadline.
     fn feasible(&self, arrivals: impl Iterator<Item = u32>) -> bool {
-        let mut heap: BinaryHeap<Reverse<u32>> = arrivals.map(Reverse).collect();
-        while let (Some(_), Some(Reverse(later))) = (heap.pop(), heap.pop()) {
-            let finish = later.saturating_add(self.add);
-            if finish > self.deadline {
-                return false;
-            }
-            heap.push(Reverse(finish));
-            if heap.len() == 1 {
-                break;
-            }
-        }
-        true
+        finish(arrivals, self.add) <= self.deadline
     }
 }
 

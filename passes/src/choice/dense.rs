@@ -5,7 +5,8 @@
 //! of all forms lie in one vector.
 
 use super::network::{ChoiceForm, ChoiceNetwork, Class, SignedClass};
-use super::timing::{NetworkTiming, earliest_first, levels};
+use super::timing::NetworkTiming;
+use crate::sums::earliest::{finish, levels};
 use smallvec::SmallVec;
 
 /// The operation of a form on its terms.
@@ -205,8 +206,8 @@ impl Dense {
         match self.kind(form) {
             DenseKind::Leaf => 0,
             DenseKind::Opaque(weight) => terms.max().unwrap_or(0).saturating_add(weight),
-            DenseKind::Sum => earliest_first(terms, timing.add),
-            DenseKind::Product => earliest_first(terms, timing.multiply),
+            DenseKind::Sum => finish(terms, timing.add),
+            DenseKind::Product => finish(terms, timing.multiply),
         }
     }
 

@@ -4,13 +4,12 @@ use super::import::Import;
 use super::map::{Mapper, Mapping};
 use super::network::{ChoiceForm, ChoiceNetwork, Class, ProductTerm};
 use super::timing::NetworkTiming;
+use crate::sums::earliest::{TieOrder, join_earliest};
 use robovec_ir::{
     Assignment, FreshNames, Function, Level, Name, Node, Operand, Operation, SourceSet, Symbol,
     Tables,
 };
 use smallvec::SmallVec;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 /// An operand that holds a value or its negation.
 #[derive(Clone, Copy, Debug)]
@@ -226,15 +225,8 @@ impl ChoiceWriter<'_> {
             true => self.timing.multiply,
             false => self.timing.add,
         };
-        let mut made = leaves;
-        let mut open: BinaryHeap<Reverse<(u32, usize)>> = made
-            .iter()
-            .enumerate()
-            .map(|(index, held)| Reverse((held.arrival, index)))
-            .collect();
-        while let (Some(Reverse((_, a))), Some(Reverse((_, b)))) = (open.pop(), open.pop()) {
-            let last = open.is_empty();
-            let (a, b) = (made[a.min(b)], made[a.max(b)]);
+        let arrival = |held: &Held| held.arrival;
+        let last = join_earliest(leaves, TieOrder::Made, arrival, |[a, b], last| {
             let name = if last { naming.last } else { Name::NONE };
             let (operation, operands, negative) = match (product, a.negative, b.negative) {
                 (true, a_negative, b_negative) => (
@@ -246,18 +238,13 @@ impl ChoiceWriter<'_> {
                 (false, true, false) => (Operation::Sub, [b.operand, a.operand], false),
                 (false, negative, _) => (Operation::Add, [a.operand, b.operand], negative),
             };
-            let operand = self.push(operation, operands, name, naming);
-            made.push(Held {
-                operand,
+            Held {
+                operand: self.push(operation, operands, name, naming),
                 negative,
                 arrival: a.arrival.max(b.arrival) + weight,
-            });
-            if last {
-                break;
             }
-            open.push(Reverse((made[made.len() - 1].arrival, made.len() - 1)));
-        }
-        let last = made[made.len() - 1];
+        });
+        let last = last.expect("a sum or product has operands");
         Held {
             negative: last.negative ^ negated,
             ..last

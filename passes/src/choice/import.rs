@@ -2,7 +2,7 @@
 
 use super::network::{ChoiceNetwork, Class, Opaque, ProductTerm, RANK_STEP, SignedClass};
 use super::timing::{Arrivals, NetworkTiming};
-use crate::reassociate::{GroupFamily, GroupLeaf, GroupReach, OperandGroups};
+use crate::sums::groups::{GroupFamily, GroupLeaf, GroupReach, OperandGroups};
 use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_framework::fingerprint::{Fingerprint, Images};
 use robovec_framework::rewrite::owners;

@@ -4,6 +4,7 @@ use super::alternatives::{AlternativeKind, all_negative};
 use super::graph::FormMaker;
 use super::round::Rewriting;
 use crate::cse::{Key, KnownValues, SourceMerges};
+use crate::sums::earliest::{TieOrder, join_earliest};
 use robovec_analysis::critical_path::Weights;
 use robovec_framework::rewrite::{owners, remove_dead};
 use robovec_ir::{
@@ -14,7 +15,6 @@ use robovec_ir::{
 #[derive(Clone, Copy)]
 struct SumOperand {
     arrival: u32,
-    order: u32,
     operand: Operand,
     negative: bool,
 }
@@ -207,7 +207,6 @@ impl RewritingWriter<'_> {
         for (place, &operand) in children.iter().enumerate() {
             parts.push(SumOperand {
                 arrival: self.arrival(operand),
-                order: place as u32,
                 operand,
                 negative: signs >> place & 1 == 1,
             });
@@ -215,32 +214,28 @@ impl RewritingWriter<'_> {
         if operation == Operation::Add && all_negative(signs, children.len() as u32) {
             parts.push(SumOperand {
                 arrival: 0,
-                order: children.len() as u32,
                 operand: self.out.constant(0.0).into(),
                 negative: false,
             });
         }
-        while parts.len() > 1 {
-            let a = take_earliest(&mut parts);
-            let b = take_earliest(&mut parts);
-            let (a, b) = if a.order <= b.order { (a, b) } else { (b, a) };
+        let arrival = |part: &SumOperand| part.arrival;
+        let tree = join_earliest(parts, TieOrder::Written, arrival, |[a, b], last| {
             let (operation, operands, negative) = match (operation, a.negative, b.negative) {
                 (Operation::Add, false, true) => (Operation::Sub, [a.operand, b.operand], false),
                 (Operation::Add, true, false) => (Operation::Sub, [b.operand, a.operand], false),
                 (other, negative, _) => (other, [a.operand, b.operand], negative),
             };
-            let name = if parts.is_empty() { root } else { Name::NONE };
+            let name = if last { root } else { Name::NONE };
             let operand = self.emit(operation, operands, origin.sources, |names| {
                 named(names, name, origin)
             });
-            parts.push(SumOperand {
+            SumOperand {
                 arrival: self.arrival(operand),
-                order: a.order,
                 operand,
                 negative,
-            });
-        }
-        parts[0].operand
+            }
+        });
+        tree.expect("a sum or product has operands").operand
     }
 
     fn finish(mut self, tables: &mut Tables) -> (Function, Vec<(Name, FormMaker)>) {
@@ -263,15 +258,4 @@ fn named(names: &mut FreshNames, name: Name, origin: &RewritingOrigin) -> Name {
     } else {
         name
     }
-}
-
-fn take_earliest(parts: &mut Vec<SumOperand>) -> SumOperand {
-    let mut first = 0;
-    for place in 1..parts.len() {
-        let key = |place: usize| (parts[place].arrival, parts[place].order);
-        if key(place) < key(first) {
-            first = place;
-        }
-    }
-    parts.remove(first)
 }

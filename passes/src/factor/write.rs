@@ -6,6 +6,7 @@
 //! `0 - x`.
 
 use super::network::{Edge, FactorKind, FactorNetwork, NodeOrigin};
+use crate::sums::earliest::{TieOrder, join_earliest};
 use robovec_analysis::critical_path::Weights;
 use robovec_framework::rewrite::output_symbol;
 use robovec_framework::trail::Notes;
@@ -13,7 +14,7 @@ use robovec_ir::{
     FreshNames, Function, Level, Name, Node, Operand, Operation, SourceSet, Symbol, Tables,
 };
 use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap};
+use std::collections::HashMap;
 
 /// Writes the live part of a network in the place of a function's body.
 pub(crate) fn write(
@@ -136,6 +137,7 @@ struct FactorWriter<'n> {
 struct TreeOperand {
     operand: Operand,
     negative: bool,
+    arrival: u32,
 }
 
 impl FactorWriter<'_> {
@@ -202,6 +204,7 @@ impl FactorWriter<'_> {
         TreeOperand {
             operand,
             negative: negative ^ edge.negative(),
+            arrival: self.arrival(operand),
         }
     }
 
@@ -245,15 +248,9 @@ impl FactorWriter<'_> {
         flip: bool,
         naming: &mut NodeNaming,
     ) -> (Operand, bool) {
-        let mut terms: Vec<TreeOperand> = operands.iter().map(|&edge| self.term(edge)).collect();
-        let mut heap: BinaryHeap<Reverse<(u32, usize)>> = terms
-            .iter()
-            .enumerate()
-            .map(|(index, term)| Reverse((self.arrival(term.operand), index)))
-            .collect();
-        while let (Some(Reverse((_, a))), Some(Reverse((_, b)))) = (heap.pop(), heap.pop()) {
-            let last = heap.is_empty();
-            let (a, b) = (terms[a.min(b)], terms[a.max(b)]);
+        let terms = operands.iter().map(|&edge| self.term(edge)).collect();
+        let arrival = |term: &TreeOperand| term.arrival;
+        let tree = join_earliest(terms, TieOrder::Made, arrival, |[a, b], last| {
             let (operation, operands, negative) = if sum {
                 join(a, b, flip && last)
             } else {
@@ -261,15 +258,14 @@ impl FactorWriter<'_> {
                 (Operation::Mul, [a.operand, b.operand], negative)
             };
             let operand = self.push(operation, operands, last, naming);
-            if last {
-                return (operand, negative);
+            TreeOperand {
+                operand,
+                negative,
+                arrival: self.arrival(operand),
             }
-            heap.push(Reverse((self.arrival(operand), terms.len())));
-            terms.push(TreeOperand { operand, negative });
-        }
-        // Sums and products of the network have at least two operands.
-        let term = terms[0];
-        (term.operand, term.negative)
+        });
+        let root = tree.expect("a sum or product has operands");
+        (root.operand, root.negative)
     }
 
     fn other(
@@ -283,6 +279,7 @@ impl FactorWriter<'_> {
             TreeOperand {
                 operand: Operand::NONE,
                 negative: false,
+                arrival: 0,
             },
             |&edge| self.term(edge),
         );
@@ -328,6 +325,7 @@ impl FactorWriter<'_> {
                 FactorKind::Input(operand) => TreeOperand {
                     operand,
                     negative: edge.negative(),
+                    arrival: 0,
                 },
                 _ => self.term(edge),
             };

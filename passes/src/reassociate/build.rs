@@ -1,10 +1,10 @@
 //! Writing the groups anew.
 
-use super::gather::{GroupFamily, GroupLeaf, GroupReach, OperandGroups};
 use super::negations::Negations;
 use super::share::{self, PairCounts};
 use super::signs::Wishes;
 use crate::cse::{Key, KnownValues, SourceMerges};
+use crate::sums::groups::{GroupFamily, GroupLeaf, GroupReach, OperandGroups};
 use hashbrown::HashMap;
 use robovec_analysis::critical_path::{Weights, tails};
 use robovec_framework::rewrite::{lay_out, output_symbol, owners};
@@ -117,8 +117,6 @@ pub(super) struct SignedOperand {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GroupTerm {
     pub(super) arrival: u32,
-    /// Position in the text, or of making: breaks ties.
-    pub(super) order: u32,
     pub(super) value: SignedOperand,
     /// The leaf it still is, for pair counts.
     pub(super) leaf: Option<GroupLeaf>,
@@ -388,7 +386,7 @@ impl<'p> TreeBuilder<'p> {
     ) -> SignedOperand {
         let mut terms: Vec<GroupTerm> = Vec::with_capacity(leaves.len());
         let mut product_negative = false;
-        for (order, &leaf) in leaves.iter().enumerate() {
+        for &leaf in leaves {
             let mut value = self.signed(leaf.operand);
             if family == GroupFamily::Product {
                 product_negative ^= value.negative;
@@ -398,7 +396,6 @@ impl<'p> TreeBuilder<'p> {
             }
             terms.push(GroupTerm {
                 arrival: self.arrival(value.operand),
-                order: order as u32,
                 value,
                 leaf: Some(leaf),
             });
@@ -419,7 +416,7 @@ impl<'p> TreeBuilder<'p> {
         let result = match self.shape {
             TreeShape::Written => self.cascade(family, &terms, flip, naming),
             TreeShape::Cascade => {
-                terms.sort_by_key(|term| (term.arrival, term.order));
+                terms.sort_by_key(|term| term.arrival);
                 self.cascade(family, &terms, flip, naming)
             }
             TreeShape::Earliest => self.earliest(family, root, terms, flip, naming),

@@ -7,9 +7,9 @@
 //! every group the earliest arrival with either sign follows from those of
 //! its leaves, which makes the choice exact.
 
-use super::combine::finish;
-use super::gather::{GroupFamily, GroupLeaf, OperandGroups};
 use super::signs::{Natural, Wishes};
+use crate::sums::earliest::finish;
+use crate::sums::groups::{GroupFamily, GroupLeaf, OperandGroups};
 use robovec_analysis::critical_path::Weights;
 use robovec_ir::{Function, Operation, Value};
 
@@ -156,12 +156,11 @@ impl Turns {
             value.map_or(0, |value| self.arrivals[value.index()])
         };
         let finish_with = |changed: Option<(usize, u32)>| {
-            let mut arrivals: Vec<u32> = leaves.iter().map(arrival).collect();
-            if let Some((place, time)) = changed {
-                arrivals[place] = time;
-            }
-            arrivals.sort_unstable();
-            finish(&mut arrivals, weight)
+            let arrivals = leaves.iter().enumerate().map(|(at, leaf)| match changed {
+                Some((place, time)) if place == at => time,
+                _ => arrival(leaf),
+            });
+            finish(arrivals, weight)
         };
         let natural = finish_with(None);
         let mut best = (natural + minus, Turn::After);

@@ -1,13 +1,12 @@
 //! The tree of one group.
 
 use super::build::{GroupNaming, GroupTerm, Score, SignedOperand, TreeBuilder, TreeShape};
-use super::combine::finish;
-use super::gather::GroupFamily;
 use super::share::LARGEST_GROUP;
 use crate::cse::Key;
+use crate::sums::earliest::{TieOrder, finish, join_earliest};
+use crate::sums::groups::GroupFamily;
 use robovec_ir::{Operand, Operation, Value};
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 impl TreeBuilder<'_> {
     /// Negates a leaf of a group that would come out with another sign than
@@ -100,7 +99,6 @@ impl TreeBuilder<'_> {
         let operand = self.emit(operation, operands, name, naming);
         GroupTerm {
             arrival: self.arrival(operand),
-            order: a.order.min(b.order),
             value: SignedOperand { operand, negative },
             leaf: None,
         }
@@ -143,54 +141,14 @@ impl TreeBuilder<'_> {
         flip: bool,
         naming: &mut GroupNaming,
     ) -> SignedOperand {
-        if terms.is_empty() {
-            return self.empty(family);
-        }
-        if let [a, b] = terms[..] {
-            return self.merge(family, a, b, true, flip, naming).value;
-        }
         if !self.draft && terms.len() > 2 && terms.len() <= LARGEST_GROUP {
             self.share(family, root, &mut terms, naming);
         }
-        if terms.len() <= LARGEST_GROUP {
-            return self.earliest_of_few(family, terms, flip, naming);
-        }
-        let mut heap: BinaryHeap<Reverse<(u32, u32, u32)>> = BinaryHeap::new();
-        for (index, term) in terms.iter().enumerate() {
-            heap.push(Reverse((term.arrival, term.order, index as u32)));
-        }
-        while heap.len() > 1 {
-            let mut earliest = || heap.pop().expect("the heap holds two terms or more").0;
-            let (a, b) = (earliest(), earliest());
-            let last = heap.is_empty();
-            let (a, b) = (terms[a.2 as usize], terms[b.2 as usize]);
-            let (a, b) = if a.order <= b.order { (a, b) } else { (b, a) };
-            let joined = self.merge(family, a, b, last, flip, naming);
-            heap.push(Reverse((joined.arrival, joined.order, terms.len() as u32)));
-            terms.push(joined);
-        }
-        let Reverse((_, _, last)) = heap.pop().expect("a group that is not empty has a root");
-        terms[last as usize].value
-    }
-
-    /// The two earliest first, found by looking at all: for few terms faster
-    /// than a heap.
-    fn earliest_of_few(
-        &mut self,
-        family: GroupFamily,
-        mut terms: Vec<GroupTerm>,
-        flip: bool,
-        naming: &mut GroupNaming,
-    ) -> SignedOperand {
-        while terms.len() > 1 {
-            let first = earliest(&terms, None);
-            let second = earliest(&terms, Some(first));
-            let (a, b) = (terms[first], terms[second]);
-            let (a, b) = if a.order <= b.order { (a, b) } else { (b, a) };
-            terms[first] = self.merge(family, a, b, terms.len() == 2, flip, naming);
-            terms.swap_remove(second);
-        }
-        terms[0].value
+        let arrival = |term: &GroupTerm| term.arrival;
+        let joined = join_earliest(terms, TieOrder::Written, arrival, |[a, b], last| {
+            self.merge(family, a, b, last, flip, naming)
+        });
+        joined.map_or_else(|| self.empty(family), |term| term.value)
     }
 
     /// Combines pairs that exist already or that other groups want too, as
@@ -203,9 +161,7 @@ impl TreeBuilder<'_> {
         naming: &mut GroupNaming,
     ) {
         let weight = self.group_weight(family);
-        let mut arrivals: Vec<u32> = terms.iter().map(|term| term.arrival).collect();
-        arrivals.sort_unstable();
-        let best = finish(&mut arrivals, weight);
+        let best = finish(terms.iter().map(|term| term.arrival), weight);
         let deadline = match &self.deadlines {
             Some(deadlines) => best.max(deadlines.latest[root.index()]),
             None => best,
@@ -239,13 +195,9 @@ impl TreeBuilder<'_> {
                 if best.as_ref().is_some_and(|(known, _)| *known >= score) {
                     continue;
                 }
-                let mut arrivals: Vec<u32> = (0..terms.len())
-                    .filter(|&k| k != i && k != j)
-                    .map(|k| terms[k].arrival)
-                    .chain([arrival])
-                    .collect();
-                arrivals.sort_unstable();
-                if finish(&mut arrivals, weight) <= deadline {
+                let others = (0..terms.len()).filter(|&k| k != i && k != j);
+                let arrivals = others.map(|k| terms[k].arrival).chain([arrival]);
+                if finish(arrivals, weight) <= deadline {
                     best = Some((score, (i, j)));
                 }
             }
@@ -278,18 +230,4 @@ impl TreeBuilder<'_> {
         }
         (count > 1).then(|| (count, a.arrival.max(b.arrival) + weight))
     }
-}
-
-/// The index of the earliest term, or of the earliest other one.
-fn earliest(terms: &[GroupTerm], other_than: Option<usize>) -> usize {
-    let mut best: Option<usize> = None;
-    for (index, term) in terms.iter().enumerate() {
-        let key = (term.arrival, term.order);
-        if Some(index) != other_than
-            && best.is_none_or(|best| key < (terms[best].arrival, terms[best].order))
-        {
-            best = Some(index);
-        }
-    }
-    best.expect("there is a term besides the one left out")
 }

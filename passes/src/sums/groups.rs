@@ -71,7 +71,7 @@ impl OperandGroups {
 
     /// As [`OperandGroups::find`], but those that may not be rewritten are taken
     /// apart into their operations, each frozen.
-    pub(super) fn find_allowed(
+    pub(crate) fn find_allowed(
         function: &Function,
         reach: GroupReach,
         rewrites: &RewriteLimit,
@@ -135,7 +135,7 @@ impl OperandGroups {
     }
 
     /// True when the value must stay the operation it is.
-    pub(super) fn is_frozen(&self, value: Value) -> bool {
+    pub(crate) fn is_frozen(&self, value: Value) -> bool {
         !self.frozen.is_empty() && self.frozen[value.index()]
     }
 
