@@ -16,6 +16,7 @@
 //! Over the real numbers every correction is zero.
 
 use super::profile::{LANES, SensitivityProfile, StateLanes, add, is_exact, product, squares};
+use crate::sums::writer::ArrivalTimes;
 use robovec_analysis::critical_path::{Weights, tails};
 use robovec_framework::pass::Context;
 use robovec_framework::rewrite::{Rewriter, owners, remove_dead};
@@ -132,14 +133,13 @@ type CorrectionParts = Vec<(usize, Correction)>;
 struct CompensationWriter<'a> {
     function: &'a Function,
     budget: &'a CompensationBudget,
-    weights: Weights,
     fused: bool,
     required: Vec<u32>,
     tracked: Vec<bool>,
     /// Tracked, or reading something that is.
     raised: Vec<bool>,
     rewriter: Rewriter<'a>,
-    arrivals: Vec<u32>,
+    times: ArrivalTimes,
     states: Vec<CompensatedValue>,
     /// High and low halves of old values and other operands, once made.
     halves: hashbrown::HashMap<Operand, [Operand; 2], rustc_hash::FxBuildHasher>,
@@ -164,7 +164,7 @@ fn write(
     let tails = tails(function, &weights).into_iter();
     let mut writer = CompensationWriter {
         rewriter: Rewriter::new(function, function.level),
-        arrivals: Vec::with_capacity(function.nodes().len()),
+        times: ArrivalTimes::new(weights, function.nodes().len()),
         states: Vec::with_capacity(function.nodes().len()),
         halves: hashbrown::HashMap::default(),
         names: function.fresh_names(),
@@ -175,7 +175,6 @@ fn write(
         fused: context.machine.kind_of(Operation::Fms).is_some(),
         function,
         budget,
-        weights,
         tracked,
         raised,
     };
@@ -212,17 +211,8 @@ fn raised(function: &Function, tracked: &[bool]) -> Vec<bool> {
 }
 
 impl CompensationWriter<'_> {
-    fn arrival(&self, operand: Operand) -> u32 {
-        let value = operand.value();
-        value.map_or(0, |value| self.arrivals[value.index()])
-    }
-
     fn push(&mut self, node: Node) -> Operand {
-        let ready = node.operands().iter().map(|&operand| self.arrival(operand));
-        let ready = ready.max().unwrap_or(0);
-        let weight = self.weights.of(node.operation);
-        self.arrivals.push(ready.saturating_add(weight));
-        self.rewriter.new.push(node).into()
+        self.times.push(&mut self.rewriter.new, node).into()
     }
 
     /// A value that takes no corrections.
@@ -284,7 +274,7 @@ impl CompensationWriter<'_> {
             };
             parts.push((place, carried));
         }
-        parts.sort_by_key(|(_, part)| make.writer.arrival(part.operand));
+        parts.sort_by_key(|(_, part)| make.writer.times.of(part.operand));
         let (correction, absorbed, kept) = make.collect(value, main, &parts);
         if let Some(absorbed) = absorbed.and_then(Operand::value) {
             // Who asks for the value by its name gets the better one.
@@ -477,9 +467,10 @@ impl CorrectionMaker<'_, '_> {
         };
         let ready = self
             .writer
-            .arrival(main)
-            .max(self.writer.arrival(correction.operand));
-        let finish = ready.saturating_add(self.writer.weights.of(operation));
+            .times
+            .of(main)
+            .max(self.writer.times.of(correction.operand));
+        let finish = ready.saturating_add(self.writer.times.weights.of(operation));
         let in_time = finish <= self.writer.required[value.index()];
         in_time.then(|| self.emit(operation, [main, correction.operand]))
     }

@@ -19,6 +19,8 @@
 
 use super::profile::{LANES, StateLanes, squares};
 use crate::sums::earliest::finish;
+use crate::sums::groups::GroupFamily;
+use crate::sums::writer::joining;
 use robovec_ir::{Operand, Operation};
 use std::array;
 
@@ -180,11 +182,8 @@ impl SumDraft<'_> {
     /// The sum or difference of two signed sources: what is stored, and
     /// whether it has the other sign.
     fn signed_sum(&mut self, a: (StepSource, bool), b: (StepSource, bool)) -> (StepSource, bool) {
-        match (a.1, b.1) {
-            (false, true) => (self.step(Operation::Sub, [a.0, b.0]), false),
-            (true, false) => (self.step(Operation::Sub, [b.0, a.0]), false),
-            (sign, _) => (self.step(Operation::Add, [a.0, b.0]), sign),
-        }
+        let (operation, operands, negative) = joining(GroupFamily::Sum, [a, b], false);
+        (self.step(operation, operands), negative)
     }
 
     /// Replaces two terms by their sum.

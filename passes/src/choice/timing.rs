@@ -15,9 +15,10 @@ pub(crate) struct NetworkTiming {
 
 impl NetworkTiming {
     pub(crate) fn new(weights: Weights) -> NetworkTiming {
+        let weights = weights.with_equal_sums();
         NetworkTiming {
             weights,
-            add: weights.of(Operation::Add).max(weights.of(Operation::Sub)),
+            add: weights.of(Operation::Add),
             multiply: weights.of(Operation::Mul),
         }
     }

@@ -2,7 +2,9 @@
 //! rewrite them share.
 //!
 //! [`groups`] reads the sums and products of a function, [`earliest`] has the
-//! trees that combine the two earliest operands first.
+//! trees that combine the two earliest operands first, and [`writer`] writes
+//! them as operations, with signs, names and sources.
 
 pub(crate) mod earliest;
 pub(crate) mod groups;
+pub(crate) mod writer;
