@@ -125,6 +125,7 @@ impl ChoiceWriter<'_> {
                 let factors = network.terms(form).iter();
                 let held = factors.clone().map(|term| self.held(term.a)).collect();
                 let value = network
+                    .values
                     .images
                     .product(factors.map(|term| network.value(term.a)));
                 let negated = value.is_negation_of(&network.value(class));

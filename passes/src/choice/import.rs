@@ -279,7 +279,7 @@ impl ChoiceImporter<'_> {
             OperandKind::Value(value) => self.map[value.index()],
             OperandKind::None => None,
             OperandKind::Input(input) => {
-                let value = self.import.network.images.input(input);
+                let value = self.import.network.values.images.input(input);
                 Some(self.import.network.input(input, value))
             }
             OperandKind::Constant(constant) => {

@@ -101,7 +101,7 @@ impl ModelInputs {
         row: usize,
         column: usize,
     ) -> Fingerprint {
-        self.elements[row * self.len() + column].map_or(network.images.zero(), |place| {
+        self.elements[row * self.len() + column].map_or(network.values.images.zero(), |place| {
             network.value(network.outputs[place])
         })
     }

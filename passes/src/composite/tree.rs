@@ -40,7 +40,7 @@ pub(super) fn find(model: &ModelInputs, network: &FactorNetwork) -> Option<Vec<J
             matrix.push(value);
         }
     }
-    let mut search = CompositeSearch::new(model, network.images, matrix, parents(model));
+    let mut search = CompositeSearch::new(model, network.values.images, matrix, parents(model));
     for joint in (0..count).rev() {
         if !search.settle(joint) {
             return None;

@@ -63,7 +63,7 @@ impl FactorReader<'_> {
                 if let Some(&edge) = self.inputs.get(&input.0) {
                     return edge;
                 }
-                let value = self.network.images.input(input);
+                let value = self.network.values.images.input(input);
                 let kind = FactorKind::Input(operand);
                 let edge = self.network.push(kind, Vec::new(), value, NodeOrigin::NONE);
                 self.inputs.insert(input.0, edge);
@@ -119,7 +119,7 @@ impl FactorReader<'_> {
             _ => {
                 let literal = matches!(network.nodes[b.node()].kind, FactorKind::Constant(_));
                 let [x, y] = [a, b].map(|edge| network.value(edge));
-                network.images.operate(operation, [x, y, y], literal)
+                network.values.images.operate(operation, [x, y, y], literal)
             }
         };
         if value.is_undefined() {
@@ -139,7 +139,7 @@ impl FactorReader<'_> {
         operands: Vec<Edge>,
         origin: NodeOrigin,
     ) -> Edge {
-        let value = network.images.random(!(network.nodes.len() as u64));
+        let value = network.values.images.random(!(network.nodes.len() as u64));
         network.push_unknown(FactorKind::Other(operation), operands, value, origin)
     }
 }

@@ -2,9 +2,11 @@
 //! rewrite them share.
 //!
 //! [`groups`] reads the sums and products of a function, [`earliest`] has the
-//! trees that combine the two earliest operands first, and [`writer`] writes
-//! them as operations, with signs, names and sources.
+//! trees that combine the two earliest operands first, [`values`] knows values
+//! by their fingerprints, and [`writer`] writes sums and products as operations,
+//! with signs, names and sources.
 
 pub(crate) mod earliest;
 pub(crate) mod groups;
+pub(crate) mod values;
 pub(crate) mod writer;
