@@ -1,5 +1,6 @@
 //! Classes of equal values and their forms.
 
+use crate::sums::terms::cancel;
 use crate::sums::values::ValueTable;
 use hashbrown::HashSet;
 use robovec_framework::fingerprint::{Fingerprint, Images};
@@ -38,6 +39,13 @@ pub(crate) struct ProductTerm {
 }
 
 impl ProductTerm {
+    fn opposite(self) -> ProductTerm {
+        ProductTerm {
+            negative: !self.negative,
+            ..self
+        }
+    }
+
     pub(crate) fn is_product(self) -> bool {
         self.b != Class::ONE
     }
@@ -383,7 +391,7 @@ impl ChoiceNetwork {
         signed
     }
 
-    /// Drops terms that are zero or cancel, puts products that are classes
+    /// Drops terms that cancel, puts products that are classes
     /// already in as such, and 1 behind.
     pub(crate) fn tidy(&self, terms: &mut Vec<ProductTerm>) {
         for term in terms.iter_mut() {
@@ -394,19 +402,7 @@ impl ChoiceNetwork {
                 std::mem::swap(&mut term.a, &mut term.b);
             }
         }
-        terms.sort_unstable();
-        let mut kept: Vec<ProductTerm> = Vec::with_capacity(terms.len());
-        for &term in terms.iter() {
-            match kept.last() {
-                Some(last)
-                    if last.a == term.a && last.b == term.b && last.negative != term.negative =>
-                {
-                    kept.pop();
-                }
-                _ => kept.push(term),
-            }
-        }
-        *terms = kept;
+        cancel(terms, ProductTerm::opposite);
     }
 }
 
@@ -415,7 +411,7 @@ fn normalise(terms: &mut [ProductTerm]) {
     terms.sort_unstable();
     if terms.first().is_some_and(|term| term.negative) {
         for term in terms.iter_mut() {
-            term.negative = !term.negative;
+            *term = term.opposite();
         }
         terms.sort_unstable();
     }

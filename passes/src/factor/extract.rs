@@ -12,7 +12,7 @@
 //! A divisor is identified by its value and not by its form: what several
 //! sums share may be written differently in each, and it may exist already.
 
-use super::network::{Edge, FactorKind, FactorNetwork, NodeOrigin, cancel};
+use super::network::{Edge, FactorKind, FactorNetwork, NodeOrigin, tidy};
 use super::times::NodeTimes;
 use crate::sums::values::ValueTable;
 use robovec_framework::fingerprint::Fingerprint;
@@ -408,7 +408,7 @@ impl DivisorOccurrence {
             return Some((FactorKind::Product, product));
         }
         rest.push(network.product(&product, origin));
-        cancel(&mut rest);
+        tidy(&mut rest);
         (rest.len() > 1 && network.below(&rest, position)).then_some((FactorKind::Sum, rest))
     }
 }

@@ -8,6 +8,7 @@
 //! outputs; a node without uses does not count its operands, so `cost` is the
 //! number of operations of what the outputs need.
 
+use crate::sums::terms::cancel;
 use crate::sums::values::ValueTable;
 use robovec_framework::fingerprint::{Fingerprint, Images};
 use robovec_ir::{Name, Operand, Operation, SourceSet, Symbol};
@@ -210,7 +211,7 @@ impl FactorNetwork {
             return edge;
         }
         let mut operands = terms.to_vec();
-        cancel(&mut operands);
+        tidy(&mut operands);
         match operands[..] {
             [single] => single,
             _ => self.push(FactorKind::Sum, operands, value, origin),
@@ -392,7 +393,7 @@ impl FactorNetwork {
     fn tidy(&mut self, node: usize) {
         let mut operands = self.nodes[node].operands.clone();
         if self.nodes[node].kind == FactorKind::Sum {
-            cancel(&mut operands);
+            tidy(&mut operands);
         }
         if operands.len() == self.nodes[node].operands.len() {
             self.nodes[node].operands.sort_unstable();
@@ -403,19 +404,7 @@ impl FactorNetwork {
 }
 
 /// Removes pairs of a term and its negation, and zeros; sorts the rest.
-pub(crate) fn cancel(terms: &mut Vec<Edge>) {
+pub(super) fn tidy(terms: &mut Vec<Edge>) {
     terms.retain(|edge| edge.node() != ZERO);
-    terms.sort_unstable();
-    let mut kept: Vec<Edge> = Vec::with_capacity(terms.len());
-    for &term in terms.iter() {
-        // A term and its negation are neighbours, but several copies of one
-        // may lie between two pairs.
-        match kept.last() {
-            Some(&last) if last == term.flip(true) => {
-                kept.pop();
-            }
-            _ => kept.push(term),
-        }
-    }
-    *terms = kept;
+    cancel(terms, |edge| edge.flip(true));
 }

@@ -1,12 +1,14 @@
 //! Signed sums and products of any number of operands: what the passes that
 //! rewrite them share.
 //!
-//! [`groups`] reads the sums and products of a function, [`earliest`] has the
+//! [`groups`] reads the sums and products of a function, [`terms`] cancels,
+//! [`earliest`] has the
 //! trees that combine the two earliest operands first, [`values`] knows values
 //! by their fingerprints, and [`writer`] writes sums and products as operations,
 //! with signs, names and sources.
 
 pub(crate) mod earliest;
 pub(crate) mod groups;
+pub(crate) mod terms;
 pub(crate) mod values;
 pub(crate) mod writer;
