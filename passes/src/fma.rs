@@ -13,6 +13,7 @@
 //! A contraction never adds an operation: a product that is read elsewhere
 //! too stays, and the sum that took it in is one operation as before.
 
+use crate::sums::fused::contraction;
 use robovec_analysis::critical_path::{Weights, critical_path};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
@@ -330,7 +331,7 @@ impl<'a> Contraction<'a> {
         }
         let product = node.operands[side].value()?;
         let is_product = self.function.node(product).operation == Operation::Mul;
-        let (operation, _) = fused(self.function, node, side);
+        let (operation, _) = contraction(self.function, node, side);
         if !is_product || !(self.performs)(operation) {
             return None;
         }
@@ -350,31 +351,13 @@ impl<'a> Contraction<'a> {
     ) -> (Operation, [Operand; Operand::MAX_COUNT]) {
         match form {
             ContractionForm::Plain => (node.operation, node.operands),
-            ContractionForm::Fused(side) => fused(self.function, node, side),
+            ContractionForm::Fused(side) => contraction(self.function, node, side),
         }
     }
 }
 
 fn is_sum(node: &Node) -> bool {
     matches!(node.operation, Operation::Add | Operation::Sub)
-}
-
-/// A sum with the product on one side taken in.
-fn fused(
-    function: &Function,
-    node: &Node,
-    side: usize,
-) -> (Operation, [Operand; Operand::MAX_COUNT]) {
-    let operation = match (node.operation, side) {
-        (Operation::Sub, 0) => Operation::Fms,
-        (Operation::Sub, _) => Operation::Fnma,
-        _ => Operation::Fma,
-    };
-    let [a, b, _] = match node.operands[side].value() {
-        Some(product) => function.node(product).operands,
-        None => [Operand::NONE; Operand::MAX_COUNT],
-    };
-    (operation, [a, b, node.operands[1 - side]])
 }
 
 /// The number of readers that take in each node.
@@ -411,7 +394,7 @@ fn contracted(
             rewriter.keep(Node { operands, ..*node });
             continue;
         };
-        let (operation, operands) = fused(function, node, side);
+        let (operation, operands) = contraction(function, node, side);
         let operands = operands.map(|operand| rewriter.translate(operand));
         let mut sources = node.sources;
         if let Some(product) = node.operands[side].value() {

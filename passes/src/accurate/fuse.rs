@@ -8,6 +8,8 @@
 //! whose error is computed is read more than once.
 
 use super::profile::SensitivityProfile;
+use crate::sums::fused::contraction;
+use crate::sums::groups::single_product;
 use robovec_analysis::critical_path::{Weights, tails};
 use robovec_framework::pass::Context;
 use robovec_framework::rewrite::Rewriter;
@@ -47,7 +49,7 @@ pub(super) fn fuse(
             }
         }
         if let Some((_, product, side)) = best {
-            let (operation, operands) = fused(function, node, product, side);
+            let (operation, operands) = contraction(function, node, side);
             let late = finish(&arrivals, operation, &operands);
             let performed = context.machine.kind_of(operation).is_some();
             if performed && late <= required && context.allow_rewrite(node.name, "contract") {
@@ -67,25 +69,7 @@ fn product(function: &Function, node: &Node, side: usize, uses: &[u32]) -> Optio
     if !matches!(node.operation, Operation::Add | Operation::Sub) {
         return None;
     }
-    let product = node.operands[side].value()?;
-    let single = uses[product.index()] == 1;
-    (single && function.node(product).operation == Operation::Mul).then_some(product)
-}
-
-/// A sum with the product on one side taken in.
-fn fused(
-    function: &Function,
-    node: &Node,
-    product: Value,
-    side: usize,
-) -> (Operation, [Operand; Operand::MAX_COUNT]) {
-    let operation = match (node.operation, side) {
-        (Operation::Sub, 0) => Operation::Fms,
-        (Operation::Sub, _) => Operation::Fnma,
-        _ => Operation::Fma,
-    };
-    let [a, b, _] = function.node(product).operands;
-    (operation, [a, b, node.operands[1 - side]])
+    single_product(function, uses, node.operands[side])
 }
 
 fn write(

@@ -13,7 +13,7 @@
 
 use super::profile::{SensitivityProfile, StateLanes, squares};
 use super::terms::{self, StepSource, SumPlan, SumSetting, SumTerm, TermFactor};
-use crate::sums::groups::{GroupFamily, GroupLeaf, GroupReach, OperandGroups};
+use crate::sums::groups::{GroupFamily, GroupLeaf, GroupReach, OperandGroups, single_product};
 use crate::sums::writer::{ArrivalTimes, ValueNaming};
 use robovec_analysis::critical_path::{Weights, tails};
 use robovec_analysis::slice::live;
@@ -228,9 +228,7 @@ impl RegroupingWriter<'_> {
 
     /// The product that a leaf is, when nothing else reads it.
     fn product(&self, leaf: &GroupLeaf) -> Option<Value> {
-        let value = leaf.operand.value()?;
-        let single = self.uses[value.index()] == 1;
-        (single && self.function.node(value).operation == Operation::Mul).then_some(value)
+        single_product(self.function, &self.uses, leaf.operand)
     }
 
     fn term(&mut self, leaf: &GroupLeaf) -> SumTerm {

@@ -2,7 +2,7 @@
 
 use super::network::{ChoiceNetwork, Class, Opaque, ProductTerm, RANK_STEP, SignedClass};
 use super::timing::{Arrivals, NetworkTiming};
-use crate::sums::groups::{GroupFamily, GroupLeaf, GroupReach, OperandGroups};
+use crate::sums::groups::{GroupFamily, GroupLeaf, GroupReach, OperandGroups, single_product};
 use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_framework::fingerprint::{Fingerprint, Images};
 use robovec_framework::rewrite::owners;
@@ -305,9 +305,8 @@ fn inlined(function: &Function, groups: &OperandGroups) -> Vec<bool> {
             continue;
         }
         for leaf in groups.leaves(value) {
-            if let Some(term) = leaf.operand.value() {
-                let only_use = uses[term.index()] == 1;
-                inlined[term.index()] = only_use && family(term) == Some(GroupFamily::Product);
+            if let Some(product) = single_product(function, &uses, leaf.operand) {
+                inlined[product.index()] = true;
             }
         }
     }

@@ -1,6 +1,7 @@
 //! From a function to a network.
 
 use super::network::{Edge, FactorKind, FactorNetwork, NodeOrigin};
+use crate::sums::fused::apart;
 use robovec_framework::fingerprint::Images;
 use robovec_framework::rewrite::owners;
 use robovec_ir::{Function, Name, Node, Operand, OperandKind, Operation, Tables};
@@ -92,11 +93,7 @@ impl FactorReader<'_> {
             ..origin
         };
         let product = self.single(Operation::Mul, operands[..2].to_vec(), unnamed);
-        let (operation, pair) = match operation {
-            Operation::Fma => (Operation::Add, [product, operands[2]]),
-            Operation::Fms => (Operation::Sub, [product, operands[2]]),
-            _ => (Operation::Sub, [operands[2], product]),
-        };
+        let (operation, pair) = apart(operation, product, operands[2]);
         self.single(operation, pair.to_vec(), origin)
     }
 

@@ -3,6 +3,7 @@
 use super::negations::Negations;
 use super::share::{self, PairCounts};
 use super::signs::Wishes;
+use crate::sums::fused::turned;
 use crate::sums::groups::{GroupFamily, GroupLeaf, GroupReach, OperandGroups};
 use crate::sums::writer::{SignedOperand, SumWriter, ValueNaming};
 use robovec_analysis::critical_path::{Weights, tails};
@@ -200,7 +201,7 @@ impl<'p> TreeBuilder<'p> {
         let [a, b, c] = node.operands.map(|operand| self.signed(operand));
         let mut naming = self.naming(root, node);
         if node.operation.is_fused() {
-            let (operation, negative) = fused(node.operation, a.negative ^ b.negative, c.negative);
+            let (operation, negative) = turned(node.operation, a.negative ^ b.negative, c.negative);
             let operands = [a.operand, b.operand, c.operand];
             let operand = (self.writer).write(operation, operands, node.name, node.sources);
             return self.writer.signed(operand, negative);
@@ -309,20 +310,6 @@ impl<'p> TreeBuilder<'p> {
             return lay_out(&out);
         }
         out
-    }
-}
-
-/// The fused operation whose product and addend change sign where said, and
-/// whether its result is stored negated. Signs cost nothing: rounding to
-/// nearest is symmetric.
-fn fused(operation: Operation, product: bool, addend: bool) -> (Operation, bool) {
-    let product = product ^ (operation == Operation::Fnma);
-    let addend = addend ^ (operation == Operation::Fms);
-    match (product, addend) {
-        (false, false) => (Operation::Fma, false),
-        (false, true) => (Operation::Fms, false),
-        (true, false) => (Operation::Fnma, false),
-        (true, true) => (Operation::Fma, true),
     }
 }
 

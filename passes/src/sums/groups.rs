@@ -214,6 +214,13 @@ fn absorbed(function: &Function, reach: GroupReach) -> Vec<bool> {
     absorbed
 }
 
+/// The product that an operand is, when nothing else reads it.
+pub(crate) fn single_product(function: &Function, uses: &[u32], operand: Operand) -> Option<Value> {
+    let value = operand.value()?;
+    let single = uses[value.index()] == 1;
+    (single && function.node(value).operation == Operation::Mul).then_some(value)
+}
+
 /// True for `0 - x` and `-x`.
 pub(crate) fn is_minus(function: &Function, operation: Operation, left: Operand) -> bool {
     match operation {
