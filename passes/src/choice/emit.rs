@@ -3,10 +3,10 @@
 use super::import::Import;
 use super::map::{Mapper, Mapping};
 use super::network::{ChoiceForm, ChoiceNetwork, Class, ProductTerm, SignedClass};
-use super::timing::NetworkTiming;
 use crate::sums::earliest::TieOrder;
 use crate::sums::groups::GroupFamily;
 use crate::sums::writer::{SignedOperand, SumWriter, ValueNaming};
+use robovec_analysis::critical_path::Weights;
 use robovec_ir::{Assignment, Function, Level, Name, Operand, SourceSet, Tables};
 use smallvec::SmallVec;
 
@@ -17,7 +17,7 @@ pub(crate) fn emit(
     import: &Import,
     mapper: &Mapper,
     mapping: &Mapping,
-    timing: NetworkTiming,
+    timing: Weights,
     tables: &mut Tables,
 ) -> Function {
     let network = &import.network;
@@ -25,7 +25,7 @@ pub(crate) fn emit(
     let mut writer = ChoiceWriter {
         network,
         sources: sources(import, &used, tables),
-        writer: SumWriter::new(old, Level::Atomic, timing.weights),
+        writer: SumWriter::new(old, Level::Atomic, timing),
         held: vec![None; network.len()],
     };
     for &(class, form) in &used {

@@ -1,7 +1,7 @@
 //! A function as a network of choices with one form per class.
 
 use super::network::{ChoiceNetwork, Class, Opaque, ProductTerm, RANK_STEP, SignedClass};
-use super::timing::{Arrivals, NetworkTiming};
+use super::timing::Arrivals;
 use crate::sums::groups::{GroupFamily, GroupLeaf, GroupReach, OperandGroups, single_product};
 use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_framework::fingerprint::{Fingerprint, Images};
@@ -24,11 +24,7 @@ pub(crate) struct Import {
 
 /// Reads a function at the atomic level. `None` when some value is undefined
 /// (a division by what is always zero), so that nothing can be said of it.
-pub(crate) fn import(
-    function: &Function,
-    tables: &mut Tables,
-    timing: NetworkTiming,
-) -> Option<Import> {
+pub(crate) fn import(function: &Function, tables: &mut Tables, timing: Weights) -> Option<Import> {
     let images = Images::of(function, false);
     let values = images.values(function);
     let undefined = |constant: &f64| !constant.is_finite();
@@ -89,7 +85,7 @@ struct ChoiceImporter<'a> {
     /// Products that one sum alone uses: they become terms of that sum.
     inlined: Vec<bool>,
     values: Vec<Fingerprint>,
-    timing: NetworkTiming,
+    timing: Weights,
     /// The classes that old values have become; `None` for zero.
     map: Vec<Option<SignedClass>>,
     /// Products that became terms of the sum being read.

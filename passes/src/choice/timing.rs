@@ -1,28 +1,13 @@
 //! When terms, sums and products are available.
+//!
+//! The weights of operations given here are those with
+//! [equal sums](Weights::with_equal_sums): signs are not settled before a
+//! network is written.
 
 use super::network::{ChoiceForm, ChoiceNetwork, Class, ProductTerm};
 use crate::sums::earliest::finish;
 use robovec_analysis::critical_path::Weights;
 use robovec_ir::Operation;
-
-/// The weights of operations.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct NetworkTiming {
-    pub(crate) weights: Weights,
-    pub(crate) add: u32,
-    pub(crate) multiply: u32,
-}
-
-impl NetworkTiming {
-    pub(crate) fn new(weights: Weights) -> NetworkTiming {
-        let weights = weights.with_equal_sums();
-        NetworkTiming {
-            weights,
-            add: weights.of(Operation::Add),
-            multiply: weights.of(Operation::Mul),
-        }
-    }
-}
 
 /// When the value of each class is available.
 #[derive(Clone, Default, Debug)]
@@ -48,7 +33,7 @@ impl Arrivals {
     }
 
     /// Takes the earliest form of a class, its operands being up to date.
-    pub(crate) fn update(&mut self, network: &ChoiceNetwork, timing: &NetworkTiming, class: Class) {
+    pub(crate) fn update(&mut self, network: &ChoiceNetwork, timing: &Weights, class: Class) {
         let mut earliest = NEVER;
         for form in network.forms(class) {
             earliest = earliest.min(self.form(network, timing, network.form(form)));
@@ -57,21 +42,16 @@ impl Arrivals {
     }
 
     /// When a term is available.
-    pub(crate) fn term(&self, timing: &NetworkTiming, term: ProductTerm) -> u32 {
+    pub(crate) fn term(&self, timing: &Weights, term: ProductTerm) -> u32 {
         let ready = self.of(term.a).max(self.of(term.b));
         match term.is_product() {
-            true => ready.saturating_add(timing.multiply),
+            true => ready.saturating_add(timing.of(Operation::Mul)),
             false => ready,
         }
     }
 
     /// When a form is available.
-    pub(crate) fn form(
-        &self,
-        network: &ChoiceNetwork,
-        timing: &NetworkTiming,
-        form: ChoiceForm,
-    ) -> u32 {
+    pub(crate) fn form(&self, network: &ChoiceNetwork, timing: &Weights, form: ChoiceForm) -> u32 {
         match form {
             ChoiceForm::Input(..) | ChoiceForm::Constant(_) => 0,
             ChoiceForm::Opaque(index) => {
@@ -80,15 +60,21 @@ impl Arrivals {
                 let ready = operands.map(|operand| self.of(operand.class)).max();
                 ready
                     .unwrap_or(0)
-                    .saturating_add(timing.weights.of(opaque.operation))
+                    .saturating_add(timing.of(opaque.operation))
             }
             ChoiceForm::Sum(..) => {
                 let terms = network.terms(form).iter();
-                finish(terms.map(|&term| self.term(timing, term)), timing.add)
+                finish(
+                    terms.map(|&term| self.term(timing, term)),
+                    timing.of(Operation::Add),
+                )
             }
             ChoiceForm::Product(..) => {
                 let factors = network.terms(form).iter();
-                finish(factors.map(|term| self.of(term.a)), timing.multiply)
+                finish(
+                    factors.map(|term| self.of(term.a)),
+                    timing.of(Operation::Mul),
+                )
             }
         }
     }

@@ -123,10 +123,7 @@ impl Turns {
                     found = (arrival, arrival + minus, Turn::After);
                 }
                 Some(family) => {
-                    let weight = match family {
-                        GroupFamily::Sum => weights.of(Operation::Add),
-                        GroupFamily::Product => weights.of(Operation::Mul),
-                    };
+                    let weight = family.weight(weights);
                     let leaves = groups.leaves(root);
                     let free = natural.flippable_alone[root.index()];
                     found = times.group(function, leaves, weight, minus, &uses);

@@ -33,13 +33,6 @@ impl TreeBuilder<'_> {
         term.leaf = None;
     }
 
-    fn group_weight(&self, family: GroupFamily) -> u32 {
-        match family {
-            GroupFamily::Sum => self.writer.times.weights.of(Operation::Add),
-            GroupFamily::Product => self.writer.times.weights.of(Operation::Mul),
-        }
-    }
-
     fn merge(
         &mut self,
         family: GroupFamily,
@@ -123,7 +116,7 @@ impl TreeBuilder<'_> {
         terms: &mut Vec<GroupTerm>,
         naming: &mut ValueNaming,
     ) {
-        let weight = self.group_weight(family);
+        let weight = family.weight(&self.writer.times.weights);
         let best = finish(terms.iter().map(|term| term.value.arrival), weight);
         let deadline = match &self.deadlines {
             Some(deadlines) => best.max(deadlines.latest[root.index()]),

@@ -1,5 +1,6 @@
 //! Finding the groups: signed sums and products.
 
+use robovec_analysis::critical_path::Weights;
 use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_ir::{Function, Operand, Operation, Value};
 
@@ -37,6 +38,14 @@ impl GroupFamily {
             | Operation::Fms
             | Operation::Fnma => None,
         }
+    }
+
+    /// The weight of joining two terms or factors.
+    pub(crate) fn weight(self, weights: &Weights) -> u32 {
+        weights.of(match self {
+            GroupFamily::Sum => Operation::Add,
+            GroupFamily::Product => Operation::Mul,
+        })
     }
 }
 
