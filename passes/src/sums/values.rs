@@ -18,6 +18,7 @@ pub(crate) struct ValueTable {
 }
 
 impl ValueTable {
+    /// An empty table.
     pub(crate) fn new(images: Images) -> ValueTable {
         ValueTable {
             images,

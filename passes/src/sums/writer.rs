@@ -74,6 +74,7 @@ pub(crate) struct ValueNaming {
 }
 
 impl ValueNaming {
+    /// Without names to be used again.
     pub(crate) fn new(root: Name, owner: Symbol, sources: SourceSet) -> ValueNaming {
         ValueNaming {
             root,
@@ -122,6 +123,7 @@ pub(crate) struct ArrivalTimes {
 }
 
 impl ArrivalTimes {
+    /// Of a function without operations; about so many will come.
     pub(crate) fn new(weights: Weights, count: usize) -> ArrivalTimes {
         ArrivalTimes {
             weights,
