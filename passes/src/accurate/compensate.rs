@@ -16,7 +16,8 @@
 //! Over the real numbers every correction is zero.
 
 use super::profile::{LANES, SensitivityProfile, StateLanes, add, is_exact, product, squares};
-use crate::sums::writer::ArrivalTimes;
+use crate::sums::groups::GroupFamily;
+use crate::sums::writer::{ArrivalTimes, joining};
 use robovec_analysis::critical_path::{Weights, tails};
 use robovec_framework::pass::Context;
 use robovec_framework::rewrite::{Rewriter, owners, remove_dead};
@@ -448,11 +449,8 @@ impl CorrectionMaker<'_, '_> {
     }
 
     fn add(&mut self, a: Correction, b: Correction) -> Correction {
-        let (operation, operands, negative) = match (a.negative, b.negative) {
-            (false, true) => (Operation::Sub, [a.operand, b.operand], false),
-            (true, false) => (Operation::Sub, [b.operand, a.operand], false),
-            (sign, _) => (Operation::Add, [a.operand, b.operand], sign),
-        };
+        let pair = [a, b].map(|part| (part.operand, part.negative));
+        let (operation, operands, negative) = joining(GroupFamily::Sum, pair, false);
         Correction {
             operand: self.emit(operation, operands),
             negative,
@@ -465,13 +463,9 @@ impl CorrectionMaker<'_, '_> {
             true => Operation::Sub,
             false => Operation::Add,
         };
-        let ready = self
-            .writer
-            .times
-            .of(main)
-            .max(self.writer.times.of(correction.operand));
-        let finish = ready.saturating_add(self.writer.times.weights.of(operation));
+        let operands = [main, correction.operand];
+        let finish = self.writer.times.finish(operation, &operands);
         let in_time = finish <= self.writer.required[value.index()];
-        in_time.then(|| self.emit(operation, [main, correction.operand]))
+        in_time.then(|| self.emit(operation, operands))
     }
 }

@@ -116,14 +116,14 @@ impl ValueNaming {
     }
 }
 
-/// When the values of a function that is being written are there.
+/// When the values of a function are there, one known after the other.
 pub(crate) struct ArrivalTimes {
     pub(crate) weights: Weights,
     times: Vec<u32>,
 }
 
 impl ArrivalTimes {
-    /// Of a function without operations; about so many will come.
+    /// Of no value yet; about so many will come.
     pub(crate) fn new(weights: Weights, count: usize) -> ArrivalTimes {
         ArrivalTimes {
             weights,
@@ -141,12 +141,21 @@ impl ArrivalTimes {
         self.times.iter().copied().max().unwrap_or(0)
     }
 
+    /// When an operation is done.
+    pub(crate) fn finish(&self, operation: Operation, operands: &[Operand]) -> u32 {
+        let ready = operands.iter().map(|&operand| self.of(operand)).max();
+        let weight = self.weights.of(operation);
+        ready.unwrap_or(0).saturating_add(weight)
+    }
+
+    /// Says when the next value is there.
+    pub(crate) fn note(&mut self, time: u32) {
+        self.times.push(time);
+    }
+
     /// Appends an operation to the function.
     pub(crate) fn push(&mut self, out: &mut Function, node: Node) -> Value {
-        let ready = node.operands().iter().map(|&operand| self.of(operand));
-        let ready = ready.max().unwrap_or(0);
-        let weight = self.weights.of(node.operation);
-        self.times.push(ready.saturating_add(weight));
+        self.note(self.finish(node.operation, node.operands()));
         out.push(node)
     }
 }
