@@ -1,7 +1,8 @@
 //! Tree balancing (thesis 2.4.3).
 
 use crate::cse::merge_equal_noting;
-use crate::reassociate::{GroupReach, TreeShape, reassociate_asking};
+use crate::reassociate::{TreeShape, reassociate_asking};
+use crate::sums::groups::GroupReach;
 use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};

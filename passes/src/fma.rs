@@ -13,6 +13,8 @@
 //! A contraction never adds an operation: a product that is read elsewhere
 //! too stays, and the sum that took it in is one operation as before.
 
+use crate::sums::fused::contraction;
+use crate::sums::writer::ArrivalTimes;
 use robovec_analysis::critical_path::{Weights, critical_path};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
@@ -232,8 +234,7 @@ impl<'a> Contraction<'a> {
     /// of the earliest forms.
     fn limits(&self) -> Vec<u32> {
         let forms = self.sweep(None, WHOLE, |gain, arrival| (arrival, gain as u32));
-        let arrivals = self.arrivals(&forms);
-        let path = arrivals.into_iter().max().unwrap_or(0);
+        let path = self.times(&forms).longest();
         let mut limits = vec![path; self.function.nodes().len()];
         for (value, node) in self.function.values().rev() {
             let (operation, operands) = self.shape(node, forms[value.index()]);
@@ -256,7 +257,7 @@ impl<'a> Contraction<'a> {
         part: u32,
         key: impl Fn(ContractionGain, u32) -> (u32, u32),
     ) -> Vec<ContractionForm> {
-        let mut arrivals: Vec<u32> = Vec::with_capacity(self.function.nodes().len());
+        let mut times = ArrivalTimes::new(self.weights, self.function.nodes().len());
         let mut forms = Vec::with_capacity(self.function.nodes().len());
         let mut due = 0;
         for (value, node) in self.function.values() {
@@ -276,7 +277,7 @@ impl<'a> Contraction<'a> {
                     false => ContractionGain::Stays,
                 };
                 let (operation, operands) = self.shape(node, form);
-                let arrival = self.arrival(&arrivals, operation, &operands);
+                let arrival = times.finish(operation, &operands);
                 let key = (arrival > limit, key(gain, arrival));
                 if best.is_none_or(|(least, _, _)| key < least) {
                     best = Some((key, form, arrival));
@@ -284,7 +285,7 @@ impl<'a> Contraction<'a> {
             }
             let (form, arrival) =
                 best.map_or((ContractionForm::Plain, 0), |(_, form, at)| (form, at));
-            arrivals.push(arrival);
+            times.note(arrival);
             forms.push(form);
         }
         forms
@@ -304,20 +305,14 @@ impl<'a> Contraction<'a> {
         new
     }
 
-    fn arrivals(&self, forms: &[ContractionForm]) -> Vec<u32> {
-        let mut arrivals: Vec<u32> = Vec::with_capacity(forms.len());
+    /// When every value is there.
+    fn times(&self, forms: &[ContractionForm]) -> ArrivalTimes {
+        let mut times = ArrivalTimes::new(self.weights, forms.len());
         for (node, &form) in self.function.nodes().iter().zip(forms) {
             let (operation, operands) = self.shape(node, form);
-            arrivals.push(self.arrival(&arrivals, operation, &operands));
+            times.note(times.finish(operation, &operands));
         }
-        arrivals
-    }
-
-    fn arrival(&self, arrivals: &[u32], operation: Operation, operands: &[Operand]) -> u32 {
-        let values = operands.iter().filter_map(|operand| operand.value());
-        let ready = values.map(|value| arrivals[value.index()]).max();
-        let weight = self.weights.of(operation);
-        ready.unwrap_or(0).saturating_add(weight)
+        times
     }
 
     /// The gain of a form; `None` when the node cannot have it.
@@ -330,7 +325,7 @@ impl<'a> Contraction<'a> {
         }
         let product = node.operands[side].value()?;
         let is_product = self.function.node(product).operation == Operation::Mul;
-        let (operation, _) = fused(self.function, node, side);
+        let (operation, _) = contraction(self.function, node, side);
         if !is_product || !(self.performs)(operation) {
             return None;
         }
@@ -350,31 +345,13 @@ impl<'a> Contraction<'a> {
     ) -> (Operation, [Operand; Operand::MAX_COUNT]) {
         match form {
             ContractionForm::Plain => (node.operation, node.operands),
-            ContractionForm::Fused(side) => fused(self.function, node, side),
+            ContractionForm::Fused(side) => contraction(self.function, node, side),
         }
     }
 }
 
 fn is_sum(node: &Node) -> bool {
     matches!(node.operation, Operation::Add | Operation::Sub)
-}
-
-/// A sum with the product on one side taken in.
-fn fused(
-    function: &Function,
-    node: &Node,
-    side: usize,
-) -> (Operation, [Operand; Operand::MAX_COUNT]) {
-    let operation = match (node.operation, side) {
-        (Operation::Sub, 0) => Operation::Fms,
-        (Operation::Sub, _) => Operation::Fnma,
-        _ => Operation::Fma,
-    };
-    let [a, b, _] = match node.operands[side].value() {
-        Some(product) => function.node(product).operands,
-        None => [Operand::NONE; Operand::MAX_COUNT],
-    };
-    (operation, [a, b, node.operands[1 - side]])
 }
 
 /// The number of readers that take in each node.
@@ -411,7 +388,7 @@ fn contracted(
             rewriter.keep(Node { operands, ..*node });
             continue;
         };
-        let (operation, operands) = fused(function, node, side);
+        let (operation, operands) = contraction(function, node, side);
         let operands = operands.map(|operand| rewriter.translate(operand));
         let mut sources = node.sources;
         if let Some(product) = node.operands[side].value() {
@@ -432,6 +409,7 @@ fn contracted(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use robovec_ir::Value;
     use robovec_ir::parse::parse_module;
 
     /// Fewest cycles, then fewest operations, over all forms of all sums.
@@ -462,8 +440,11 @@ mod tests {
         let taken = taken(function, forms);
         let stays = (0..forms.len())
             .filter(|&index| taken[index] == 0 || taken[index] < contraction.uses[index]);
-        let arrivals = contraction.arrivals(forms);
-        let path = stays.clone().map(|index| arrivals[index]).max();
+        let times = contraction.times(forms);
+        let path = stays
+            .clone()
+            .map(|index| times.of(Value(index as u32).into()))
+            .max();
         (path.unwrap_or(0), stays.count())
     }
 

@@ -1,5 +1,6 @@
 //! Operations whose result is known, or is an operand.
 
+use crate::sums::fused::apart;
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::Rewriter;
@@ -92,9 +93,7 @@ fn simplify_fused(function: &mut Function, node: Node, [a, b, c]: [Operand; 3]) 
         _ => known(Operation::Mul, x, y).map(|number| function.constant(number).into()),
     };
     let (operation, operands) = match (node.operation, product, z) {
-        (Operation::Fma, Some(product), _) => (Operation::Add, [product, c]),
-        (Operation::Fms, Some(product), _) => (Operation::Sub, [product, c]),
-        (Operation::Fnma, Some(product), _) => (Operation::Sub, [c, product]),
+        (operation, Some(product), _) => apart(operation, product, c),
         (Operation::Fma | Operation::Fms, None, Some(0.0)) => (Operation::Mul, [a, b]),
         _ => return Simple::Node(node),
     };

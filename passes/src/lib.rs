@@ -2,8 +2,8 @@
 //!
 //! Each is one file or folder of this crate, save those that place and those
 //! that write programs, which are crates of their own; [`registry::REGISTRY`]
-//! lists all of them. `choice` and `reassociate` are what several passes on
-//! sums share. This crate reads and writes no files.
+//! lists all of them. `sums` is what the passes on sums and products share,
+//! `choice` and `reassociate` what some of them do. This crate reads and writes no files.
 
 pub mod accurate;
 pub mod asap_alap;
@@ -26,6 +26,7 @@ mod reassociate;
 pub mod recurrence;
 pub mod registry;
 pub mod specialise;
+mod sums;
 pub mod swap;
 pub mod trigonometry;
 pub mod zero_removal;

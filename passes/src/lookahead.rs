@@ -5,7 +5,6 @@ use crate::choice::compose::{CompositionLimits, look_ahead};
 use crate::choice::emit::emit;
 use crate::choice::import::Import;
 use crate::choice::map::{Mapper, Mapping};
-use crate::choice::timing::NetworkTiming;
 use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
@@ -72,7 +71,7 @@ declare_pass! {
 impl Pass for Lookahead {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let weights = Weights::cycles(context.machine);
-        let timing = NetworkTiming::new(weights);
+        let timing = weights.with_equal_sums();
         let limits = CompositionLimits {
             grid: self.grid.max(1),
             frontiers: self.frontiers,
@@ -116,7 +115,7 @@ struct LookaheadSearch<'a> {
     pass: &'a Lookahead,
     function: &'a Function,
     import: &'a Import,
-    timing: NetworkTiming,
+    timing: Weights,
     weights: Weights,
 }
 

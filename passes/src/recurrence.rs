@@ -4,7 +4,6 @@ use crate::balance::balanced;
 use crate::choice::compose::{CompositionLimits, look_ahead};
 use crate::choice::emit::emit;
 use crate::choice::map::Mapper;
-use crate::choice::timing::NetworkTiming;
 use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
@@ -59,7 +58,7 @@ declare_pass! {
 impl Pass for Recurrence {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let weights = Weights::cycles(context.machine);
-        let timing = NetworkTiming::new(weights);
+        let timing = weights.with_equal_sums();
         let longest = |function: &Function| arrivals(function, &weights).into_iter().max();
         let before = longest(function).unwrap_or(0);
         let grid = self.grid.max(1);

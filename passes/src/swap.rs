@@ -1,6 +1,7 @@
 //! Tree swapping (thesis 2.4.2).
 
-use crate::reassociate::{GroupReach, TreeShape, reassociate_asking};
+use crate::reassociate::{TreeShape, reassociate_asking};
+use crate::sums::groups::GroupReach;
 use robovec_analysis::critical_path::{Weights, critical_path};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};

@@ -1,6 +1,7 @@
 //! Zero removal (thesis 2.4.1).
 
-use crate::reassociate::{GroupReach, TreeShape, reassociate_asking};
+use crate::reassociate::{TreeShape, reassociate_asking};
+use crate::sums::groups::GroupReach;
 use robovec_analysis::critical_path::Weights;
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};

@@ -30,6 +30,15 @@ impl Weights {
         }))
     }
 
+    /// The same, but additions and subtractions both weigh what the heavier of
+    /// them does: for sums whose signs are not settled yet.
+    pub fn with_equal_sums(mut self) -> Weights {
+        let [add, sub] = [Operation::Add, Operation::Sub].map(|operation| operation as usize);
+        let weight = self.0[add].max(self.0[sub]);
+        (self.0[add], self.0[sub]) = (weight, weight);
+        self
+    }
+
     /// The weight of one operation.
     pub fn of(&self, operation: Operation) -> u32 {
         self.0[operation as usize]

@@ -16,6 +16,8 @@
 //! Over the real numbers every correction is zero.
 
 use super::profile::{LANES, SensitivityProfile, StateLanes, add, is_exact, product, squares};
+use crate::sums::groups::GroupFamily;
+use crate::sums::writer::{ArrivalTimes, joining};
 use robovec_analysis::critical_path::{Weights, tails};
 use robovec_framework::pass::Context;
 use robovec_framework::rewrite::{Rewriter, owners, remove_dead};
@@ -132,14 +134,13 @@ type CorrectionParts = Vec<(usize, Correction)>;
 struct CompensationWriter<'a> {
     function: &'a Function,
     budget: &'a CompensationBudget,
-    weights: Weights,
     fused: bool,
     required: Vec<u32>,
     tracked: Vec<bool>,
     /// Tracked, or reading something that is.
     raised: Vec<bool>,
     rewriter: Rewriter<'a>,
-    arrivals: Vec<u32>,
+    times: ArrivalTimes,
     states: Vec<CompensatedValue>,
     /// High and low halves of old values and other operands, once made.
     halves: hashbrown::HashMap<Operand, [Operand; 2], rustc_hash::FxBuildHasher>,
@@ -164,7 +165,7 @@ fn write(
     let tails = tails(function, &weights).into_iter();
     let mut writer = CompensationWriter {
         rewriter: Rewriter::new(function, function.level),
-        arrivals: Vec::with_capacity(function.nodes().len()),
+        times: ArrivalTimes::new(weights, function.nodes().len()),
         states: Vec::with_capacity(function.nodes().len()),
         halves: hashbrown::HashMap::default(),
         names: function.fresh_names(),
@@ -175,7 +176,6 @@ fn write(
         fused: context.machine.kind_of(Operation::Fms).is_some(),
         function,
         budget,
-        weights,
         tracked,
         raised,
     };
@@ -212,17 +212,8 @@ fn raised(function: &Function, tracked: &[bool]) -> Vec<bool> {
 }
 
 impl CompensationWriter<'_> {
-    fn arrival(&self, operand: Operand) -> u32 {
-        let value = operand.value();
-        value.map_or(0, |value| self.arrivals[value.index()])
-    }
-
     fn push(&mut self, node: Node) -> Operand {
-        let ready = node.operands().iter().map(|&operand| self.arrival(operand));
-        let ready = ready.max().unwrap_or(0);
-        let weight = self.weights.of(node.operation);
-        self.arrivals.push(ready.saturating_add(weight));
-        self.rewriter.new.push(node).into()
+        self.times.push(&mut self.rewriter.new, node).into()
     }
 
     /// A value that takes no corrections.
@@ -284,7 +275,7 @@ impl CompensationWriter<'_> {
             };
             parts.push((place, carried));
         }
-        parts.sort_by_key(|(_, part)| make.writer.arrival(part.operand));
+        parts.sort_by_key(|(_, part)| make.writer.times.of(part.operand));
         let (correction, absorbed, kept) = make.collect(value, main, &parts);
         if let Some(absorbed) = absorbed.and_then(Operand::value) {
             // Who asks for the value by its name gets the better one.
@@ -458,11 +449,8 @@ impl CorrectionMaker<'_, '_> {
     }
 
     fn add(&mut self, a: Correction, b: Correction) -> Correction {
-        let (operation, operands, negative) = match (a.negative, b.negative) {
-            (false, true) => (Operation::Sub, [a.operand, b.operand], false),
-            (true, false) => (Operation::Sub, [b.operand, a.operand], false),
-            (sign, _) => (Operation::Add, [a.operand, b.operand], sign),
-        };
+        let pair = [a, b].map(|part| (part.operand, part.negative));
+        let (operation, operands, negative) = joining(GroupFamily::Sum, pair, false);
         Correction {
             operand: self.emit(operation, operands),
             negative,
@@ -475,12 +463,9 @@ impl CorrectionMaker<'_, '_> {
             true => Operation::Sub,
             false => Operation::Add,
         };
-        let ready = self
-            .writer
-            .arrival(main)
-            .max(self.writer.arrival(correction.operand));
-        let finish = ready.saturating_add(self.writer.weights.of(operation));
+        let operands = [main, correction.operand];
+        let finish = self.writer.times.finish(operation, &operands);
         let in_time = finish <= self.writer.required[value.index()];
-        in_time.then(|| self.emit(operation, [main, correction.operand]))
+        in_time.then(|| self.emit(operation, operands))
     }
 }

@@ -8,6 +8,9 @@
 //! whose error is computed is read more than once.
 
 use super::profile::SensitivityProfile;
+use crate::sums::fused::contraction;
+use crate::sums::groups::single_product;
+use crate::sums::writer::ArrivalTimes;
 use robovec_analysis::critical_path::{Weights, tails};
 use robovec_framework::pass::Context;
 use robovec_framework::rewrite::Rewriter;
@@ -24,17 +27,12 @@ pub(super) fn fuse(
     let weights = Weights::cycles(context.machine);
     let uses = function.use_counts();
     let tails = tails(function, &weights);
-    let mut arrivals: Vec<u32> = Vec::with_capacity(uses.len());
+    let mut times = ArrivalTimes::new(weights, uses.len());
     let mut taken = vec![false; uses.len()];
     let mut forms: Vec<Option<(Operation, [Operand; Operand::MAX_COUNT])>> = vec![None; uses.len()];
     let mut count = 0;
     for (value, node) in function.values() {
-        let finish = |arrivals: &[u32], operation, operands: &[Operand]| {
-            let values = operands.iter().filter_map(|operand| operand.value());
-            let ready = values.map(|value| arrivals[value.index()]).max();
-            ready.unwrap_or(0).saturating_add(weights.of(operation))
-        };
-        let mut arrival = finish(&arrivals, node.operation, node.operands());
+        let mut arrival = times.finish(node.operation, node.operands());
         let required = limit.saturating_sub(tails[value.index()]);
         let mut best: Option<(f64, Value, usize)> = None;
         for side in 0..2 {
@@ -47,8 +45,8 @@ pub(super) fn fuse(
             }
         }
         if let Some((_, product, side)) = best {
-            let (operation, operands) = fused(function, node, product, side);
-            let late = finish(&arrivals, operation, &operands);
+            let (operation, operands) = contraction(function, node, side);
+            let late = times.finish(operation, &operands);
             let performed = context.machine.kind_of(operation).is_some();
             if performed && late <= required && context.allow_rewrite(node.name, "contract") {
                 arrival = late;
@@ -57,7 +55,7 @@ pub(super) fn fuse(
                 count += 1;
             }
         }
-        arrivals.push(arrival);
+        times.note(arrival);
     }
     (count > 0).then(|| (write(function, &taken, &forms, context), count))
 }
@@ -67,25 +65,7 @@ fn product(function: &Function, node: &Node, side: usize, uses: &[u32]) -> Optio
     if !matches!(node.operation, Operation::Add | Operation::Sub) {
         return None;
     }
-    let product = node.operands[side].value()?;
-    let single = uses[product.index()] == 1;
-    (single && function.node(product).operation == Operation::Mul).then_some(product)
-}
-
-/// A sum with the product on one side taken in.
-fn fused(
-    function: &Function,
-    node: &Node,
-    product: Value,
-    side: usize,
-) -> (Operation, [Operand; Operand::MAX_COUNT]) {
-    let operation = match (node.operation, side) {
-        (Operation::Sub, 0) => Operation::Fms,
-        (Operation::Sub, _) => Operation::Fnma,
-        _ => Operation::Fma,
-    };
-    let [a, b, _] = function.node(product).operands;
-    (operation, [a, b, node.operands[1 - side]])
+    single_product(function, uses, node.operands[side])
 }
 
 fn write(

@@ -13,12 +13,13 @@
 
 use super::profile::{SensitivityProfile, StateLanes, squares};
 use super::terms::{self, StepSource, SumPlan, SumSetting, SumTerm, TermFactor};
-use crate::reassociate::{GroupFamily, GroupLeaf, GroupReach, OperandGroups};
+use crate::sums::groups::{GroupFamily, GroupLeaf, GroupReach, OperandGroups, single_product};
+use crate::sums::writer::{ArrivalTimes, ValueNaming};
 use robovec_analysis::critical_path::{Weights, tails};
 use robovec_analysis::slice::live;
 use robovec_framework::pass::Context;
 use robovec_framework::rewrite::{Rewriter, owners};
-use robovec_ir::{FreshNames, Function, Name, Node, Operand, Operation, SourceSet, Symbol, Value};
+use robovec_ir::{FreshNames, Function, Name, Node, Operand, Operation, Symbol, Value};
 
 /// The part of the function's error that a sum must save to take time.
 const WORTH_TIME: f64 = 1e-5;
@@ -58,12 +59,11 @@ pub(super) fn regroup(
         names: function.fresh_names(),
         owners: owners(context.tables, function),
         uses: function.use_counts(),
-        arrivals: Vec::with_capacity(function.nodes().len()),
+        times: ArrivalTimes::new(weights, function.nodes().len()),
         worth: total * WORTH_TIME,
         done: Regrouped::default(),
         function,
         profile,
-        weights,
         required,
         groups,
     };
@@ -88,15 +88,14 @@ struct RegroupingWriter<'a> {
     function: &'a Function,
     profile: &'a SensitivityProfile,
     groups: OperandGroups,
-    weights: Weights,
     rewriter: Rewriter<'a>,
     names: FreshNames,
     owners: Vec<Symbol>,
     uses: Vec<u32>,
     /// When each value of the old function must be there.
     required: Vec<u32>,
-    /// When each value of the new function is there.
-    arrivals: Vec<u32>,
+    /// When the values of the new function are there.
+    times: ArrivalTimes,
     worth: f64,
     done: Regrouped,
 }
@@ -107,16 +106,7 @@ impl RegroupingWriter<'_> {
     }
 
     fn push(&mut self, node: Node) -> Value {
-        let ready = node.operands().iter().map(|&operand| self.arrival(operand));
-        let ready = ready.max().unwrap_or(0);
-        let finish = ready.saturating_add(self.weights.of(node.operation));
-        self.arrivals.push(finish);
-        self.rewriter.new.push(node)
-    }
-
-    fn arrival(&self, operand: Operand) -> u32 {
-        let value = operand.value();
-        value.map_or(0, |value| self.arrivals[value.index()])
+        self.times.push(&mut self.rewriter.new, node)
     }
 
     /// Writes a value, and what was absorbed into it, as they were.
@@ -160,11 +150,8 @@ impl RegroupingWriter<'_> {
         let setting = |deadline| SumSetting {
             adjoint: *self.profile.adjoint(index),
             deadline,
-            add: self
-                .weights
-                .of(Operation::Add)
-                .max(self.weights.of(Operation::Sub)),
-            multiply: self.weights.of(Operation::Mul),
+            add: self.times.weights.with_equal_sums().of(Operation::Add),
+            multiply: self.times.weights.of(Operation::Mul),
         };
         let best = |deadline: u32| -> Option<(SumPlan, bool)> {
             let factored = (products >= 2)
@@ -223,7 +210,10 @@ impl RegroupingWriter<'_> {
                 }
             });
             let ready = ready.max().unwrap_or(0);
-            finished.push((value, ready.saturating_add(self.weights.of(node.operation))));
+            finished.push((
+                value,
+                ready.saturating_add(self.times.weights.of(node.operation)),
+            ));
         }
         (cost, finished.last().map_or(0, |&(_, at)| at))
     }
@@ -231,16 +221,14 @@ impl RegroupingWriter<'_> {
     /// When what an old operand has become is there.
     fn old_arrival(&self, operand: Operand) -> u32 {
         match operand.value() {
-            Some(value) => self.arrival(self.rewriter.known(value)),
+            Some(value) => self.times.of(self.rewriter.known(value)),
             None => 0,
         }
     }
 
     /// The product that a leaf is, when nothing else reads it.
     fn product(&self, leaf: &GroupLeaf) -> Option<Value> {
-        let value = leaf.operand.value()?;
-        let single = self.uses[value.index()] == 1;
-        (single && self.function.node(value).operation == Operation::Mul).then_some(value)
+        single_product(self.function, &self.uses, leaf.operand)
     }
 
     fn term(&mut self, leaf: &GroupLeaf) -> SumTerm {
@@ -253,7 +241,7 @@ impl RegroupingWriter<'_> {
                 TermFactor {
                     source: StepSource::Operand(source),
                     lanes: self.profile.operand(self.function, operand),
-                    arrival: self.arrival(source),
+                    arrival: self.times.of(source),
                 }
             })
         });
@@ -265,7 +253,7 @@ impl RegroupingWriter<'_> {
             } else {
                 lanes
             },
-            arrival: self.arrival(source),
+            arrival: self.times.of(source),
             factors,
         }
     }
@@ -274,19 +262,15 @@ impl RegroupingWriter<'_> {
     fn write(&mut self, root: Value, plan: &SumPlan, factoring: bool, context: &mut Context<'_>) {
         let node = *self.function.node(root);
         let inner = self.groups.inner(root).to_vec();
-        let mut sets = vec![node.sources];
-        sets.extend(inner.iter().map(|&value| self.function.node(value).sources));
+        let parts = inner.iter().map(|&value| self.function.node(value));
+        let mut parts: Vec<_> = parts.map(|node| (node.name, node.sources)).collect();
         if factoring {
             let leaves = self.groups.leaves(root).iter();
             let products = leaves.filter_map(|leaf| self.product(leaf));
-            sets.extend(products.map(|value| self.function.node(value).sources));
+            parts.extend(products.map(|value| (Name::NONE, self.function.node(value).sources)));
         }
-        let sources = context.tables.sources.union(&sets);
-        // The name of an equation goes with its value.
-        let names = inner.iter().map(|&value| self.function.node(value).name);
-        let mut spare: Vec<Name> = names.filter(|name| name.suffix > 0).collect();
-        spare.sort_unstable();
-        spare.reverse();
+        let naming = ValueNaming::new(node.name, self.owners[root.index()], node.sources);
+        let mut naming = naming.with_parts(parts.into_iter(), context.tables);
         let needed = needed(plan);
         let mut results: Vec<Operand> = Vec::with_capacity(plan.steps.len());
         for (place, step) in plan.steps.iter().enumerate() {
@@ -295,13 +279,15 @@ impl RegroupingWriter<'_> {
                 continue;
             }
             let last = plan.result == StepSource::Step(place);
-            let name = match (last, spare.pop()) {
-                (true, _) => node.name,
-                (false, Some(name)) => name,
-                (false, None) => self.names.fresh(self.owners[root.index()]),
-            };
+            let name = naming.next(last, &mut self.names);
             let operands = step.operands.map(|source| self.resolve(source, &results));
-            results.push(self.emit(step.operation, operands, name, sources));
+            let result = self.push(Node {
+                name,
+                sources: naming.sources,
+                operands: Operand::list(operands),
+                operation: step.operation,
+            });
+            results.push(result.into());
             context.note(name, if factoring { "factor" } else { "order" });
         }
         let result = self.resolve(plan.result, &results);
@@ -310,23 +296,6 @@ impl RegroupingWriter<'_> {
             true => self.done.factored += 1,
             false => self.done.reordered += 1,
         }
-    }
-
-    fn emit(
-        &mut self,
-        operation: Operation,
-        operands: [Operand; 2],
-        name: Name,
-        sources: SourceSet,
-    ) -> Operand {
-        let operands = Operand::list(operands);
-        let node = Node {
-            name,
-            sources,
-            operands,
-            operation,
-        };
-        self.push(node).into()
     }
 
     /// The operand of a source; the absent one stands for zero.

@@ -18,10 +18,11 @@
 //! *Floating-Point Computation*, 1974), and so is adding zero.
 
 use super::profile::{LANES, StateLanes, squares};
+use crate::sums::earliest::finish;
+use crate::sums::groups::GroupFamily;
+use crate::sums::writer::joining;
 use robovec_ir::{Operand, Operation};
 use std::array;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 /// Sums of more terms are added greedily.
 const EXHAUSTIVE: usize = 6;
@@ -115,22 +116,9 @@ impl SumSetting {
         self.rounding(&sum)
     }
 
-    /// Whether the terms can be added by the deadline: adding the two
-    /// earliest again and again finishes first (Golumbic, *IEEE Trans.
-    /// Computers* C-25, 1976).
+    /// Whether the terms can be added by the deadline.
     fn feasible(&self, arrivals: impl Iterator<Item = u32>) -> bool {
-        let mut heap: BinaryHeap<Reverse<u32>> = arrivals.map(Reverse).collect();
-        while let (Some(_), Some(Reverse(later))) = (heap.pop(), heap.pop()) {
-            let finish = later.saturating_add(self.add);
-            if finish > self.deadline {
-                return false;
-            }
-            heap.push(Reverse(finish));
-            if heap.len() == 1 {
-                break;
-            }
-        }
-        true
+        finish(arrivals, self.add) <= self.deadline
     }
 }
 
@@ -194,11 +182,8 @@ impl SumDraft<'_> {
     /// The sum or difference of two signed sources: what is stored, and
     /// whether it has the other sign.
     fn signed_sum(&mut self, a: (StepSource, bool), b: (StepSource, bool)) -> (StepSource, bool) {
-        match (a.1, b.1) {
-            (false, true) => (self.step(Operation::Sub, [a.0, b.0]), false),
-            (true, false) => (self.step(Operation::Sub, [b.0, a.0]), false),
-            (sign, _) => (self.step(Operation::Add, [a.0, b.0]), sign),
-        }
+        let (operation, operands, negative) = joining(GroupFamily::Sum, [a, b], false);
+        (self.step(operation, operands), negative)
     }
 
     /// Replaces two terms by their sum.

@@ -20,7 +20,8 @@
 
 use super::import::{Import, import};
 use super::network::{ChoiceForm, ChoiceNetwork, Class, ProductTerm, SignedClass};
-use super::timing::{Arrivals, NetworkTiming};
+use super::timing::Arrivals;
+use robovec_analysis::critical_path::Weights;
 use robovec_framework::pass::Context;
 use robovec_ir::Function;
 use std::rc::Rc;
@@ -55,7 +56,7 @@ struct Linear {
 pub(crate) fn look_ahead(
     function: &Function,
     context: &mut Context<'_>,
-    timing: NetworkTiming,
+    timing: Weights,
     limits: CompositionLimits,
 ) -> Option<(Import, u32)> {
     let Some(mut import) = import(function, context.tables, timing) else {
@@ -67,7 +68,7 @@ pub(crate) fn look_ahead(
     Some((import, chain))
 }
 
-fn add_forms(import: &mut Import, timing: NetworkTiming, limits: CompositionLimits) -> u32 {
+fn add_forms(import: &mut Import, timing: Weights, limits: CompositionLimits) -> u32 {
     let mut composer = Composer {
         network: &mut import.network,
         reference: import.arrivals.clone(),
@@ -91,7 +92,7 @@ struct Composer<'a> {
     reference: Arrivals,
     /// Earliest arrivals by all forms made so far.
     arrivals: &'a mut Arrivals,
-    timing: NetworkTiming,
+    timing: Weights,
     limits: CompositionLimits,
     /// By class: how many equations lie behind it, one linear in the latest
     /// value of the next.

@@ -5,7 +5,9 @@
 //! of all forms lie in one vector.
 
 use super::network::{ChoiceForm, ChoiceNetwork, Class, SignedClass};
-use super::timing::{NetworkTiming, earliest_first, levels};
+use crate::sums::earliest::{finish, levels};
+use robovec_analysis::critical_path::Weights;
+use robovec_ir::Operation;
 use smallvec::SmallVec;
 
 /// The operation of a form on its terms.
@@ -46,7 +48,7 @@ impl Dense {
 
     pub(crate) fn new(
         network: &ChoiceNetwork,
-        timing: &NetworkTiming,
+        timing: &Weights,
         outputs: &[Option<SignedClass>],
     ) -> Dense {
         let mut classes = reachable(network, outputs);
@@ -74,7 +76,7 @@ impl Dense {
         dense
     }
 
-    fn push(&mut self, network: &ChoiceNetwork, timing: &NetworkTiming, original: u32) {
+    fn push(&mut self, network: &ChoiceNetwork, timing: &Weights, original: u32) {
         let form = network.form(original);
         let start = self.terms.len() as u32;
         let own = self.starts.len() as u32 - 1;
@@ -87,7 +89,7 @@ impl Dense {
                     self.terms.push((place, Dense::NONE));
                 }
                 let operation = opaque.operation;
-                let weight = timing.weights.of(operation);
+                let weight = timing.of(operation);
                 (
                     DenseKind::Opaque(weight),
                     u32::from(!operation.is_trigonometric()),
@@ -185,11 +187,11 @@ impl Dense {
 
     fn term_arrivals<'a>(
         &'a self,
-        timing: &NetworkTiming,
+        timing: &Weights,
         arrivals: &'a [u32],
         form: u32,
     ) -> impl Iterator<Item = u32> + 'a {
-        let multiply = timing.multiply;
+        let multiply = timing.of(Operation::Mul);
         self.terms(form).iter().map(move |&(a, b)| {
             let first = arrivals[a as usize];
             match b {
@@ -200,13 +202,13 @@ impl Dense {
     }
 
     /// When a form is available.
-    pub(crate) fn arrival(&self, timing: &NetworkTiming, arrivals: &[u32], form: u32) -> u32 {
+    pub(crate) fn arrival(&self, timing: &Weights, arrivals: &[u32], form: u32) -> u32 {
         let terms = self.term_arrivals(timing, arrivals, form);
         match self.kind(form) {
             DenseKind::Leaf => 0,
             DenseKind::Opaque(weight) => terms.max().unwrap_or(0).saturating_add(weight),
-            DenseKind::Sum => earliest_first(terms, timing.add),
-            DenseKind::Product => earliest_first(terms, timing.multiply),
+            DenseKind::Sum => finish(terms, timing.of(Operation::Add)),
+            DenseKind::Product => finish(terms, timing.of(Operation::Mul)),
         }
     }
 
@@ -214,14 +216,14 @@ impl Dense {
     /// multiplications) it goes through.
     pub(crate) fn levels(
         &self,
-        timing: &NetworkTiming,
+        timing: &Weights,
         arrivals: &[u32],
         form: u32,
     ) -> SmallVec<[u32; 16]> {
         let times: SmallVec<[u32; 16]> = self.term_arrivals(timing, arrivals, form).collect();
         match self.kind(form) {
-            DenseKind::Product => levels(&times, timing.multiply),
-            _ => levels(&times, timing.add),
+            DenseKind::Product => levels(&times, timing.of(Operation::Mul)),
+            _ => levels(&times, timing.of(Operation::Add)),
         }
     }
 }

@@ -2,23 +2,13 @@
 
 use super::import::Import;
 use super::map::{Mapper, Mapping};
-use super::network::{ChoiceForm, ChoiceNetwork, Class, ProductTerm};
-use super::timing::NetworkTiming;
-use robovec_ir::{
-    Assignment, FreshNames, Function, Level, Name, Node, Operand, Operation, SourceSet, Symbol,
-    Tables,
-};
+use super::network::{ChoiceForm, ChoiceNetwork, Class, ProductTerm, SignedClass};
+use crate::sums::earliest::TieOrder;
+use crate::sums::groups::GroupFamily;
+use crate::sums::writer::{SignedOperand, SumWriter, ValueNaming};
+use robovec_analysis::critical_path::Weights;
+use robovec_ir::{Assignment, Function, Level, Name, Operand, SourceSet, Tables};
 use smallvec::SmallVec;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
-/// An operand that holds a value or its negation.
-#[derive(Clone, Copy, Debug)]
-struct Held {
-    operand: Operand,
-    negative: bool,
-    arrival: u32,
-}
 
 /// Writes the function a mapping stands for, at the atomic level, with the
 /// signature and the names of the function that was read.
@@ -27,7 +17,7 @@ pub(crate) fn emit(
     import: &Import,
     mapper: &Mapper,
     mapping: &Mapping,
-    timing: NetworkTiming,
+    timing: Weights,
     tables: &mut Tables,
 ) -> Function {
     let network = &import.network;
@@ -35,10 +25,8 @@ pub(crate) fn emit(
     let mut writer = ChoiceWriter {
         network,
         sources: sources(import, &used, tables),
-        timing,
-        out: old.skeleton(Level::Atomic),
+        writer: SumWriter::new(old, Level::Atomic, timing),
         held: vec![None; network.len()],
-        names: old.fresh_names(),
     };
     for &(class, form) in &used {
         let name = import.names.get(class.index()).copied();
@@ -47,18 +35,18 @@ pub(crate) fn emit(
     }
     for (assignment, output) in old.assignments.iter().zip(&import.outputs) {
         let operand = match output {
-            None => writer.out.constant(0.0).into(),
+            None => writer.writer.number(0.0).operand,
             Some(signed) => {
-                let naming = writer.naming(signed.class, Name::NONE, assignment.sources);
-                writer.true_sign(signed.class, signed.negative, naming)
+                let mut naming = writer.naming(signed.class, Name::NONE, assignment.sources);
+                writer.true_sign(*signed, &mut naming)
             }
         };
-        writer.out.assignments.push(Assignment {
+        writer.writer.out.assignments.push(Assignment {
             operand,
             ..*assignment
         });
     }
-    writer.out
+    writer.writer.finish(tables).0
 }
 
 /// A value made on the way comes from the equations it was made for; it names
@@ -103,197 +91,106 @@ fn sources(import: &Import, used: &[(Class, u32)], tables: &mut Tables) -> Vec<S
     sources
 }
 
-/// The names and sources of the operations of one class.
-#[derive(Clone, Copy)]
-struct ClassNaming {
-    last: Name,
-    owner: Symbol,
-    sources: SourceSet,
-}
-
 struct ChoiceWriter<'a> {
     network: &'a ChoiceNetwork,
     /// By class: the equations it comes from or serves.
     sources: Vec<SourceSet>,
-    timing: NetworkTiming,
-    out: Function,
-    held: Vec<Option<Held>>,
-    names: FreshNames,
+    writer: SumWriter,
+    held: Vec<Option<SignedOperand>>,
 }
 
 impl ChoiceWriter<'_> {
-    fn naming(&self, class: Class, last: Name, sources: SourceSet) -> ClassNaming {
+    fn naming(&self, class: Class, last: Name, sources: SourceSet) -> ValueNaming {
         let owner = self.network.origin_of(class).0;
         let own = self.sources[class.index()];
-        let sources = if own == SourceSet::EMPTY {
-            sources
-        } else {
-            own
+        let sources = match own == SourceSet::EMPTY {
+            true => sources,
+            false => own,
         };
-        ClassNaming {
-            last,
-            owner,
-            sources,
-        }
+        ValueNaming::new(last, owner, sources)
     }
 
-    fn held(&self, class: Class) -> Held {
+    fn held(&self, class: Class) -> SignedOperand {
         self.held[class.index()].expect("a class is written before those that use it")
     }
 
     fn class(&mut self, class: Class, form: ChoiceForm, name: Name) {
-        let naming = self.naming(class, name, SourceSet::EMPTY);
+        let mut naming = self.naming(class, name, SourceSet::EMPTY);
+        let network = self.network;
         let held = match form {
-            ChoiceForm::Input(input, negative) => Held {
-                operand: input.into(),
-                negative,
-                arrival: 0,
-            },
-            ChoiceForm::Constant(bits) => Held {
-                operand: self.out.constant(f64::from_bits(bits)).into(),
-                negative: false,
-                arrival: 0,
-            },
-            ChoiceForm::Opaque(index) => self.opaque(index, naming),
+            ChoiceForm::Input(input, negative) => self.writer.signed(input.into(), negative),
+            ChoiceForm::Constant(bits) => self.writer.number(f64::from_bits(bits)),
+            ChoiceForm::Opaque(index) => self.opaque(index, &mut naming),
             ChoiceForm::Product(..) => {
-                let factors = self.network.terms(form);
-                let held: Vec<Held> = factors.iter().map(|term| self.held(term.a)).collect();
-                let values = factors.iter().map(|term| self.network.value(term.a));
-                let value = self.network.images.product(values);
-                let negated = value.is_negation_of(&self.network.value(class));
-                self.tree(held, true, negated, naming)
+                let factors = network.terms(form).iter();
+                let held = factors.clone().map(|term| self.held(term.a)).collect();
+                let value = network
+                    .values
+                    .images
+                    .product(factors.map(|term| network.value(term.a)));
+                let negated = value.is_negation_of(&network.value(class));
+                self.tree(GroupFamily::Product, held, &mut naming)
+                    .flip(negated)
             }
             ChoiceForm::Sum(..) => {
-                let terms = self.network.terms(form);
-                let value = self.network.sum_value(terms);
-                let negated = value.is_negation_of(&self.network.value(class));
-                let held = terms.iter().map(|&term| self.term(term, naming)).collect();
-                self.tree(held, false, negated, naming)
+                let terms = network.terms(form);
+                let negated = network
+                    .sum_value(terms)
+                    .is_negation_of(&network.value(class));
+                let terms = terms.iter();
+                let held = terms.map(|&term| self.term(term, &mut naming)).collect();
+                self.tree(GroupFamily::Sum, held, &mut naming).flip(negated)
             }
         };
         self.held[class.index()] = Some(held);
     }
 
-    fn opaque(&mut self, index: u32, naming: ClassNaming) -> Held {
+    fn opaque(&mut self, index: u32, naming: &mut ValueNaming) -> SignedOperand {
         let opaque = self.network.opaques[index as usize];
         let mut operands = [Operand::NONE; Operand::MAX_COUNT];
         let mut arrival = 0;
         for (slot, operand) in operands.iter_mut().zip(opaque.operands) {
             if let Some(signed) = operand {
-                let inner = ClassNaming {
-                    last: Name::NONE,
-                    ..naming
-                };
-                *slot = self.true_sign(signed.class, signed.negative, inner);
+                *slot = self.true_sign(signed, naming);
                 arrival = arrival.max(self.held(signed.class).arrival);
             }
         }
-        let operand = self.push(opaque.operation, operands, naming.last, naming);
-        Held {
-            operand,
+        // As the network counts times: signs cost none.
+        let weight = self.writer.times.weights.of(opaque.operation);
+        SignedOperand {
+            operand: self.writer.push(opaque.operation, operands, true, naming),
             negative: opaque.negative,
-            arrival: arrival + self.timing.weights.of(opaque.operation),
+            arrival: arrival + weight,
         }
     }
 
     /// A signed term; products are written.
-    fn term(&mut self, term: ProductTerm, naming: ClassNaming) -> Held {
-        let a = self.held(term.a);
+    fn term(&mut self, term: ProductTerm, naming: &mut ValueNaming) -> SignedOperand {
+        let a = self.held(term.a).flip(term.negative);
         if !term.is_product() {
-            return Held {
-                negative: a.negative ^ term.negative,
-                ..a
-            };
+            return a;
         }
-        let b = self.held(term.b);
-        let operand = self.push(Operation::Mul, [a.operand, b.operand], Name::NONE, naming);
-        Held {
-            operand,
-            negative: a.negative ^ b.negative ^ term.negative,
-            arrival: a.arrival.max(b.arrival) + self.timing.multiply,
-        }
+        let pair = [a, self.held(term.b)];
+        self.writer
+            .join(GroupFamily::Product, pair, (false, false), naming)
     }
 
     /// Combines the two earliest first.
     fn tree(
         &mut self,
-        leaves: Vec<Held>,
-        product: bool,
-        negated: bool,
-        naming: ClassNaming,
-    ) -> Held {
-        let weight = match product {
-            true => self.timing.multiply,
-            false => self.timing.add,
-        };
-        let mut made = leaves;
-        let mut open: BinaryHeap<Reverse<(u32, usize)>> = made
-            .iter()
-            .enumerate()
-            .map(|(index, held)| Reverse((held.arrival, index)))
-            .collect();
-        while let (Some(Reverse((_, a))), Some(Reverse((_, b)))) = (open.pop(), open.pop()) {
-            let last = open.is_empty();
-            let (a, b) = (made[a.min(b)], made[a.max(b)]);
-            let name = if last { naming.last } else { Name::NONE };
-            let (operation, operands, negative) = match (product, a.negative, b.negative) {
-                (true, a_negative, b_negative) => (
-                    Operation::Mul,
-                    [a.operand, b.operand],
-                    a_negative ^ b_negative,
-                ),
-                (false, false, true) => (Operation::Sub, [a.operand, b.operand], false),
-                (false, true, false) => (Operation::Sub, [b.operand, a.operand], false),
-                (false, negative, _) => (Operation::Add, [a.operand, b.operand], negative),
-            };
-            let operand = self.push(operation, operands, name, naming);
-            made.push(Held {
-                operand,
-                negative,
-                arrival: a.arrival.max(b.arrival) + weight,
-            });
-            if last {
-                break;
-            }
-            open.push(Reverse((made[made.len() - 1].arrival, made.len() - 1)));
-        }
-        let last = made[made.len() - 1];
-        Held {
-            negative: last.negative ^ negated,
-            ..last
-        }
+        family: GroupFamily,
+        terms: Vec<SignedOperand>,
+        naming: &mut ValueNaming,
+    ) -> SignedOperand {
+        self.writer
+            .tree(family, terms, (TieOrder::Made, false), naming)
     }
 
-    fn true_sign(&mut self, class: Class, negative: bool, naming: ClassNaming) -> Operand {
-        let held = self.held(class);
-        if held.negative == negative {
-            return held.operand;
-        }
-        if let Some(number) = self.out.number(held.operand) {
-            return self.out.constant(-number).into();
-        }
-        let zero = Operand::from(self.out.constant(0.0));
-        self.push(Operation::Sub, [zero, held.operand], naming.last, naming)
-    }
-
-    fn push<const COUNT: usize>(
-        &mut self,
-        operation: Operation,
-        operands: [Operand; COUNT],
-        name: Name,
-        naming: ClassNaming,
-    ) -> Operand {
-        let name = match name.is_none() {
-            true => self.names.fresh(naming.owner),
-            false => name,
-        };
-        self.out
-            .push(Node {
-                name,
-                sources: naming.sources,
-                operands: Operand::list(operands),
-                operation,
-            })
-            .into()
+    /// Every place that needs a negation has its own; equal ones are merged
+    /// later, and then come from all the equations they serve.
+    fn true_sign(&mut self, signed: SignedClass, naming: &mut ValueNaming) -> Operand {
+        let held = self.held(signed.class).flip(signed.negative);
+        self.writer.forget_negations();
+        self.writer.true_sign(held, naming)
     }
 }

@@ -1,8 +1,8 @@
 //! A function as a network of choices with one form per class.
 
 use super::network::{ChoiceNetwork, Class, Opaque, ProductTerm, RANK_STEP, SignedClass};
-use super::timing::{Arrivals, NetworkTiming};
-use crate::reassociate::{GroupFamily, GroupLeaf, GroupReach, OperandGroups};
+use super::timing::Arrivals;
+use crate::sums::groups::{GroupFamily, GroupLeaf, GroupReach, OperandGroups, single_product};
 use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_framework::fingerprint::{Fingerprint, Images};
 use robovec_framework::rewrite::owners;
@@ -24,11 +24,7 @@ pub(crate) struct Import {
 
 /// Reads a function at the atomic level. `None` when some value is undefined
 /// (a division by what is always zero), so that nothing can be said of it.
-pub(crate) fn import(
-    function: &Function,
-    tables: &mut Tables,
-    timing: NetworkTiming,
-) -> Option<Import> {
+pub(crate) fn import(function: &Function, tables: &mut Tables, timing: Weights) -> Option<Import> {
     let images = Images::of(function, false);
     let values = images.values(function);
     let undefined = |constant: &f64| !constant.is_finite();
@@ -89,7 +85,7 @@ struct ChoiceImporter<'a> {
     /// Products that one sum alone uses: they become terms of that sum.
     inlined: Vec<bool>,
     values: Vec<Fingerprint>,
-    timing: NetworkTiming,
+    timing: Weights,
     /// The classes that old values have become; `None` for zero.
     map: Vec<Option<SignedClass>>,
     /// Products that became terms of the sum being read.
@@ -279,7 +275,7 @@ impl ChoiceImporter<'_> {
             OperandKind::Value(value) => self.map[value.index()],
             OperandKind::None => None,
             OperandKind::Input(input) => {
-                let value = self.import.network.images.input(input);
+                let value = self.import.network.values.images.input(input);
                 Some(self.import.network.input(input, value))
             }
             OperandKind::Constant(constant) => {
@@ -305,9 +301,8 @@ fn inlined(function: &Function, groups: &OperandGroups) -> Vec<bool> {
             continue;
         }
         for leaf in groups.leaves(value) {
-            if let Some(term) = leaf.operand.value() {
-                let only_use = uses[term.index()] == 1;
-                inlined[term.index()] = only_use && family(term) == Some(GroupFamily::Product);
+            if let Some(product) = single_product(function, &uses, leaf.operand) {
+                inlined[product.index()] = true;
             }
         }
     }

@@ -2,7 +2,9 @@
 
 use super::dense::{Dense, DenseKind};
 use super::network::{ChoiceNetwork, SignedClass};
-use super::timing::{NEVER, NetworkTiming};
+use super::timing::NEVER;
+use robovec_analysis::critical_path::Weights;
+use robovec_ir::Operation;
 
 /// One form for every class, and what follows from it. Indexed by place in
 /// the dense copy.
@@ -26,14 +28,14 @@ const LARGEST_EXACT: usize = 200_000;
 /// Chooses forms.
 pub(crate) struct Mapper {
     dense: Dense,
-    timing: NetworkTiming,
+    timing: Weights,
     outputs: Vec<u32>,
 }
 
 impl Mapper {
     pub(crate) fn new(
         network: &ChoiceNetwork,
-        timing: NetworkTiming,
+        timing: Weights,
         outputs: &[Option<SignedClass>],
     ) -> Mapper {
         let dense = Dense::new(network, &timing, outputs);
@@ -294,14 +296,14 @@ impl Mapper {
                 }
                 return;
             }
-            DenseKind::Product => self.timing.multiply,
-            DenseKind::Sum => self.timing.add,
+            DenseKind::Product => self.timing.of(Operation::Mul),
+            DenseKind::Sum => self.timing.of(Operation::Add),
         };
         let levels = self.dense.levels(&self.timing, &mapping.arrivals, form);
         for (&(a, b), level) in self.dense.terms(form).iter().zip(levels) {
             let mut time = required.saturating_sub(level * weight);
             if b != Dense::NONE {
-                time = time.saturating_sub(self.timing.multiply);
+                time = time.saturating_sub(self.timing.of(Operation::Mul));
                 let known = &mut mapping.required[b as usize];
                 *known = (*known).min(time);
             }

@@ -1,6 +1,8 @@
 //! Classes of equal values and their forms.
 
-use hashbrown::{HashSet, HashTable};
+use crate::sums::terms::cancel;
+use crate::sums::values::ValueTable;
+use hashbrown::HashSet;
 use robovec_framework::fingerprint::{Fingerprint, Images};
 use robovec_ir::{Input, Operand, Operation, SourceSet, Symbol};
 use robovec_num::arithmetic::Arithmetic;
@@ -37,6 +39,13 @@ pub(crate) struct ProductTerm {
 }
 
 impl ProductTerm {
+    fn opposite(self) -> ProductTerm {
+        ProductTerm {
+            negative: !self.negative,
+            ..self
+        }
+    }
+
     pub(crate) fn is_product(self) -> bool {
         self.b != Class::ONE
     }
@@ -69,10 +78,9 @@ pub(crate) struct Opaque {
     pub(crate) negative: bool,
 }
 
-/// A class: its value and what is known of it.
+/// What is known of a class besides its value.
 #[derive(Clone, Copy, Debug)]
 struct Record {
-    value: Fingerprint,
     rank: u64,
     /// The most recent form; forms are chained.
     last: u32,
@@ -87,11 +95,9 @@ pub(crate) const RANK_STEP: u64 = 1 << 32;
 
 /// Classes and forms.
 pub(crate) struct ChoiceNetwork {
-    /// The images in which values are identified.
-    pub(crate) images: Images,
+    /// By class.
+    pub(crate) values: ValueTable,
     classes: Vec<Record>,
-    /// Classes by the hash of their value.
-    index: HashTable<Class>,
     forms: Vec<(ChoiceForm, u32)>,
     /// Classes and hashes of their forms.
     known: HashSet<(Class, u64), FxBuildHasher>,
@@ -105,9 +111,8 @@ impl ChoiceNetwork {
     /// A network with the class of 1 alone.
     pub(crate) fn new(images: Images) -> ChoiceNetwork {
         let mut network = ChoiceNetwork {
-            images,
+            values: ValueTable::new(images),
             classes: Vec::new(),
-            index: HashTable::new(),
             forms: Vec::new(),
             known: HashSet::default(),
             terms: Vec::new(),
@@ -131,41 +136,25 @@ impl ChoiceNetwork {
     }
 
     /// The class of a value, made when it does not exist, and whether the
-    /// value is its negation. A class has the sign with which its value was
-    /// first met, so that no sign depends on the primes.
+    /// value is its negation.
     pub(crate) fn class(&mut self, value: Fingerprint, rank: u64) -> SignedClass {
-        let negation = self.images.neg(value);
-        let next = Class(self.classes.len() as u32);
-        let (classes, images) = (&self.classes, &self.images);
-        let record = |class: &Class| classes[class.index()].value;
-        let hash = |value| FxBuildHasher.hash_one(images.without_sign(value).0);
-        let entry = self.index.entry(
-            hash(value),
-            |class| record(class) == value || record(class) == negation,
-            |class| hash(record(class)),
-        );
-        let class = *entry.or_insert(next).get();
-        if class == next {
+        let (place, negative) = self.values.place(value);
+        if place as usize == self.classes.len() {
             self.classes.push(Record {
-                value,
                 rank,
                 last: NONE,
                 owner: self.origin.0,
                 sources: self.origin.1,
             });
         }
-        let negative = value.is_negation_of(&self.classes[class.index()].value);
+        let class = Class(place);
         SignedClass { class, negative }
     }
 
     /// The class of a value, if it exists.
     pub(crate) fn find(&self, value: Fingerprint) -> Option<SignedClass> {
-        let negation = self.images.neg(value);
-        let hash = FxBuildHasher.hash_one(self.images.without_sign(value).0);
-        let record = |class: &Class| self.classes[class.index()].value;
-        let equal = |class: &Class| record(class) == value || record(class) == negation;
-        let class = *self.index.find(hash, equal)?;
-        let negative = value.is_negation_of(&record(&class));
+        let (place, negative) = self.values.find(value)?;
+        let class = Class(place);
         Some(SignedClass { class, negative })
     }
 
@@ -176,18 +165,22 @@ impl ChoiceNetwork {
 
     /// The value of a class.
     pub(crate) fn value(&self, class: Class) -> Fingerprint {
-        self.classes[class.index()].value
+        self.values.value(class.index())
     }
 
     /// The value of a term.
     pub(crate) fn term_value(&self, term: ProductTerm) -> Fingerprint {
-        let product = self.images.mul(self.value(term.a), self.value(term.b));
-        self.images.negate_if(term.negative, product)
+        let product = self
+            .values
+            .images
+            .mul(self.value(term.a), self.value(term.b));
+        self.values.images.negate_if(term.negative, product)
     }
 
     /// The value of a sum of terms.
     pub(crate) fn sum_value(&self, terms: &[ProductTerm]) -> Fingerprint {
-        self.images
+        self.values
+            .images
             .sum(terms.iter().map(|&term| self.term_value(term)))
     }
 
@@ -287,7 +280,7 @@ impl ChoiceNetwork {
 
     /// The class of a literal.
     pub(crate) fn constant(&mut self, number: f64) -> SignedClass {
-        let signed = self.class(self.images.literal(number), 0);
+        let signed = self.class(self.values.images.literal(number), 0);
         if !self.is_defined(signed.class) {
             let number = if signed.negative { -number } else { number };
             self.push_form(signed.class, ChoiceForm::Constant(number.to_bits()));
@@ -391,14 +384,14 @@ impl ChoiceNetwork {
             };
         }
         let values = factors.iter().map(|&factor| self.value(factor));
-        let value = self.images.product(values);
+        let value = self.values.images.product(values);
         let rank = factors.iter().map(|&factor| self.rank(factor)).max();
         let signed = self.class(value, rank.unwrap_or(0) + 1);
         self.add_product(signed.class, factors);
         signed
     }
 
-    /// Drops terms that are zero or cancel, puts products that are classes
+    /// Drops terms that cancel, puts products that are classes
     /// already in as such, and 1 behind.
     pub(crate) fn tidy(&self, terms: &mut Vec<ProductTerm>) {
         for term in terms.iter_mut() {
@@ -409,19 +402,7 @@ impl ChoiceNetwork {
                 std::mem::swap(&mut term.a, &mut term.b);
             }
         }
-        terms.sort_unstable();
-        let mut kept: Vec<ProductTerm> = Vec::with_capacity(terms.len());
-        for &term in terms.iter() {
-            match kept.last() {
-                Some(last)
-                    if last.a == term.a && last.b == term.b && last.negative != term.negative =>
-                {
-                    kept.pop();
-                }
-                _ => kept.push(term),
-            }
-        }
-        *terms = kept;
+        cancel(terms, ProductTerm::opposite);
     }
 }
 
@@ -430,7 +411,7 @@ fn normalise(terms: &mut [ProductTerm]) {
     terms.sort_unstable();
     if terms.first().is_some_and(|term| term.negative) {
         for term in terms.iter_mut() {
-            term.negative = !term.negative;
+            *term = term.opposite();
         }
         terms.sort_unstable();
     }

@@ -1,30 +1,13 @@
 //! When terms, sums and products are available.
 //!
-//! A sum or product combines its two earliest operands first, which is optimal
-//! for one associative operation (Golumbic 1976; Parker 1979).
+//! The weights of operations given here are those with
+//! [equal sums](Weights::with_equal_sums): signs are not settled before a
+//! network is written.
 
 use super::network::{ChoiceForm, ChoiceNetwork, Class, ProductTerm};
+use crate::sums::earliest::finish;
 use robovec_analysis::critical_path::Weights;
 use robovec_ir::Operation;
-use smallvec::SmallVec;
-
-/// The weights of operations.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct NetworkTiming {
-    pub(crate) weights: Weights,
-    pub(crate) add: u32,
-    pub(crate) multiply: u32,
-}
-
-impl NetworkTiming {
-    pub(crate) fn new(weights: Weights) -> NetworkTiming {
-        NetworkTiming {
-            weights,
-            add: weights.of(Operation::Add).max(weights.of(Operation::Sub)),
-            multiply: weights.of(Operation::Mul),
-        }
-    }
-}
 
 /// When the value of each class is available.
 #[derive(Clone, Default, Debug)]
@@ -50,7 +33,7 @@ impl Arrivals {
     }
 
     /// Takes the earliest form of a class, its operands being up to date.
-    pub(crate) fn update(&mut self, network: &ChoiceNetwork, timing: &NetworkTiming, class: Class) {
+    pub(crate) fn update(&mut self, network: &ChoiceNetwork, timing: &Weights, class: Class) {
         let mut earliest = NEVER;
         for form in network.forms(class) {
             earliest = earliest.min(self.form(network, timing, network.form(form)));
@@ -59,21 +42,16 @@ impl Arrivals {
     }
 
     /// When a term is available.
-    pub(crate) fn term(&self, timing: &NetworkTiming, term: ProductTerm) -> u32 {
+    pub(crate) fn term(&self, timing: &Weights, term: ProductTerm) -> u32 {
         let ready = self.of(term.a).max(self.of(term.b));
         match term.is_product() {
-            true => ready.saturating_add(timing.multiply),
+            true => ready.saturating_add(timing.of(Operation::Mul)),
             false => ready,
         }
     }
 
     /// When a form is available.
-    pub(crate) fn form(
-        &self,
-        network: &ChoiceNetwork,
-        timing: &NetworkTiming,
-        form: ChoiceForm,
-    ) -> u32 {
+    pub(crate) fn form(&self, network: &ChoiceNetwork, timing: &Weights, form: ChoiceForm) -> u32 {
         match form {
             ChoiceForm::Input(..) | ChoiceForm::Constant(_) => 0,
             ChoiceForm::Opaque(index) => {
@@ -82,69 +60,22 @@ impl Arrivals {
                 let ready = operands.map(|operand| self.of(operand.class)).max();
                 ready
                     .unwrap_or(0)
-                    .saturating_add(timing.weights.of(opaque.operation))
+                    .saturating_add(timing.of(opaque.operation))
             }
             ChoiceForm::Sum(..) => {
                 let terms = network.terms(form).iter();
-                earliest_first(terms.map(|&term| self.term(timing, term)), timing.add)
+                finish(
+                    terms.map(|&term| self.term(timing, term)),
+                    timing.of(Operation::Add),
+                )
             }
             ChoiceForm::Product(..) => {
                 let factors = network.terms(form).iter();
-                earliest_first(factors.map(|term| self.of(term.a)), timing.multiply)
+                finish(
+                    factors.map(|term| self.of(term.a)),
+                    timing.of(Operation::Mul),
+                )
             }
         }
     }
-}
-
-/// When a sum or product is done that combines the two earliest first.
-pub(crate) fn earliest_first(arrivals: impl Iterator<Item = u32>, weight: u32) -> u32 {
-    let mut sorted: SmallVec<[u32; 16]> = arrivals.collect();
-    sorted.sort_unstable();
-    let mut first = 0;
-    while first + 1 < sorted.len() {
-        let combined = sorted[first + 1].saturating_add(weight);
-        first += 1;
-        let mut at = first;
-        while at + 1 < sorted.len() && sorted[at + 1] < combined {
-            sorted[at] = sorted[at + 1];
-            at += 1;
-        }
-        sorted[at] = combined;
-    }
-    sorted.get(first).copied().unwrap_or(0)
-}
-
-/// For each leaf of the tree that combines the two earliest first, how many
-/// operations it goes through.
-pub(crate) fn levels(arrivals: &[u32], weight: u32) -> SmallVec<[u32; 16]> {
-    let count = arrivals.len();
-    let mut parent: SmallVec<[u32; 32]> = SmallVec::from_elem(u32::MAX, count);
-    let mut time: SmallVec<[u32; 32]> = SmallVec::from_slice(arrivals);
-    let mut open: SmallVec<[u32; 16]> = (0..count as u32).collect();
-    // Sorted with the earliest last; ties in order of making.
-    open.sort_by_key(|&at| std::cmp::Reverse((time[at as usize], at)));
-    while let (Some(a), Some(b)) = (open.pop(), open.pop()) {
-        let made = parent.len() as u32;
-        let ready = time[a as usize]
-            .max(time[b as usize])
-            .saturating_add(weight);
-        parent[a as usize] = made;
-        parent[b as usize] = made;
-        parent.push(u32::MAX);
-        time.push(ready);
-        let key = |at: u32| (time[at as usize], at);
-        let place = open.partition_point(|&other| key(other) > key(made));
-        open.insert(place, made);
-        if open.len() == 1 {
-            break;
-        }
-    }
-    let mut levels: SmallVec<[u32; 32]> = SmallVec::from_elem(0, parent.len());
-    for at in (0..parent.len()).rev() {
-        if parent[at] != u32::MAX {
-            levels[at] = levels[parent[at] as usize] + 1;
-        }
-    }
-    levels.truncate(count);
-    levels.into_iter().collect()
 }

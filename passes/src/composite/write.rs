@@ -40,7 +40,7 @@ impl EquationWriter<'_> {
         let Some(input) = input else {
             return self.zero();
         };
-        let value = self.network.images.input(input);
+        let value = self.network.values.images.input(input);
         self.network.find(value).unwrap_or_else(|| {
             let kind = FactorKind::Input(Operand::from(input));
             self.network.push(kind, Vec::new(), value, NodeOrigin::NONE)
@@ -50,6 +50,7 @@ impl EquationWriter<'_> {
     fn turn(&mut self, operation: Operation, angle: Edge) -> Edge {
         let value = self
             .network
+            .values
             .images
             .apply(operation, [self.network.value(angle); 3]);
         self.network.find(value).unwrap_or_else(|| {

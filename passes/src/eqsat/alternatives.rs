@@ -7,7 +7,7 @@
 
 use super::form::{EquivalentForm, terms};
 use super::graph::EquivalenceGraph;
-use crate::reassociate::finish;
+use crate::sums::earliest::finish;
 use egg::Id;
 use hashbrown::HashMap;
 use robovec_analysis::critical_path::Weights;
@@ -52,31 +52,16 @@ impl Alternative {
     /// When the result is ready if the children are ready at these times: sums
     /// and products combine the two earliest first, which is the best tree
     /// (Golumbic 1976).
-    pub(crate) fn arrival(
-        &self,
-        times: &SurroundingTimes<'_>,
-        scratch: &mut Vec<u32>,
-        child: impl Fn(u32) -> u32,
-    ) -> u32 {
-        self.ready(times, scratch, |place| child(self.children[place]))
+    pub(crate) fn arrival(&self, times: &SurroundingTimes<'_>, child: impl Fn(u32) -> u32) -> u32 {
+        self.ready(times, |place| child(self.children[place]))
     }
 
     /// The same, from the times of the children in order.
-    pub(crate) fn arrival_of(
-        &self,
-        times: &SurroundingTimes<'_>,
-        scratch: &mut Vec<u32>,
-        arrivals: &[u32],
-    ) -> u32 {
-        self.ready(times, scratch, |place| arrivals[place])
+    pub(crate) fn arrival_of(&self, times: &SurroundingTimes<'_>, arrivals: &[u32]) -> u32 {
+        self.ready(times, |place| arrivals[place])
     }
 
-    fn ready(
-        &self,
-        times: &SurroundingTimes<'_>,
-        scratch: &mut Vec<u32>,
-        child: impl Fn(usize) -> u32,
-    ) -> u32 {
+    fn ready(&self, times: &SurroundingTimes<'_>, child: impl Fn(usize) -> u32) -> u32 {
         let places = 0..self.children.len();
         let (weight, zero) = match self.kind {
             AlternativeKind::Leaf(number) => return times.leaves[number as usize],
@@ -95,13 +80,8 @@ impl Alternative {
         if places.len() == 2 && !zero {
             return child(0).max(child(1)).saturating_add(weight);
         }
-        scratch.clear();
-        if zero {
-            scratch.push(0);
-        }
-        scratch.extend(places.map(child));
-        scratch.sort_unstable();
-        finish(scratch, weight)
+        let zero = zero.then_some(0);
+        finish(places.map(child).chain(zero), weight)
     }
 }
 

@@ -76,7 +76,6 @@ impl<'a> ExactExtractor<'a> {
     fn in_time(&self) -> bool {
         let count = self.choice.len();
         let mut arrivals: Vec<Option<u32>> = vec![None; count];
-        let mut scratch = Vec::new();
         // Each sweep settles at least one class more, or none is left.
         loop {
             let mut settled = false;
@@ -91,7 +90,7 @@ impl<'a> ExactExtractor<'a> {
                     .map(|&child| arrivals[child as usize])
                     .collect();
                 if let Some(known) = known {
-                    arrivals[class] = Some(form.arrival_of(&self.times, &mut scratch, &known));
+                    arrivals[class] = Some(form.arrival_of(&self.times, &known));
                     settled = true;
                 }
             }

@@ -76,7 +76,6 @@ pub(crate) fn extract(
         demands: &demands,
         fronts: Vec::new(),
         depth,
-        scratch: Vec::new(),
     };
     extractor.fronts = extractor.fronts();
     let first = extractor.depth.choice.clone();
@@ -126,7 +125,6 @@ impl Depth {
         let mut waiting: Vec<Vec<u32>> = Vec::with_capacity(count);
         let mut heap = BinaryHeap::new();
         let mut trees = vec![0u32; count];
-        let mut scratch = Vec::new();
         for (class, forms) in alternatives.classes.iter().enumerate() {
             let mut counts = Vec::with_capacity(forms.len());
             for (index, form) in forms.iter().enumerate() {
@@ -136,7 +134,7 @@ impl Depth {
                 }
                 counts.push(form.children.len() as u32);
                 if form.children.is_empty() {
-                    let arrival = form.arrival(&times, &mut scratch, |_| 0);
+                    let arrival = form.arrival(&times, |_| 0);
                     heap.push(Reverse((arrival, 0, place.0, place.1)));
                 }
             }
@@ -159,8 +157,7 @@ impl Depth {
                     continue;
                 }
                 let alternative = &alternatives.classes[user as usize][form as usize];
-                let arrival = alternative
-                    .arrival(&times, &mut scratch, |child| depth.arrivals[child as usize]);
+                let arrival = alternative.arrival(&times, |child| depth.arrivals[child as usize]);
                 let tree = alternative
                     .children
                     .iter()
@@ -188,7 +185,6 @@ struct Extractor<'a> {
     demands: &'a [RequiredResult],
     depth: Depth,
     fronts: Vec<Vec<ArrivalPoint>>,
-    scratch: Vec<u32>,
 }
 
 impl Extractor<'_> {
@@ -201,7 +197,7 @@ impl Extractor<'_> {
             .all(|&child| self.depth.rank[child as usize] < rank)
     }
 
-    fn fronts(&mut self) -> Vec<Vec<ArrivalPoint>> {
+    fn fronts(&self) -> Vec<Vec<ArrivalPoint>> {
         let mut fronts: Vec<Vec<ArrivalPoint>> = vec![Vec::new(); self.alternatives.classes.len()];
         let mut thresholds = Vec::new();
         for position in 0..self.depth.order.len() {
@@ -224,8 +220,7 @@ impl Extractor<'_> {
                 }
                 for &threshold in &thresholds {
                     let pick = |child: u32| within(&fronts[child as usize], threshold);
-                    let arrival =
-                        form.arrival(&self.times, &mut self.scratch, |child| pick(child).arrival);
+                    let arrival = form.arrival(&self.times, |child| pick(child).arrival);
                     let operations = form.children.iter().fold(form.operations(), |sum, &child| {
                         sum.saturating_add(pick(child).operations)
                     });
@@ -249,7 +244,7 @@ impl Extractor<'_> {
 
     /// A choice that keeps the required times, estimated operation by
     /// operation from the results down.
-    fn top_down(&mut self) -> Vec<u32> {
+    fn top_down(&self) -> Vec<u32> {
         let mut choice = self.depth.choice.clone();
         let mut required = vec![NEVER; choice.len()];
         let mut needed = vec![false; choice.len()];
@@ -271,8 +266,7 @@ impl Extractor<'_> {
                     continue;
                 }
                 let arrivals = &self.depth.arrivals;
-                let arrival =
-                    form.arrival(&self.times, &mut self.scratch, |c| arrivals[c as usize]);
+                let arrival = form.arrival(&self.times, |c| arrivals[c as usize]);
                 if arrival > limit {
                     continue;
                 }
@@ -306,7 +300,7 @@ impl Extractor<'_> {
 
     /// The latest time of each child of a form with which the form is in time:
     /// one after the other takes what is left.
-    fn bounds(&mut self, class: u32, index: usize, limit: u32, bounds: &mut Vec<u32>) {
+    fn bounds(&self, class: u32, index: usize, limit: u32, bounds: &mut Vec<u32>) {
         let form = &self.alternatives.classes[class as usize][index];
         bounds.clear();
         bounds.extend(
@@ -322,7 +316,7 @@ impl Extractor<'_> {
                     break;
                 }
                 bounds[place] = point.arrival;
-                let arrival = form.arrival_of(&self.times, &mut self.scratch, bounds);
+                let arrival = form.arrival_of(&self.times, bounds);
                 if arrival <= limit {
                     break;
                 }
@@ -333,7 +327,7 @@ impl Extractor<'_> {
 
     /// The cover that a choice means; `None` when it goes in a circle or is
     /// late.
-    fn evaluate(&mut self, choice: &[u32]) -> Option<Cover> {
+    fn evaluate(&self, choice: &[u32]) -> Option<Cover> {
         const OPEN: u32 = NEVER - 1;
         let mut arrivals = vec![NEVER; choice.len()];
         let mut cover = Cover {
@@ -364,7 +358,7 @@ impl Extractor<'_> {
                         return None;
                     }
                     let ready = |child: u32| arrivals[child as usize];
-                    let arrival = form.arrival(&self.times, &mut self.scratch, ready);
+                    let arrival = form.arrival(&self.times, ready);
                     arrivals[place] = arrival;
                     cover.operations += form.operations();
                     cover.order.push(class);
@@ -386,7 +380,7 @@ impl Extractor<'_> {
     }
 
     /// Changes single choices as long as the cover gets smaller.
-    fn improve(&mut self, start: Cover, cheapest: &[u32]) -> Cover {
+    fn improve(&self, start: Cover, cheapest: &[u32]) -> Cover {
         let mut best = start;
         let mut budget = CHANGES;
         loop {

@@ -6,6 +6,7 @@
 //! the rules without which no saturation with `0 - x` ends.
 
 use super::form::{ClassAnalysis, ClassFacts, ClassReference, EquivalentForm, terms};
+use crate::sums::terms::cancel;
 use egg::{EGraph, Id};
 use hashbrown::HashMap;
 use robovec_ir::Operation;
@@ -136,19 +137,11 @@ impl EquivalenceGraph {
 
     /// The sum of terms, in normal form; `None` when it is too wide.
     pub(crate) fn sum(&mut self, summands: &[ClassReference]) -> Option<ClassReference> {
-        let mut normal: Vec<ClassReference> = Vec::with_capacity(summands.len());
-        for &term in summands {
-            let term = self.resolve(term);
-            if self.number_of(term.class) == Some(0.0) {
-                continue;
-            }
-            match normal.iter().position(|&other| other == term.negated()) {
-                Some(opposite) => {
-                    normal.swap_remove(opposite);
-                }
-                None => normal.push(term),
-            }
-        }
+        let terms = summands.iter().map(|&term| self.resolve(term));
+        let mut normal: Vec<ClassReference> = terms
+            .filter(|term| self.number_of(term.class) != Some(0.0))
+            .collect();
+        cancel(&mut normal, ClassReference::negated);
         match normal[..] {
             [] => return Some(self.number(0.0)),
             [single] => return Some(single),
@@ -157,7 +150,6 @@ impl EquivalenceGraph {
         if normal.len() > WIDEST {
             return None;
         }
-        normal.sort_unstable();
         // The first term is added: a difference and its opposite are one class.
         let negative = normal[0].negative;
         let mut signs = 0;

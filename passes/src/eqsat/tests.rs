@@ -9,7 +9,8 @@ use super::graph::EquivalenceGraph;
 use super::pattern::BagRule;
 use super::plain;
 use super::saturate::{SaturationLimits, saturate};
-use crate::reassociate::{GroupReach, TreeShape, reassociate};
+use crate::reassociate::{TreeShape, reassociate};
+use crate::sums::groups::GroupReach;
 use egg::{EGraph, Id};
 use robovec_analysis::class::NumericClass;
 use robovec_analysis::critical_path::{Weights, arrivals};
@@ -324,7 +325,6 @@ fn enumerate(
     demands: &[RequiredResult],
 ) -> u32 {
     let mut choice = vec![0u32; alternatives.classes.len()];
-    let mut scratch = Vec::new();
     let mut fewest = u32::MAX;
     loop {
         let mut arrivals: Vec<Option<u32>> = vec![None; choice.len()];
@@ -336,7 +336,7 @@ fn enumerate(
                     .iter()
                     .map(|&child| arrivals[child as usize])
                     .collect();
-                arrivals[class] = known.map(|known| form.arrival_of(&times, &mut scratch, &known));
+                arrivals[class] = known.map(|known| form.arrival_of(&times, &known));
             }
         }
         if demands.iter().all(|demand| {

@@ -3,38 +3,18 @@
 use super::alternatives::{AlternativeKind, all_negative};
 use super::graph::FormMaker;
 use super::round::Rewriting;
-use crate::cse::{Key, KnownValues, SourceMerges};
+use crate::sums::earliest::TieOrder;
+use crate::sums::groups::GroupFamily;
+use crate::sums::writer::{SignedOperand, SumWriter, ValueNaming};
 use robovec_analysis::critical_path::Weights;
 use robovec_framework::rewrite::{owners, remove_dead};
-use robovec_ir::{
-    FreshNames, Function, Name, Node, Operand, OperandKind, Operation, SourceSet, Symbol, Tables,
-};
-
-/// An operand with a sign, while its sum is being combined.
-#[derive(Clone, Copy)]
-struct SumOperand {
-    arrival: u32,
-    order: u32,
-    operand: Operand,
-    negative: bool,
-}
+use robovec_ir::{Function, Name, Operand, Operation, SourceSet, Symbol, Tables};
 
 struct RewritingWriter<'a> {
     old: &'a Function,
-    weights: &'a Weights,
-    out: Function,
-    known: KnownValues,
-    merges: SourceMerges,
-    arrivals: Vec<u32>,
-    map: Vec<Operand>,
-    names: FreshNames,
+    writer: SumWriter,
+    map: Vec<SignedOperand>,
     notes: Vec<(Name, FormMaker)>,
-}
-
-/// Names and sources of the operations of one rewriting.
-struct RewritingOrigin {
-    owner: Symbol,
-    sources: SourceSet,
 }
 
 /// The function with the windows rewritten; equal operations are merged and
@@ -47,19 +27,12 @@ pub(crate) fn write(
     rewritings: &[Rewriting],
 ) -> (Function, Vec<(Name, FormMaker)>) {
     let owners = owners(tables, function);
-    let count = function.nodes().len();
     let mut writer = RewritingWriter {
         old: function,
-        weights,
-        out: function.skeleton(function.level),
-        known: KnownValues::with_capacity(count),
-        merges: SourceMerges::default(),
-        arrivals: Vec::with_capacity(count),
-        map: Vec::with_capacity(count),
-        names: function.fresh_names(),
+        writer: SumWriter::new(function, function.level, *weights).sharing(),
+        map: Vec::with_capacity(function.nodes().len()),
         notes: Vec::new(),
     };
-    writer.out.reserve(count);
     let mut next = rewritings.iter().peekable();
     for (value, node) in function.values() {
         let operand = match next.next_if(|rewriting| rewriting.root == value) {
@@ -70,18 +43,15 @@ pub(crate) fn write(
                     .iter()
                     .map(|&inner| function.node(inner).sources)
                     .collect();
-                let origin = RewritingOrigin {
-                    owner: owners[value.index()],
-                    sources: tables.sources.union(&sets),
-                };
-                writer.rewriting(rewriting, node.name, &origin)
+                let origin = (owners[value.index()], tables.sources.union(&sets));
+                writer.rewriting(rewriting, node.name, origin)
             }
             None => {
                 let operands = node.operands.map(|operand| writer.translate(operand));
-                writer.emit(node.operation, operands, node.sources, |_| node.name)
+                (writer.writer).write(node.operation, operands, node.name, node.sources)
             }
         };
-        writer.map.push(operand);
+        writer.map.push(writer.writer.signed(operand, false));
     }
     assert!(
         next.next().is_none(),
@@ -92,58 +62,19 @@ pub(crate) fn write(
 
 impl RewritingWriter<'_> {
     fn translate(&mut self, operand: Operand) -> Operand {
-        match operand.kind() {
-            OperandKind::Value(value) => self.map[value.index()],
-            OperandKind::Constant(constant) => {
-                let number = self.old.constant_number(constant);
-                self.out.constant(number).into()
-            }
-            OperandKind::Input(_) | OperandKind::None => operand,
-        }
-    }
-
-    fn arrival(&self, operand: Operand) -> u32 {
-        operand
-            .value()
-            .map_or(0, |value| self.arrivals[value.index()])
-    }
-
-    fn emit<const COUNT: usize>(
-        &mut self,
-        operation: Operation,
-        operands: [Operand; COUNT],
-        sources: SourceSet,
-        name: impl FnOnce(&mut FreshNames) -> Name,
-    ) -> Operand {
-        if let Some(same) = self.known.find(&self.out, Key::new(operation, operands)) {
-            self.merges.add(same, sources);
-            return same.into();
-        }
-        let ready = operands.iter().map(|&operand| self.arrival(operand));
-        let ready = ready.max().unwrap_or(0);
-        let name = name(&mut self.names);
-        let value = self.out.push(Node {
-            name,
-            sources,
-            operands: Operand::list(operands),
-            operation,
-        });
-        let weight = self.weights.of(operation);
-        self.arrivals.push(ready.saturating_add(weight));
-        self.known.insert(&self.out, value);
-        value.into()
+        self.writer.translate(self.old, &self.map, operand).operand
     }
 
     fn rewriting(
         &mut self,
         rewriting: &Rewriting,
         root: Name,
-        origin: &RewritingOrigin,
+        (owner, sources): (Symbol, SourceSet),
     ) -> Operand {
         let mut values = vec![Operand::NONE; rewriting.alternatives.classes.len()];
         let mut makers = rewriting.makers.iter();
         for &class in &rewriting.cover.order {
-            let first = self.out.nodes().len();
+            let first = self.writer.out.nodes().len();
             let place = class as usize;
             let index = rewriting.cover.choice[place] as usize;
             let form = &rewriting.alternatives.classes[place][index];
@@ -151,6 +82,7 @@ impl RewritingWriter<'_> {
                 true => root,
                 false => Name::NONE,
             };
+            let mut naming = ValueNaming::new(name, owner, sources);
             let children: Vec<Operand> = form
                 .children
                 .iter()
@@ -164,13 +96,17 @@ impl RewritingWriter<'_> {
                 AlternativeKind::Leaf(number) => {
                     self.translate(rewriting.window.leaves[number as usize])
                 }
-                AlternativeKind::Number(bits) => self.out.constant(f64::from_bits(bits)).into(),
-                AlternativeKind::Sum(signs) => {
-                    self.bag(Operation::Add, signs, &children, name, origin)
+                AlternativeKind::Number(bits) => {
+                    self.writer.out.constant(f64::from_bits(bits)).into()
                 }
-                AlternativeKind::Product => self.bag(Operation::Mul, 0, &children, name, origin),
+                AlternativeKind::Sum(signs) => {
+                    self.bag(GroupFamily::Sum, signs, &children, &mut naming)
+                }
+                AlternativeKind::Product => {
+                    self.bag(GroupFamily::Product, 0, &children, &mut naming)
+                }
                 AlternativeKind::Other(Operation::Neg) => {
-                    self.bag(Operation::Add, 1, &children, name, origin)
+                    self.bag(GroupFamily::Sum, 1, &children, &mut naming)
                 }
                 AlternativeKind::Other(operation) => {
                     assert_eq!(
@@ -180,13 +116,13 @@ impl RewritingWriter<'_> {
                     );
                     let mut operands = [Operand::NONE; Operand::MAX_COUNT];
                     operands[..children.len()].copy_from_slice(&children);
-                    self.emit(operation, operands, origin.sources, |names| {
-                        named(names, name, origin)
-                    })
+                    self.writer.push(operation, operands, true, &mut naming)
                 }
             };
             if let Some(&Some(maker)) = makers.next() {
-                let made = self.out.nodes()[first..].iter().map(|node| node.name);
+                let made = self.writer.out.nodes()[first..]
+                    .iter()
+                    .map(|node| node.name);
                 self.notes.extend(made.map(|name| (name, maker)));
                 self.notes.push((root, maker));
             }
@@ -197,81 +133,27 @@ impl RewritingWriter<'_> {
     /// A sum or product, the two earliest operands first.
     fn bag(
         &mut self,
-        operation: Operation,
+        family: GroupFamily,
         signs: u64,
         children: &[Operand],
-        root: Name,
-        origin: &RewritingOrigin,
+        naming: &mut ValueNaming,
     ) -> Operand {
-        let mut parts: Vec<SumOperand> = Vec::with_capacity(children.len() + 1);
-        for (place, &operand) in children.iter().enumerate() {
-            parts.push(SumOperand {
-                arrival: self.arrival(operand),
-                order: place as u32,
-                operand,
-                negative: signs >> place & 1 == 1,
-            });
+        let signed = |(place, &operand)| self.writer.signed(operand, signs >> place & 1 == 1);
+        let mut parts: Vec<SignedOperand> = children.iter().enumerate().map(signed).collect();
+        if family == GroupFamily::Sum && all_negative(signs, children.len() as u32) {
+            parts.push(self.writer.number(0.0));
         }
-        if operation == Operation::Add && all_negative(signs, children.len() as u32) {
-            parts.push(SumOperand {
-                arrival: 0,
-                order: children.len() as u32,
-                operand: self.out.constant(0.0).into(),
-                negative: false,
-            });
-        }
-        while parts.len() > 1 {
-            let a = take_earliest(&mut parts);
-            let b = take_earliest(&mut parts);
-            let (a, b) = if a.order <= b.order { (a, b) } else { (b, a) };
-            let (operation, operands, negative) = match (operation, a.negative, b.negative) {
-                (Operation::Add, false, true) => (Operation::Sub, [a.operand, b.operand], false),
-                (Operation::Add, true, false) => (Operation::Sub, [b.operand, a.operand], false),
-                (other, negative, _) => (other, [a.operand, b.operand], negative),
-            };
-            let name = if parts.is_empty() { root } else { Name::NONE };
-            let operand = self.emit(operation, operands, origin.sources, |names| {
-                named(names, name, origin)
-            });
-            parts.push(SumOperand {
-                arrival: self.arrival(operand),
-                order: a.order,
-                operand,
-                negative,
-            });
-        }
-        parts[0].operand
+        let order = (TieOrder::Written, false);
+        self.writer.tree(family, parts, order, naming).operand
     }
 
     fn finish(mut self, tables: &mut Tables) -> (Function, Vec<(Name, FormMaker)>) {
-        let mut assignments = self.old.assignments.clone();
-        for assignment in &mut assignments {
-            assignment.operand = self.translate(assignment.operand);
-        }
-        self.out.assignments = assignments;
-        self.merges.apply(&mut self.out, tables);
-        match remove_dead(&self.out) {
-            Some((live, _)) => (live, self.notes),
-            None => (self.out, self.notes),
-        }
+        let (old, map) = (self.old, &self.map);
+        self.writer.outputs(old, tables, |writer, place| {
+            writer.translate(old, map, old.assignments[place].operand)
+        });
+        let (out, _) = self.writer.finish(tables);
+        let live = remove_dead(&out).map(|(live, _)| live);
+        (live.unwrap_or(out), self.notes)
     }
-}
-
-fn named(names: &mut FreshNames, name: Name, origin: &RewritingOrigin) -> Name {
-    if name.is_none() {
-        names.fresh(origin.owner)
-    } else {
-        name
-    }
-}
-
-fn take_earliest(parts: &mut Vec<SumOperand>) -> SumOperand {
-    let mut first = 0;
-    for place in 1..parts.len() {
-        let key = |place: usize| (parts[place].arrival, parts[place].order);
-        if key(place) < key(first) {
-            first = place;
-        }
-    }
-    parts.remove(first)
 }

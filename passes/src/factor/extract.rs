@@ -12,12 +12,11 @@
 //! A divisor is identified by its value and not by its form: what several
 //! sums share may be written differently in each, and it may exist already.
 
-use super::network::{Edge, FactorKind, FactorNetwork, NodeOrigin, cancel};
+use super::network::{Edge, FactorKind, FactorNetwork, NodeOrigin, tidy};
 use super::times::NodeTimes;
-use hashbrown::HashMap;
+use crate::sums::values::ValueTable;
 use robovec_framework::fingerprint::Fingerprint;
 use robovec_num::arithmetic::Arithmetic;
-use rustc_hash::FxBuildHasher;
 
 /// In larger sums and products only operands at most this far apart in the
 /// order of the operands are paired.
@@ -45,8 +44,8 @@ struct DivisorOccurrence {
 
 /// Divisors in order of what they promise.
 struct Divisors {
-    /// Values without their signs.
-    values: Vec<Fingerprint>,
+    /// By divisor, without their signs.
+    values: ValueTable,
     /// By divisor, then in program order.
     occurrences: Vec<DivisorOccurrence>,
 }
@@ -70,7 +69,7 @@ pub(super) fn extract(
     let ranked = divisors.rank(network);
     for (start, end) in ranked {
         let occurrences = &divisors.occurrences[start..end];
-        let value = divisors.values[occurrences[0].divisor as usize];
+        let value = divisors.values.value(occurrences[0].divisor as usize);
         apply(network, value, occurrences, times.as_mut());
     }
     before - network.cost
@@ -79,25 +78,20 @@ pub(super) fn extract(
 impl Divisors {
     fn find(network: &FactorNetwork, order: &[u32]) -> Divisors {
         let mut sketch = DivisorSketch::new(network, order);
-        let images = network.images;
+        let images = network.values.images;
         for_each_pair(network, order, |value, _, _, _| {
             sketch.count(images.without_sign(value).0)
         });
         let mut divisors = Divisors {
-            values: Vec::new(),
+            values: ValueTable::new(images),
             occurrences: Vec::new(),
         };
-        let mut index: HashMap<Fingerprint, u32, FxBuildHasher> = HashMap::default();
         for_each_pair(network, order, |value, user, pair, common| {
             let (size, _) = images.without_sign(value);
             if !sketch.several(size) && network.find(size).is_none() && common == Common::Nothing {
                 return;
             }
-            let next = divisors.values.len() as u32;
-            let divisor = *index.entry(size).or_insert(next);
-            if divisor == next {
-                divisors.values.push(size);
-            }
+            let (divisor, _) = divisors.values.place(size);
             divisors.occurrences.push(DivisorOccurrence {
                 divisor,
                 user,
@@ -118,7 +112,7 @@ impl Divisors {
             let end = start + group.len();
             let gain: i64 = group.iter().map(|one| one.estimate(network)).sum();
             let exists = network
-                .find(self.values[group[0].divisor as usize])
+                .find(self.values.value(group[0].divisor as usize))
                 .is_some();
             let price = if exists { 0 } else { group[0].price(network) };
             if gain > price {
@@ -239,7 +233,7 @@ fn for_each_pair(
     order: &[u32],
     mut found: impl FnMut(Fingerprint, u32, [Edge; 2], Common),
 ) {
-    let images = &network.images;
+    let images = &network.values.images;
     let product =
         |factors: &[Edge]| images.product(factors.iter().map(|&edge| network.value(edge)));
     let mut split: Vec<(bool, Vec<Edge>)> = Vec::new();
@@ -389,7 +383,7 @@ impl DivisorOccurrence {
                 .unwrap_or_else(|| network.product(&self.pair, origin));
             // The pair's value may be the negation of the divisor's.
             let [x, y] = self.pair.map(|edge| network.value(edge));
-            let pair = network.images.mul(x, y);
+            let pair = network.values.images.mul(x, y);
             let divisor = divisor.flip(network.value(divisor).is_negation_of(&pair));
             rest.push(divisor);
             rest.sort_unstable();
@@ -414,7 +408,7 @@ impl DivisorOccurrence {
             return Some((FactorKind::Product, product));
         }
         rest.push(network.product(&product, origin));
-        cancel(&mut rest);
+        tidy(&mut rest);
         (rest.len() > 1 && network.below(&rest, position)).then_some((FactorKind::Sum, rest))
     }
 }

@@ -8,11 +8,11 @@
 //! outputs; a node without uses does not count its operands, so `cost` is the
 //! number of operations of what the outputs need.
 
-use hashbrown::HashMap;
+use crate::sums::terms::cancel;
+use crate::sums::values::ValueTable;
 use robovec_framework::fingerprint::{Fingerprint, Images};
 use robovec_ir::{Name, Operand, Operation, SourceSet, Symbol};
 use robovec_num::arithmetic::Arithmetic;
-use rustc_hash::FxBuildHasher;
 
 /// A node with a sign: reading it may negate it for nothing.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -58,7 +58,6 @@ pub(crate) enum FactorKind {
 pub(crate) struct FactorNode {
     pub(crate) kind: FactorKind,
     pub(crate) operands: Vec<Edge>,
-    pub(crate) value: Fingerprint,
     pub(crate) uses: u32,
     /// False for a value without a meaning, such as a quotient by zero, and
     /// for all that depends on it: left as it is, equal to nothing.
@@ -94,8 +93,8 @@ impl NodeOrigin {
 /// The network.
 #[derive(Clone)]
 pub(crate) struct FactorNetwork {
-    /// The images in which values are identified.
-    pub(crate) images: Images,
+    /// By node; those of live nodes with a meaning can be found.
+    pub(crate) values: ValueTable,
     pub(crate) nodes: Vec<FactorNode>,
     /// The edges that the outputs are set to.
     pub(crate) outputs: Vec<Edge>,
@@ -103,7 +102,6 @@ pub(crate) struct FactorNetwork {
     pub(crate) cost: i64,
     /// Places and names of values that are part of others now.
     pub(crate) merged: Vec<(u32, NodeOrigin)>,
-    known: HashMap<Fingerprint, u32, FxBuildHasher>,
 }
 
 /// The node of the literal 0.
@@ -117,12 +115,11 @@ const SPACING: u64 = 1 << 20;
 impl FactorNetwork {
     pub(crate) fn new(images: Images) -> FactorNetwork {
         let mut network = FactorNetwork {
-            images,
+            values: ValueTable::new(images),
             nodes: Vec::new(),
             outputs: Vec::new(),
             cost: 0,
             merged: Vec::new(),
-            known: HashMap::default(),
         };
         for (place, number) in [(ZERO, 0.0), (ONE, 1.0)] {
             let edge = network.constant(number);
@@ -132,9 +129,9 @@ impl FactorNetwork {
     }
 
     pub(crate) fn constant(&mut self, number: f64) -> Edge {
-        let value = self.images.literal(number);
+        let value = self.values.images.literal(number);
         if value.is_undefined() {
-            let value = self.images.random(!(self.nodes.len() as u64));
+            let value = self.values.images.random(!(self.nodes.len() as u64));
             return self.push_unknown(
                 FactorKind::Constant(number),
                 Vec::new(),
@@ -154,15 +151,13 @@ impl FactorNetwork {
 
     /// The node with this value, with the sign that makes it equal.
     pub(crate) fn find(&self, value: Fingerprint) -> Option<Edge> {
-        let (size, _) = self.images.without_sign(value);
-        self.known
-            .get(&size)
-            .map(|&node| Edge::new(node, self.nodes[node as usize].value.is_negation_of(&value)))
+        let (node, negative) = self.values.find(value)?;
+        Some(Edge::new(node, negative))
     }
 
     pub(crate) fn value(&self, edge: Edge) -> Fingerprint {
-        let value = self.nodes[edge.node()].value;
-        self.images.negate_if(edge.negative(), value)
+        let value = self.values.value(edge.node());
+        self.values.images.negate_if(edge.negative(), value)
     }
 
     /// Appends a node that can be found by its value.
@@ -175,8 +170,7 @@ impl FactorNetwork {
     ) -> Edge {
         let edge = self.push_unknown(kind, operands, value, origin);
         self.nodes[edge.node()].defined = true;
-        let (size, _) = self.images.without_sign(value);
-        self.known.insert(size, edge.node() as u32);
+        self.values.remember(edge.node() as u32);
         edge
     }
 
@@ -196,7 +190,6 @@ impl FactorNetwork {
         self.nodes.push(FactorNode {
             kind,
             operands,
-            value,
             uses: 0,
             defined: false,
             position,
@@ -205,17 +198,20 @@ impl FactorNetwork {
             sources: origin.sources,
             rule: None,
         });
-        Edge::new(self.nodes.len() as u32 - 1, false)
+        Edge::new(self.values.push(value), false)
     }
 
     /// The sum of some terms: a known value if there is one.
     pub(crate) fn sum(&mut self, terms: &[Edge], origin: NodeOrigin) -> Edge {
-        let value = self.images.sum(terms.iter().map(|&term| self.value(term)));
+        let value = self
+            .values
+            .images
+            .sum(terms.iter().map(|&term| self.value(term)));
         if let Some(edge) = self.find(value) {
             return edge;
         }
         let mut operands = terms.to_vec();
-        cancel(&mut operands);
+        tidy(&mut operands);
         match operands[..] {
             [single] => single,
             _ => self.push(FactorKind::Sum, operands, value, origin),
@@ -225,7 +221,7 @@ impl FactorNetwork {
     /// The product of some factors: a known value if there is one.
     pub(crate) fn product(&mut self, factors: &[Edge], origin: NodeOrigin) -> Edge {
         let values = factors.iter().map(|&factor| self.value(factor));
-        let value = self.images.product(values);
+        let value = self.values.images.product(values);
         if let Some(edge) = self.find(value) {
             return edge;
         }
@@ -239,7 +235,7 @@ impl FactorNetwork {
         match operands[..] {
             [single] => single.flip(negative),
             _ => {
-                let value = self.images.negate_if(negative, value);
+                let value = self.values.images.negate_if(negative, value);
                 self.push(FactorKind::Product, operands, value, origin)
                     .flip(negative)
             }
@@ -346,15 +342,10 @@ impl FactorNetwork {
     /// Forgets the values of all nodes but these, given in order, and of the
     /// literals 0 and 1.
     pub(crate) fn forget_unused(&mut self, order: &[u32]) {
-        self.known.clear();
+        self.values.forget_all();
         for &node in [ZERO as u32, ONE as u32].iter().chain(order) {
-            self.remember(node);
+            self.values.remember(node);
         }
-    }
-
-    fn remember(&mut self, node: u32) {
-        let size = self.images.without_sign(self.nodes[node as usize].value).0;
-        self.known.entry(size).or_insert(node);
     }
 
     /// Makes sums and products as large as they are: an operand of the same
@@ -386,8 +377,7 @@ impl FactorNetwork {
                     sources: inner.sources,
                 };
                 let parts = std::mem::take(&mut inner.operands);
-                let size = self.images.without_sign(inner.value).0;
-                self.known.remove(&size);
+                self.values.forget(edge.node() as u32);
                 self.merged.push((user as u32, origin));
                 // A minus reaches all terms of a sum, but one factor only.
                 let flipped = if kind == FactorKind::Sum {
@@ -408,7 +398,7 @@ impl FactorNetwork {
     fn tidy(&mut self, node: usize) {
         let mut operands = self.nodes[node].operands.clone();
         if self.nodes[node].kind == FactorKind::Sum {
-            cancel(&mut operands);
+            tidy(&mut operands);
         }
         if operands.len() == self.nodes[node].operands.len() {
             self.nodes[node].operands.sort_unstable();
@@ -419,19 +409,7 @@ impl FactorNetwork {
 }
 
 /// Removes pairs of a term and its negation, and zeros; sorts the rest.
-pub(crate) fn cancel(terms: &mut Vec<Edge>) {
+pub(super) fn tidy(terms: &mut Vec<Edge>) {
     terms.retain(|edge| edge.node() != ZERO);
-    terms.sort_unstable();
-    let mut kept: Vec<Edge> = Vec::with_capacity(terms.len());
-    for &term in terms.iter() {
-        // A term and its negation are neighbours, but several copies of one
-        // may lie between two pairs.
-        match kept.last() {
-            Some(&last) if last == term.flip(true) => {
-                kept.pop();
-            }
-            _ => kept.push(term),
-        }
-    }
-    *terms = kept;
+    cancel(terms, |edge| edge.flip(true));
 }

@@ -1,6 +1,7 @@
 //! From a function to a network.
 
 use super::network::{Edge, FactorKind, FactorNetwork, NodeOrigin};
+use crate::sums::fused::apart;
 use robovec_framework::fingerprint::Images;
 use robovec_framework::rewrite::owners;
 use robovec_ir::{Function, Name, Node, Operand, OperandKind, Operation, Tables};
@@ -63,7 +64,7 @@ impl FactorReader<'_> {
                 if let Some(&edge) = self.inputs.get(&input.0) {
                     return edge;
                 }
-                let value = self.network.images.input(input);
+                let value = self.network.values.images.input(input);
                 let kind = FactorKind::Input(operand);
                 let edge = self.network.push(kind, Vec::new(), value, NodeOrigin::NONE);
                 self.inputs.insert(input.0, edge);
@@ -92,11 +93,7 @@ impl FactorReader<'_> {
             ..origin
         };
         let product = self.single(Operation::Mul, operands[..2].to_vec(), unnamed);
-        let (operation, pair) = match operation {
-            Operation::Fma => (Operation::Add, [product, operands[2]]),
-            Operation::Fms => (Operation::Sub, [product, operands[2]]),
-            _ => (Operation::Sub, [operands[2], product]),
-        };
+        let (operation, pair) = apart(operation, product, operands[2]);
         self.single(operation, pair.to_vec(), origin)
     }
 
@@ -119,7 +116,7 @@ impl FactorReader<'_> {
             _ => {
                 let literal = matches!(network.nodes[b.node()].kind, FactorKind::Constant(_));
                 let [x, y] = [a, b].map(|edge| network.value(edge));
-                network.images.operate(operation, [x, y, y], literal)
+                network.values.images.operate(operation, [x, y, y], literal)
             }
         };
         if value.is_undefined() {
@@ -139,7 +136,7 @@ impl FactorReader<'_> {
         operands: Vec<Edge>,
         origin: NodeOrigin,
     ) -> Edge {
-        let value = network.images.random(!(network.nodes.len() as u64));
+        let value = network.values.images.random(!(network.nodes.len() as u64));
         network.push_unknown(FactorKind::Other(operation), operands, value, origin)
     }
 }

@@ -6,10 +6,10 @@
 //! operand were that late, the result would still be in time.
 
 use super::network::{Edge, FactorKind, FactorNetwork};
+use crate::sums::earliest::{finish, levels};
 use robovec_analysis::critical_path::Weights;
 use robovec_ir::Operation;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use smallvec::SmallVec;
 
 /// Times in cycles of the machine, by node.
 pub(super) struct NodeTimes {
@@ -65,7 +65,7 @@ impl NodeTimes {
         operands: &[Edge],
     ) -> bool {
         self.extend(network);
-        self.tree(kind, operands).0 <= self.latest[node]
+        self.finish(kind, operands) <= self.latest[node]
     }
 
     /// Takes note of rewritten nodes, and of the values from `first` on that
@@ -94,59 +94,42 @@ impl NodeTimes {
 
     fn result(&self, network: &FactorNetwork, node: usize) -> u32 {
         let node = &network.nodes[node];
-        self.tree(node.kind, &node.operands).0
+        self.finish(node.kind, &node.operands)
     }
 
     fn hand_down(&mut self, network: &FactorNetwork, node: usize) {
         let (kind, operands) = (network.nodes[node].kind, &network.nodes[node].operands);
-        let (_, above) = self.tree(kind, operands);
-        for (edge, above) in operands.iter().zip(above) {
-            let latest = self.latest[node].saturating_sub(above);
+        let weight = self.weight(kind);
+        let levels = match kind {
+            FactorKind::Sum | FactorKind::Product => {
+                let arrivals = operands.iter().map(|edge| self.arrivals[edge.node()]);
+                levels(&arrivals.collect::<Vec<u32>>(), weight)
+            }
+            _ => SmallVec::from_elem(1, operands.len()),
+        };
+        for (edge, level) in operands.iter().zip(levels) {
+            let latest = self.latest[node].saturating_sub(level * weight);
             let own = &mut self.latest[edge.node()];
             *own = latest.min(*own);
         }
     }
 
-    /// When a result is available, and how many cycles of work lie above each
-    /// operand.
-    fn tree(&self, kind: FactorKind, operands: &[Edge]) -> (u32, Vec<u32>) {
-        let weight = match kind {
+    fn weight(&self, kind: FactorKind) -> u32 {
+        match kind {
             FactorKind::Sum => self.weights.of(Operation::Add),
             FactorKind::Product => self.weights.of(Operation::Mul),
-            FactorKind::Other(operation) => {
-                let weight = self.weights.of(operation);
-                let arrivals = operands.iter().map(|edge| self.arrivals[edge.node()]);
-                let ready = arrivals.max().unwrap_or(0).saturating_add(weight);
-                return (ready, vec![weight; operands.len()]);
-            }
-            FactorKind::Input(_) | FactorKind::Constant(_) | FactorKind::Part(_) => {
-                return (0, Vec::new());
-            }
-        };
-        let count = operands.len();
-        let mut heap: BinaryHeap<Reverse<(u32, usize)>> = operands
-            .iter()
-            .enumerate()
-            .map(|(place, edge)| Reverse((self.arrivals[edge.node()], place)))
-            .collect();
-        let mut parents: Vec<usize> = vec![usize::MAX; count];
-        while let (Some(Reverse(a)), Some(Reverse(b))) = (heap.pop(), heap.pop()) {
-            let joined = parents.len();
-            parents.push(usize::MAX);
-            parents[a.1] = joined;
-            parents[b.1] = joined;
-            if heap.is_empty() {
-                let mut above = vec![0; parents.len()];
-                for place in (0..joined).rev() {
-                    above[place] = above[parents[place]] + weight;
-                }
-                above.truncate(count);
-                return (b.0.saturating_add(weight), above);
-            }
-            heap.push(Reverse((b.0.saturating_add(weight), joined)));
+            FactorKind::Other(operation) => self.weights.of(operation),
+            FactorKind::Input(_) | FactorKind::Constant(_) | FactorKind::Part(_) => 0,
         }
-        // A single operand is passed on.
+    }
+
+    /// When a result is available.
+    fn finish(&self, kind: FactorKind, operands: &[Edge]) -> u32 {
+        let weight = self.weight(kind);
         let arrivals = operands.iter().map(|edge| self.arrivals[edge.node()]);
-        (arrivals.max().unwrap_or(0), vec![0; count])
+        match kind {
+            FactorKind::Sum | FactorKind::Product => finish(arrivals, weight),
+            _ => arrivals.max().unwrap_or(0).saturating_add(weight),
+        }
     }
 }

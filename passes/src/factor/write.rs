@@ -1,19 +1,15 @@
 //! From a network back to a function of single operations.
 //!
-//! Sums and products become trees, the earliest operands first. Signs travel
-//! as they do in [`crate::reassociate`]: a value may be stored with the wrong
-//! sign, and only an output (or a root, or a value without a meaning) forces a
-//! `0 - x`.
+//! Sums and products become trees, the earliest operands first; only an output
+//! (or a root, or a value without a meaning) forces a `0 - x`.
 
 use super::network::{Edge, FactorKind, FactorNetwork, NodeOrigin};
+use crate::sums::earliest::TieOrder;
+use crate::sums::groups::GroupFamily;
+use crate::sums::writer::{SignedOperand, SumWriter, ValueNaming};
 use robovec_analysis::critical_path::Weights;
-use robovec_framework::rewrite::output_symbol;
 use robovec_framework::trail::Notes;
-use robovec_ir::{
-    FreshNames, Function, Level, Name, Node, Operand, Operation, SourceSet, Symbol, Tables,
-};
-use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap};
+use robovec_ir::{Function, Level, Operation, Tables};
 
 /// Writes the live part of a network in the place of a function's body.
 pub(crate) fn write(
@@ -26,26 +22,22 @@ pub(crate) fn write(
     let order = network.order();
     let merged = std::mem::take(&mut network.merged);
     let mut writer = FactorWriter {
-        out: function.skeleton(Level::Atomic),
-        names: function.fresh_names(),
-        stored: vec![(Operand::NONE, false); network.nodes.len()],
-        arrivals: Vec::new(),
-        negated: HashMap::new(),
-        weights: *weights,
+        writer: SumWriter::new(function, Level::Atomic, *weights),
+        stored: vec![SignedOperand::NONE; network.nodes.len()],
         network: &network,
     };
     let wishes = writer.wishes(&order);
-    let mut parts = MergedParts::new(&network, merged);
+    let parts = MergedParts::new(&network, merged);
     for &node in &order {
         let mut naming = parts.naming(&network, node, tables);
         let made = writer.node(node as usize, wishes[node as usize], &mut naming);
-        if let (Some(rule), Some(value)) = (network.nodes[node as usize].rule, made.0.value()) {
-            notes.note(writer.out.node(value).name, rule);
+        if let (Some(rule), Some(value)) = (network.nodes[node as usize].rule, made.operand.value())
+        {
+            notes.note(writer.writer.out.node(value).name, rule);
         }
         writer.stored[node as usize] = made;
     }
-    writer.outputs(function, tables);
-    writer.out
+    writer.finish(function, tables)
 }
 
 /// The names and sources of the values that became part of others.
@@ -79,63 +71,26 @@ impl MergedParts {
         MergedParts { merged }
     }
 
-    fn naming(&mut self, network: &FactorNetwork, node: u32, tables: &mut Tables) -> NodeNaming {
+    fn naming(&self, network: &FactorNetwork, node: u32, tables: &mut Tables) -> ValueNaming {
         let own = &network.nodes[node as usize];
         let start = self.merged.partition_point(|(user, _)| *user < node);
         let end = self.merged.partition_point(|(user, _)| *user <= node);
-        let mut sets = vec![own.sources];
-        let mut spare = Vec::new();
+        let parts = self.merged[start..end].iter();
+        let parts = parts.map(|(_, origin)| (origin.name, origin.sources));
         let mut root = own.name;
-        for (_, origin) in &self.merged[start..end] {
-            if !sets.contains(&origin.sources) || sets.len() > 8 {
-                sets.push(origin.sources);
-            }
-            if !origin.name.is_none() {
-                spare.push(origin.name);
-            }
+        if root.is_none() {
+            let names = parts.clone().map(|(name, _)| name);
+            root = names.filter(|name| !name.is_none()).min().unwrap_or(root);
         }
-        spare.sort_unstable_by_key(|&name| Reverse(name));
-        spare.dedup();
-        if root.is_none()
-            && let Some(name) = spare.pop()
-        {
-            root = name;
-        }
-        spare.retain(|name| name.suffix > 0);
-        NodeNaming {
-            root,
-            spare,
-            owner: own.owner,
-            sources: tables.sources.union(&sets),
-        }
+        ValueNaming::new(root, own.owner, own.sources).with_parts(parts, tables)
     }
 }
 
-/// Names and sources for the operations of one node.
-struct NodeNaming {
-    root: Name,
-    /// Of values that were merged into it, last first.
-    spare: Vec<Name>,
-    owner: Symbol,
-    sources: SourceSet,
-}
-
 struct FactorWriter<'n> {
-    out: Function,
-    names: FreshNames,
-    /// For each node the operand it is stored in, and whether negated.
-    stored: Vec<(Operand, bool)>,
-    arrivals: Vec<u32>,
-    negated: HashMap<Operand, Operand>,
-    weights: Weights,
+    writer: SumWriter,
+    /// For each node the operand it is stored in.
+    stored: Vec<SignedOperand>,
     network: &'n FactorNetwork,
-}
-
-/// An operand of a sum or product while the tree is built.
-#[derive(Clone, Copy)]
-struct TreeOperand {
-    operand: Operand,
-    negative: bool,
 }
 
 impl FactorWriter<'_> {
@@ -177,175 +132,59 @@ impl FactorWriter<'_> {
         wishes
     }
 
-    fn node(
-        &mut self,
-        node: usize,
-        wish: Option<bool>,
-        naming: &mut NodeNaming,
-    ) -> (Operand, bool) {
+    fn node(&mut self, node: usize, wish: Option<bool>, naming: &mut ValueNaming) -> SignedOperand {
         let node = &self.network.nodes[node];
-        match node.kind {
-            FactorKind::Input(operand) => (operand, false),
-            FactorKind::Constant(number) => (self.out.constant(number).into(), false),
-            FactorKind::Sum | FactorKind::Product => {
-                let sum = node.kind == FactorKind::Sum;
-                self.tree(sum, &node.operands, wish == Some(true), naming)
-            }
-            FactorKind::Other(operation) => self.other(operation, &node.operands, naming),
+        let family = match node.kind {
+            FactorKind::Input(operand) => return self.writer.signed(operand, false),
+            FactorKind::Constant(number) => return self.writer.number(number),
+            FactorKind::Other(operation) => return self.other(operation, &node.operands, naming),
             // Parts have no uses, so they are not in the order.
-            FactorKind::Part(_) => (Operand::NONE, false),
-        }
-    }
-
-    fn term(&self, edge: Edge) -> TreeOperand {
-        let (operand, negative) = self.stored[edge.node()];
-        TreeOperand {
-            operand,
-            negative: negative ^ edge.negative(),
-        }
-    }
-
-    fn arrival(&self, operand: Operand) -> u32 {
-        operand
-            .value()
-            .map_or(0, |value| self.arrivals[value.index()])
-    }
-
-    fn push(
-        &mut self,
-        operation: Operation,
-        operands: [Operand; 2],
-        last: bool,
-        naming: &mut NodeNaming,
-    ) -> Operand {
-        let name = match (last, naming.root.is_none(), naming.spare.pop()) {
-            (true, false, spare) => {
-                naming.spare.extend(spare);
-                naming.root
-            }
-            (_, _, Some(spare)) => spare,
-            (_, _, None) => self.names.fresh(naming.owner),
+            FactorKind::Part(_) => return SignedOperand::NONE,
+            FactorKind::Sum => GroupFamily::Sum,
+            FactorKind::Product => GroupFamily::Product,
         };
-        let ready = self.arrival(operands[0]).max(self.arrival(operands[1]));
-        self.arrivals
-            .push(ready.saturating_add(self.weights.of(operation)));
-        let value = self.out.push(Node {
-            name,
-            sources: naming.sources,
-            operands: Operand::list(operands),
-            operation,
-        });
-        value.into()
+        let terms = node.operands.iter().map(|&edge| self.term(edge)).collect();
+        let order = (TieOrder::Made, wish == Some(true));
+        self.writer.tree(family, terms, order, naming)
     }
 
-    fn tree(
-        &mut self,
-        sum: bool,
-        operands: &[Edge],
-        flip: bool,
-        naming: &mut NodeNaming,
-    ) -> (Operand, bool) {
-        let mut terms: Vec<TreeOperand> = operands.iter().map(|&edge| self.term(edge)).collect();
-        let mut heap: BinaryHeap<Reverse<(u32, usize)>> = terms
-            .iter()
-            .enumerate()
-            .map(|(index, term)| Reverse((self.arrival(term.operand), index)))
-            .collect();
-        while let (Some(Reverse((_, a))), Some(Reverse((_, b)))) = (heap.pop(), heap.pop()) {
-            let last = heap.is_empty();
-            let (a, b) = (terms[a.min(b)], terms[a.max(b)]);
-            let (operation, operands, negative) = if sum {
-                join(a, b, flip && last)
-            } else {
-                let negative = a.negative ^ b.negative;
-                (Operation::Mul, [a.operand, b.operand], negative)
-            };
-            let operand = self.push(operation, operands, last, naming);
-            if last {
-                return (operand, negative);
-            }
-            heap.push(Reverse((self.arrival(operand), terms.len())));
-            terms.push(TreeOperand { operand, negative });
-        }
-        // Sums and products of the network have at least two operands.
-        let term = terms[0];
-        (term.operand, term.negative)
+    fn term(&self, edge: Edge) -> SignedOperand {
+        self.stored[edge.node()].flip(edge.negative())
     }
 
     fn other(
         &mut self,
         operation: Operation,
         operands: &[Edge],
-        naming: &mut NodeNaming,
-    ) -> (Operand, bool) {
+        naming: &mut ValueNaming,
+    ) -> SignedOperand {
         let a = self.term(operands[0]);
-        let b = operands.get(1).map_or(
-            TreeOperand {
-                operand: Operand::NONE,
-                negative: false,
-            },
-            |&edge| self.term(edge),
-        );
+        let b = operands.get(1).map(|&edge| self.term(edge));
+        let b = b.unwrap_or(SignedOperand::NONE);
+        let mut pair = [a.operand, b.operand];
         let negative = match operation {
             Operation::Mul | Operation::Div => a.negative ^ b.negative,
             Operation::Sin => a.negative,
             Operation::Cos => false,
             _ => {
-                let operands = [a, b].map(|term| self.true_sign(term, naming));
-                return (self.push(operation, operands, true, naming), false);
+                pair = [a, b].map(|term| self.writer.true_sign(term, naming));
+                false
             }
         };
-        let operands = [a.operand, b.operand];
-        (self.push(operation, operands, true, naming), negative)
+        let operand = self.writer.push(operation, pair, true, naming);
+        self.writer.signed(operand, negative)
     }
 
-    fn true_sign(&mut self, term: TreeOperand, naming: &mut NodeNaming) -> Operand {
-        if !term.negative {
-            return term.operand;
-        }
-        if let Some(number) = self.out.number(term.operand) {
-            return self.out.constant(-number).into();
-        }
-        if let Some(&known) = self.negated.get(&term.operand) {
-            return known;
-        }
-        let zero = self.out.constant(0.0).into();
-        let negated = self.push(Operation::Sub, [zero, term.operand], false, naming);
-        self.negated.insert(term.operand, negated);
-        negated
-    }
-
-    fn outputs(&mut self, function: &Function, tables: &mut Tables) {
-        let mut assignments = function.assignments.clone();
-        for (assignment, &edge) in assignments.iter_mut().zip(&self.network.outputs) {
-            let mut naming = NodeNaming {
-                root: Name::NONE,
-                spare: Vec::new(),
-                owner: output_symbol(tables, function, assignment.output),
-                sources: assignment.sources,
+    fn finish(mut self, function: &Function, tables: &mut Tables) -> Function {
+        let (network, stored) = (self.network, &self.stored);
+        self.writer.outputs(function, tables, |writer, place| {
+            let edge = network.outputs[place];
+            let stored = match network.nodes[edge.node()].kind {
+                FactorKind::Input(operand) => writer.signed(operand, false),
+                _ => stored[edge.node()],
             };
-            let term = match self.network.nodes[edge.node()].kind {
-                FactorKind::Input(operand) => TreeOperand {
-                    operand,
-                    negative: edge.negative(),
-                },
-                _ => self.term(edge),
-            };
-            assignment.operand = self.true_sign(term, &mut naming);
-        }
-        self.out.assignments = assignments;
-    }
-}
-
-/// The operation that joins two terms, and the sign of its result; `flip`
-/// chooses the negated form where both cost the same.
-fn join(a: TreeOperand, b: TreeOperand, flip: bool) -> (Operation, [Operand; 2], bool) {
-    match (a.negative, b.negative) {
-        (false, false) => (Operation::Add, [a.operand, b.operand], false),
-        (true, true) => (Operation::Add, [a.operand, b.operand], true),
-        (false, true) if flip => (Operation::Sub, [b.operand, a.operand], true),
-        (false, true) => (Operation::Sub, [a.operand, b.operand], false),
-        (true, false) if flip => (Operation::Sub, [a.operand, b.operand], true),
-        (true, false) => (Operation::Sub, [b.operand, a.operand], false),
+            stored.flip(edge.negative())
+        });
+        self.writer.finish(tables).0
     }
 }

@@ -1,19 +1,17 @@
 //! Writing the groups anew.
 
-use super::gather::{GroupFamily, GroupLeaf, GroupReach, OperandGroups};
 use super::negations::Negations;
 use super::share::{self, PairCounts};
 use super::signs::Wishes;
-use crate::cse::{Key, KnownValues, SourceMerges};
-use hashbrown::HashMap;
+use crate::sums::fused::turned;
+use crate::sums::groups::{GroupFamily, GroupLeaf, GroupReach, OperandGroups};
+use crate::sums::writer::{SignedOperand, SumWriter, ValueNaming};
 use robovec_analysis::critical_path::{Weights, tails};
-use robovec_framework::rewrite::{lay_out, output_symbol, owners};
+use robovec_framework::rewrite::{lay_out, owners};
 use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_ir::{
-    FreshNames, Function, Level, Name, Node, Operand, OperandKind, Operation, SourceSet, Symbol,
-    Tables, Value,
+    FreshNames, Function, Level, Name, Node, Operand, Operation, Symbol, Tables, Value,
 };
-use rustc_hash::FxBuildHasher;
 use std::cmp::Reverse;
 
 /// The shape of the tree a group becomes.
@@ -106,19 +104,9 @@ impl<'a> ReassociationPlan<'a> {
     }
 }
 
-/// The operand that an old value has become, perhaps with the wrong sign.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct SignedOperand {
-    pub(super) operand: Operand,
-    pub(super) negative: bool,
-}
-
 /// A term or factor while its group is being combined.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GroupTerm {
-    pub(super) arrival: u32,
-    /// Position in the text, or of making: breaks ties.
-    pub(super) order: u32,
     pub(super) value: SignedOperand,
     /// The leaf it still is, for pair counts.
     pub(super) leaf: Option<GroupLeaf>,
@@ -136,29 +124,13 @@ pub(super) struct Deadlines {
 
 pub(super) struct TreeBuilder<'p> {
     plan: &'p ReassociationPlan<'p>,
-    pub(super) weights: Weights,
+    pub(super) writer: SumWriter,
     pub(super) shape: TreeShape,
     pub(super) deadlines: Option<Deadlines>,
-    pub(super) out: Function,
-    pub(super) known: KnownValues,
     /// The result is thrown away after its times are known: names, sources
     /// and sharing do not matter.
     pub(super) draft: bool,
-    negated: HashMap<Operand, Operand, FxBuildHasher>,
-    pub(super) arrivals: Vec<u32>,
     map: Vec<SignedOperand>,
-    names: FreshNames,
-    merges: SourceMerges,
-}
-
-/// Names and sources for the operations of one group.
-pub(super) struct GroupNaming {
-    /// For the last operation.
-    pub(super) root: Name,
-    /// Of absorbed operations, to be used again; last first.
-    spare: Vec<Name>,
-    owner: Symbol,
-    sources: SourceSet,
 }
 
 impl<'p> TreeBuilder<'p> {
@@ -168,28 +140,19 @@ impl<'p> TreeBuilder<'p> {
         shape: TreeShape,
         deadlines: Option<Deadlines>,
     ) -> TreeBuilder<'p> {
-        let count = plan.function.nodes().len();
-        let mut out = plan.function.skeleton(plan.function.level);
-        out.reserve(count);
         let draft = shape == TreeShape::Earliest && deadlines.is_none();
-        let capacity = if shape == TreeShape::Earliest && !draft {
-            count
-        } else {
-            0
-        };
+        let writer = SumWriter::new(plan.function, plan.function.level, weights);
         TreeBuilder {
             plan,
-            weights,
+            writer: match shape {
+                TreeShape::Earliest if draft => writer.draft(),
+                TreeShape::Earliest => writer.sharing(),
+                TreeShape::Written | TreeShape::Cascade => writer,
+            },
             shape,
             deadlines,
-            out,
-            known: KnownValues::with_capacity(capacity),
             draft,
-            negated: HashMap::default(),
-            arrivals: Vec::with_capacity(count),
-            map: Vec::with_capacity(count),
-            names: plan.function.fresh_names(),
-            merges: SourceMerges::default(),
+            map: Vec::with_capacity(plan.function.nodes().len()),
         }
     }
 
@@ -199,184 +162,71 @@ impl<'p> TreeBuilder<'p> {
         for (root, node) in function.values() {
             if groups.is_absorbed(root) {
                 // Never read: its one user is in the same group.
-                self.map.push(SignedOperand {
-                    operand: Operand::NONE,
-                    negative: false,
-                });
+                self.map.push(SignedOperand::NONE);
                 continue;
             }
             let result = match GroupFamily::of(node.operation) {
                 None => self.other(root, node),
                 Some(_) if groups.is_frozen(root) => self.as_it_was(root, node),
                 Some(family) => {
-                    let mut naming = self.naming(root, node, groups.inner(root), tables);
+                    let mut naming = self.naming(root, node);
+                    if !self.draft && !groups.inner(root).is_empty() {
+                        let parts = groups.inner(root).iter().map(|&part| function.node(part));
+                        let parts = parts.map(|part| (part.name, part.sources));
+                        naming = naming.with_parts(parts, tables);
+                    }
                     self.group(family, root, groups.leaves(root), &mut naming)
                 }
             };
             self.map.push(result);
         }
-        self.outputs(tables);
+        let map = &self.map;
+        self.writer.outputs(function, tables, |writer, place| {
+            writer.translate(function, map, function.assignments[place].operand)
+        });
         self
     }
 
-    fn naming(
-        &self,
-        root: Value,
-        node: &Node,
-        inner: &[Value],
-        tables: &mut Tables,
-    ) -> GroupNaming {
-        let function = self.plan.function;
-        let mut naming = GroupNaming {
-            root: node.name,
-            spare: Vec::new(),
-            owner: self.plan.owners[root.index()],
-            sources: node.sources,
-        };
-        if self.draft || inner.is_empty() {
-            return naming;
-        }
-        let mut sets: Vec<SourceSet> = vec![node.sources];
-        for &value in inner {
-            let absorbed = function.node(value);
-            if !sets.contains(&absorbed.sources) || sets.len() > 8 {
-                sets.push(absorbed.sources);
-            }
-            if !absorbed.name.is_none() && absorbed.name.suffix > 0 {
-                naming.spare.push(absorbed.name);
-            }
-        }
-        naming.spare.sort_unstable_by_key(|&name| Reverse(name));
-        naming.sources = tables.sources.union(&sets);
-        naming
+    fn naming(&self, root: Value, node: &Node) -> ValueNaming {
+        ValueNaming::new(node.name, self.plan.owners[root.index()], node.sources)
     }
 
     fn signed(&mut self, operand: Operand) -> SignedOperand {
-        match operand.kind() {
-            OperandKind::Value(value) => self.map[value.index()],
-            OperandKind::Constant(constant) => {
-                let number = self.plan.function.constant_number(constant);
-                SignedOperand {
-                    operand: self.out.constant(number).into(),
-                    negative: false,
-                }
-            }
-            OperandKind::Input(_) | OperandKind::None => SignedOperand {
-                operand,
-                negative: false,
-            },
-        }
-    }
-
-    pub(super) fn arrival(&self, operand: Operand) -> u32 {
-        operand
-            .value()
-            .map_or(0, |value| self.arrivals[value.index()])
+        self.writer
+            .translate(self.plan.function, &self.map, operand)
     }
 
     /// An operation that is neither a sum nor a product.
     fn other(&mut self, root: Value, node: &Node) -> SignedOperand {
         let [a, b, c] = node.operands.map(|operand| self.signed(operand));
-        let mut naming = GroupNaming {
-            root: node.name,
-            spare: Vec::new(),
-            owner: self.plan.owners[root.index()],
-            sources: node.sources,
-        };
+        let mut naming = self.naming(root, node);
         if node.operation.is_fused() {
-            let (operation, negative) = fused(node.operation, a.negative ^ b.negative, c.negative);
+            let (operation, negative) = turned(node.operation, a.negative ^ b.negative, c.negative);
             let operands = [a.operand, b.operand, c.operand];
-            let operand = self.emit(operation, operands, node.name, &mut naming);
-            return SignedOperand { operand, negative };
+            let operand = (self.writer).write(operation, operands, node.name, node.sources);
+            return self.writer.signed(operand, negative);
         }
         let (operand, negative) = match node.operation {
             Operation::Copy => return a,
             Operation::Div => (a.operand, a.negative ^ b.negative),
             Operation::Sin => (a.operand, a.negative),
             Operation::Cos => (a.operand, false),
-            _ => (self.true_sign(a, &mut naming), false),
+            _ => (self.writer.true_sign(a, &mut naming), false),
         };
-        let operand = self.emit(node.operation, [operand, b.operand], node.name, &mut naming);
-        SignedOperand { operand, negative }
+        let operands = [operand, b.operand];
+        let operand = (self.writer).write(node.operation, operands, node.name, node.sources);
+        self.writer.signed(operand, negative)
     }
 
     /// A sum or product of two operands that must not be rewritten.
     fn as_it_was(&mut self, root: Value, node: &Node) -> SignedOperand {
-        let mut naming = GroupNaming {
-            root: node.name,
-            spare: Vec::new(),
-            owner: self.plan.owners[root.index()],
-            sources: node.sources,
-        };
+        let mut naming = self.naming(root, node);
         let operands = node.operands.map(|operand| {
             let value = self.signed(operand);
-            self.true_sign(value, &mut naming)
+            self.writer.true_sign(value, &mut naming)
         });
-        SignedOperand {
-            operand: self.emit(node.operation, operands, node.name, &mut naming),
-            negative: false,
-        }
-    }
-
-    /// Appends an operation, or finds an equal one.
-    pub(super) fn emit<const COUNT: usize>(
-        &mut self,
-        operation: Operation,
-        operands: [Operand; COUNT],
-        name: Name,
-        naming: &mut GroupNaming,
-    ) -> Operand {
-        let sharing = self.shape == TreeShape::Earliest && !self.draft;
-        if sharing && let Some(same) = self.known.find(&self.out, Key::new(operation, operands)) {
-            self.merges.add(same, naming.sources);
-            return same.into();
-        }
-        let ready = operands.iter().map(|&operand| self.arrival(operand));
-        let ready = ready.max().unwrap_or(0);
-        let value = self.out.push(Node {
-            name,
-            sources: naming.sources,
-            operands: Operand::list(operands),
-            operation,
-        });
-        self.arrivals.push(ready + self.weights.of(operation));
-        if sharing {
-            self.known.insert(&self.out, value);
-        }
-        value.into()
-    }
-
-    /// The operand with its true sign; costs `0 - x` when it is stored with
-    /// the other one, once per operand.
-    pub(super) fn true_sign(&mut self, value: SignedOperand, naming: &mut GroupNaming) -> Operand {
-        if !value.negative {
-            return value.operand;
-        }
-        if let Some(number) = self.out.number(value.operand) {
-            return self.out.constant(-number).into();
-        }
-        if let Some(&known) = self.negated.get(&value.operand) {
-            return known;
-        }
-        let name = self.inner_name(naming);
-        let zero = Operand::from(self.out.constant(0.0));
-        let (operation, operands) = match self.out.level {
-            Level::Equations => (Operation::Neg, [value.operand, Operand::NONE]),
-            _ => (Operation::Sub, [zero, value.operand]),
-        };
-        let negated = self.emit(operation, operands, name, naming);
-        self.negated.insert(value.operand, negated);
-        negated
-    }
-
-    pub(super) fn inner_name(&mut self, naming: &mut GroupNaming) -> Name {
-        if self.draft || self.out.level == Level::Equations {
-            return Name::NONE;
-        }
-        match naming.spare.pop() {
-            Some(name) => name,
-            None => self.names.fresh(naming.owner),
-        }
+        let operand = (self.writer).write(node.operation, operands, node.name, node.sources);
+        self.writer.signed(operand, false)
     }
 
     fn group(
@@ -384,11 +234,11 @@ impl<'p> TreeBuilder<'p> {
         family: GroupFamily,
         root: Value,
         leaves: &[GroupLeaf],
-        naming: &mut GroupNaming,
+        naming: &mut ValueNaming,
     ) -> SignedOperand {
         let mut terms: Vec<GroupTerm> = Vec::with_capacity(leaves.len());
         let mut product_negative = false;
-        for (order, &leaf) in leaves.iter().enumerate() {
+        for &leaf in leaves {
             let mut value = self.signed(leaf.operand);
             if family == GroupFamily::Product {
                 product_negative ^= value.negative;
@@ -397,8 +247,6 @@ impl<'p> TreeBuilder<'p> {
                 value.negative ^= leaf.negative;
             }
             terms.push(GroupTerm {
-                arrival: self.arrival(value.operand),
-                order: order as u32,
                 value,
                 leaf: Some(leaf),
             });
@@ -419,43 +267,19 @@ impl<'p> TreeBuilder<'p> {
         let result = match self.shape {
             TreeShape::Written => self.cascade(family, &terms, flip, naming),
             TreeShape::Cascade => {
-                terms.sort_by_key(|term| (term.arrival, term.order));
+                terms.sort_by_key(|term| term.value.arrival);
                 self.cascade(family, &terms, flip, naming)
             }
             TreeShape::Earliest => self.earliest(family, root, terms, flip, naming),
         };
-        SignedOperand {
-            negative: result.negative ^ product_negative ^ turned,
-            ..result
-        }
-    }
-
-    fn outputs(&mut self, tables: &mut Tables) {
-        let function = self.plan.function;
-        let mut assignments = function.assignments.clone();
-        for assignment in &mut assignments {
-            let value = self.signed(assignment.operand);
-            let owner = if value.negative {
-                output_symbol(tables, function, assignment.output)
-            } else {
-                Symbol(u32::MAX)
-            };
-            let mut naming = GroupNaming {
-                root: Name::NONE,
-                spare: Vec::new(),
-                owner,
-                sources: assignment.sources,
-            };
-            assignment.operand = self.true_sign(value, &mut naming);
-        }
-        self.out.assignments = assignments;
+        result.flip(product_negative ^ turned)
     }
 
     /// The latest time of each old value that does not lengthen the longest
     /// path, and which pairs occur more than once.
     fn deadlines(self) -> Deadlines {
-        let tails = tails(&self.out, &self.weights);
-        let longest = self.arrivals.iter().copied().max().unwrap_or(0);
+        let tails = tails(&self.writer.out, &self.writer.times.weights);
+        let longest = self.writer.times.longest();
         let latest = self
             .map
             .iter()
@@ -479,27 +303,13 @@ impl<'p> TreeBuilder<'p> {
         Deadlines { latest, pairs }
     }
 
-    fn finish(mut self, tables: &mut Tables) -> Function {
-        self.merges.apply(&mut self.out, tables);
-        if self.out.level == Level::Equations {
-            name_shared(&mut self.out, tables, &mut self.names);
-            return lay_out(&self.out);
+    fn finish(self, tables: &mut Tables) -> Function {
+        let (mut out, mut names) = self.writer.finish(tables);
+        if out.level == Level::Equations {
+            name_shared(&mut out, tables, &mut names);
+            return lay_out(&out);
         }
-        self.out
-    }
-}
-
-/// The fused operation whose product and addend change sign where said, and
-/// whether its result is stored negated. Signs cost nothing: rounding to
-/// nearest is symmetric.
-fn fused(operation: Operation, product: bool, addend: bool) -> (Operation, bool) {
-    let product = product ^ (operation == Operation::Fnma);
-    let addend = addend ^ (operation == Operation::Fms);
-    match (product, addend) {
-        (false, false) => (Operation::Fma, false),
-        (false, true) => (Operation::Fms, false),
-        (true, false) => (Operation::Fnma, false),
-        (true, true) => (Operation::Fma, true),
+        out
     }
 }
 

@@ -13,8 +13,6 @@
 //! the stored signs so that this is rare.
 
 mod build;
-mod combine;
-mod gather;
 mod negations;
 mod share;
 mod signs;
@@ -23,5 +21,3 @@ mod tree;
 #[cfg(test)]
 pub(crate) use build::reassociate;
 pub(crate) use build::{TreeShape, reassociate_asking};
-pub(crate) use combine::finish;
-pub(crate) use gather::{GroupFamily, GroupLeaf, GroupReach, OperandGroups};

@@ -7,9 +7,9 @@
 //! every group the earliest arrival with either sign follows from those of
 //! its leaves, which makes the choice exact.
 
-use super::combine::finish;
-use super::gather::{GroupFamily, GroupLeaf, OperandGroups};
 use super::signs::{Natural, Wishes};
+use crate::sums::earliest::finish;
+use crate::sums::groups::{GroupFamily, GroupLeaf, OperandGroups};
 use robovec_analysis::critical_path::Weights;
 use robovec_ir::{Function, Operation, Value};
 
@@ -123,10 +123,7 @@ impl Turns {
                     found = (arrival, arrival + minus, Turn::After);
                 }
                 Some(family) => {
-                    let weight = match family {
-                        GroupFamily::Sum => weights.of(Operation::Add),
-                        GroupFamily::Product => weights.of(Operation::Mul),
-                    };
+                    let weight = family.weight(weights);
                     let leaves = groups.leaves(root);
                     let free = natural.flippable_alone[root.index()];
                     found = times.group(function, leaves, weight, minus, &uses);
@@ -156,12 +153,11 @@ impl Turns {
             value.map_or(0, |value| self.arrivals[value.index()])
         };
         let finish_with = |changed: Option<(usize, u32)>| {
-            let mut arrivals: Vec<u32> = leaves.iter().map(arrival).collect();
-            if let Some((place, time)) = changed {
-                arrivals[place] = time;
-            }
-            arrivals.sort_unstable();
-            finish(&mut arrivals, weight)
+            let arrivals = leaves.iter().enumerate().map(|(at, leaf)| match changed {
+                Some((place, time)) if place == at => time,
+                _ => arrival(leaf),
+            });
+            finish(arrivals, weight)
         };
         let natural = finish_with(None);
         let mut best = (natural + minus, Turn::After);

@@ -9,7 +9,7 @@
 //! counted together. That can only make a pair look more wanted than it is,
 //! which costs nothing, and the same function always gives the same counts.
 
-use super::gather::{GroupFamily, GroupLeaf};
+use crate::sums::groups::{GroupFamily, GroupLeaf};
 use rustc_hash::FxBuildHasher;
 use std::hash::BuildHasher;
 

@@ -7,7 +7,7 @@
 //! arranged costs a `0 - x` at the output later; the signs themselves are
 //! tracked exactly while building, so a bad choice here is never wrong.
 
-use super::gather::{GroupFamily, GroupLeaf, OperandGroups};
+use crate::sums::groups::{GroupFamily, GroupLeaf, OperandGroups};
 use robovec_ir::{Function, Operand, Operation, Value};
 
 /// For each group root the sign it is asked to be stored with: true for

@@ -1,5 +1,6 @@
 //! Finding the groups: signed sums and products.
 
+use robovec_analysis::critical_path::Weights;
 use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_ir::{Function, Operand, Operation, Value};
 
@@ -38,6 +39,14 @@ impl GroupFamily {
             | Operation::Fnma => None,
         }
     }
+
+    /// The weight of joining two terms or factors.
+    pub(crate) fn weight(self, weights: &Weights) -> u32 {
+        weights.of(match self {
+            GroupFamily::Sum => Operation::Add,
+            GroupFamily::Product => Operation::Mul,
+        })
+    }
 }
 
 /// A term of a sum or a factor of a product, in the function read.
@@ -71,7 +80,7 @@ impl OperandGroups {
 
     /// As [`OperandGroups::find`], but those that may not be rewritten are taken
     /// apart into their operations, each frozen.
-    pub(super) fn find_allowed(
+    pub(crate) fn find_allowed(
         function: &Function,
         reach: GroupReach,
         rewrites: &RewriteLimit,
@@ -135,7 +144,7 @@ impl OperandGroups {
     }
 
     /// True when the value must stay the operation it is.
-    pub(super) fn is_frozen(&self, value: Value) -> bool {
+    pub(crate) fn is_frozen(&self, value: Value) -> bool {
         !self.frozen.is_empty() && self.frozen[value.index()]
     }
 
@@ -212,6 +221,13 @@ fn absorbed(function: &Function, reach: GroupReach) -> Vec<bool> {
         }
     }
     absorbed
+}
+
+/// The product that an operand is, when nothing else reads it.
+pub(crate) fn single_product(function: &Function, uses: &[u32], operand: Operand) -> Option<Value> {
+    let value = operand.value()?;
+    let single = uses[value.index()] == 1;
+    (single && function.node(value).operation == Operation::Mul).then_some(value)
 }
 
 /// True for `0 - x` and `-x`.

@@ -1,0 +1,91 @@
+//! Values known by their fingerprints, each up to its sign.
+
+use hashbrown::HashTable;
+use robovec_framework::fingerprint::{Fingerprint, Images};
+use robovec_num::arithmetic::Arithmetic;
+use rustc_hash::FxBuildHasher;
+use std::hash::BuildHasher;
+
+/// Values by their places, counted from 0, and the places of those that may be
+/// found again. A value has the sign with which it was first met, so that no
+/// sign depends on the primes.
+#[derive(Clone)]
+pub(crate) struct ValueTable {
+    /// The images in which values are identified.
+    pub(crate) images: Images,
+    values: Vec<Fingerprint>,
+    places: HashTable<u32>,
+}
+
+impl ValueTable {
+    /// An empty table.
+    pub(crate) fn new(images: Images) -> ValueTable {
+        ValueTable {
+            images,
+            values: Vec::new(),
+            places: HashTable::new(),
+        }
+    }
+
+    /// The value at a place.
+    pub(crate) fn value(&self, place: usize) -> Fingerprint {
+        self.values[place]
+    }
+
+    /// Adds a value that is not found again, unless it is
+    /// [remembered](ValueTable::remember).
+    pub(crate) fn push(&mut self, value: Fingerprint) -> u32 {
+        self.values.push(value);
+        self.values.len() as u32 - 1
+    }
+
+    /// The place of a value, and whether it is the negation of what is there.
+    pub(crate) fn find(&self, value: Fingerprint) -> Option<(u32, bool)> {
+        let equal = is_equal(&self.images, &self.values, value);
+        let place = *self.places.find(hash(&self.images, value), equal)?;
+        Some((place, value.is_negation_of(&self.values[place as usize])))
+    }
+
+    /// As [`ValueTable::find`]; a new value gets the next place.
+    pub(crate) fn place(&mut self, value: Fingerprint) -> (u32, bool) {
+        self.find(value).unwrap_or_else(|| {
+            let place = self.push(value);
+            self.remember(place);
+            (place, false)
+        })
+    }
+
+    /// Lets the value at a place be found, unless an equal one is.
+    pub(crate) fn remember(&mut self, place: u32) {
+        let value = self.values[place as usize];
+        if self.find(value).is_none() {
+            let (images, values) = (&self.images, &self.values);
+            let again = |&place: &u32| hash(images, values[place as usize]);
+            self.places.insert_unique(again(&place), place, again);
+        }
+    }
+
+    /// Lets the value at a place not be found any more.
+    pub(crate) fn forget(&mut self, place: u32) {
+        let value = self.values[place as usize];
+        let equal = is_equal(&self.images, &self.values, value);
+        if let Ok(entry) = self.places.find_entry(hash(&self.images, value), equal) {
+            entry.remove();
+        }
+    }
+
+    /// Lets no value be found any more.
+    pub(crate) fn forget_all(&mut self) {
+        self.places.clear();
+    }
+}
+
+fn hash(images: &Images, value: Fingerprint) -> u64 {
+    FxBuildHasher.hash_one(images.without_sign(value).0)
+}
+
+/// Whether what is at a place is a value or its negation.
+fn is_equal(images: &Images, values: &[Fingerprint], value: Fingerprint) -> impl Fn(&u32) -> bool {
+    let negation = images.neg(value);
+    move |&place| [value, negation].contains(&values[place as usize])
+}
