@@ -65,7 +65,7 @@ pub(super) fn compare<A>(
 where
     A: Arithmetic<Number = Ball<LANES>>,
 {
-    let mut comparison = Comparison::new(pairs, survey.only);
+    let mut comparison = OutputComparison::new(pairs, survey.only);
     let plan = |function: &Function, places: &[usize]| {
         EvaluationPlan::of(function, |place| places.binary_search(&place).is_ok())
     };
@@ -89,7 +89,7 @@ where
 }
 
 /// The comparison of the outputs of two versions, round after round.
-struct Comparison<'a> {
+struct OutputComparison<'a> {
     pairs: &'a Pairs<'a>,
     /// Of [`Pairs::list`], those that are compared.
     wanted: Vec<usize>,
@@ -100,8 +100,8 @@ struct Comparison<'a> {
     agreement: NumbersAgree,
 }
 
-impl<'a> Comparison<'a> {
-    fn new(pairs: &'a Pairs<'a>, only: Option<usize>) -> Comparison<'a> {
+impl<'a> OutputComparison<'a> {
+    fn new(pairs: &'a Pairs<'a>, only: Option<usize>) -> OutputComparison<'a> {
         let all = 0..pairs.list.len();
         let wanted: Vec<usize> = all
             .filter(|&pair| only.is_none_or(|only| only == pair))
@@ -112,7 +112,7 @@ impl<'a> Comparison<'a> {
         };
         let before = wanted.iter().map(|&pair| pairs.list[pair].before).collect();
         let after = wanted.iter().map(|&pair| pairs.list[pair].after).collect();
-        Comparison {
+        OutputComparison {
             pairs,
             places: [sorted(before), sorted(after)],
             wanted,
