@@ -16,6 +16,7 @@ mod table;
 mod trial;
 mod variants;
 
+use robovec_analysis::class::NumericClass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::{declare_pass, option_words};
 use robovec_ir::Function;
@@ -38,6 +39,18 @@ option_words! {
     }
 }
 
+option_words! {
+    /// What the variants may rest on.
+    #[derive(Default)]
+    pub enum VariantClass {
+        /// Equality over the reals alone.
+        Real = "real",
+        /// And sin^2 + cos^2 = 1, on which Robotran's equations rest as well.
+        #[default]
+        RealTrig = "real-trig",
+    }
+}
+
 declare_pass! {
     /// Tries the other passes and takes the variant that suits the machine.
     ///
@@ -56,7 +69,8 @@ declare_pass! {
     ///
     /// `bound` is a proved lower bound of the schedule: a variant whose bound
     /// is no shorter than a schedule that is known is not placed. Variants
-    /// with fused multiply-adds are tried where the machine has elements for
+    /// from composite bodies rest on sin^2 + cos^2 = 1 (`class=real` leaves them
+    /// out). Variants with fused multiply-adds are tried where the machine has elements for
     /// them.
     ///
     /// The function comes out at the level atomic; `place` with the same
@@ -64,6 +78,8 @@ declare_pass! {
     pub struct Optimise("optimise") {
         /// What the variant is chosen for.
         pub r#for: Goal = Goal::default(),
+        /// What the variants may rest on.
+        pub class: VariantClass = VariantClass::default(),
         /// Adders; the machine file says how many otherwise.
         pub n_add: Option<u32> = None => fields::count::LIMIT,
         /// Multipliers; the machine file says how many otherwise.
@@ -83,13 +99,20 @@ declare_pass! {
     }
     takes: [Equations, Atomic],
     gives: Gives::Level(robovec_ir::Level::Atomic),
-    class: Real,
+    class: RealTrig,
     requires: [],
     sets: [],
     destroys: [Timed],
 }
 
 impl Pass for Optimise {
+    fn class(&self, declared: NumericClass) -> NumericClass {
+        match self.class {
+            VariantClass::Real => NumericClass::Real,
+            VariantClass::RealTrig => declared,
+        }
+    }
+
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let numbers = [
             self.n_add,
@@ -99,7 +122,8 @@ impl Pass for Optimise {
             self.n_fma,
         ];
         let machine = with_counts(context.machine, element_counts(numbers))?;
-        let mut trials = trial::make(function, &machine, self.budget, context)?;
+        let class = self.class(Optimise::INFO.class);
+        let mut trials = trial::make(function, &machine, (self.budget, class), context)?;
         let choice = choice::choose(&mut trials, &machine, self.r#for);
         let rows = table::rows(&trials, choice.as_ref().ok().copied());
         let taken = match choice {

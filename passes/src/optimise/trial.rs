@@ -1,6 +1,7 @@
 //! Variants made and measured.
 
-use super::variants::{FUSED, VARIANTS, Variant};
+use super::variants::{self, FUSED, VARIANTS, Variant};
+use robovec_analysis::class::NumericClass;
 use robovec_analysis::critical_path::critical_path;
 use robovec_framework::manager::apply;
 use robovec_framework::pass::{Context, NestedReport, PassError, Registry};
@@ -93,7 +94,8 @@ struct Workshop<'a> {
     trials: Vec<VariantTrial>,
 }
 
-/// Makes the variants, within the budget; the first is always made.
+/// Makes the variants whose passes are of a class or a stricter one, within
+/// the budget; the first is always made.
 ///
 /// # Errors
 ///
@@ -101,7 +103,7 @@ struct Workshop<'a> {
 pub(super) fn make(
     function: &Function,
     machine: &Machine,
-    budget: u32,
+    (budget, class): (u32, NumericClass),
     context: &mut Context<'_>,
 ) -> Result<Vec<VariantTrial>, PassError> {
     let mut start = function.clone();
@@ -129,6 +131,9 @@ pub(super) fn make(
         let Some(pipeline) = variant.pipeline(context.registry) else {
             continue;
         };
+        if variants::class(&pipeline) > class {
+            continue;
+        }
         workshop.variant(variant, &pipeline, context)?;
         for (name, pipeline) in &fused {
             workshop.fuse(variant, name, pipeline, context)?;
@@ -170,7 +175,8 @@ impl Workshop<'_> {
                 .push(VariantTrial::not_made(name, "too many operations"));
             return Ok(());
         }
-        self.try_out(name, function, notes, pipeline, context)
+        let work = function.nodes().len().saturating_mul(variant.weight);
+        self.try_out((name, work), function, notes, pipeline, context)
     }
 
     /// The same with products and sums in one.
@@ -186,18 +192,18 @@ impl Workshop<'_> {
         };
         let (function, notes) = (plain.function.clone(), plain.notes.clone());
         let name = format!("{}, {how}", variant.name);
-        self.try_out(name, function, Some(notes), pipeline, context)
+        let work = function.nodes().len();
+        self.try_out((name, work), function, Some(notes), pipeline, context)
     }
 
     fn try_out(
         &mut self,
-        name: String,
+        (name, work): (String, usize),
         mut function: Function,
         notes: Option<Notes>,
         pipeline: &Pipeline,
         context: &mut Context<'_>,
     ) -> Result<(), PassError> {
-        let work = function.nodes().len();
         if work > self.budget && !self.trials.is_empty() {
             self.trials
                 .push(VariantTrial::not_made(name, "beyond the budget"));
