@@ -92,7 +92,7 @@ fn complaint(model: &Model, all_parameters: bool) -> Option<String> {
 
 fn assert_explained(cases: impl Iterator<Item = u64>) {
     let said = |case: u64| {
-        let said = complaint(&model(case), case / 8 % 4 == 0)?;
+        let said = complaint(&model(case), (case / 8).is_multiple_of(4))?;
         Some(format!("case {case}: {said}"))
     };
     let complaints: Vec<String> = cases.filter_map(said).collect();
