@@ -68,6 +68,12 @@ impl<const LANES: usize> Ball<LANES> {
         numbers.iter().all(|number| number.is_finite()) && self.radius[lane].is_finite()
     }
 
+    /// The largest size that the exact number of a lane can have.
+    #[inline]
+    pub fn reach(&self, lane: usize) -> f64 {
+        self.value.high[lane].abs() + self.radius[lane]
+    }
+
     /// Whether the exact numbers of a lane, of which something is known, can
     /// be one.
     #[inline]

@@ -1,11 +1,12 @@
 //! The check accepts what is equal and catches what is not.
 
 use super::*;
-use robovec_ir::states::States;
+use robovec_ir::states::{Ranges, States};
 use robovec_ir::{
     Assignment, Function, Input, Level, Name, Node, Operand, Operation, Shape, SourceSet, Tables,
     Value, ValueFormats,
 };
+use std::sync::Arc;
 
 /// Builds a function of inputs `x[1..4]` and outputs `y[1..4]`; every value
 /// is named `v`, `v.1`, `v.2` … in order.
@@ -388,6 +389,34 @@ fn a_divisor_with_a_pole_of_its_own_is_no_zero_elsewhere() {
         );
         assert!(verdict.holds(), "{seed}: {:?}", verdict.failure);
     }
+}
+
+#[test]
+fn what_a_promise_allows_beyond_the_range_is_not_lost() {
+    // A cosine near one may be off by a half, and 1.06*1.7e308 overflows.
+    let scaled = |series: bool| {
+        single(move |b| {
+            let [large, near] = [1.7e308, 1.06].map(|number| b.constant(number));
+            let cosine = if series {
+                b.binary(Mul, near, Builder::x(2))
+            } else {
+                let cosine = b.unary(Cos, Builder::x(1));
+                b.binary(Mul, cosine, Builder::x(2))
+            };
+            b.binary(Mul, cosine, large)
+        })
+    };
+    let mut ranges = Ranges::default();
+    ranges.set("x", [1, 0], -0.1, 0.1);
+    ranges.set("x", [2, 0], 1.0, 1.0);
+    let promise = Promise::Waves {
+        ranges: Arc::new(ranges),
+        errors: [0.5; 2],
+    };
+    let [before, after] = [false, true].map(scaled);
+    let claim = (NumericClass::Approximating, Some(&promise));
+    let verdict = check_promise(before.view(), after.view(), claim, &States::new(1), 2);
+    assert!(verdict.holds(), "{:?}", verdict.failure);
 }
 
 #[test]
