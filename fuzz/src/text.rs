@@ -64,7 +64,7 @@ pub fn round_trip(data: &[u8]) {
 fn check_random(bytes: &mut Unstructured<'_>) -> Result<bool> {
     let kind = *bytes.choose(&[Kind::Placeable, Kind::Tame, Kind::Wild])?;
     let pipeline = *bytes.choose(&PIPELINES)?;
-    let (machine, _) = bytes.choose(&BUILT_IN)?;
+    let (machine, _) = bytes.choose(BUILT_IN)?;
     let mut module = generate::module(bytes, kind)?;
     check_round_trip(&module);
     if !lower(&mut module, pipeline, machine) {

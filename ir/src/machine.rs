@@ -199,7 +199,7 @@ pub enum MachineError {
 }
 
 /// The machine files that ship with robovec, by name.
-pub const BUILT_IN: [(&str, &str); 17] = [
+pub const BUILT_IN: &[(&str, &str)] = &[
     ("ideal", include_str!("../machines/ideal.toml")),
     ("thesis", include_str!("../machines/thesis.toml")),
     ("side-split", include_str!("../machines/side-split.toml")),
@@ -414,7 +414,7 @@ mod tests {
     fn shipped_machines_are_valid_and_bear_their_names() {
         for (name, text) in BUILT_IN {
             match Machine::parse(text) {
-                Ok(machine) => assert_eq!(machine.name, name),
+                Ok(machine) => assert_eq!(machine.name, *name),
                 Err(error) => panic!("{name}: {error}"),
             }
         }

@@ -51,7 +51,7 @@ fn every_number_has_a_template() {
         let trials = templates::trials(title, &row, &value, folder.path());
         assert!(
             !trials.is_empty(),
-            "no template tries {}",
+            "nothing tries {}: tests/limits/templates.rs wants a line for it",
             name(&row, &value)
         );
     }

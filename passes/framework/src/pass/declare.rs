@@ -5,7 +5,8 @@
 /// for the registry. The doc comment is the pass's page in the manual; its
 /// first line is the one-line description. A field that is a number says
 /// behind `=>` what it can be: `pub rounds: u32 = 6 => NumberLimit::whole(0, 64,
-/// "every round takes as long as the first")`.
+/// "every round takes as long as the first")`. Levels, properties and class are
+/// the fields of [`PassInfo`](crate::pass::PassInfo).
 #[macro_export]
 macro_rules! declare_pass {
     (
