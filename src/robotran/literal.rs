@@ -305,6 +305,16 @@ mod tests {
     }
 
     #[test]
+    fn whole_and_single_numbers_keep_their_minus() {
+        assert_eq!(int(3).negative(), Ok(Some(int(-3))));
+        assert_eq!(int(-3).negative(), Ok(Some(int(3))));
+        let single = Literal::Single(0.5).negative();
+        assert_eq!(single, Ok(Some(Literal::Single(-0.5))));
+        assert_eq!(Literal::Double(0.5).negative(), Ok(None));
+        assert!(int(i64::MIN).negative().is_err());
+    }
+
+    #[test]
     fn literals_of_c_have_the_types_of_c() {
         assert_eq!(c("017"), Ok(int(15)));
         assert_eq!(c("0"), Ok(int(0)));
