@@ -1,6 +1,7 @@
 //! `composite` on the equations of random trees of bodies: every mass matrix
 //! that is one is explained, all of it.
 
+use crate::reference::random::Random;
 use robovec::generate::{GenerationRequest, generate};
 use robovec::model::build::{BASE, ModelBuilder};
 use robovec::model::family::random_tree;
@@ -11,34 +12,24 @@ use robovec_ir::Machine;
 use robovec_num::field::mix;
 use robovec_passes::registry::REGISTRY;
 
-/// Random numbers of a case.
-struct Draws(u64);
-
-impl Draws {
-    /// True once in `count` times.
-    fn once_in(&mut self, count: u64) -> bool {
-        self.0 = mix(self.0.wrapping_add(1));
-        self.0.is_multiple_of(count)
-    }
-}
-
 /// A tree of some kind: bodies with full, diagonal and no inertia, with and
 /// without a centre of mass, wheels, driven joints.
 fn model(case: u64) -> Model {
     let joints = 3 + (mix(case) % 38) as usize;
     let mut model = random_tree(case, joints);
-    let mut draws = Draws(mix(case ^ 0x0dd));
+    let mut random = Random(mix(case ^ 0x0dd));
+    let mut once_in = |count: u64| random.bits().is_multiple_of(count);
     let style = case % 8;
     for body in &mut model.bodies {
-        if style == 1 && draws.once_in(2) {
+        if style == 1 && once_in(2) {
             // A point mass.
             body.inertia = [0.0; 6];
         }
-        if style == 2 || style == 3 && draws.once_in(2) {
+        if style == 2 || style == 3 && once_in(2) {
             // A wheel: balanced, and symmetric about one of its axes.
             body.center = [0.0; 3];
             let [xx, _, _, _, _, zz] = body.inertia;
-            body.inertia = match draws.once_in(2) {
+            body.inertia = match once_in(2) {
                 true => [xx, 0.0, 0.0, zz, 0.0, zz],
                 false => [zz, 0.0, 0.0, xx, 0.0, zz],
             };
@@ -46,12 +37,12 @@ fn model(case: u64) -> Model {
         if style == 4 {
             let [_, xy, xz, _, yz, _] = &mut body.inertia;
             for number in body.center.iter_mut().chain([xy, xz, yz]) {
-                if draws.once_in(3) {
+                if once_in(3) {
                     *number = 0.0;
                 }
             }
         }
-        if style == 5 && draws.once_in(3) {
+        if style == 5 && once_in(3) {
             body.point = None;
             model.joints[body.joints.start].point = None;
         }
@@ -59,14 +50,14 @@ fn model(case: u64) -> Model {
     if style == 6 {
         for point in &mut model.points {
             for number in &mut point.coordinates {
-                if draws.once_in(2) {
+                if once_in(2) {
                     *number = 0.0;
                 }
             }
         }
     }
     for joint in &mut model.joints {
-        if style == 7 && draws.once_in(4) {
+        if style == 7 && once_in(4) {
             joint.nature = Nature::Driven;
             joint.has_velocity = false;
             joint.has_acceleration = false;

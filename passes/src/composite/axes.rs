@@ -13,7 +13,7 @@
 
 use super::bodies::{CompositeInertia, JointAxis};
 use super::model::ModelInputs;
-use super::probe::{MatrixProbe, ProbedMatrix, RealRing, SystemInput, near};
+use super::probe::{MatrixProbe, ProbedMatrix, SystemInput, UsualState, near};
 use super::tree::AncestorTree;
 
 /// Comparisons of pairs of joints before the rest is left unexplained.
@@ -91,9 +91,11 @@ impl<'a> AlignedFrames<'a> {
                 let parts = model.body(body);
                 parts.map(|place| place.map_or(0.0, body_number))
             });
-            let mut sum = CompositeInertia::none(&mut RealRing);
+            let ring = &mut UsualState { model };
+            let mut sum = CompositeInertia::none(ring);
             for body in each {
-                sum = sum.plus(&mut RealRing, &CompositeInertia::of(&mut RealRing, &body));
+                let own = CompositeInertia::of(ring, &body);
+                sum = sum.plus(ring, &own);
             }
             sum
         });

@@ -1,14 +1,12 @@
 //! The mass matrix that a function computes, and the inputs of its system.
 
-use crate::factor::network::{Edge, FactorKind, FactorNetwork};
-use hashbrown::HashMap;
-use robovec_ir::{Array, Function, Input, Shape, Tables};
-
 use super::bodies::RigidBody;
 use super::probe::SystemInput;
+use crate::factor::network::{FactorKind, FactorNetwork};
+use hashbrown::HashSet;
+use robovec_ir::{Array, Function, Input, Shape, Tables};
 
-/// Names of input elements, as the network numbers them; `None` for an
-/// element that is zero in the model and so never read.
+/// The input elements of the system; `None` for an element that is zero in the model and so never read.
 pub(super) struct ModelInputs {
     /// Coordinates, by joint.
     pub(super) coordinates: Vec<Option<Input>>,
@@ -55,7 +53,7 @@ impl ModelInputs {
         let element = |array: Option<Array>, indices: &[u32]| {
             let array = array?;
             let input = Input(array.offset + array.shape.offset(indices)?);
-            read.contains_key(&input.0).then_some(input)
+            read.contains(&input).then_some(input)
         };
         let [q, m, l, inertia, dpt] = ["q", "m", "l", "In", "dpt"].map(|name| named(inputs, name));
         let bodies = (1..=joints).map(|joint| RigidBody {
@@ -129,16 +127,12 @@ impl ModelInputs {
     }
 }
 
-/// The input elements that live nodes read, with their edges.
-fn read_inputs(network: &FactorNetwork) -> HashMap<u32, Edge> {
-    let mut read = HashMap::new();
-    for (index, node) in network.nodes.iter().enumerate() {
-        if let FactorKind::Input(operand) = node.kind
-            && node.uses > 0
-            && let Some(input) = operand.input()
-        {
-            read.insert(input.0, Edge::new(index as u32, false));
-        }
-    }
-    read
+/// The input elements that live nodes read.
+fn read_inputs(network: &FactorNetwork) -> HashSet<Input> {
+    let live = network.nodes.iter().filter(|node| node.uses > 0);
+    let inputs = live.filter_map(|node| match node.kind {
+        FactorKind::Input(operand) => operand.input(),
+        _ => None,
+    });
+    inputs.collect()
 }

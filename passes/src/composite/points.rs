@@ -7,10 +7,10 @@
 //! which of the body's children stand on the point. A point that no joint
 //! feels has no place, and needs none.
 
-use super::bodies::JointAxis;
+use super::bodies::{JointAxis, cross};
 use super::matrix::BodySystem;
 use super::model::ModelInputs;
-use super::probe::{MatrixProbe, RealRing, SystemInput, UsualState, near};
+use super::probe::{MatrixProbe, SystemInput, UsualState, near};
 use super::tree::{AncestorTree, JointPlacement};
 
 /// Children of one body of which every set is tried; of more only single ones
@@ -61,6 +61,7 @@ pub(super) fn find(
 
 /// The frames of all joints in the usual state, turned but not moved.
 struct TurnedFrames<'a> {
+    model: &'a ModelInputs,
     tree: &'a AncestorTree,
     children: Vec<Vec<usize>>,
     /// By joint: the masses behind it.
@@ -72,9 +73,10 @@ struct TurnedFrames<'a> {
 }
 
 impl<'a> TurnedFrames<'a> {
-    fn new(model: &ModelInputs, tree: &'a AncestorTree, axes: &[JointAxis]) -> TurnedFrames<'a> {
+    fn new(model: &'a ModelInputs, tree: &'a AncestorTree, axes: &[JointAxis]) -> TurnedFrames<'a> {
         let count = model.len();
         let mut frames = TurnedFrames {
+            model,
             tree,
             children: vec![Vec::new(); count],
             masses: (0..count).map(|joint| tree.mass(joint, model)).collect(),
@@ -96,7 +98,7 @@ impl<'a> TurnedFrames<'a> {
             let own = [0, 1, 2].map(|axis| {
                 let mut unit = [0.0; 3];
                 unit[axis] = 1.0;
-                let turned = stand.turn_back(&mut RealRing, unit);
+                let turned = stand.turn_back(&mut UsualState { model }, unit);
                 before.map_or(turned, |parent| sum(frames.axes[parent], turned))
             });
             frames.axes.push(own);
@@ -115,7 +117,7 @@ impl<'a> TurnedFrames<'a> {
         let speeds: Vec<(usize, f64)> = self
             .tree
             .chain(body)
-            .map(|joint| (joint, square_of_cross(self.turns[joint], arm)))
+            .map(|joint| (joint, self.square_of_speed(joint, arm)))
             .collect();
         let fastest = speeds.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
         let mass = felt[fastest.0] / fastest.1;
@@ -129,6 +131,14 @@ impl<'a> TurnedFrames<'a> {
             return None;
         }
         self.children_of_mass(body, mass)
+    }
+
+    /// The square of the speed that a joint gives to what lies at an arm, in
+    /// the axes of the base, from it.
+    fn square_of_speed(&self, joint: usize, arm: [f64; 3]) -> f64 {
+        let ring = &mut UsualState { model: self.model };
+        let [x, y, z] = cross(ring, self.turns[joint], arm);
+        x * x + y * y + z * z
     }
 
     /// Some of the children of a body, with everything behind them, by their
@@ -162,10 +172,4 @@ impl<'a> TurnedFrames<'a> {
 /// A vector of a frame in the axes of the base.
 fn sum(axes: [[f64; 3]; 3], parts: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|row| (0..3).map(|axis| axes[axis][row] * parts[axis]).sum())
-}
-
-/// The square of the size of a cross product.
-fn square_of_cross(turn: [f64; 3], arm: [f64; 3]) -> f64 {
-    let [x, y, z] = super::bodies::cross(&mut RealRing, turn, arm);
-    x * x + y * y + z * z
 }

@@ -158,10 +158,13 @@ impl<'a> MatrixProbe<'a> {
     }
 }
 
-/// The numbers that probes are compared with.
-pub(super) struct RealRing;
+/// The system in its usual state, in the numbers that probes are compared
+/// with.
+pub(super) struct UsualState<'a> {
+    pub(super) model: &'a ModelInputs,
+}
 
-impl Ring for RealRing {
+impl Ring for UsualState<'_> {
     type Number = f64;
     fn zero(&mut self) -> f64 {
         0.0
@@ -174,27 +177,6 @@ impl Ring for RealRing {
     }
     fn mul(&mut self, a: f64, b: f64) -> f64 {
         a * b
-    }
-}
-
-/// The system in its usual state.
-pub(super) struct UsualState<'a> {
-    pub(super) model: &'a ModelInputs,
-}
-
-impl Ring for UsualState<'_> {
-    type Number = f64;
-    fn zero(&mut self) -> f64 {
-        RealRing.zero()
-    }
-    fn add(&mut self, a: f64, b: f64) -> f64 {
-        RealRing.add(a, b)
-    }
-    fn sub(&mut self, a: f64, b: f64) -> f64 {
-        RealRing.sub(a, b)
-    }
-    fn mul(&mut self, a: f64, b: f64) -> f64 {
-        RealRing.mul(a, b)
     }
 }
 

@@ -12,15 +12,14 @@
 //! 4. *Products of inertia* that are given on one side of the diagonal: one
 //!    body at a time, mirrored or not.
 //!
-//! Nothing is taken back, so the work is a number of evaluations linear in
-//! those of joints and points. Where a state does not tell (the axis of a
-//! joint that moves a mass along no direction that matters) every choice gives
-//! the same matrix.
+//! The work is a number of evaluations linear in those of joints and points.
+//! Axes that the aligned states leave open are tried one after the other when
+//! the matrix so placed is not the one in the usual state; mostly every choice
+//! gives the same matrix.
 
 use super::axes;
 use super::bodies::{CompositeInertia, JointAxis};
-use super::matrix::BodySystem;
-use super::matrix::mass_matrix;
+use super::matrix::{BodySystem, mass_matrix};
 use super::model::ModelInputs;
 use super::points;
 use super::probe::{MatrixProbe, ProbedMatrix, SystemInput, UsualState, near};
