@@ -23,6 +23,8 @@ pub(super) trait Ring {
     fn add(&mut self, a: Self::Number, b: Self::Number) -> Self::Number;
     fn sub(&mut self, a: Self::Number, b: Self::Number) -> Self::Number;
     fn mul(&mut self, a: Self::Number, b: Self::Number) -> Self::Number;
+    /// True when two numbers are known to be equal.
+    fn same(&self, a: Self::Number, b: Self::Number) -> bool;
 }
 
 pub(super) type RingVector<N> = [N; 3];
@@ -182,6 +184,9 @@ impl<N: Copy> Stand<N> {
         ring: &mut R,
         inertia: &CompositeInertia<N>,
     ) -> CompositeInertia<N> {
+        if inertia.is_rigid(ring) {
+            return self.rigid_inertia(ring, inertia);
+        }
         let a = self.turn_matrix(ring, inertia.a);
         let b = self.turn_matrix(ring, inertia.b);
         let d = self.turn_matrix(ring, inertia.d);
@@ -210,7 +215,114 @@ impl<N: Copy> Stand<N> {
     }
 }
 
+impl<N: Copy> Stand<N> {
+    /// As [`Stand::inertia`] for a body that is rigid over the reals, with
+    /// true sines and cosines: with mass m, first moment h, symmetric moments
+    /// J and the arm d, `h <- h + m d`, and J changes by `d.(h + k) E - k d - d h`,
+    /// k the new first moment.
+    fn rigid_inertia<R: Ring<Number = N>>(
+        &self,
+        ring: &mut R,
+        inertia: &CompositeInertia<N>,
+    ) -> CompositeInertia<N> {
+        let first = self.turn_back(ring, inertia.first());
+        let mut moments = self.turn_symmetric(ring, &inertia.d);
+        let mass = inertia.a[0][0];
+        let arm = self.arm(ring);
+        let moved = [0, 1, 2].map(|i| {
+            let product = ring.mul(mass, arm[i]);
+            ring.add(first[i], product)
+        });
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            let both = ring.add(first[i], moved[i]);
+            let square = ring.mul(arm[i], both);
+            moments[j][j] = ring.add(moments[j][j], square);
+            moments[k][k] = ring.add(moments[k][k], square);
+            let (row, column) = (j.min(k), j.max(k));
+            let one = ring.mul(moved[row], arm[column]);
+            let other = ring.mul(first[column], arm[row]);
+            let less = ring.sub(moments[row][column], one);
+            moments[row][column] = ring.sub(less, other);
+            moments[column][row] = moments[row][column];
+        }
+        CompositeInertia {
+            b: skew(ring, moved),
+            d: moments,
+            ..*inertia
+        }
+    }
+
+    /// The transpose of the rotation times a symmetric matrix times the
+    /// rotation: in the plane of the rotation, with `t = J_bb - J_cc` and
+    /// `w = S t + 2 C J_bc`, the entries become `J_bb - S w`, `J_cc + S w` and
+    /// `C w - J_bc`, where `S^2 + C^2 = 1`.
+    fn turn_symmetric<R: Ring<Number = N>>(
+        &self,
+        ring: &mut R,
+        matrix: &RingMatrix<N>,
+    ) -> RingMatrix<N> {
+        let JointAxis::Revolute(axis) = self.joint else {
+            return *matrix;
+        };
+        let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
+        let mut turned = *matrix;
+        let aside = self.turn_back(ring, matrix[axis]);
+        for other in [b, c] {
+            turned[axis][other] = aside[other];
+            turned[other][axis] = aside[other];
+        }
+        let difference = ring.sub(matrix[b][b], matrix[c][c]);
+        let twice = ring.add(self.cosine, self.cosine);
+        let (one, other) = (
+            ring.mul(self.sine, difference),
+            ring.mul(twice, matrix[b][c]),
+        );
+        let swing = ring.add(one, other);
+        let part = ring.mul(self.sine, swing);
+        turned[b][b] = ring.sub(matrix[b][b], part);
+        turned[c][c] = ring.add(matrix[c][c], part);
+        let product = ring.mul(self.cosine, swing);
+        turned[b][c] = ring.sub(product, matrix[b][c]);
+        turned[c][b] = turned[b][c];
+        turned
+    }
+}
+
+/// Minus the matrix of the cross product with a first moment: the angular part
+/// of a force, `OM x h`, for each component of OM.
+fn skew<R: Ring>(ring: &mut R, h: RingVector<R::Number>) -> RingMatrix<R::Number> {
+    let zero = ring.zero();
+    let mut matrix = [[zero; 3]; 3];
+    for i in 0..3 {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        matrix[j][k] = h[i];
+        matrix[k][j] = ring.sub(zero, h[i]);
+    }
+    matrix
+}
+
 impl<N: Copy> CompositeInertia<N> {
+    /// The first moment of a body that is rigid.
+    pub(super) fn first(&self) -> RingVector<N> {
+        [0, 1, 2].map(|i| self.b[(i + 1) % 3][(i + 2) % 3])
+    }
+
+    /// True when it is known to be a mass, a first moment and symmetric
+    /// moments, and no more.
+    fn is_rigid<R: Ring<Number = N>>(&self, ring: &mut R) -> bool {
+        let zero = ring.zero();
+        let skew = skew(ring, self.first());
+        (0..3).all(|r| {
+            (0..3).all(|c| {
+                let mass = if r == c { self.a[0][0] } else { zero };
+                ring.same(self.a[r][c], mass)
+                    && ring.same(self.b[r][c], skew[r][c])
+                    && ring.same(self.d[r][c], self.d[c][r])
+            })
+        })
+    }
+
     /// Of nothing.
     pub(super) fn none<R: Ring<Number = N>>(ring: &mut R) -> CompositeInertia<N> {
         let zero = [[ring.zero(); 3]; 3];
@@ -229,14 +341,11 @@ impl<N: Copy> CompositeInertia<N> {
         let zero = ring.zero();
         let moment = body.centre.map(|part| ring.mul(body.mass, part));
         let mut a = [[zero; 3]; 3];
-        let mut b = [[zero; 3]; 3];
+        // FM = m (AM + OM x l).
+        let b = skew(ring, moment);
         let mut d = body.inertia;
-        for i in 0..3 {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            a[i][i] = body.mass;
-            // FM = m (AM + OM x l): b is minus the matrix of the moment.
-            b[j][k] = moment[i];
-            b[k][j] = ring.sub(zero, moment[i]);
+        for (i, row) in a.iter_mut().enumerate() {
+            row[i] = body.mass;
         }
         for r in 0..3 {
             for c in 0..3 {
@@ -252,6 +361,12 @@ impl<N: Copy> CompositeInertia<N> {
             }
         }
         CompositeInertia { a, b, d }
+    }
+
+    /// All its numbers.
+    pub(super) fn parts(&self) -> impl Iterator<Item = N> {
+        let matrices = [self.a, self.b, self.d];
+        matrices.into_iter().flatten().flatten()
     }
 
     /// The sum of two.

@@ -17,12 +17,13 @@ pub(super) trait BodySystem: Ring {
     fn stand(&mut self, joint: usize, place: &JointPlacement) -> Stand<Self::Number>;
 }
 
-/// The matrix, row by row.
+/// The matrix, row by row, and the composite body of each joint.
 pub(super) fn mass_matrix<S: BodySystem>(
     system: &mut S,
     places: &[JointPlacement],
-) -> Vec<S::Number> {
+) -> (Vec<S::Number>, Vec<CompositeInertia<S::Number>>) {
     let count = places.len();
+    let mut composites = Vec::with_capacity(count);
     let mut made = vec![system.zero(); count * count];
     let mut inertias: Vec<Option<CompositeInertia<S::Number>>> = vec![None; count];
     for joint in (0..count).rev() {
@@ -33,6 +34,7 @@ pub(super) fn mass_matrix<S: BodySystem>(
             Some(behind) => own.plus(system, behind),
             None => own,
         };
+        composites.push(inertia);
         let mut wrench = inertia.wrench(places[joint].joint);
         let mut at = joint;
         made[joint * count + joint] = wrench.along(places[joint].joint);
@@ -52,5 +54,6 @@ pub(super) fn mass_matrix<S: BodySystem>(
             });
         }
     }
-    made
+    composites.reverse();
+    (made, composites)
 }

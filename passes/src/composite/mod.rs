@@ -2,12 +2,13 @@
 //!
 //! `model` reads the inputs of the system, `tree`, with `axes` and `points`,
 //! finds the joints from what the function computes at the states of `probe`,
-//! `bodies` and `matrix` holds the mechanics over any ring, and `write`
+//! `bodies`, `matrix` and `forces` hold the mechanics over any ring, and `write`
 //! makes the new equations as values of the network that `factor` works on, so
 //! that what is zero, equal or opposite there is never computed.
 
 mod axes;
 mod bodies;
+mod forces;
 mod matrix;
 mod model;
 mod points;
@@ -23,7 +24,7 @@ use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_ir::Function;
 
 declare_pass! {
-    /// Computes a mass matrix from the inertias of composite bodies.
+    /// Computes a mass matrix and its forces from composite bodies.
     ///
     /// Robotran finds the mass matrix column by column: for every pair of a
     /// joint and a joint before it a force and a torque, passed on from body to
@@ -39,9 +40,10 @@ declare_pass! {
     /// all frames aligned, the axes; with one attachment point at a time, which
     /// joints stand on it. Every element of `M` whose new equations have the
     /// value of the old ones, at random points of two prime fields and in
-    /// numbers, is replaced; what else the function computes stays, and so do
-    /// elements that no tree explains, and a matrix that would not become
-    /// cheaper.
+    /// numbers, is replaced; and so are the forces `c` with the same values,
+    /// where that takes fewer operations. What else the function computes
+    /// stays, and so do elements that no tree explains, and a matrix that would
+    /// not become cheaper.
     ///
     /// Masses are passed on as such only when sin^2 + cos^2 = 1. Robotran itself
     /// relies on it when it adds masses up.
@@ -65,7 +67,8 @@ impl Pass for Composite {
         };
         let places = tree::find(function, &model);
         let before = network.cost;
-        let unexplained = write::rebuild(&mut network, &model, &places, function, context.tables);
+        let rebuilt = write::rebuild(&mut network, &model, &places, function, context.tables);
+        let unexplained = rebuilt.unexplained;
         let given = model.elements.iter().flatten().count();
         let explained = given - unexplained.len();
         context
@@ -74,6 +77,7 @@ impl Pass for Composite {
         let saved = before - network.cost;
         context.statistics.extend([
             ("elements of a tree of bodies", explained as u64),
+            ("forces of a tree of bodies", rebuilt.forces as u64),
             ("operations saved", u64::try_from(saved).unwrap_or(0)),
         ]);
         if saved > 0 {

@@ -17,6 +17,25 @@ pub(super) struct ModelInputs {
     /// For every element of the mass matrix, row by row, the place of its
     /// assignment; `None` where it is zero.
     pub(super) elements: Vec<Option<usize>>,
+    /// What the forces depend on beside all that.
+    pub(super) motion: MotionInputs,
+}
+
+/// The input elements that forces depend on and the mass matrix does not, by
+/// joint; and where the forces are set.
+pub(super) struct MotionInputs {
+    /// Velocities.
+    pub(super) rates: Vec<Option<Input>>,
+    /// Accelerations, of joints that are driven.
+    pub(super) accelerations: Vec<Option<Input>>,
+    /// Gravity.
+    pub(super) gravity: [Option<Input>; 3],
+    /// Forces on bodies from outside, at their centres of mass.
+    pub(super) forces: Vec<[Option<Input>; 3]>,
+    /// Torques.
+    pub(super) torques: Vec<[Option<Input>; 3]>,
+    /// The place of the assignment of each force `c`; `None` where it is zero.
+    pub(super) biases: Vec<Option<usize>>,
 }
 
 /// Systems with more joints are left alone: everything here is quadratic in
@@ -56,6 +75,13 @@ impl ModelInputs {
             read.contains(&input).then_some(input)
         };
         let [q, m, l, inertia, dpt] = ["q", "m", "l", "In", "dpt"].map(|name| named(inputs, name));
+        let motion = ["qd", "qdd", "g", "frc", "trq"].map(|name| named(inputs, name));
+        let [qd, qdd, g, frc, trq] = motion;
+        let by_joint =
+            |array: Option<Array>| (1..=joints).map(move |joint| element(array, &[joint]));
+        let by_body = |array: Option<Array>| {
+            (1..=joints).map(move |joint| [1, 2, 3].map(|row| element(array, &[row, joint])))
+        };
         let bodies = (1..=joints).map(|joint| RigidBody {
             mass: element(m, &[joint]),
             centre: [1, 2, 3].map(|row| element(l, &[row, joint])),
@@ -77,10 +103,26 @@ impl ModelInputs {
                 elements[index] = Some(place);
             }
         }
-        let coordinates: Vec<Option<Input>> =
-            (1..=joints).map(|joint| element(q, &[joint])).collect();
+        let mut biases = vec![None; count];
+        let forces = named(function.outputs(), "c");
+        if let Some(array) = forces.filter(|array| array.shape == Shape::Vector(joints)) {
+            for (place, assignment) in function.assignments.iter().enumerate() {
+                let index = (assignment.output.0 as usize).wrapping_sub(array.offset as usize);
+                if index < count && function.number(assignment.operand) != Some(0.0) {
+                    biases[index] = Some(place);
+                }
+            }
+        }
         Some(ModelInputs {
-            coordinates,
+            coordinates: by_joint(q).collect(),
+            motion: MotionInputs {
+                rates: by_joint(qd).collect(),
+                accelerations: by_joint(qdd).collect(),
+                gravity: [1, 2, 3].map(|axis| element(g, &[axis])),
+                forces: by_body(frc).collect(),
+                torques: by_body(trq).collect(),
+                biases,
+            },
             bodies: bodies.collect(),
             points,
             elements,

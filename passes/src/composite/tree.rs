@@ -162,7 +162,7 @@ fn ancestors(probe: &mut MatrixProbe<'_>, model: &ModelInputs) -> AncestorTree {
 /// The number of elements of the matrix in the usual state that are not those
 /// of the joints so placed.
 fn differences(model: &ModelInputs, places: &[JointPlacement], usual: &ProbedMatrix) -> usize {
-    let made = mass_matrix(&mut UsualState { model }, places);
+    let (made, _) = mass_matrix(&mut UsualState { model }, places);
     let count = model.len();
     let differs = |&place: &usize| {
         let given = usual.at(place / count, place % count);

@@ -1,6 +1,8 @@
 //! The equations of composite bodies.
 
+use super::bodies::{CompositeInertia, RingVector, UnitWrench};
 use super::bodies::{JointAxis, RigidBody, Ring, Stand};
+use super::forces::{MovingSystem, bias_forces};
 use super::matrix::{BodySystem, mass_matrix};
 use super::model::ModelInputs;
 use super::tree::JointPlacement;
@@ -32,6 +34,9 @@ impl Ring for EquationWriter<'_> {
     }
     fn mul(&mut self, a: Edge, b: Edge) -> Edge {
         self.network.product(&[a, b], self.origin)
+    }
+    fn same(&self, a: Edge, b: Edge) -> bool {
+        self.network.value(a) == self.network.value(b)
     }
 }
 
@@ -95,50 +100,125 @@ impl BodySystem for EquationWriter<'_> {
     }
 }
 
-/// Computes the mass matrix of a network from composite bodies instead. The
-/// elements, row by row and counted from 0, that are not those of the tree stay
-/// as they are and are returned.
+impl MovingSystem for EquationWriter<'_> {
+    fn rate(&mut self, joint: usize) -> Edge {
+        self.input(self.model.motion.rates[joint])
+    }
+
+    fn acceleration(&mut self, joint: usize) -> Edge {
+        self.input(self.model.motion.accelerations[joint])
+    }
+
+    fn gravity(&mut self) -> RingVector<Edge> {
+        self.model.motion.gravity.map(|part| self.input(part))
+    }
+
+    fn loads(&mut self, joint: usize) -> UnitWrench<Edge> {
+        UnitWrench {
+            force: self.model.motion.forces[joint].map(|part| self.input(part)),
+            torque: self.model.motion.torques[joint].map(|part| self.input(part)),
+        }
+    }
+}
+
+/// What was found of a tree of bodies in a function.
+pub(super) struct RebuiltEquations {
+    /// The elements of the mass matrix, row by row and counted from 0, that are
+    /// not those of the tree and stay as they are.
+    pub(super) unexplained: Vec<usize>,
+    /// How many forces are computed from composite bodies now.
+    pub(super) forces: usize,
+}
+
+/// Computes the mass matrix of a network from composite bodies instead, and
+/// the forces, where that takes fewer operations.
 pub(super) fn rebuild(
     network: &mut FactorNetwork,
     model: &ModelInputs,
     places: &[JointPlacement],
     function: &Function,
     tables: &mut Tables,
+) -> RebuiltEquations {
+    let origins = origins(network, model, function, tables);
+    let mut composites = Vec::new();
+    let unexplained = exchange(network, &model.elements, |network| {
+        let mut writer = EquationWriter {
+            network,
+            model,
+            origins: &origins,
+            origin: NodeOrigin::NONE,
+        };
+        let (matrix, bodies) = mass_matrix(&mut writer, places);
+        composites = bodies;
+        matrix
+    });
+    let before = network.cost;
+    let old: Vec<Edge> = network.outputs.clone();
+    // What the matrix alone does not need must not go before the forces are
+    // made of it.
+    let held: Vec<Edge> = composites
+        .iter()
+        .flat_map(CompositeInertia::parts)
+        .collect();
+    held.iter().for_each(|&edge| network.acquire(edge));
+    let kept = exchange(network, &model.motion.biases, |network| {
+        let mut writer = EquationWriter {
+            network,
+            model,
+            origins: &origins,
+            origin: NodeOrigin::NONE,
+        };
+        bias_forces(&mut writer, places, &composites)
+    });
+    held.iter().for_each(|&edge| network.release(edge));
+    let given = model.motion.biases.iter().flatten().count();
+    let mut forces = given - kept.len();
+    if network.cost >= before {
+        for &place in model.motion.biases.iter().flatten() {
+            network.acquire(old[place]);
+            network.release(network.outputs[place]);
+            network.outputs[place] = old[place];
+        }
+        forces = 0;
+    }
+    RebuiltEquations {
+        unexplained,
+        forces,
+    }
+}
+
+/// Puts other equations in the place of those of some outputs, given by their
+/// places among the assignments. Those that have another value stay as they
+/// are and are returned by their indices.
+fn exchange(
+    network: &mut FactorNetwork,
+    places: &[Option<usize>],
+    make: impl FnOnce(&mut FactorNetwork) -> Vec<Edge>,
 ) -> Vec<usize> {
-    // What only the old equations need must not be found again by its value.
-    let targets: Vec<(usize, Edge)> = model
-        .elements
+    let targets: Vec<(usize, usize, Edge)> = places
         .iter()
         .enumerate()
-        .filter_map(|(index, place)| place.map(|place| (index, network.outputs[place])))
+        .filter_map(|(index, place)| place.map(|place| (index, place, network.outputs[place])))
         .collect();
-    let origins = origins(network, model, function, tables);
     // Before the old equations go, which some elements may want back.
     network.renumber();
-    for &(_, edge) in &targets {
+    for &(_, _, edge) in &targets {
         network.release(edge);
     }
+    // What only the old equations need must not be found again by its value.
     network.forget_unused(&network.order());
-    let mut writer = EquationWriter {
-        network: &mut *network,
-        model,
-        origins: &origins,
-        origin: NodeOrigin::NONE,
-    };
-    let made = mass_matrix(&mut writer, places);
-    let mut unexplained = Vec::new();
-    for (index, old) in targets {
+    let made = make(network);
+    let mut kept = Vec::new();
+    for (index, place, old) in targets {
         let equal = network.value(made[index]) == network.value(old);
         let chosen = if equal { made[index] } else { old };
         if !equal {
-            unexplained.push(index);
+            kept.push(index);
         }
-        if let Some(place) = model.elements[index] {
-            network.outputs[place] = chosen;
-        }
+        network.outputs[place] = chosen;
         network.acquire(chosen);
     }
-    unexplained
+    kept
 }
 
 /// For each joint what its equations stand for: those of the diagonal element

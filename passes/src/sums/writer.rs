@@ -16,7 +16,6 @@ use robovec_ir::{
     Tables, Value,
 };
 use rustc_hash::FxBuildHasher;
-use std::cmp::Reverse;
 
 /// An operand that holds a value or its negation, and when it is there.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -100,7 +99,11 @@ impl ValueNaming {
                 self.spare.push(name);
             }
         }
-        self.spare.sort_unstable_by_key(|&name| Reverse(name));
+        // By their texts: numbers of symbols depend on what was read first, and
+        // the same program read from its text must give the same.
+        let symbols = &tables.symbols;
+        let text = |name: &Name| (symbols.text(name.base), name.suffix);
+        self.spare.sort_unstable_by(|a, b| text(b).cmp(&text(a)));
         self.spare.dedup();
         self.sources = tables.sources.union(&sets);
         self
