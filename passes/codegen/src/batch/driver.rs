@@ -178,9 +178,10 @@ fn batch(writer: &BatchWriter<'_>) -> String {
         })
         .collect();
     format!(
-        "void {name}_batch({parameters})\n{{\n{guard}    {name}_lanes({whole});\n#else\n    \
-         for (int lane = 0; lane < {lanes}; lane++)\n        {name}_lanes({moved});\n#endif\n}}\n\n",
-        guard = writer.guard(),
+        "void {name}_batch({parameters})\n{{\n#if {width} == {lanes}\n    {name}_lanes({whole});\n\
+         #else\n    for (int lane = 0; lane < {lanes}; lane += {width} + !{width})\n        \
+         {name}_lanes({moved});\n#endif\n}}\n\n",
+        width = writer.width(),
         lanes = writer.options.lanes,
         moved = moved.join(", "),
     )

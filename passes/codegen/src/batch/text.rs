@@ -146,9 +146,10 @@ impl<'a> BatchWriter<'a> {
         } else {
             let _ = write!(
                 text,
-                "{guard}    for (int lane = 0; lane < {lanes}; lane++)\n        \
+                "{guard}    for (int lane = 0; lane < {width}; lane++)\n        \
                  (*root)[lane] = {root}((*of)[lane]);\n#else\n{plain}#endif\n",
-                guard = self.guard()
+                guard = self.guard(),
+                width = self.width()
             );
         }
         *text += "}\n\n";
@@ -156,8 +157,12 @@ impl<'a> BatchWriter<'a> {
 
     /// The line behind which vectors are there.
     pub(super) fn guard(&self) -> String {
-        let suffix = self.kernel.suffix().to_ascii_uppercase();
-        format!("#if ROBOVEC_{suffix}\n")
+        format!("#if {}\n", self.width())
+    }
+
+    /// The macro that says how many lanes a vector has; 0 without vectors.
+    pub(super) fn width(&self) -> String {
+        format!("ROBOVEC_{}", self.kernel.suffix().to_ascii_uppercase())
     }
 
     /// Parameters or arguments of the parts: inputs that differ, outputs, and

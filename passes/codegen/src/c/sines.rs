@@ -103,7 +103,7 @@ impl Slots {
 /// The loop. `shifted` has the number of quarter turns in its last bits.
 const KERNEL: &str = r"
 /* Sines and cosines of EXACT angle(s), within 1.1 units in the last place. */
-#if defined(__AVX2__)
+#if defined(__AVX2__) || defined(ROBOVEC_CLONED)
 #define ROBOVEC_ANGLES COUNT
 #else
 #define ROBOVEC_ANGLES EXACT
@@ -118,7 +118,7 @@ static void NAME(REAL *restrict work)
     }
 }
 #else
-ROBOVEC_APART static void NAME(REAL *restrict work)
+ROBOVEC_CLONES ROBOVEC_APART static void NAME(REAL *restrict work)
 {
     int large = 0;
     for (int i = 0; i < ROBOVEC_ANGLES; i++) {

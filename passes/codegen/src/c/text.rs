@@ -4,7 +4,7 @@ use super::interface::Interface;
 use super::parts::{CodePart, CodePlan, CodeStatement};
 use super::{Options, Real};
 use crate::emit::expression::{BoundText, Operands, Tightness, apply, literal};
-use crate::emit::frame::{self, APART};
+use crate::emit::frame::{self, APART, CLONES};
 use crate::emit::order::CodeStep;
 use robovec_ir::{Function, Operand, OperandKind, Value, View};
 use std::collections::BTreeSet;
@@ -46,7 +46,13 @@ impl<'a> PlainWriter<'a> {
         let function = view.function;
         let symbols = &view.tables.symbols;
         let mut names = interface.names();
-        for word in ["ROBOVEC_APART", "ROBOVEC_ANGLES"] {
+        let words = [
+            "ROBOVEC_APART",
+            "ROBOVEC_ANGLES",
+            "ROBOVEC_CLONES",
+            "ROBOVEC_CLONED",
+        ];
+        for word in words {
             names.take(word);
         }
         let name = interface.name();
@@ -106,7 +112,12 @@ impl<'a> PlainWriter<'a> {
                 self.part(&mut text, number, part);
             }
         }
-        let _ = write!(text, "\n{}\n{{\n", self.declared());
+        let clones = match has_sines || !self.plan.is_flat {
+            true => "ROBOVEC_CLONES\n",
+            // A few operations are not worth a choice.
+            false => "",
+        };
+        let _ = write!(text, "\n{clones}{}\n{{\n", self.declared());
         self.main(&mut text);
         if self.interface.result() == "int" {
             text.push_str("    return 0;\n");
@@ -130,6 +141,7 @@ impl<'a> PlainWriter<'a> {
         if has_sines || !self.plan.is_flat {
             text.push('\n');
             text.push_str(APART);
+            text.push_str(CLONES);
         }
     }
 
@@ -146,7 +158,7 @@ impl<'a> PlainWriter<'a> {
         let name = &self.parts[number];
         let _ = write!(
             text,
-            "\nROBOVEC_APART static void {name}({})\n{{\n",
+            "\nROBOVEC_CLONES ROBOVEC_APART static void {name}({})\n{{\n",
             parameters.join(", ")
         );
         let mut body = PartBody::default();

@@ -10,6 +10,20 @@ pub(crate) const APART: &str = "#if defined(__GNUC__)\n\
     #define ROBOVEC_APART __attribute__((noinline))\n\
     #else\n#define ROBOVEC_APART\n#endif\n";
 
+/// Lets compilers make a function several times, for processors with wider
+/// registers and fused multiply-adds as well, of which the one that suits is
+/// taken when the program is loaded (GCC manual, function attribute
+/// `target_clones`): a build for any processor is then nearly as fast as one
+/// for this one. A build for processors that have them needs no clones, and
+/// `-DROBOVEC_CLONES=` does without. Stands behind a header of the library,
+/// which tells whether it can choose.
+pub(crate) const CLONES: &str = "#if !defined(ROBOVEC_CLONES)\n\
+    #if defined(__GNUC__) && __GNUC__ >= 12 && !defined(__clang__) && !defined(__INTEL_COMPILER) \\\n    \
+    && defined(__x86_64__) && defined(__GLIBC__) && !defined(__AVX2__)\n\
+    #define ROBOVEC_CLONES __attribute__((target_clones(\"arch=x86-64-v3\", \"default\")))\n\
+    #define ROBOVEC_CLONED\n\
+    #else\n#define ROBOVEC_CLONES\n#endif\n#endif\n";
+
 /// A text of others within a comment, which cannot hold its own end.
 pub(crate) fn quoted(text: &str) -> String {
     text.replace("*/", "* /")

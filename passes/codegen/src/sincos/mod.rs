@@ -28,13 +28,14 @@ pub use coefficients::KernelConstants;
 pub struct SineKernel {
     /// The type of a lane.
     pub real: Real,
-    /// Lanes of a vector, a power of two; with one lane a vector is a number.
+    /// The most lanes of a vector, a power of two: where registers hold fewer,
+    /// a vector has fewer. With one lane a vector is a number.
     pub lanes: u32,
 }
 
 impl SineKernel {
     /// The kernel whose vectors fill 64 bytes: for scalar code that has many
-    /// angles at once. Compilers split its vectors for narrower machines.
+    /// angles at once. For narrower machines its vectors have fewer lanes.
     pub fn widest(real: Real) -> SineKernel {
         let lanes = match real {
             Real::Double => 8,

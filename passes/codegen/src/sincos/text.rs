@@ -17,7 +17,6 @@ pub(super) fn types(kernel: SineKernel) -> String {
         suffix,
         ..
     } = KernelNames::of(kernel);
-    let bytes = kernel.lanes * size(kernel.real);
     let mut text = String::from("#include <math.h>\n\n");
     if kernel.lanes == 1 {
         let _ = write!(
@@ -30,8 +29,7 @@ pub(super) fn types(kernel: SineKernel) -> String {
     let _ = write!(
         text,
         "#if (defined(__GNUC__) || defined(__clang__)) && !defined(ROBOVEC_SCALAR)
-#define ROBOVEC_{upper} 1
-typedef {real} {vector} __attribute__((vector_size({bytes})));
+{widths}typedef {real} {vector} __attribute__((vector_size({bytes})));
 typedef unsigned {integer} {bits} __attribute__((vector_size({bytes})));
 typedef {real} {unaligned} __attribute__((vector_size({bytes}), aligned({own}), may_alias));
 /* Sums are not to be regrouped, even where the rest of the file allows it. */
@@ -49,15 +47,39 @@ typedef {real} {vector};
 typedef {real} {unaligned};
 #endif
 ",
-        own = size(kernel.real)
+        own = size(kernel.real),
+        widths = widths(kernel),
+        bytes = format!("{} * ROBOVEC_{upper}", size(kernel.real)),
     );
     text
+}
+
+/// The macro that says how many lanes a vector has: as many as fit into a
+/// register. Compilers split wider ones in memory, which takes several times
+/// longer than narrower ones one after the other.
+fn widths(kernel: SineKernel) -> String {
+    let upper = kernel.suffix().to_ascii_uppercase();
+    let fit = |bytes: u32| (bytes / size(kernel.real)).min(kernel.lanes);
+    let (all, some, least) = (kernel.lanes, fit(32), fit(16));
+    format!(
+        "/* Lanes of a register. */
+#if defined(__AVX512F__)
+#define ROBOVEC_{upper} {all}
+#elif defined(__AVX2__)
+#define ROBOVEC_{upper} {some}
+#else
+#define ROBOVEC_{upper} {least}
+#endif
+"
+    )
 }
 
 /// The function for angles one behind the other.
 pub(super) fn arrays(kernel: SineKernel) -> String {
     let names = KernelNames::of(kernel);
-    let KernelNames { real, lanes, .. } = names;
+    let KernelNames {
+        real, ref lanes, ..
+    } = names;
     let name = kernel.arrays_name();
     let library = format!(
         "static void {name}(long count, const {real} *angles, {real} *sines, {real} *cosines)
@@ -71,7 +93,7 @@ pub(super) fn arrays(kernel: SineKernel) -> String {
         sine = library(kernel.real, Operation::Sin, "angles[i]"),
         cosine = library(kernel.real, Operation::Cos, "angles[i]"),
     );
-    if lanes == 1 {
+    if kernel.lanes == 1 {
         return library;
     }
     let KernelNames {
@@ -135,7 +157,7 @@ pub(super) fn runs(kernel: SineKernel) -> String {
     let names = KernelNames::of(kernel);
     let KernelNames {
         real,
-        lanes,
+        ref lanes,
         ref vector,
         ..
     } = names;
@@ -157,7 +179,7 @@ pub(super) fn runs(kernel: SineKernel) -> String {
         sine = library(kernel.real, Operation::Sin, angle),
         cosine = library(kernel.real, Operation::Cos, angle),
     );
-    if lanes == 1 {
+    if kernel.lanes == 1 {
         return library;
     }
     let KernelNames {
@@ -326,7 +348,8 @@ struct KernelNames {
     ones: &'static str,
     /// The place of the sign bit.
     sign: u32,
-    lanes: u32,
+    /// The macro that says how many lanes there are; 1 where there is one.
+    lanes: String,
     vector: String,
     unaligned: String,
     bits: String,
@@ -346,7 +369,10 @@ impl KernelNames {
             integer,
             ones,
             sign: 8 * size(kernel.real) - 1,
-            lanes: kernel.lanes,
+            lanes: match kernel.lanes {
+                1 => "1".to_owned(),
+                _ => format!("ROBOVEC_{}", suffix.to_ascii_uppercase()),
+            },
             vector: kernel.vector(),
             unaligned: kernel.unaligned(),
             bits: format!("robovec_bits_{suffix}"),
