@@ -46,6 +46,9 @@ pub struct BenchQuestion<'a> {
     pub states: &'a States,
     /// How many: a multiple of 16.
     pub count: u32,
+    /// The flags with which everybody's C is compiled; those that suit each
+    /// kind of it when `None`.
+    pub flags: Option<&'a str>,
 }
 
 /// How one contestant did.
@@ -72,6 +75,8 @@ pub struct BenchOutcome {
     pub nanoseconds: Option<f64>,
     /// Why there is no time.
     pub failure: Option<String>,
+    /// True when it could take part, and failed.
+    pub is_broken: bool,
 }
 
 /// Told of what happens next.
@@ -92,6 +97,8 @@ pub fn bench(
     milliseconds: u32,
     progress: BenchProgress<'_>,
 ) -> std::io::Result<Vec<BenchOutcome>> {
+    // Programs are run from their own folders.
+    let folder = &std::path::absolute(folder)?;
     let reference = ReferenceResults::new(question);
     let mut outcomes = Vec::new();
     let mut programs = Vec::new();
@@ -114,11 +121,13 @@ pub fn bench(
             difference: None,
             nanoseconds: None,
             failure: contestant.missing.clone(),
+            is_broken: false,
         };
         if outcome.failure.is_none()
             && let Err(message) = first_run(contestant, &place, &reference, &mut outcome)
         {
             outcome.failure = Some(message);
+            outcome.is_broken = true;
         }
         outcomes.push(outcome);
         programs.push(place);
@@ -138,7 +147,10 @@ pub fn bench(
                     let least = outcome.nanoseconds.map_or(time, |known| known.min(time));
                     outcome.nanoseconds = Some(least);
                 }
-                Err(message) => outcome.failure = Some(message),
+                Err(message) => {
+                    outcome.failure = Some(message);
+                    outcome.is_broken = true;
+                }
             }
         }
     }

@@ -146,7 +146,8 @@ impl<'a> Generated<'a> {
         name: &str,
         view: View<'_>,
     ) -> Contestant {
-        let (command, flags, lanes) = (&compiler.command, self.flags, self.call.lanes());
+        let flags = question.flags.unwrap_or(self.flags);
+        let (command, lanes) = (&compiler.command, self.call.lanes());
         let [(source, _), (header, _)] = &self.files;
         let stem = source.strip_suffix(".c").expect("the source comes first");
         let object = format!("{stem}.o");

@@ -33,7 +33,7 @@ pub fn file(question: &BenchQuestion<'_>, compiler: &Compiler, path: &Path) -> C
         family: ContestantFamily::Robotran,
         name: "Robotran's file",
         view: question.view,
-        flags: FLAGS,
+        flags: question.flags.unwrap_or(FLAGS),
         text: &text,
     };
     program.contestant(question, compiler, &beside)
@@ -56,7 +56,7 @@ pub fn printed(question: &BenchQuestion<'_>, compiler: &Compiler, module: &Modul
         family: ContestantFamily::Robotran,
         name: "as Robotran prints it",
         view: question.view,
-        flags: FLAGS,
+        flags: question.flags.unwrap_or(FLAGS),
         text,
     };
     program.contestant(question, compiler, &beside)
@@ -78,7 +78,7 @@ pub fn drop_in(
         family,
         name,
         view,
-        flags: FLAGS,
+        flags: question.flags.unwrap_or(FLAGS),
         text: &text,
     };
     let beside = |wanted: &str| (wanted == header).then(|| declaration.clone().into_bytes());

@@ -3,7 +3,7 @@
 use super::flags::{SEED, states, whole};
 use super::{CommandFailure, generation, input, output, progress, subjects};
 use crate::bench::contestant::{Contestant, ContestantFamily};
-use crate::bench::{self, BenchQuestion, Compiler, own, peers, robotran, text};
+use crate::bench::{self, BenchOutcome, BenchQuestion, Compiler, own, peers, robotran, text};
 use crate::files::TemporaryFolder;
 use crate::generate::{Formulation, Options};
 use crate::model::Model;
@@ -49,6 +49,9 @@ pub(super) struct BenchArguments {
     #[arg(long, default_value_t = 200,
           add = whole(1, 1000, "a round takes so long for everybody"))]
     milliseconds: u32,
+    /// Flags with which all C is compiled, instead of those that suit each kind
+    #[arg(long, allow_hyphen_values = true)]
+    flags: Option<String>,
     /// Folder that keeps the programs, and bench.json
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
@@ -72,6 +75,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<String, CommandFailure> 
             model: loaded.model.as_ref(),
             states: &states,
             count: arguments.states.next_multiple_of(16),
+            flags: arguments.flags.as_deref(),
         };
         let contestants = contestants(&question, &loaded, arguments)?;
         let outcomes = bench::bench(
@@ -88,13 +92,32 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<String, CommandFailure> 
         results.push((loaded.name, outcomes));
     }
     bar.finish_and_clear();
+    let failed = failures(&results);
     if let Some(folder) = &arguments.output {
         let path = folder.join("bench.json");
         output::write_file(&path, |writer| {
             serde_json::to_writer_pretty(&mut *writer, &results).map_err(std::io::Error::other)
         })?;
     }
-    Ok(text)
+    if failed.is_empty() {
+        return Ok(text);
+    }
+    output::write_stdout(|stdout| stdout.write_all(text.as_bytes()))?;
+    Err(CommandFailure::advised("some programs failed", failed))
+}
+
+/// What could take part and did not come to an end; others lack a library or
+/// are too large.
+fn failures(results: &[(String, Vec<BenchOutcome>)]) -> Vec<String> {
+    let mut failed = Vec::new();
+    for (name, outcomes) in results {
+        let outcomes = outcomes.iter().filter(|outcome| outcome.is_broken);
+        failed.extend(outcomes.map(|outcome| {
+            let reason = outcome.failure.as_deref().unwrap_or_default();
+            format!("{name}, {}: {reason}", outcome.name)
+        }));
+    }
+    failed
 }
 
 /// What a subject is.

@@ -90,6 +90,7 @@ pub fn contest(regular: View<'_>, shorter: View<'_>) -> Result<ProcessorTimes, S
         model: None,
         states: &States::new(SEED),
         count: STATES,
+        flags: None,
     };
     let ways: [(own::ContestantMaker, View<'_>); 3] = [
         (own::straight, shorter),
@@ -135,6 +136,7 @@ pub fn compile_and_run(view: View<'_>, real: Real) -> Result<f64, String> {
         model: None,
         states: &States::new(SEED),
         count: STATES,
+        flags: None,
     };
     let contestant = own::exact(&question, &compiler, real);
     contestant.time(folder.path(), ROUNDS.1)
