@@ -1,28 +1,29 @@
 //! The variant that suits the machine.
 //!
-//! With few elements operations decide, with many the longest path does, and
-//! between the two neither: so variants are placed and the schedules compared
-//! (facts that hold for every list scheduler: a schedule is at least as long
-//! as the path and as the operations of a kind over its elements). The parts:
-//!
-//! - `variants`: what is tried;
-//! - `trial`: variants made and measured, within a budget of operations;
-//! - `choice`: the best of them; schedules are made only where the proved
-//!   bound leaves a chance;
+//! - [`steps`]: what may be tried, as data;
+//! - [`search`](mod@search): what is tried next, and the best of it;
+//! - [`trial`]: programs with their figures;
 //! - `table`: what was tried, for people.
+//!
+//! The search is open to others: `robovec optimise` runs it over several
+//! formulations and on all cores.
 
-mod choice;
+pub mod search;
+pub mod steps;
 mod table;
-mod trial;
-mod variants;
+pub mod trial;
 
 use robovec_analysis::class::NumericClass;
-use robovec_framework::pass::{Context, Gives, Pass, PassError};
+use robovec_framework::manager::apply;
+use robovec_framework::pass::{Context, Gives, NestedReport, Pass, PassError};
+use robovec_framework::trail::Notes;
 use robovec_framework::{declare_pass, option_words};
-use robovec_ir::Function;
 use robovec_ir::machine::fields;
+use robovec_ir::{Function, Level, Machine};
 use robovec_num::limits::NumberLimit;
-use robovec_schedule::{element_counts, explain, with_counts};
+use robovec_schedule::{PlaceError, PlaceOptions, element_counts, explain, place, with_counts};
+use search::{ProgramMaker, SearchJob, SearchQuestion, SearchStart, search, usual_unit};
+use steps::StartForm;
 
 option_words! {
     /// What a variant is chosen for.
@@ -68,10 +69,11 @@ declare_pass! {
     /// ```
     ///
     /// `bound` is a proved lower bound of the schedule: a variant whose bound
-    /// is no shorter than a schedule that is known is not placed. Variants
-    /// from composite bodies rest on sin^2 + cos^2 = 1 (`class=real` leaves them
-    /// out). Variants with fused multiply-adds are tried where the machine has elements for
-    /// them.
+    /// is no shorter than a schedule that is known is not placed. The best
+    /// variants are taken further, the more the greater the `effort`. Variants
+    /// from composite bodies rest on sin^2 + cos^2 = 1 (`class=real` leaves
+    /// them out). Variants with fused multiply-adds are tried where the machine
+    /// has elements for them.
     ///
     /// The function comes out at the level atomic; `place` with the same
     /// numbers of elements gives the schedule of the table.
@@ -91,11 +93,14 @@ declare_pass! {
         /// Elements that multiply and add in one operation, on machines that
         /// have them.
         pub n_fma: Option<u32> = None => fields::count::LIMIT,
-        /// The operations of all variants together after which no further one
-        /// is made: all for a model of 100,000 operations, a few for a larger
-        /// one.
-        pub budget: u32 = 4_000_000 => NumberLimit::whole(
-            0, 1_000_000_000, "variants are made until they have so many operations together"),
+        /// How far the search goes: more is never worse, and takes as many
+        /// times longer.
+        pub effort: u32 = 1 => EFFORT,
+        /// The work of one effort, in operations that are reassociated once;
+        /// for 0 forty times the operations, at least 250,000 and at most
+        /// 4,000,000.
+        pub budget: u32 = 0 => NumberLimit::whole(
+            0, 1_000_000_000, "variants are made until so many operations were reassociated"),
     }
     takes: [Equations, Atomic],
     gives: Gives::Level(robovec_ir::Level::Atomic),
@@ -122,24 +127,107 @@ impl Pass for Optimise {
             self.n_fma,
         ];
         let machine = with_counts(context.machine, element_counts(numbers))?;
-        let class = self.class(Optimise::INFO.class);
-        let mut trials = trial::make(function, &machine, (self.budget, class), context)?;
-        let choice = choice::choose(&mut trials, &machine, self.r#for);
-        let rows = table::rows(&trials, choice.as_ref().ok().copied());
-        let taken = match choice {
-            Ok(taken) => taken,
-            Err((index, error)) => {
-                return Err(explain(&error, &trials[index].function, context));
-            }
+        let mut start = function.clone();
+        if start.level == Level::Equations {
+            let atomise = context.registry.pipeline("atomise");
+            let atomise = atomise.map_err(|error| PassError::new(error.to_string()))?;
+            let mut report = NestedReport::default();
+            apply(
+                &atomise,
+                &mut start,
+                &mut context.nested(&machine, &mut report),
+            )?;
+        }
+        let question = SearchQuestion {
+            machine: &machine,
+            goal: self.r#for,
+            class: self.class(Optimise::INFO.class),
+            registry: context.registry,
+            effort: self.effort,
+            unit: match self.budget {
+                0 => usual_unit(start.nodes().len()),
+                budget => u64::from(budget),
+            },
+        };
+        let start = SearchStart {
+            name: String::new(),
+            form: StartForm::Printed,
+            program: (start, Notes::unwanted()),
+        };
+        let mut maker = NestedPasses {
+            context,
+            machine: &machine,
+        };
+        let mut outcome = search(&mut maker, vec![start], question)?;
+        let rows = table::rows(&outcome);
+        let Some(best) = outcome.best else {
+            let first = outcome.trials.iter();
+            let failed = first.filter_map(|trial| Some((trial, trial.bound.as_ref().err()?)));
+            let (trial, error) = failed
+                .min_by_key(|(trial, _)| trial.start)
+                .expect("what cannot be placed has a reason");
+            return Err(explain(error, &trial.program.0, context));
         };
         context.remarks.extend(rows);
-        let made = trials.iter().filter(|trial| trial.is_made()).count();
-        let placed = trials.iter().filter(|trial| trial.cycles.is_some()).count();
-        context.statistics.push(("variants made", made as u64));
-        context.statistics.push(("variants placed", placed as u64));
-        let taken = trials.swap_remove(taken);
-        *context.notes = taken.notes;
-        *function = taken.function;
+        let placed = outcome.trials.iter().filter(|trial| trial.cycles.is_some());
+        let placed = placed.count() as u64;
+        let made = (outcome.trials.len() + outcome.alike) as u64;
+        context.statistics.push(("variants made", made));
+        context.statistics.push(("variants placed", placed));
+        let (taken, notes) = outcome.trials.swap_remove(best).program;
+        *context.notes = notes;
+        *function = taken;
         Ok(())
+    }
+}
+
+/// What effort costs.
+const EFFORT: NumberLimit =
+    NumberLimit::whole(1, 10_000, "every effort takes as long as the first");
+
+/// Makes variants by running passes inside the pass: one after the other, since
+/// they share the tables of the module.
+struct NestedPasses<'a, 'b> {
+    context: &'a mut Context<'b>,
+    machine: &'a Machine,
+}
+
+impl ProgramMaker for NestedPasses<'_, '_> {
+    type Program = (Function, Notes);
+
+    fn make(
+        &mut self,
+        jobs: Vec<SearchJob<Self::Program>>,
+    ) -> Vec<Result<Self::Program, PassError>> {
+        let jobs = jobs.into_iter();
+        let made = jobs.map(|job| {
+            let (mut function, notes) = job.program;
+            let mut report = NestedReport {
+                notes,
+                ..NestedReport::default()
+            };
+            let mut context = self.context.nested(self.machine, &mut report);
+            apply(&job.pipeline, &mut function, &mut context)?;
+            Ok((function, report.notes))
+        });
+        made.collect()
+    }
+
+    fn function(program: &Self::Program) -> &Function {
+        &program.0
+    }
+
+    fn schedules(
+        &mut self,
+        functions: &[&Function],
+        machine: &Machine,
+    ) -> Vec<Result<u32, PlaceError>> {
+        let functions = functions.iter();
+        let lengths = functions.map(|&function| {
+            let mut function = function.clone();
+            let summary = place(&mut function, machine, PlaceOptions::default())?;
+            Ok(summary.cycles)
+        });
+        lengths.collect()
     }
 }

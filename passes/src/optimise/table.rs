@@ -1,32 +1,29 @@
-//! The table of the variants that were tried, as lines of equal columns.
+//! The table of the programs that were tried, as lines of equal columns.
 
-use super::trial::VariantTrial;
+use super::search::SearchOutcome;
 
 /// The lines of the table: names to the left, numbers to the right.
-pub(super) fn rows(trials: &[VariantTrial], taken: Option<usize>) -> Vec<String> {
+pub(super) fn rows<P>(outcome: &SearchOutcome<P>) -> Vec<String> {
     let head = ["variant", "operations", "path", "bound", "cycles", ""].map(str::to_owned);
     let mut cells = vec![head];
-    for (index, trial) in trials.iter().enumerate() {
-        let made = |number: String| match trial.is_made() {
-            true => number,
-            false => "-".to_owned(),
-        };
-        let bound = match &trial.bound {
-            Ok(bound) => bound.to_string(),
-            Err(_) => "-".to_owned(),
-        };
-        let cycles = trial.cycles.map(|cycles| cycles.to_string());
+    for (index, trial) in outcome.trials.iter().enumerate() {
+        let or_dash = |number: Option<u32>| number.map_or("-".to_owned(), |n| n.to_string());
         cells.push([
             trial.name.clone(),
-            made(trial.operations.to_string()),
-            made(trial.path.to_string()),
-            made(bound),
-            cycles.unwrap_or_else(|| "-".to_owned()),
-            match taken == Some(index) {
+            trial.operations.to_string(),
+            trial.path.to_string(),
+            or_dash(trial.bound.as_ref().ok().copied()),
+            or_dash(trial.cycles),
+            match outcome.best == Some(index) {
                 true => "taken".to_owned(),
                 false => trial.remark.to_owned(),
             },
         ]);
+    }
+    for skipped in &outcome.skipped {
+        let dash = || "-".to_owned();
+        let reason = skipped.reason.clone();
+        cells.push([skipped.name.clone(), dash(), dash(), dash(), dash(), reason]);
     }
     let mut widths = [0; 6];
     for row in &cells {

@@ -1,0 +1,491 @@
+//! The search: programs from starts by preparations, and from the best of
+//! them by moves.
+//!
+//! With few elements operations decide, with many the longest path does, and
+//! between the two neither; so programs are placed and the schedules compared.
+//! Facts that hold for every list scheduler (a schedule is at least as long as
+//! the path, and as the operations of a kind over its elements) tell what need
+//! not be placed, and what need not be tried.
+//!
+//! Invariants:
+//!
+//! - work is counted in operations, never in time, and what is tried next
+//!   depends on figures alone: the same question gives the same programs on
+//!   any number of threads;
+//! - a search of more effort begins with the search of less: what does not fit
+//!   into the work allowed so far waits, and is tried first when there is more.
+//!   More effort is therefore never worse.
+
+use super::Goal;
+use super::steps::{FUSED, MOVES, PREPARATIONS, SearchStep, StartForm, class};
+use super::trial::VariantTrial;
+use robovec_analysis::class::NumericClass;
+use robovec_framework::pass::{PassError, Registry};
+use robovec_framework::pipeline::Pipeline;
+use robovec_ir::{Function, Machine, Operation};
+use robovec_schedule::PlaceError;
+
+/// What is searched for, and how far.
+#[derive(Clone, Copy, Debug)]
+pub struct SearchQuestion<'a> {
+    /// The machine that programs are for.
+    pub machine: &'a Machine,
+    /// What the best program is.
+    pub goal: Goal,
+    /// What programs may rest on.
+    pub class: NumericClass,
+    /// Where passes are found.
+    pub registry: &'static Registry,
+    /// How often [`unit`](SearchQuestion::unit) may be spent, at least 1.
+    pub effort: u32,
+    /// The work of one effort, in operations that are reassociated once.
+    pub unit: u64,
+}
+
+/// A program that a search starts from, at the level atomic.
+#[derive(Clone, Debug)]
+pub struct SearchStart<P> {
+    /// Its name, in front of those of the steps; may be empty.
+    pub name: String,
+    /// What it is.
+    pub form: StartForm,
+    /// The program.
+    pub program: P,
+}
+
+/// A program to be made.
+#[derive(Clone, Debug)]
+pub struct SearchJob<P> {
+    /// Index of the start that it comes from.
+    pub start: usize,
+    /// What it is made from.
+    pub program: P,
+    /// The passes that make it.
+    pub pipeline: Pipeline,
+    /// All passes from the start on.
+    pub passes: String,
+    /// The work it counts for.
+    pub work: u64,
+}
+
+/// Makes and places programs for a search.
+pub trait ProgramMaker {
+    /// A program.
+    type Program: Clone;
+
+    /// Makes programs, in this order; none depends on another one.
+    fn make(
+        &mut self,
+        jobs: Vec<SearchJob<Self::Program>>,
+    ) -> Vec<Result<Self::Program, PassError>>;
+
+    /// The function of a program.
+    fn function(program: &Self::Program) -> &Function;
+
+    /// The lengths of the schedules of functions on a machine, in cycles.
+    fn schedules(
+        &mut self,
+        functions: &[&Function],
+        machine: &Machine,
+    ) -> Vec<Result<u32, PlaceError>>;
+}
+
+/// A program that was not made.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct SkippedVariant {
+    /// The steps it would have gone through.
+    pub name: String,
+    /// Why it was not made.
+    pub reason: String,
+}
+
+/// What a search found.
+#[derive(Clone, Debug)]
+pub struct SearchOutcome<P> {
+    /// All programs that were made, in that order.
+    pub trials: Vec<VariantTrial<P>>,
+    /// Index of the best; `None` when the machine can place none.
+    pub best: Option<usize>,
+    /// What was not made.
+    pub skipped: Vec<SkippedVariant>,
+    /// How many more were made that looked like one of them.
+    pub alike: usize,
+}
+
+/// The work of one effort for a start of so many operations: some seconds on
+/// one core for models of any usual size.
+pub fn usual_unit(operations: usize) -> u64 {
+    const LEAST: u64 = 250_000;
+    const MOST: u64 = 4_000_000;
+    /// Enough for all preparations and some moves.
+    const PER_OPERATION: u64 = 40;
+    (operations as u64 * PER_OPERATION).clamp(LEAST, MOST)
+}
+
+/// Searches. The first preparation of the first start is always made.
+///
+/// # Errors
+///
+/// When not a single program can be made: what the first pass said.
+pub fn search<M: ProgramMaker>(
+    maker: &mut M,
+    starts: Vec<SearchStart<M::Program>>,
+    question: SearchQuestion<'_>,
+) -> Result<SearchOutcome<M::Program>, PassError> {
+    let mut search = ProgramSearch {
+        maker,
+        question,
+        starts,
+        trials: Vec::new(),
+        skipped: Vec::new(),
+        failure: None,
+        waiting: Vec::new(),
+        budget: question.unit,
+        expansions: 0,
+        alike: 0,
+    };
+    let planned = search.preparations();
+    search.carry_out(planned);
+    search.expand(1);
+    for effort in 2..=question.effort {
+        search.budget += question.unit;
+        let waiting = std::mem::take(&mut search.waiting);
+        search.carry_out(waiting);
+        search.expand(effort);
+    }
+    search.finish()
+}
+
+/// What a program is made from.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Origin {
+    /// A start, by its index.
+    Start(usize),
+    /// A program that was made, by its index.
+    Trial(usize),
+}
+
+/// A step on a program.
+#[derive(Clone, Copy, Debug)]
+struct PlannedStep {
+    origin: Origin,
+    step: &'static SearchStep,
+}
+
+struct ProgramSearch<'a, M: ProgramMaker> {
+    maker: &'a mut M,
+    question: SearchQuestion<'a>,
+    starts: Vec<SearchStart<M::Program>>,
+    trials: Vec<VariantTrial<M::Program>>,
+    skipped: Vec<SkippedVariant>,
+    /// What the first pass that gave up said.
+    failure: Option<PassError>,
+    /// What does not fit into the work allowed so far.
+    waiting: Vec<PlannedStep>,
+    /// The work that is left.
+    budget: u64,
+    /// Programs that moves were tried on.
+    expansions: u32,
+    /// Programs that looked like others and were not kept.
+    alike: usize,
+}
+
+/// Programs that moves are tried on for every effort: what keeps the list
+/// short where the functions are small.
+const EXPANSIONS: u32 = 4;
+
+/// Programs placed at a time. A constant, so that what is placed does not
+/// depend on the number of threads.
+const PLACED_AT_ONCE: usize = 4;
+
+impl<M: ProgramMaker> ProgramSearch<'_, M> {
+    fn preparations(&self) -> Vec<PlannedStep> {
+        let mut planned = Vec::new();
+        for (index, start) in self.starts.iter().enumerate() {
+            let steps = PREPARATIONS.iter();
+            let steps = steps.filter(|step| !step.printed_only || start.form == StartForm::Printed);
+            planned.extend(steps.map(|step| PlannedStep {
+                origin: Origin::Start(index),
+                step,
+            }));
+        }
+        planned
+    }
+
+    /// Carries out what fits into the budget; the rest waits.
+    fn carry_out(&mut self, planned: Vec<PlannedStep>) {
+        let before = self.trials.len();
+        self.make(planned);
+        if self.question.machine.kind_of(Operation::Fma).is_some() {
+            let fresh = before..self.trials.len();
+            let fused = fresh.flat_map(|index| {
+                FUSED.iter().map(move |step| PlannedStep {
+                    origin: Origin::Trial(index),
+                    step,
+                })
+            });
+            let plain = self.trials.len();
+            self.make(fused.collect());
+            // Moves are for products and sums apart.
+            for trial in &mut self.trials[plain..] {
+                trial.is_expanded = true;
+            }
+        }
+        if self.question.goal == Goal::Cycles {
+            self.place();
+        }
+    }
+
+    /// Makes the programs of steps that fit into the budget.
+    fn make(&mut self, planned: Vec<PlannedStep>) {
+        let mut jobs = Vec::new();
+        let mut names = Vec::new();
+        for plan in planned {
+            let Some(pipeline) = plan.step.pipeline(self.question.registry) else {
+                continue;
+            };
+            if class(&pipeline) > self.question.class || self.is_hopeless(plan) {
+                continue;
+            }
+            let (program, start, name, passes) = self.description(plan);
+            let operations = M::function(&program).nodes().len() as u64;
+            let work = operations.saturating_mul(plan.step.weight);
+            let is_first = self.trials.is_empty() && jobs.is_empty();
+            if work > self.budget && !is_first {
+                self.waiting.push(plan);
+                continue;
+            }
+            self.budget = self.budget.saturating_sub(work);
+            let is_prepared = matches!(plan.origin, Origin::Start(_));
+            names.push((name, start, passes.clone(), is_prepared));
+            jobs.push(SearchJob {
+                start,
+                program,
+                pipeline,
+                passes,
+                work,
+            });
+        }
+        let made = self.maker.make(jobs);
+        for ((name, start, passes, is_prepared), made) in names.into_iter().zip(made) {
+            match made {
+                Ok(program) => self.keep((name, start, passes), program, is_prepared),
+                Err(error) => {
+                    self.skipped.push(SkippedVariant {
+                        name,
+                        reason: error.message.clone(),
+                    });
+                    self.failure.get_or_insert(error);
+                }
+            }
+        }
+    }
+
+    fn keep(&mut self, name: (String, usize, String), program: M::Program, is_prepared: bool) {
+        let function = M::function(&program).clone();
+        let mut trial = VariantTrial::new(name, program, &function, self.question.machine);
+        trial.is_prepared = is_prepared;
+        if self.trials.iter().any(|known| known.looks_like(&trial)) {
+            if !is_prepared {
+                self.alike += 1;
+                return;
+            }
+            // Whatever would be made of it is made of the other one.
+            trial.is_expanded = true;
+        }
+        self.trials.push(trial);
+    }
+
+    /// What a step starts from: the program, its start, and the name and
+    /// passes of what comes out.
+    fn description(&self, plan: PlannedStep) -> (M::Program, usize, String, String) {
+        let (program, start, name, passes) = match plan.origin {
+            Origin::Start(index) => {
+                let start = &self.starts[index];
+                (&start.program, index, start.name.as_str(), "")
+            }
+            Origin::Trial(index) => {
+                let trial = &self.trials[index];
+                (
+                    &trial.program,
+                    trial.start,
+                    trial.name.as_str(),
+                    trial.pipeline.as_str(),
+                )
+            }
+        };
+        let joined = |first: &str, separator: &str, second: &str| match first {
+            "" => second.to_owned(),
+            first => format!("{first}{separator}{second}"),
+        };
+        (
+            program.clone(),
+            start,
+            joined(name, ", ", plan.step.name),
+            joined(passes, ",", plan.step.pipeline),
+        )
+    }
+
+    /// True when the elements cannot perform so many operations in the time
+    /// of the best schedule, or when nothing but operations is scarce.
+    fn is_hopeless(&self, plan: PlannedStep) -> bool {
+        let Origin::Trial(index) = plan.origin else {
+            return false;
+        };
+        if self.question.goal == Goal::Operations {
+            return plan.step.growth > 100;
+        }
+        let trial = &self.trials[index];
+        let (Goal::Cycles, true, Some(best)) = (
+            self.question.goal,
+            plan.step.growth > 100,
+            self.best_cycles(),
+        ) else {
+            return false;
+        };
+        let shared = u64::from(trial.shared);
+        let is_saturated = trial
+            .cycles
+            .is_some_and(|cycles| u64::from(cycles) * 50 <= shared * 51);
+        shared * plan.step.growth / 100 >= u64::from(best) || is_saturated
+    }
+
+    /// Places what may be better than the best, in order of the bounds.
+    fn place(&mut self) {
+        let mut order: Vec<(u32, usize, usize)> = Vec::new();
+        for (index, trial) in self.trials.iter().enumerate() {
+            if let (Ok(bound), None, "") = (&trial.bound, trial.cycles, trial.remark) {
+                order.push((*bound, trial.operations, index));
+            }
+        }
+        order.sort_unstable();
+        for batch in order.chunks(PLACED_AT_ONCE) {
+            let best = self.best();
+            let best = best.map(|best| (self.rank(best).0, self.trials[best].operations));
+            let (hopeful, hopeless): (Vec<_>, Vec<_>) = batch
+                .iter()
+                .partition(|entry| best.is_none_or(|best| (entry.0 as usize, entry.1) < best));
+            for &(_, _, index) in hopeless {
+                self.trials[index].remark = "cannot be better";
+            }
+            let functions: Vec<&Function> = (hopeful.iter())
+                .map(|entry| M::function(&self.trials[entry.2].program))
+                .collect();
+            let lengths = self.maker.schedules(&functions, self.question.machine);
+            for (&(_, _, index), length) in hopeful.into_iter().zip(lengths) {
+                let trial = &mut self.trials[index];
+                match length {
+                    Ok(cycles) => trial.cycles = Some(cycles),
+                    Err(error) => {
+                        trial.remark = "cannot be placed";
+                        trial.bound = Err(error);
+                    }
+                }
+            }
+        }
+    }
+
+    /// What is to be small, then what decides among equals.
+    fn rank(&self, index: usize) -> (usize, usize, usize) {
+        let trial = &self.trials[index];
+        let cycles = trial.cycles.or(trial.bound.as_ref().ok().copied());
+        match self.question.goal {
+            Goal::Cycles => {
+                let cycles = cycles.map_or(usize::MAX, |cycles| cycles as usize);
+                (cycles, trial.operations, index)
+            }
+            Goal::Operations => (trial.operations, trial.path as usize, index),
+            Goal::Path => (trial.path as usize, trial.operations, index),
+        }
+    }
+
+    /// The best program so far.
+    fn best(&self) -> Option<usize> {
+        let trials = (0..self.trials.len()).filter(|&index| match self.question.goal {
+            Goal::Cycles => self.trials[index].cycles.is_some(),
+            Goal::Operations | Goal::Path => true,
+        });
+        trials.min_by_key(|&index| self.rank(index))
+    }
+
+    fn best_cycles(&self) -> Option<u32> {
+        self.best().and_then(|best| self.trials[best].cycles)
+    }
+
+    /// Tries all moves on one program after the other, as long as there is one
+    /// that promises something and its moves fit into the budget.
+    fn expand(&mut self, effort: u32) {
+        while self.waiting.is_empty() && self.expansions < effort.saturating_mul(EXPANSIONS) {
+            let Some(index) = self.next() else {
+                return;
+            };
+            self.trials[index].is_expanded = true;
+            self.expansions += 1;
+            let steps = MOVES.iter();
+            let planned = steps.map(|step| PlannedStep {
+                origin: Origin::Trial(index),
+                step,
+            });
+            self.carry_out(planned.collect());
+        }
+    }
+
+    /// The program to try the moves on: in turn one that only a preparation
+    /// made, so that no start is forgotten, and the best of all.
+    fn next(&self) -> Option<usize> {
+        let best = self.best_cycles();
+        let fewest = self.trials.iter().map(|trial| trial.operations);
+        let fewest = fewest.min().unwrap_or(0);
+        let promising = |&index: &usize| {
+            let trial = &self.trials[index];
+            // Moves save few operations, so that what elements need for them
+            // is at least nearly what a schedule will take.
+            let fits = match self.question.goal {
+                Goal::Cycles => {
+                    best.is_none_or(|best| u64::from(trial.shared) * 19 < u64::from(best) * 20)
+                }
+                Goal::Operations => trial.operations * 19 < fewest * 20,
+                Goal::Path => true,
+            };
+            !trial.is_expanded && trial.bound.is_ok() && fits
+        };
+        let promising = (0..self.trials.len()).filter(promising);
+        if self.expansions.is_multiple_of(2) {
+            let prepared = promising
+                .clone()
+                .filter(|&index| self.trials[index].is_prepared);
+            // Look-ahead about halves the path.
+            let potential = |&index: &usize| {
+                let trial = &self.trials[index];
+                let reach = match self.question.goal {
+                    Goal::Cycles => trial.shared.max(trial.path / 2),
+                    Goal::Operations => 0,
+                    Goal::Path => trial.path,
+                };
+                (reach, trial.operations, index)
+            };
+            if let Some(index) = prepared.min_by_key(potential) {
+                return Some(index);
+            }
+        }
+        promising.min_by_key(|&index| self.rank(index))
+    }
+
+    /// Ends the search.
+    fn finish(mut self) -> Result<SearchOutcome<M::Program>, PassError> {
+        if let (true, Some(error)) = (self.trials.is_empty(), self.failure.take()) {
+            return Err(error);
+        }
+        for plan in std::mem::take(&mut self.waiting) {
+            let (_, _, name, _) = self.description(plan);
+            let reason = "beyond the effort".to_owned();
+            self.skipped.push(SkippedVariant { name, reason });
+        }
+        Ok(SearchOutcome {
+            best: self.best(),
+            trials: self.trials,
+            alike: self.alike,
+            skipped: self.skipped,
+        })
+    }
+}

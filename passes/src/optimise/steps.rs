@@ -1,0 +1,171 @@
+//! The steps a search is made of: data, in the order in which they are tried.
+//!
+//! A *preparation* is what a start goes through first, a *move* is what a
+//! program may go through after it, and again after another move. Those most
+//! often best stand first, so that they win among equals.
+
+use robovec_analysis::class::NumericClass;
+use robovec_framework::pass::Registry;
+use robovec_framework::pipeline::Pipeline;
+
+/// What a start is, so that nothing is tried on it that it already is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum StartForm {
+    /// Equations of any kind, as a user's file has them.
+    Printed,
+    /// Equations made from the model in a formulation chosen for its form:
+    /// there are no composite bodies left to find.
+    Formulation,
+}
+
+/// One step of a search.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct SearchStep {
+    /// Its name in tables.
+    pub name: &'static str,
+    /// The passes it stands for.
+    pub pipeline: &'static str,
+    /// Its work per operation of the program it starts from, in the work of
+    /// reassociating one.
+    pub weight: u64,
+    /// The operations it may reach, in percent of those it starts from: where
+    /// so many do not fit below the best schedule, it is not tried.
+    pub growth: u64,
+    /// True when it is of use to printed equations alone.
+    pub printed_only: bool,
+}
+
+const fn step(name: &'static str, pipeline: &'static str) -> SearchStep {
+    SearchStep {
+        name,
+        pipeline,
+        weight: 1,
+        growth: 100,
+        printed_only: false,
+    }
+}
+
+const fn printed(name: &'static str, pipeline: &'static str) -> SearchStep {
+    SearchStep {
+        printed_only: true,
+        ..step(name, pipeline)
+    }
+}
+
+const fn heavy(name: &'static str, pipeline: &'static str, weight: u64, growth: u64) -> SearchStep {
+    SearchStep {
+        weight,
+        growth,
+        ..step(name, pipeline)
+    }
+}
+
+/// What starts go through first.
+pub const PREPARATIONS: &[SearchStep] = &[
+    step("reassociated", "fold,zero-removal,balance,cse,dce"),
+    printed(
+        "composite",
+        "fold,zero-removal,composite,factor-trig{path=free},balance,cse,dce",
+    ),
+    step("factored", "fold,zero-removal,factor,balance,cse,dce"),
+    step(
+        "factored freely",
+        "fold,zero-removal,factor-trig{path=free},balance,cse,dce",
+    ),
+    printed(
+        "composite, in place",
+        "fold,cse,composite,factor-trig{path=free},cse,dce",
+    ),
+    step(
+        "factored, in place",
+        "fold,cse,factor-trig{path=free},cse,dce",
+    ),
+    printed("swapped", "fold,zero-removal,swap,cse,dce"),
+    step("as printed", "fold,cse,dce"),
+];
+
+/// What programs go through afterwards.
+pub const MOVES: &[SearchStep] = &[
+    heavy(
+        "look-ahead 100 %",
+        "lookahead{growth=100},balance,cse,dce",
+        4,
+        100,
+    ),
+    heavy(
+        "far look-ahead 100 %",
+        "lookahead{growth=100 width=24 grid=5 frontiers=80},balance,cse,dce",
+        8,
+        100,
+    ),
+    heavy(
+        "far look-ahead 120 %",
+        "lookahead{growth=120 width=24 grid=5 frontiers=80},balance,cse,dce",
+        8,
+        115,
+    ),
+    heavy(
+        "far look-ahead 135 %",
+        "lookahead{growth=135 width=24 grid=5 frontiers=80},balance,cse,dce",
+        8,
+        125,
+    ),
+    heavy("prefix", "recurrence,balance,cse,dce", 4, 140),
+    heavy(
+        "far look-ahead 150 %",
+        "lookahead{growth=150 width=24 grid=5 frontiers=80},balance,cse,dce",
+        8,
+        140,
+    ),
+    heavy(
+        "look-ahead 200 %",
+        "lookahead{growth=200},balance,cse,dce",
+        4,
+        180,
+    ),
+    heavy("saturated", "eqsat,cse,dce", 30, 105),
+];
+
+/// Products and sums in one, on machines that have elements for it.
+pub const FUSED: &[SearchStep] = &[
+    step("fused", "fma"),
+    step("fused in part", "fma{share=true}"),
+];
+
+impl SearchStep {
+    /// Its pipeline; `None` when the registry lacks a pass of it.
+    pub fn pipeline(&self, registry: &'static Registry) -> Option<Pipeline> {
+        let known = self
+            .pipeline
+            .split(',')
+            .map(|step| step.split('{').next().unwrap_or(step))
+            .all(|name| registry.find(name).is_some());
+        known.then(|| {
+            let pipeline = registry.pipeline(self.pipeline);
+            pipeline.expect("the pipelines of steps are well formed")
+        })
+    }
+}
+
+/// The weakest class of the passes of a pipeline: what its result may differ
+/// in from the function.
+pub(super) fn class(pipeline: &Pipeline) -> NumericClass {
+    let classes = pipeline.passes().map(|step| step.info.class);
+    classes.max().unwrap_or(NumericClass::Exact)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::registry::REGISTRY;
+
+    #[test]
+    fn steps_are_pipelines_that_change_no_function() {
+        for step in [PREPARATIONS, MOVES, FUSED].concat() {
+            let pipeline = step.pipeline(&REGISTRY).expect("all passes are there");
+            let class = class(&pipeline);
+            assert!(class <= NumericClass::RealTrig, "{} is {class}", step.name);
+            assert!(step.weight > 0 && step.growth >= 100, "{}", step.name);
+        }
+    }
+}
