@@ -15,6 +15,7 @@ pub mod hexadecimal;
 pub mod kinematics;
 pub mod model;
 pub mod motion;
+pub mod optimise;
 pub mod present;
 pub mod process;
 pub mod report;

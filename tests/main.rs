@@ -30,6 +30,7 @@ mod library;
 mod limits;
 mod models;
 mod operations;
+mod optimise;
 mod packages;
 mod passes;
 mod provenance;

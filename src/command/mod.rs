@@ -23,6 +23,7 @@ mod listing;
 mod model;
 mod names;
 pub mod opt;
+mod optimise;
 mod output;
 mod output_errors;
 mod placed;

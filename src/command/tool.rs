@@ -11,6 +11,7 @@ use super::flags::{NUMBER, whole};
 use super::front::{self, FrontArguments};
 use super::generation::{self, GenArguments};
 use super::model::{self, ModelArguments};
+use super::optimise::{self, OptimiseArguments};
 use super::scene::{self, SceneArguments};
 use super::sim::{self, SimArguments};
 use super::{CommandFailure, flags, input, output, write};
@@ -81,6 +82,7 @@ enum ToolCommand {
     },
     /// Compare the functions of two files as functions
     Check(CheckArguments),
+    Optimise(OptimiseArguments),
     Rtl(super::rtl::RtlArguments),
     Rules(super::rules::RulesArguments),
     Stress(super::stress::StressArguments),
@@ -126,6 +128,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
             inputs,
         } => simulate(folder, machine, inputs),
         ToolCommand::Check(arguments) => compare::run(arguments),
+        ToolCommand::Optimise(arguments) => optimise::run(arguments),
         ToolCommand::Rtl(arguments) => super::rtl::run(arguments),
         ToolCommand::Rules(arguments) => super::rules::run(arguments),
         ToolCommand::Stress(arguments) => super::stress::run(arguments),

@@ -71,6 +71,11 @@ pub(crate) fn fill(template: &str, parts: &[(&str, &str)]) -> String {
     text + rest
 }
 
+/// Lines of text as they are, in letters of one width.
+pub(crate) fn lines(text: &str) -> String {
+    format!("<pre>{}</pre>", Escaped(text))
+}
+
 /// A table that folds, open unless it is long; `file` is where its numbers are,
 /// empty for a table without a file.
 pub(crate) fn table(table: &DataTable, file: &str) -> String {

@@ -1,0 +1,233 @@
+//! What a search starts from: the equations as they came, and those of a
+//! model in other formulations.
+
+use super::{OptimisationError, OptimisationQuestion};
+use crate::align;
+use crate::explore::program::{transformed_by, view};
+use crate::generate::{
+    Formulation, GenerationRequest, MomentOrigin, Options, PrefixNetwork, generate,
+};
+use crate::model::Model;
+use crate::robotran::FunctionKind;
+use robovec_analysis::class::NumericClass;
+use robovec_framework::check::check;
+use robovec_ir::states::States;
+use robovec_ir::{Level, Module, View};
+use robovec_passes::optimise::steps::StartForm;
+use std::sync::Arc;
+
+/// Equations that programs are made from.
+#[derive(Clone, Debug)]
+pub struct OptimisationStart {
+    /// Its name: empty for the equations as they came, else the formulation.
+    pub name: String,
+    /// What it is.
+    pub form: StartForm,
+    /// One function.
+    pub module: Arc<Module>,
+    /// Options of `robovec gen` that give these equations, without the model.
+    pub recipe: String,
+}
+
+/// The formulations that are tried where there is a model: the fewest
+/// operations for trees and for chains, and the shortest paths.
+pub const FORMULATIONS: [Formulation; 4] = [
+    Formulation::Composite,
+    Formulation::CompositeBase,
+    Formulation::Prefix {
+        network: PrefixNetwork::BrentKung,
+        origin: MomentOrigin::Body,
+    },
+    Formulation::Prefix {
+        network: PrefixNetwork::Sklansky,
+        origin: MomentOrigin::Body,
+    },
+];
+
+/// Points of the check whether a formulation is the function that came in.
+const POINTS: u32 = 4;
+
+impl OptimisationStart {
+    /// The equations as they came.
+    pub fn given(module: Module) -> OptimisationStart {
+        OptimisationStart {
+            name: String::new(),
+            form: StartForm::Printed,
+            module: Arc::new(module),
+            recipe: String::new(),
+        }
+    }
+
+    /// Equations in a formulation.
+    pub fn formulation(
+        formulation: Formulation,
+        module: Module,
+        recipe: String,
+    ) -> OptimisationStart {
+        OptimisationStart {
+            name: formulation.name().to_owned(),
+            form: StartForm::Formulation,
+            module: Arc::new(module),
+            recipe,
+        }
+    }
+}
+
+/// The formulations of a model that are the function that came in; for the
+/// others the reason why they are not.
+pub fn formulations(
+    given: &Module,
+    model: &Model,
+    kind: FunctionKind,
+) -> (Vec<OptimisationStart>, Vec<(String, String)>) {
+    let mut found = Vec::new();
+    let mut left = Vec::new();
+    for formulation in FORMULATIONS {
+        if !formulation.gives(kind) {
+            continue;
+        }
+        // Files differ in what their generator was told to leave out.
+        let mut reason = None;
+        let start = ways().into_iter().find_map(|(options, words)| {
+            let request = GenerationRequest {
+                function: kind,
+                formulation,
+                options,
+            };
+            let name = formulation.name();
+            let recipe = format!("--function {} --formulation {name}{words}", kind.name());
+            let same = generate(model, &request)
+                .map_err(|error| error.to_string())
+                .and_then(|module| same_function(given, module));
+            match same {
+                Ok(module) => Some(OptimisationStart::formulation(formulation, module, recipe)),
+                Err(difference) => {
+                    reason.get_or_insert(difference);
+                    None
+                }
+            }
+        });
+        match (start, reason) {
+            (Some(start), _) => found.push(start),
+            (None, reason) => left.push((
+                formulation.name().to_owned(),
+                reason.expect("what is not taken differs"),
+            )),
+        }
+    }
+    (found, left)
+}
+
+/// What a generator may have been told, and how `robovec gen` is told so.
+fn ways() -> [(Options, &'static str); 4] {
+    let usual = Options::default;
+    let bare = || Options {
+        external_forces: false,
+        ..usual()
+    };
+    [
+        (usual(), ""),
+        (bare(), " --no-forces"),
+        (
+            Options {
+                all_parameters: true,
+                ..usual()
+            },
+            " --all-parameters",
+        ),
+        (
+            Options {
+                all_parameters: true,
+                ..bare()
+            },
+            " --no-forces --all-parameters",
+        ),
+    ]
+}
+
+/// The function of a module that is the one that came in, alone in it.
+fn same_function(given: &Module, mut module: Module) -> Result<Module, String> {
+    let name = &given.functions[0].name;
+    module.functions.retain(|function| function.name == *name);
+    if module.functions.len() != 1 {
+        return Err(format!("the model gives no function '{name}'"));
+    }
+    let verdict = compared(
+        given,
+        &module,
+        NumericClass::RealTrig,
+        &States::new(1),
+        POINTS,
+    );
+    match verdict.holds() {
+        true => Ok(module),
+        false => Err(format!("the model's equations are others: {verdict}")),
+    }
+}
+
+/// Two modules of one function each, compared over all arrays of either.
+pub(super) fn compared(
+    before: &Module,
+    after: &Module,
+    class: NumericClass,
+    states: &States,
+    points: u32,
+) -> robovec_framework::check::CheckVerdict {
+    let mut tables = [before.tables.clone(), after.tables.clone()];
+    let [first, second] = &mut tables;
+    let (one, other) = align::align((&before.functions[0], first), (&after.functions[0], second));
+    let views = [(&tables[0], &one), (&tables[1], &other)];
+    let [before, after] = views.map(|(tables, function)| View { tables, function });
+    check(before, after, class, states, points)
+}
+
+/// Starts at the level atomic, with what a scene makes of them.
+pub struct PreparedStarts {
+    /// The passes that prepared them; none for equations that were atomic.
+    prelude: &'static str,
+    /// One for each start.
+    pub modules: Vec<Arc<Module>>,
+    /// The starts themselves, in which nothing was touched; the first is what
+    /// came in.
+    pub starts: Vec<Arc<Module>>,
+}
+
+impl PreparedStarts {
+    /// The passes from the start itself on.
+    pub fn passes(&self, passes: &str) -> String {
+        match self.prelude {
+            "" => passes.to_owned(),
+            prelude => format!("{prelude},{passes}"),
+        }
+    }
+}
+
+/// Prepares all starts.
+pub(super) fn prepared(
+    starts: &[OptimisationStart],
+    question: &OptimisationQuestion<'_>,
+) -> Result<PreparedStarts, OptimisationError> {
+    let prelude = match (view(&starts[0].module).function.level, question.scene) {
+        (Level::Equations, None) => "atomise",
+        (Level::Equations, Some(_)) => "atomise,specialise",
+        (_, None) => "",
+        (_, Some(_)) => "specialise",
+    };
+    let mut modules = Vec::new();
+    for start in starts {
+        modules.push(match prelude {
+            "" => start.module.clone(),
+            passes => Arc::new(transformed_by(
+                &start.module,
+                passes,
+                question.machine,
+                question.scene,
+            )?),
+        });
+    }
+    Ok(PreparedStarts {
+        prelude,
+        starts: starts.iter().map(|start| start.module.clone()).collect(),
+        modules,
+    })
+}

@@ -1,0 +1,304 @@
+//! `robovec optimise`: the best program is proved, made again by the commands
+//! it names, and not beaten by other pipelines; more effort is never worse,
+//! and threads change nothing.
+
+use crate::reference::random::Random;
+use crate::support::programs::{opt_in, robovec, robovec_in, said, stderr};
+use robovec_passes::registry::REGISTRY;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+fn read(folder: &Path, name: &str) -> String {
+    fs::read_to_string(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// Optimises into a new folder.
+fn optimised(words: &[&str]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("there is room for a folder");
+    let path = folder.path().to_string_lossy().into_owned();
+    let words: Vec<&str> = ["optimise"]
+        .into_iter()
+        .chain(words.iter().copied())
+        .chain(["-o", &path])
+        .collect();
+    let text = said(&robovec(&words));
+    assert!(text.contains("proved against the input"), "{text}");
+    folder
+}
+
+/// The points that were tried.
+fn points(folder: &Path) -> Vec<Value> {
+    let points: Value = serde_json::from_str(&read(folder, "optimise.json")).expect("JSON");
+    points.as_array().expect("a list").clone()
+}
+
+fn cycles(folder: &Path) -> u64 {
+    let points = points(folder);
+    let taken = points.iter().find(|point| point["taken"] == true);
+    let taken = taken.expect("one is taken");
+    taken["cycles"].as_u64().expect("it is placed")
+}
+
+#[test]
+fn the_commands_it_names_make_the_same_program() {
+    for words in [
+        &["examples/suspension/mbs_dirdyna_suspension.m", "--effort=1"][..],
+        &[
+            "examples/models/bogie.mbs",
+            "--effort=1",
+            "--elements=8",
+            "--states=16",
+        ],
+        &[
+            "examples/models/bogie.mbs",
+            "--effort=1",
+            "--for=cpu",
+            "--states=16",
+            "--compiler=none",
+        ],
+    ] {
+        let folder = optimised(words);
+        let program = read(folder.path(), "program.rvir");
+        let again = tempfile::tempdir().expect("there is room for a folder");
+        // Commands are for who stands where the input is.
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        std::os::unix::fs::symlink(root.join("examples"), again.path().join("examples"))
+            .expect("a link can be made");
+        for line in read(folder.path(), "commands.txt").lines() {
+            let mut parts = line.split('\'');
+            let mut words: Vec<String> = Vec::new();
+            while let Some(plain) = parts.next() {
+                words.extend(plain.split_whitespace().map(str::to_owned));
+                words.extend(parts.next().map(str::to_owned));
+            }
+            let words: Vec<&str> = words.iter().map(String::as_str).collect();
+            said(&match words[0] {
+                "robovec" => robovec_in(again.path(), &words[1..]),
+                _ => opt_in(again.path(), &words[1..]),
+            });
+        }
+        assert_eq!(read(again.path(), "program.rvir"), program, "{words:?}");
+    }
+}
+
+#[test]
+fn effort_is_never_worse_and_threads_change_nothing() {
+    let file = "examples/suspension/mbs_dirdyna_suspension.m";
+    let mut known = u64::MAX;
+    for effort in ["--effort=1", "--effort=2", "--effort=4"] {
+        let one = optimised(&[file, effort, "--elements=16", "--jobs=1", "--states=16"]);
+        let three = optimised(&[file, effort, "--elements=16", "--jobs=3", "--states=16"]);
+        for name in [
+            "program.rvir",
+            "optimise.json",
+            "optimise.html",
+            "commands.txt",
+        ] {
+            assert_eq!(read(one.path(), name), read(three.path(), name), "{name}");
+        }
+        let cycles = cycles(one.path());
+        assert!(cycles <= known, "{effort}: {cycles} after {known}");
+        known = cycles;
+    }
+}
+
+#[test]
+fn a_search_that_goes_on_ends_as_one_that_was_not_interrupted() {
+    let words = ["examples/models/bogie.mbs", "--effort=1", "--states=16"];
+    let whole = optimised(&words);
+    let path = whole.path().to_string_lossy().into_owned();
+    // As if it had been stopped half way.
+    let mut kept: Vec<_> = fs::read_dir(whole.path().join("points"))
+        .expect("programs are kept")
+        .filter_map(Result::ok)
+        .map(|entry| entry.path())
+        .collect();
+    kept.sort();
+    assert!(kept.len() > 10, "{} programs are kept", kept.len());
+    let marked = &kept[0];
+    for path in kept.iter().step_by(2).skip(1) {
+        fs::remove_file(path).expect("it can be removed");
+    }
+    let before = fs::metadata(marked)
+        .and_then(|data| data.modified())
+        .expect("its time");
+    let program = read(whole.path(), "program.rvir");
+    let report = read(whole.path(), "optimise.json");
+    let mut again = vec!["optimise"];
+    again.extend(words);
+    again.extend(["--resume", "-o", &path]);
+    said(&robovec(&again));
+    assert_eq!(read(whole.path(), "program.rvir"), program);
+    assert_eq!(read(whole.path(), "optimise.json"), report);
+    let after = fs::metadata(marked)
+        .and_then(|data| data.modified())
+        .expect("its time");
+    assert_eq!(before, after, "what was kept is not made again");
+}
+
+#[test]
+fn every_target_is_ready_to_use() {
+    let fpga = optimised(&["examples/models/bogie.mbs", "--effort=1", "--states=16"]);
+    for name in ["program.rvir", "rtl", "optimise.svg", "optimise.csv"] {
+        assert!(fpga.path().join(name).exists(), "{name}");
+    }
+    let cpu = optimised(&[
+        "examples/models/bogie.mbs",
+        "--effort=1",
+        "--states=16",
+        "--for=cpu",
+    ]);
+    assert!(cpu.path().join("mbs_dirdyna_bogie.c").exists());
+    let batch = optimised(&[
+        "examples/models/bogie.mbs",
+        "--effort=1",
+        "--states=16",
+        "--for=batch",
+    ]);
+    assert!(batch.path().join("dirdyna_batch.c").exists());
+    // A text of nobody's.
+    let own = optimised(&["tests/passes/optimise/path.rvir", "--for=cpu", "--effort=1"]);
+    assert!(own.path().join("f.c").exists());
+}
+
+#[test]
+fn a_scene_leaves_out_what_it_does_not_need() {
+    let general = optimised(&["examples/models/bogie.mbs", "--effort=1", "--states=16"]);
+    let scene = optimised(&[
+        "examples/scenes/bogie-1e-4.scene.toml",
+        "--effort=1",
+        "--states=16",
+    ]);
+    assert!(cycles(scene.path()) < cycles(general.path()));
+}
+
+#[test]
+fn a_model_that_is_another_one_is_left_out_with_a_word() {
+    let text = said(&robovec(&[
+        "optimise",
+        "examples/suspension/mbs_dirdyna_suspension.m",
+        "--model=examples/models/bogie.mbs",
+        "--effort=1",
+    ]));
+    assert!(
+        text.contains("formulation composite was left out"),
+        "{text}"
+    );
+}
+
+#[test]
+fn class_real_rests_on_no_circle() {
+    let folder = optimised(&[
+        "examples/models/bogie.mbs",
+        "--class=real",
+        "--effort=1",
+        "--states=16",
+    ]);
+    let points = points(folder.path());
+    assert!(points.len() > 3);
+    for point in points {
+        let name = point["name"].as_str().expect("a name");
+        assert!(!name.contains("composite"), "{name}");
+    }
+}
+
+#[test]
+fn no_preset_beats_it() {
+    for elements in [4, 16] {
+        let file = "examples/suspension/mbs_dirdyna_suspension.m";
+        let folder = optimised(&[file, &format!("--elements={elements}"), "--states=16"]);
+        let best = cycles(folder.path());
+        for preset in REGISTRY.presets {
+            let passes = preset
+                .pipeline
+                .replace(",asap-alap", "")
+                .replace(",place,codegen", "");
+            let passes = format!("-passes={passes},place{{n_add={elements} n_multi={elements}}}");
+            let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+            let remark = stderr(&opt_in(root, &[file, &passes, "-o", "-"]));
+            let word = remark
+                .split(" cycles")
+                .next()
+                .and_then(|text| text.rsplit(' ').next());
+            let found: u64 = word
+                .and_then(|word| word.parse().ok())
+                .expect("it is placed");
+            assert!(best <= found, "{}: {found} beats {best}", preset.name);
+        }
+    }
+}
+
+/// One of the pipelines that somebody might try.
+fn random_pipeline(random: &mut Random) -> String {
+    const STEPS: [&str; 18] = [
+        "fold",
+        "zero-removal",
+        "balance",
+        "balance",
+        "cse",
+        "composite",
+        "composite",
+        "factor",
+        "factor{path=free}",
+        "factor-trig{path=free}",
+        "factor-trig",
+        "swap",
+        "lookahead",
+        "lookahead{growth=120}",
+        "lookahead{growth=150}",
+        "lookahead{growth=100 width=24 grid=5 frontiers=80}",
+        "recurrence",
+        "eqsat",
+    ];
+    let mut steps = vec!["atomise"];
+    for _ in 0..3 + random.below(7) {
+        steps.push(STEPS[random.below(STEPS.len())]);
+    }
+    steps.extend(["balance", "cse", "dce"]);
+    steps.join(",")
+}
+
+/// The cycles of a pipeline on so many elements; `None` where a pass gives up.
+fn cycles_of(file: &str, passes: &str, elements: u32) -> Option<u64> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let passes = format!("-passes={passes},place{{n_add={elements} n_multi={elements}}}");
+    let remark = stderr(&opt_in(root, &[file, &passes, "-o", "-"]));
+    let (before, _) = remark.rsplit_once(" cycles on")?;
+    before.rsplit(' ').next()?.parse().ok()
+}
+
+#[test]
+#[ignore = "takes long"]
+fn no_random_pipeline_beats_it() {
+    let models = std::env::var("ROBOVEC_OPTIMISE_FILES").unwrap_or_else(|_| {
+        "examples/suspension/mbs_dirdyna_suspension.m examples/models/quarter-car.mbs \
+         examples/models/double-pendulum.mbs examples/models/bogie.mbs \
+         examples/models/serial-23.mbs examples/models/semi-serial-23.mbs \
+         examples/models/parallel-23.mbs"
+            .to_owned()
+    });
+    let mut random = Random(1);
+    let mut worst: (f64, String) = (0.0, String::new());
+    for file in models.split_whitespace() {
+        for elements in [4, 16] {
+            let folder = optimised(&[file, &format!("--elements={elements}"), "--states=16"]);
+            let best = cycles(folder.path());
+            for _ in 0..40 {
+                let passes = random_pipeline(&mut random);
+                let Some(found) = cycles_of(file, &passes, elements) else {
+                    continue;
+                };
+                let ratio = best as f64 / found as f64;
+                if ratio > worst.0 {
+                    worst = (
+                        ratio,
+                        format!("{file}, {elements}: {best} against {found} by {passes}"),
+                    );
+                }
+            }
+            println!("{file}, {elements}: {best} cycles; so far at most {worst:?}");
+        }
+    }
+    assert!(worst.0 <= 1.02, "{worst:?}");
+}
