@@ -51,6 +51,10 @@ pub(super) fn secant(operation: Operation, [a, b, _]: [EvaluationPair; 3], exact
         (a.exact + half, ratio)
     };
     match operation {
+        // An operand that overflowed: how far it is off is known of none of
+        // these, and zero times an infinite error is not zero.
+        Operation::Div if b.computed.is_infinite() => [0.0, f64::NAN],
+        Operation::Sqrt if a.computed.is_infinite() => [f64::NAN, 0.0],
         Operation::Copy => [1.0, 0.0],
         Operation::Neg => [-1.0, 0.0],
         Operation::Add => [1.0, 1.0],

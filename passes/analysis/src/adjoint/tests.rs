@@ -189,6 +189,28 @@ fn a_derivative_that_is_no_number_gives_no_bound() {
 }
 
 #[test]
+fn what_is_divided_by_an_overflow_has_no_bound() {
+    // The quotient comes out as 0, which looks like a number.
+    let module = module(
+        "function f atomic {
+  in x[1..2]
+  out y
+  %a = x[1] * x[1]
+  %b = x[2] / %a
+  y = %b
+}",
+    );
+    let tape = Tape::new(&module.functions[0]);
+    let format: Format = "f16".parse().expect("it is a format");
+    let run = AdjointRun::of(&module.functions[0], &tape, format, &[300.0, 30000.0]);
+    let error = run.outputs(&[0])[0];
+    assert!(
+        error.actual.abs() > 0.3 && error.bound == f64::INFINITY,
+        "{error:?}"
+    );
+}
+
+#[test]
 fn bounds_of_single_operations_are_those_of_any_run() {
     let bounds = |operation: &str, inputs: [f64; 2]| {
         let module = module(&format!(
