@@ -294,10 +294,10 @@ impl<N: Copy> Stand<N> {
 fn skew<R: Ring>(ring: &mut R, h: RingVector<R::Number>) -> RingMatrix<R::Number> {
     let zero = ring.zero();
     let mut matrix = [[zero; 3]; 3];
-    for i in 0..3 {
+    for (i, part) in h.into_iter().enumerate() {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        matrix[j][k] = h[i];
-        matrix[k][j] = ring.sub(zero, h[i]);
+        matrix[j][k] = part;
+        matrix[k][j] = ring.sub(zero, part);
     }
     matrix
 }
