@@ -436,8 +436,8 @@ fn commands(arguments: &OptimiseArguments, given: &Given, found: &Optimised) -> 
     let input = match found.start {
         0 => arguments.input.clone(),
         start => {
-            if !given.model.is_empty() {
-                let recipe = &given.starts[start].recipe;
+            let recipe = &given.starts[start].recipe;
+            if !given.model.is_empty() && !recipe.is_empty() {
                 // Writing to a string cannot fail.
                 let _ = writeln!(text, "robovec gen {} {recipe} -o {START}", given.model);
             }

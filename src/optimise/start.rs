@@ -11,9 +11,11 @@ use crate::model::Model;
 use crate::robotran::FunctionKind;
 use robovec_analysis::class::NumericClass;
 use robovec_framework::check::check;
+use robovec_ir::print::{print_operand, print_output};
 use robovec_ir::states::States;
-use robovec_ir::{Level, Module, View};
+use robovec_ir::{Assignment, Input, Level, Module, Output, SourceSet, View};
 use robovec_passes::optimise::steps::StartForm;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Equations that programs are made from.
@@ -100,7 +102,11 @@ pub fn formulations(
                 .map_err(|error| error.to_string())
                 .and_then(|module| same_function(given, module));
             match same {
-                Ok(module) => Some(OptimisationStart::formulation(formulation, module, recipe)),
+                Ok((module, is_changed)) => {
+                    // No command makes what was changed here.
+                    let recipe = if is_changed { String::new() } else { recipe };
+                    Some(OptimisationStart::formulation(formulation, module, recipe))
+                }
                 Err(difference) => {
                     reason.get_or_insert(difference);
                     None
@@ -145,8 +151,9 @@ fn ways() -> [(Options, &'static str); 4] {
     ]
 }
 
-/// The function of a module that is the one that came in, alone in it.
-fn same_function(given: &Module, mut module: Module) -> Result<Module, String> {
+/// The function of a module that is the one that came in, alone in it, with
+/// the same outputs; and whether outputs were changed for that.
+fn same_function(given: &Module, mut module: Module) -> Result<(Module, bool), String> {
     let name = &given.functions[0].name;
     module.functions.retain(|function| function.name == *name);
     if module.functions.len() != 1 {
@@ -159,10 +166,74 @@ fn same_function(given: &Module, mut module: Module) -> Result<Module, String> {
         &States::new(1),
         POINTS,
     );
-    match verdict.holds() {
-        true => Ok(module),
-        false => Err(format!("the model's equations are others: {verdict}")),
+    if !verdict.holds() {
+        return Err(format!("the model's equations are others: {verdict}"));
     }
+    let known = input_names(view(given));
+    let reads = input_names(view(&module));
+    if let Some(other) = reads.iter().find(|name| !known.contains(*name)) {
+        return Err(format!(
+            "the model's equations read '{other}', which the input has not"
+        ));
+    }
+    let is_changed = with_outputs(given, &mut module)?;
+    Ok((module, is_changed))
+}
+
+fn input_names(view: View<'_>) -> BTreeSet<String> {
+    let inputs = 0..view.function.input_len() as u32;
+    inputs
+        .map(|index| print_operand(view, Input(index).into()))
+        .collect()
+}
+
+/// Gives a function the outputs of the one that came in, which was found to be
+/// the same: what only one of them sets is zero.
+fn with_outputs(given: &Module, module: &mut Module) -> Result<bool, String> {
+    let names = |view: View<'_>| -> Vec<String> {
+        let set = view.function.assignments.iter();
+        set.map(|set| print_output(view, set.output)).collect()
+    };
+    let wanted: BTreeSet<String> = names(view(given)).into_iter().collect();
+    let there = names(view(module));
+    let mut added = Vec::new();
+    for assignment in &given.functions[0].assignments {
+        let name = print_output(view(given), assignment.output);
+        if there.contains(&name) {
+            continue;
+        }
+        let (array, indices, rank) = given.functions[0].output_element(assignment.output);
+        let symbol = module
+            .tables
+            .symbols
+            .find(given.tables.symbols.text(array.name));
+        let arrays = module.functions[0].outputs().iter();
+        let place = arrays
+            .filter(|own| Some(own.name) == symbol)
+            .find_map(|own| Some(own.offset + own.shape.offset(&indices[..rank])?));
+        let place = place.ok_or_else(|| format!("the model's equations have no '{name}'"))?;
+        added.push(Output(place));
+    }
+    let function = &mut module.functions[0];
+    let before = function.assignments.len();
+    let mut kept = there.iter().map(|name| wanted.contains(name));
+    function
+        .assignments
+        .retain(|_| kept.next().expect("every assignment has a name"));
+    let is_changed = !added.is_empty() || function.assignments.len() != before;
+    if !is_changed {
+        return Ok(false);
+    }
+    let zero = function.constant(0.0);
+    function
+        .assignments
+        .extend(added.into_iter().map(|output| Assignment {
+            output,
+            operand: zero.into(),
+            sources: SourceSet::EMPTY,
+        }));
+    function.sort_assignments();
+    Ok(true)
 }
 
 /// Two modules of one function each, compared over all arrays of either.
