@@ -1,0 +1,136 @@
+//! What a search starts from, as the user named it.
+
+use super::OptimiseArguments;
+use crate::command::{CommandFailure, input, opt, subjects};
+use crate::generate::{GenerationRequest, generate};
+use crate::model::Model;
+use crate::optimise::start::{self, OptimisationStart};
+use crate::robotran::FunctionKind;
+use crate::scene::{SceneFile, SceneSubject};
+use robovec_framework::scene::Scene;
+use std::path::Path;
+
+/// What the user gave, read.
+pub(super) struct GivenStarts {
+    pub(super) name: String,
+    pub(super) starts: Vec<OptimisationStart>,
+    /// Formulations that are not the function that came in, and why.
+    pub(super) left: Vec<(String, String)>,
+    pub(super) scene: Option<Scene>,
+    /// The model that formulations are made from, as a word of a command.
+    pub(super) model: String,
+}
+
+/// Reads what the user named.
+pub(super) fn given(arguments: &OptimiseArguments) -> Result<GivenStarts, CommandFailure> {
+    if let Some(scene) = &arguments.scene {
+        return with_scene(arguments, input::scene(scene)?.scene);
+    }
+    if arguments.input.ends_with(".scene.toml") {
+        return of_scene(arguments, input::scene(Path::new(&arguments.input))?);
+    }
+    equations(arguments, arguments.function.as_deref())
+}
+
+/// Equations for a scene that the user named beside them.
+fn with_scene(arguments: &OptimiseArguments, scene: Scene) -> Result<GivenStarts, CommandFailure> {
+    let wished = scene.function.clone();
+    let function = arguments.function.clone().or(wished);
+    let given = equations(arguments, function.as_deref())?;
+    Ok(GivenStarts {
+        scene: Some(scene),
+        ..given
+    })
+}
+
+/// What a scene is about.
+fn of_scene(arguments: &OptimiseArguments, file: SceneFile) -> Result<GivenStarts, CommandFailure> {
+    let mut module = file
+        .module()
+        .map_err(|error| CommandFailure::plain(format!("{}: {error}", arguments.input)))?;
+    if module.functions.len() != 1 {
+        opt::select(
+            &mut module,
+            arguments.function.as_deref().unwrap_or("dirdyna"),
+        )?;
+    }
+    let (formulations, left) = match &file.subject {
+        SceneSubject::Model(subject) => {
+            start::formulations(&module, &subject.model, subject.function)
+        }
+        SceneSubject::Equations(_) => (Vec::new(), Vec::new()),
+    };
+    let mut starts = vec![OptimisationStart::given(module)];
+    starts.extend(formulations);
+    Ok(GivenStarts {
+        name: input::stem(Path::new(arguments.input.trim_end_matches(".toml"))),
+        starts,
+        left,
+        scene: Some(file.scene),
+        model: String::new(),
+    })
+}
+
+/// Equations of a file or a model, with the formulations of the model.
+fn equations(
+    arguments: &OptimiseArguments,
+    function: Option<&str>,
+) -> Result<GivenStarts, CommandFailure> {
+    let (name, model) = subjects::named_model(&arguments.input)?;
+    let wanted = function.unwrap_or("dirdyna");
+    let (mut module, model, words) = match (model, &arguments.model) {
+        (Some(_), Some(path)) => {
+            let note = format!("leave '--model {}' out", path.display());
+            let message = "the input is a model itself";
+            return Err(CommandFailure::advised(message, vec![note]));
+        }
+        (Some(model), None) => {
+            let kind = kind(wanted)?;
+            let request = GenerationRequest::new(kind);
+            let module = generate(&model, &request)
+                .map_err(|error| CommandFailure::plain(format!("{}: {error}", arguments.input)))?;
+            (module, Some(model), arguments.input.clone())
+        }
+        (None, path) => {
+            let module = input::equations(Path::new(&arguments.input), None)?.module;
+            let model: Option<Model> = match path {
+                Some(path) => Some(input::model(path)?.model),
+                None => None,
+            };
+            let words = path.as_ref().map(|path| path.display().to_string());
+            (module, model, words.unwrap_or_default())
+        }
+    };
+    if module.functions.len() != 1 {
+        opt::select(&mut module, wanted)?;
+    }
+    if module.functions.len() != 1 {
+        let names: Vec<&str> = module.functions.iter().map(|f| f.name.as_str()).collect();
+        return Err(CommandFailure::advised(
+            format!("'{wanted}' stands for {} functions", names.len()),
+            vec![format!("name one: --function {}", names.join(", "))],
+        ));
+    }
+    let (mut formulations, mut left) = (Vec::new(), Vec::new());
+    if let (Some(model), Some(kind)) = (&model, FunctionKind::with_name(&module.functions[0].name))
+    {
+        (formulations, left) = start::formulations(&module, model, kind);
+    }
+    let mut starts = vec![OptimisationStart::given(module)];
+    starts.append(&mut formulations);
+    Ok(GivenStarts {
+        name,
+        starts,
+        left,
+        scene: None,
+        model: words,
+    })
+}
+
+fn kind(name: &str) -> Result<FunctionKind, CommandFailure> {
+    FunctionKind::with_name(name).ok_or_else(|| {
+        let names = FunctionKind::ALL.map(FunctionKind::name).join(", ");
+        let message = format!("no function '{name}' is generated");
+        CommandFailure::advised(message, vec![format!("functions of a model: {names}")])
+    })
+}

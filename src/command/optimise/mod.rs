@@ -1,0 +1,176 @@
+//! `robovec optimise`: the best program for a target.
+
+mod given;
+mod told;
+
+use super::flags::{SEED, states, whole};
+use super::{CommandFailure, input, output, progress};
+use crate::bench::{Compiler, own};
+use crate::explore::placing::with_counts;
+use crate::explore::store::PointStore;
+use crate::optimise::{OptimisationQuestion, OptimisationTarget, optimise};
+use clap::{Args, ValueEnum};
+use robovec_framework::scene::Scene;
+use robovec_ir::states::States;
+use robovec_ir::{Machine, Operation};
+use robovec_passes::optimise::VariantClass;
+use std::path::PathBuf;
+
+/// Finds the best program for a target, proves it and writes it ready to use
+#[derive(Args, Debug)]
+pub(super) struct OptimiseArguments {
+    /// Robotran file, robovec text, model (.mbs), scene (.scene.toml) or built-in model (serial-23)
+    input: String,
+    /// Model (.mbs) that a file of equations comes from: its other formulations are tried, too
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    /// What the program is for
+    #[arg(
+        long = "for",
+        value_enum,
+        default_value = "fpga",
+        value_name = "TARGET"
+    )]
+    target: TargetName,
+    /// Function of a model, or of a file with several
+    #[arg(long)]
+    function: Option<String>,
+    /// Machine compiled for, a name or a .toml file; by default the scene's, else thesis
+    #[arg(long)]
+    machine: Option<String>,
+    /// Adders and multipliers each; by default as in the machine
+    #[arg(long, value_name = "N", add = whole(1, 4096, "a machine has elements of every kind"))]
+    elements: Option<u32>,
+    /// Scene that the function is needed for
+    #[arg(long, value_name = "FILE")]
+    scene: Option<PathBuf>,
+    /// What programs may rest on: equality over the reals alone, or also sin^2 + cos^2 = 1
+    #[arg(long, value_enum, default_value = "real-trig")]
+    class: ClassName,
+    /// How far the search goes; more is never worse and takes as many times longer
+    #[arg(long, default_value_t = 4, value_name = "N", add = whole(1, 10_000, "every effort takes as long as the first"))]
+    effort: u32,
+    /// Random states that errors are measured at; by default the more the smaller the function is
+    #[arg(long, default_value_t = 0, hide_default_value = true, add = states(0, 100_000))]
+    states: u32,
+    /// Seed of the states
+    #[arg(long, default_value_t = 1, add = SEED)]
+    seed: u64,
+    /// C compiler that times programs
+    #[arg(long, default_value = "cc", value_name = "COMMAND")]
+    compiler: String,
+    /// Its flags
+    #[arg(long, default_value = own::FLAGS, allow_hyphen_values = true)]
+    flags: String,
+    /// Folder for the program, optimise.html, .csv, .json and .svg
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+    /// Go on with the programs that an earlier run left in the folder
+    #[arg(long, requires = "output")]
+    resume: bool,
+    /// Threads; as many as there are processors by default
+    #[arg(long, value_name = "N", add = whole(1, 1024, "every thread takes memory of its own"))]
+    jobs: Option<u32>,
+    /// Replace files that robovec did not write
+    #[arg(long, requires = "output")]
+    force: bool,
+}
+
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+enum TargetName {
+    /// The shortest schedule on the machine; memory images and HDL
+    Fpga,
+    /// The least time of one evaluation in C, in the place of Robotran's file
+    Cpu,
+    /// The least time per state of C that evaluates several at once
+    Batch,
+}
+
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+enum ClassName {
+    /// Equality over the reals alone
+    Real,
+    /// And sin^2 + cos^2 = 1
+    RealTrig,
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &OptimiseArguments) -> Result<String, CommandFailure> {
+    let mut pool = rayon::ThreadPoolBuilder::new();
+    if let Some(jobs) = arguments.jobs {
+        pool = pool.num_threads(jobs as usize);
+    }
+    let pool = pool
+        .build()
+        .map_err(|error| CommandFailure::plain(format!("cannot start threads: {error}")))?;
+    let mut given = given::given(arguments)?;
+    if arguments.class == ClassName::Real {
+        // Formulations rest on sin^2 + cos^2 = 1.
+        given.starts.truncate(1);
+        given.left.clear();
+    }
+    let given = given;
+    let machine = machine(arguments, given.scene.as_ref())?;
+    let store = match &arguments.output {
+        None => None,
+        Some(folder) => {
+            output::make_folder(folder)?;
+            let store = PointStore::open(&folder.join("points"), arguments.resume);
+            Some(store.map_err(|error| {
+                CommandFailure::plain(format!("cannot make the folder for points: {error}"))
+            })?)
+        }
+    };
+    let source = match &given.scene {
+        Some(scene) => scene.states(arguments.seed),
+        None => States::new(arguments.seed),
+    };
+    let operations = given.starts[0].module.functions[0].nodes().len();
+    let compiler = Compiler::find(&arguments.compiler).ok();
+    let question = OptimisationQuestion {
+        target: match arguments.target {
+            TargetName::Fpga => OptimisationTarget::Fpga,
+            TargetName::Cpu => OptimisationTarget::Cpu,
+            TargetName::Batch => OptimisationTarget::Batch,
+        },
+        machine: &machine,
+        scene: given.scene.as_ref(),
+        class: match arguments.class {
+            ClassName::Real => VariantClass::Real,
+            ClassName::RealTrig => VariantClass::RealTrig,
+        },
+        effort: arguments.effort,
+        states: &source,
+        count: match arguments.states {
+            0 => robovec_analysis::rounding::usual_states(operations),
+            count => count,
+        },
+        compiler: compiler.as_ref(),
+        flags: &arguments.flags,
+        store: store.as_ref(),
+    };
+    let bar = progress::spinner();
+    let told = |what: &str| bar.set_message(what.to_owned());
+    let found = pool.install(|| optimise(&given.starts, &question, &told));
+    bar.finish_and_clear();
+    let found =
+        found.map_err(|error| CommandFailure::plain(format!("{}: {error}", arguments.input)))?;
+    told::tell(arguments, &given, &question, &found)
+}
+
+/// The machine, with the numbers of elements that are wanted.
+fn machine(
+    arguments: &OptimiseArguments,
+    scene: Option<&Scene>,
+) -> Result<Machine, CommandFailure> {
+    let wished = scene.and_then(|scene| scene.machine.as_deref());
+    let name = arguments.machine.as_deref().or(wished).unwrap_or("thesis");
+    let machine = input::machine(name)?;
+    Ok(match arguments.elements {
+        None => machine,
+        Some(count) => with_counts(
+            &machine,
+            &[(Operation::Add, count), (Operation::Mul, count)],
+        ),
+    })
+}
