@@ -8,7 +8,7 @@ use super::{CommandFailure, input, output, progress};
 use crate::bench::{Compiler, own};
 use crate::explore::placing::with_counts;
 use crate::explore::store::PointStore;
-use crate::optimise::{OptimisationQuestion, OptimisationTarget, optimise};
+use crate::optimise::{OptimisationError, OptimisationQuestion, OptimisationTarget, optimise};
 use clap::{Args, ValueEnum};
 use robovec_framework::scene::Scene;
 use robovec_ir::states::States;
@@ -153,8 +153,16 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<String, CommandFailur
     let told = |what: &str| bar.set_message(what.to_owned());
     let found = pool.install(|| optimise(&given.starts, &question, &told));
     bar.finish_and_clear();
-    let found =
-        found.map_err(|error| CommandFailure::plain(format!("{}: {error}", arguments.input)))?;
+    let found = found.map_err(|error| {
+        let notes = match error {
+            OptimisationError::Placement(_) => vec![
+                "'--machine' chooses another one, 'robovec-opt --list-machines' lists them"
+                    .to_owned(),
+            ],
+            OptimisationError::Program(_) | OptimisationError::Proof(_) => Vec::new(),
+        };
+        CommandFailure::advised(format!("{}: {error}", arguments.input), notes)
+    })?;
     told::tell(arguments, &given, &question, &found)
 }
 
