@@ -220,16 +220,7 @@ fn no_preset_beats_it() {
                 .pipeline
                 .replace(",asap-alap", "")
                 .replace(",place,codegen", "");
-            let passes = format!("-passes={passes},place{{n_add={elements} n_multi={elements}}}");
-            let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-            let remark = stderr(&opt_in(root, &[file, &passes, "-o", "-"]));
-            let word = remark
-                .split(" cycles")
-                .next()
-                .and_then(|text| text.rsplit(' ').next());
-            let found: u64 = word
-                .and_then(|word| word.parse().ok())
-                .expect("it is placed");
+            let found = cycles_of(file, &passes, elements).expect("it is placed");
             assert!(best <= found, "{}: {found} beats {best}", preset.name);
         }
     }

@@ -28,6 +28,9 @@ pub(crate) const fn real(least: f64, most: f64, reason: &'static str) -> FlagLim
 /// The limit of seeds.
 pub(crate) const SEED: FlagLimit = FlagLimit(NumberLimit::SEED);
 
+/// The limit of the effort of a search.
+pub(crate) const EFFORT: FlagLimit = FlagLimit(robovec_passes::optimise::EFFORT);
+
 /// The limit of numbers that are data: whatever binary64 can hold.
 pub(crate) const NUMBER: FlagLimit = real(
     -f64::MAX,

@@ -4,8 +4,8 @@
 //!
 //! An exploration makes programs, varies axes ([`axes`]), measures a point for
 //! every combination and keeps what no other point beats ([`pareto`]). Its
-//! clients are the rooms `front`, `fit`, `sweep`, `study` and `trigonometry`;
-//! none of them uses another one.
+//! clients are the rooms `optimise`, `front`, `fit`, `sweep`, `study` and
+//! `trigonometry`; none of them uses another one.
 //!
 //! What stays with the clients, since its meaning differs:
 //!

@@ -304,7 +304,8 @@ fn quotient(error: f64, size: f64) -> f64 {
     if error == 0.0 { 0.0 } else { error / size }
 }
 
-fn input_names(view: View<'_>) -> Vec<String> {
+/// The names of all input elements, in order.
+pub(crate) fn input_names(view: View<'_>) -> Vec<String> {
     let inputs = 0..view.function.input_len() as u32;
     inputs
         .map(|index| print_operand(view, Input(index).into()))

@@ -14,12 +14,12 @@ use robovec_ir::parse::parse_module;
 use robovec_ir::print::print_module;
 use robovec_ir::{Function, Machine, Module};
 use robovec_passes::optimise::search::{
-    ProgramMaker, SearchJob, SearchOutcome, SearchQuestion, SearchStart, search, usual_unit,
+    ProgramMaker, SearchJob, SearchOutcome, SearchQuestion, SearchStart, schedule_length, search,
+    usual_unit,
 };
 use robovec_passes::optimise::trial::VariantTrial;
-use robovec_passes::optimise::{Optimise, VariantClass};
 use robovec_passes::registry::REGISTRY;
-use robovec_schedule::{PlaceError, PlaceOptions, place};
+use robovec_schedule::PlaceError;
 use serde::{Deserialize, Serialize};
 use std::cmp::Reverse;
 use std::sync::Arc;
@@ -63,7 +63,7 @@ pub(super) fn programs(
     let search_question = SearchQuestion {
         machine: question.machine,
         goal: question.target.goal(),
-        class: class(question.class),
+        class: question.class.numeric(),
         registry: &REGISTRY,
         effort: question.effort,
         unit: usual_unit(operations),
@@ -98,16 +98,6 @@ pub(super) fn as_made(
     maker
         .as_made(&trial.program, trial.start)
         .map_err(|error| ExplorationError::Pass(error.to_string()).into())
-}
-
-/// What passes of a search may rest on.
-fn class(class: VariantClass) -> robovec_analysis::class::NumericClass {
-    use robovec_framework::pass::Pass;
-    let pass = Optimise {
-        class,
-        ..Optimise::default()
-    };
-    pass.class(Optimise::INFO.class)
 }
 
 struct ParallelMaker<'a> {
@@ -211,11 +201,9 @@ impl ProgramMaker for ParallelMaker<'_> {
         machine: &Machine,
     ) -> Vec<Result<u32, PlaceError>> {
         (self.progress)("placing");
-        let lengths = functions.par_iter().map(|&function| {
-            let mut function = function.clone();
-            let summary = place(&mut function, machine, PlaceOptions::default())?;
-            Ok(summary.cycles)
-        });
-        lengths.collect()
+        let functions = functions.par_iter();
+        functions
+            .map(|function| schedule_length(function, machine))
+            .collect()
     }
 }

@@ -4,11 +4,8 @@ use super::maker::MadeProgram;
 use super::start::{PreparedStarts, compared};
 use super::{OptimisationQuestion, OptimisationTarget};
 use crate::explore::placing::verified;
-use crate::explore::program::transformed_by;
-use robovec_analysis::class::NumericClass;
 use robovec_framework::manager::{self, Config};
 use robovec_ir::Module;
-use robovec_passes::optimise::VariantClass;
 use robovec_passes::optimise::trial::VariantTrial;
 use robovec_passes::registry::REGISTRY;
 use robovec_schedule::PlaceOptions;
@@ -28,10 +25,6 @@ pub(super) fn prove(
     trial: &VariantTrial<MadeProgram>,
     question: &OptimisationQuestion<'_>,
 ) -> Result<String, String> {
-    let class = match question.class {
-        VariantClass::Real => NumericClass::Real,
-        VariantClass::RealTrig => NumericClass::RealTrig,
-    };
     let program = &trial.program.module;
     // For a scene numbers are put in and rounded, after which two formulations
     // are equal but for that: each is compared with what it was made from.
@@ -39,7 +32,13 @@ pub(super) fn prove(
         None => &prepared.modules[0],
         Some(_) => &prepared.modules[trial.start],
     };
-    let verdict = compared(wanted, program, class, question.states, POINTS);
+    let verdict = compared(
+        wanted,
+        program,
+        question.class.numeric(),
+        question.states,
+        POINTS,
+    );
     if !verdict.holds() {
         return Err(verdict.to_string());
     }
@@ -80,18 +79,4 @@ fn specialised(
     manager::run(&mut module, &pipeline, config)
         .map(drop)
         .map_err(|error| error.to_string())
-}
-
-/// The program as it is written out: placed for a machine, as it is for a
-/// processor.
-///
-/// # Errors
-///
-/// When a pass gives up on it.
-pub fn finished(
-    program: &Module,
-    passes: &str,
-    question: &OptimisationQuestion<'_>,
-) -> Result<Module, crate::explore::program::ExplorationError> {
-    transformed_by(program, passes, question.machine, question.scene)
 }

@@ -4,6 +4,7 @@
 use super::{OptimisationError, OptimisationQuestion};
 use crate::align;
 use crate::explore::program::{transformed_by, view};
+use crate::explore::yardstick::input_names;
 use crate::generate::{
     Formulation, GenerationRequest, MomentOrigin, Options, PrefixNetwork, generate,
 };
@@ -11,9 +12,9 @@ use crate::model::Model;
 use crate::robotran::FunctionKind;
 use robovec_analysis::class::NumericClass;
 use robovec_framework::check::check;
-use robovec_ir::print::{print_operand, print_output};
+use robovec_ir::print::print_output;
 use robovec_ir::states::States;
-use robovec_ir::{Assignment, Input, Level, Module, Output, SourceSet, View};
+use robovec_ir::{Assignment, Level, Module, Output, SourceSet, View};
 use robovec_passes::optimise::steps::StartForm;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -169,7 +170,7 @@ fn same_function(given: &Module, mut module: Module) -> Result<(Module, bool), S
     if !verdict.holds() {
         return Err(format!("the model's equations are others: {verdict}"));
     }
-    let known = input_names(view(given));
+    let known: BTreeSet<String> = input_names(view(given)).into_iter().collect();
     let reads = input_names(view(&module));
     if let Some(other) = reads.iter().find(|name| !known.contains(*name)) {
         return Err(format!(
@@ -178,13 +179,6 @@ fn same_function(given: &Module, mut module: Module) -> Result<(Module, bool), S
     }
     let is_changed = with_outputs(given, &mut module)?;
     Ok((module, is_changed))
-}
-
-fn input_names(view: View<'_>) -> BTreeSet<String> {
-    let inputs = 0..view.function.input_len() as u32;
-    inputs
-        .map(|index| print_operand(view, Input(index).into()))
-        .collect()
 }
 
 /// Gives a function the outputs of the one that came in, which was found to be

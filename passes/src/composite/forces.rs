@@ -18,9 +18,9 @@
 //! ```
 //!
 //! with OM behind the joint, so that joint k adds a wrench of ten products to
-//! what the joints before it carry. Nothing is computed for each body as such:
-//! where the mass matrix is made of composites anyway, the forces cost about
-//! two thirds of those made body by body.
+//! what the joints before it carry. Nothing is computed for each body as such.
+//! Whether that takes fewer operations than body by body depends on the tree:
+//! who writes the equations has to compare.
 
 use super::bodies::{
     CompositeInertia, JointAxis, RingMatrix, RingVector, Stand, UnitWrench, cross,

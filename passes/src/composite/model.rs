@@ -6,7 +6,8 @@ use crate::factor::network::{FactorKind, FactorNetwork};
 use hashbrown::HashSet;
 use robovec_ir::{Array, Function, Input, Shape, Tables};
 
-/// The input elements of the system; `None` for an element that is zero in the model and so never read.
+/// The input elements of the system; `None` for an element that is zero in the
+/// model and so never read.
 pub(super) struct ModelInputs {
     /// Coordinates, by joint.
     pub(super) coordinates: Vec<Option<Input>>,

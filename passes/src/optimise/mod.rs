@@ -21,8 +21,10 @@ use robovec_framework::{declare_pass, option_words};
 use robovec_ir::machine::fields;
 use robovec_ir::{Function, Level, Machine};
 use robovec_num::limits::NumberLimit;
-use robovec_schedule::{PlaceError, PlaceOptions, element_counts, explain, place, with_counts};
-use search::{ProgramMaker, SearchJob, SearchQuestion, SearchStart, search, usual_unit};
+use robovec_schedule::{PlaceError, element_counts, explain, with_counts};
+use search::{
+    ProgramMaker, SearchJob, SearchQuestion, SearchStart, schedule_length, search, usual_unit,
+};
 use steps::StartForm;
 
 option_words! {
@@ -110,12 +112,19 @@ declare_pass! {
     destroys: [Timed],
 }
 
-impl Pass for Optimise {
-    fn class(&self, declared: NumericClass) -> NumericClass {
-        match self.class {
+impl VariantClass {
+    /// The class of a function that rests on it.
+    pub fn numeric(self) -> NumericClass {
+        match self {
             VariantClass::Real => NumericClass::Real,
-            VariantClass::RealTrig => declared,
+            VariantClass::RealTrig => NumericClass::RealTrig,
         }
+    }
+}
+
+impl Pass for Optimise {
+    fn class(&self, _: NumericClass) -> NumericClass {
+        self.class.numeric()
     }
 
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
@@ -141,7 +150,7 @@ impl Pass for Optimise {
         let question = SearchQuestion {
             machine: &machine,
             goal: self.r#for,
-            class: self.class(Optimise::INFO.class),
+            class: self.class.numeric(),
             registry: context.registry,
             effort: self.effort,
             unit: match self.budget {
@@ -161,11 +170,9 @@ impl Pass for Optimise {
         let mut outcome = search(&mut maker, vec![start], question)?;
         let rows = table::rows(&outcome);
         let Some(best) = outcome.best else {
-            let first = outcome.trials.iter();
-            let failed = first.filter_map(|trial| Some((trial, trial.bound.as_ref().err()?)));
-            let (trial, error) = failed
-                .min_by_key(|(trial, _)| trial.start)
-                .expect("what cannot be placed has a reason");
+            let mut trials = outcome.trials.iter();
+            let failed = trials.find_map(|trial| Some((trial, trial.bound.as_ref().err()?)));
+            let (trial, error) = failed.expect("what cannot be placed has a reason");
             return Err(explain(error, &trial.program.0, context));
         };
         context.remarks.extend(rows);
@@ -182,7 +189,7 @@ impl Pass for Optimise {
 }
 
 /// What effort costs.
-const EFFORT: NumberLimit =
+pub const EFFORT: NumberLimit =
     NumberLimit::whole(1, 10_000, "every effort takes as long as the first");
 
 /// Makes variants by running passes inside the pass: one after the other, since
@@ -223,11 +230,8 @@ impl ProgramMaker for NestedPasses<'_, '_> {
         machine: &Machine,
     ) -> Vec<Result<u32, PlaceError>> {
         let functions = functions.iter();
-        let lengths = functions.map(|&function| {
-            let mut function = function.clone();
-            let summary = place(&mut function, machine, PlaceOptions::default())?;
-            Ok(summary.cycles)
-        });
-        lengths.collect()
+        functions
+            .map(|function| schedule_length(function, machine))
+            .collect()
     }
 }

@@ -23,7 +23,7 @@ use robovec_analysis::class::NumericClass;
 use robovec_framework::pass::{PassError, Registry};
 use robovec_framework::pipeline::Pipeline;
 use robovec_ir::{Function, Machine, Operation};
-use robovec_schedule::PlaceError;
+use robovec_schedule::{PlaceError, PlaceOptions, place};
 
 /// What is searched for, and how far.
 #[derive(Clone, Copy, Debug)]
@@ -120,6 +120,17 @@ pub fn usual_unit(operations: usize) -> u64 {
     /// Enough for all preparations and some moves.
     const PER_OPERATION: u64 = 40;
     (operations as u64 * PER_OPERATION).clamp(LEAST, MOST)
+}
+
+/// The length of the schedule that `place` makes of a function, in cycles.
+///
+/// # Errors
+///
+/// Those of [`place`].
+pub fn schedule_length(function: &Function, machine: &Machine) -> Result<u32, PlaceError> {
+    let mut function = function.clone();
+    let summary = place(&mut function, machine, PlaceOptions::default())?;
+    Ok(summary.cycles)
 }
 
 /// Searches. The first preparation of the first start is always made.
@@ -282,8 +293,7 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
     }
 
     fn keep(&mut self, name: (String, usize, String), program: M::Program, is_prepared: bool) {
-        let function = M::function(&program).clone();
-        let mut trial = VariantTrial::new(name, program, &function, self.question.machine);
+        let mut trial = VariantTrial::new(name, program, M::function, self.question.machine);
         trial.is_prepared = is_prepared;
         if self.trials.iter().any(|known| known.looks_like(&trial)) {
             if !is_prepared {

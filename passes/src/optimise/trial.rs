@@ -39,17 +39,20 @@ impl<P> VariantTrial<P> {
     pub(super) fn new(
         (name, start, pipeline): (String, usize, String),
         program: P,
-        function: &Function,
+        function: impl Fn(&P) -> &Function,
         machine: &Machine,
     ) -> VariantTrial<P> {
+        let function = function(&program);
         let bound = schedule_bound(function, machine);
+        let (operations, shared) = (Counts::of(function).operations, shared(function, machine));
+        let path = critical_path(function, machine).asap_cycle;
         VariantTrial {
             name,
             start,
             pipeline,
             program,
-            operations: Counts::of(function).operations,
-            path: critical_path(function, machine).asap_cycle,
+            operations,
+            path,
             remark: match bound {
                 Ok(_) => "",
                 Err(_) => "cannot be placed",
@@ -57,7 +60,7 @@ impl<P> VariantTrial<P> {
             bound,
             cycles: None,
             is_prepared: false,
-            shared: shared(function, machine),
+            shared,
             is_expanded: false,
         }
     }

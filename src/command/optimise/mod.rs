@@ -3,7 +3,7 @@
 mod given;
 mod told;
 
-use super::flags::{SEED, states, whole};
+use super::flags::{EFFORT, SEED, states, whole};
 use super::{CommandFailure, input, output, progress};
 use crate::bench::{Compiler, own};
 use crate::explore::placing::with_counts;
@@ -48,7 +48,7 @@ pub(super) struct OptimiseArguments {
     #[arg(long, value_enum, default_value = "real-trig")]
     class: ClassName,
     /// How far the search goes; more is never worse and takes as many times longer
-    #[arg(long, default_value_t = 4, value_name = "N", add = whole(1, 10_000, "every effort takes as long as the first"))]
+    #[arg(long, default_value_t = 4, value_name = "N", add = EFFORT)]
     effort: u32,
     /// Random states that errors are measured at; by default the more the smaller the function is
     #[arg(long, default_value_t = 0, hide_default_value = true, add = states(0, 100_000))]

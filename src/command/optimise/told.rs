@@ -4,9 +4,9 @@ use super::given::GivenStarts;
 use super::{OptimiseArguments, TargetName};
 use crate::command::CommandFailure;
 use crate::command::output::{self, result_files};
-use crate::explore::program::view;
+use crate::explore::program::{transformed_by, view};
 use crate::files::Replace;
-use crate::optimise::{OptimisationQuestion, OptimisationTarget, Optimised, page, proof, text};
+use crate::optimise::{OptimisationQuestion, OptimisationTarget, Optimised, page, text};
 use crate::present::json::json_text;
 use crate::robotran::drop_in::{DropInOptions, drop_in};
 use robovec_codegen::c;
@@ -204,7 +204,8 @@ fn program_files(
     let fail = |error: &dyn std::fmt::Display| CommandFailure::plain(error.to_string());
     match question.target {
         OptimisationTarget::Fpga => {
-            let placed = proof::finished(&found.program, "place", question);
+            let (machine, scene) = (question.machine, question.scene);
+            let placed = transformed_by(&found.program, "place", machine, scene);
             let placed = placed.map_err(|error| fail(&error))?;
             let mut files = vec![(PROGRAM.to_owned(), print::print_module(&placed))];
             for (target, folder) in [("rtl", HARDWARE), ("mif", IMAGES)] {
