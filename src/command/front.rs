@@ -115,11 +115,7 @@ pub(super) fn programs(subject: &str, function: &str) -> Result<Programs, Comman
         }
         return Ok((name, module, Vec::new()));
     };
-    let kind = FunctionKind::from_name(function).ok_or_else(|| {
-        let names = FunctionKind::ALL.map(FunctionKind::name).join(", ");
-        let message = format!("no function '{function}' is generated");
-        CommandFailure::advised(message, vec![format!("functions of a model: {names}")])
-    })?;
+    let kind = FunctionKind::from_name(function).ok_or_else(|| input::no_such_kind(function))?;
     let module = equations(&model, kind, Formulation::Recursive)?;
     let mut others = Vec::new();
     for formulation in FORMULATIONS {

@@ -53,16 +53,7 @@ pub(crate) fn equations_or_model(
         return equations(path, language);
     }
     let kind = function.map_or(Some(FunctionKind::Dirdyna), FunctionKind::with_name);
-    let Some(kind) = kind else {
-        let names = FunctionKind::ALL.map(FunctionKind::name).join(", ");
-        return Err(CommandFailure::advised(
-            format!(
-                "no function '{}' is generated",
-                function.unwrap_or_default()
-            ),
-            vec![format!("functions of a model: {names}")],
-        ));
-    };
+    let kind = kind.ok_or_else(|| no_such_kind(function.unwrap_or_default()))?;
     let read = model_for(path, Some(kind))?;
     let module = generate(&read.model, &GenerationRequest::new(kind))
         .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
@@ -71,6 +62,13 @@ pub(crate) fn equations_or_model(
         name: display_name(path),
         path: path.to_owned(),
     })
+}
+
+/// The failure for a function that no model gives.
+pub(crate) fn no_such_kind(name: &str) -> CommandFailure {
+    let names = FunctionKind::ALL.map(FunctionKind::name).join(", ");
+    let message = format!("no function '{name}' is generated");
+    CommandFailure::advised(message, vec![format!("functions of a model: {names}")])
 }
 
 /// Reads equations in any language.

@@ -74,3 +74,12 @@ impl CommandFailure {
         self.0.emit_to_stderr(ColorChoice::Auto).unwrap_or_default();
     }
 }
+
+/// So many threads; as many as there are processors when the user does not say.
+fn threads(jobs: Option<u32>) -> Result<rayon::ThreadPool, CommandFailure> {
+    let pool = rayon::ThreadPoolBuilder::new();
+    // 0 stands for as many as there are processors.
+    let pool = pool.num_threads(jobs.map_or(0, |jobs| jobs as usize));
+    pool.build()
+        .map_err(|error| CommandFailure::plain(format!("cannot start threads: {error}")))
+}

@@ -115,13 +115,7 @@ fn compute(
     plan: StudyPlan,
     store: &PointStore,
 ) -> Result<Results, CommandFailure> {
-    let mut pool = rayon::ThreadPoolBuilder::new();
-    if let Some(jobs) = arguments.jobs {
-        pool = pool.num_threads(jobs as usize);
-    }
-    let pool = pool
-        .build()
-        .map_err(|error| CommandFailure::plain(format!("cannot start threads: {error}")))?;
+    let pool = super::threads(arguments.jobs)?;
     let bar = progress::bar(plan.requests.len(), PROGRESS);
     let progress = |model: &str| {
         bar.inc(1);

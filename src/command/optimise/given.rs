@@ -85,7 +85,8 @@ fn equations(
             return Err(CommandFailure::advised(message, vec![note]));
         }
         (Some(model), None) => {
-            let kind = kind(wanted)?;
+            let kind = FunctionKind::with_name(wanted);
+            let kind = kind.ok_or_else(|| input::no_such_kind(wanted))?;
             let request = GenerationRequest::new(kind);
             let module = generate(&model, &request)
                 .map_err(|error| CommandFailure::plain(format!("{}: {error}", arguments.input)))?;
@@ -124,13 +125,5 @@ fn equations(
         left,
         scene: None,
         model: words,
-    })
-}
-
-fn kind(name: &str) -> Result<FunctionKind, CommandFailure> {
-    FunctionKind::with_name(name).ok_or_else(|| {
-        let names = FunctionKind::ALL.map(FunctionKind::name).join(", ");
-        let message = format!("no function '{name}' is generated");
-        CommandFailure::advised(message, vec![format!("functions of a model: {names}")])
     })
 }

@@ -96,13 +96,7 @@ enum ClassName {
 
 /// Runs the command.
 pub(super) fn run(arguments: &OptimiseArguments) -> Result<String, CommandFailure> {
-    let mut pool = rayon::ThreadPoolBuilder::new();
-    if let Some(jobs) = arguments.jobs {
-        pool = pool.num_threads(jobs as usize);
-    }
-    let pool = pool
-        .build()
-        .map_err(|error| CommandFailure::plain(format!("cannot start threads: {error}")))?;
+    let pool = super::threads(arguments.jobs)?;
     let mut given = given::given(arguments)?;
     if arguments.class == ClassName::Real {
         // Formulations rest on sin^2 + cos^2 = 1.
