@@ -52,14 +52,16 @@ pub(super) fn programs(
     prepared: &PreparedStarts,
     question: &OptimisationQuestion<'_>,
     progress: ExplorationProgress<'_>,
-) -> Result<SearchOutcome<MadeProgram>, OptimisationError> {
+) -> Result<SearchOutcome<MadeProgram>, ExplorationError> {
     let mut maker = ParallelMaker {
         question,
         progress,
         build: build_key().ok(),
         starts: &prepared.modules,
     };
-    let operations = Counts::of(view(&prepared.modules[0]).function).operations;
+    let sizes = prepared.modules.iter();
+    let sizes = sizes.map(|module| Counts::of(view(module).function).operations);
+    let operations = sizes.min().expect("a search has starts");
     let search_question = SearchQuestion {
         machine: question.machine,
         goal: question.target.goal(),
@@ -80,7 +82,7 @@ pub(super) fn programs(
     });
     let starts = starts.collect();
     search(&mut maker, starts, search_question)
-        .map_err(|error| ExplorationError::Pass(error.to_string()).into())
+        .map_err(|error| ExplorationError::Pass(error.to_string()))
 }
 
 /// A program of a search as it was made, where its text was read from disk.

@@ -99,8 +99,8 @@ declare_pass! {
         /// times longer.
         pub effort: u32 = 1 => EFFORT,
         /// The work of one effort, in operations that are reassociated once;
-        /// for 0 forty times the operations, at least 250,000 and at most
-        /// 4,000,000.
+        /// for 0 forty times the operations, at least 1,500,000 and at
+        /// most 8,000,000.
         pub budget: u32 = 0 => NumberLimit::whole(
             0, 1_000_000_000, "variants are made until so many operations were reassociated"),
     }

@@ -112,12 +112,12 @@ pub struct SearchOutcome<P> {
     pub alike: usize,
 }
 
-/// The work of one effort for a start of so many operations: some seconds on
-/// one core for models of any usual size.
+/// The work of one effort where the smallest start has so many operations:
+/// some seconds on one core for models of any usual size.
 pub fn usual_unit(operations: usize) -> u64 {
-    const LEAST: u64 = 250_000;
-    const MOST: u64 = 4_000_000;
-    /// Enough for all preparations and some moves.
+    const LEAST: u64 = 1_500_000;
+    const MOST: u64 = 8_000_000;
+    /// Enough for all preparations and one move.
     const PER_OPERATION: u64 = 40;
     (operations as u64 * PER_OPERATION).clamp(LEAST, MOST)
 }
@@ -155,8 +155,10 @@ pub fn search<M: ProgramMaker>(
         expansions: 0,
         alike: 0,
     };
-    let planned = search.preparations();
-    search.carry_out(planned);
+    for is_first in [true, false] {
+        let planned = search.preparations(is_first);
+        search.carry_out(planned);
+    }
     search.expand(1);
     for effort in 2..=question.effort {
         search.budget += question.unit;
@@ -210,11 +212,14 @@ const EXPANSIONS: u32 = 4;
 const PLACED_AT_ONCE: usize = 4;
 
 impl<M: ProgramMaker> ProgramSearch<'_, M> {
-    fn preparations(&self) -> Vec<PlannedStep> {
+    /// The preparations of all starts that come first, or all others.
+    fn preparations(&self, is_first: bool) -> Vec<PlannedStep> {
         let mut planned = Vec::new();
         for (index, start) in self.starts.iter().enumerate() {
-            let steps = PREPARATIONS.iter();
-            let steps = steps.filter(|step| !step.printed_only || start.form == StartForm::Printed);
+            let steps = PREPARATIONS.iter().filter(|step| {
+                step.is_first == is_first
+                    && (!step.printed_only || start.form == StartForm::Printed)
+            });
             planned.extend(steps.map(|step| PlannedStep {
                 origin: Origin::Start(index),
                 step,
@@ -336,11 +341,28 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
         )
     }
 
+    /// True when no preparation of a start saves so much that it would come
+    /// near the best program: what the first ones made of it is twice as far.
+    fn is_far_off(&self, start: usize) -> bool {
+        let scarce = |trial: &VariantTrial<M::Program>| match self.question.goal {
+            Goal::Cycles => trial.shared as usize,
+            Goal::Operations => trial.operations,
+            Goal::Path => 0,
+        };
+        let prepared = self.trials.iter().filter(|trial| trial.is_prepared);
+        let own = prepared.filter(|trial| trial.start == start);
+        let (Some(own), Some(best)) = (own.map(scarce).min(), self.best()) else {
+            return false;
+        };
+        own > 2 * self.rank(best).0
+    }
+
     /// True when the elements cannot perform so many operations in the time
     /// of the best schedule, or when nothing but operations is scarce.
     fn is_hopeless(&self, plan: PlannedStep) -> bool {
-        let Origin::Trial(index) = plan.origin else {
-            return false;
+        let index = match plan.origin {
+            Origin::Start(start) => return !plan.step.is_first && self.is_far_off(start),
+            Origin::Trial(index) => index,
         };
         if self.question.goal == Goal::Operations {
             return plan.step.growth > 100;
