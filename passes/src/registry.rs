@@ -63,7 +63,8 @@ const PRESETS: &[Preset] = &[
     },
     Preset {
         name: "fpga",
-        summary: "from equations to memory images for the machine's processing elements",
-        pipeline: "atomise,fold,zero-removal,balance,cse,dce,place,codegen",
+        summary: "from equations to memory images for the machine's processing elements: the best \
+                  schedule that a search of one effort finds",
+        pipeline: "atomise,optimise,place,codegen",
     },
 ];

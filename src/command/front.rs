@@ -6,6 +6,7 @@ use super::{CommandFailure, generation, input, output, progress, subjects};
 use crate::front::{self, Front, FrontQuestion};
 use crate::generate::{Formulation, Options};
 use crate::model::Model;
+use crate::optimise::start::FORMULATIONS;
 use crate::present::json::json_text;
 use crate::robotran::FunctionKind;
 use clap::Args;
@@ -125,17 +126,6 @@ pub(super) fn programs(subject: &str, function: &str) -> Result<Programs, Comman
     }
     Ok((name, module, others))
 }
-
-/// Other formulations that are tried: the fewest operations, and the shortest
-/// path.
-const FORMULATIONS: [Formulation; 3] = [
-    Formulation::Composite,
-    Formulation::CompositeBase,
-    Formulation::Prefix {
-        network: crate::generate::PrefixNetwork::Sklansky,
-        origin: crate::generate::MomentOrigin::Body,
-    },
-];
 
 fn equations(
     model: &Model,

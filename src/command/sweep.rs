@@ -3,15 +3,21 @@
 use super::flags::whole;
 use super::front::programs;
 use super::output::result_files;
-use super::{CommandFailure, input, output};
+use super::{CommandFailure, input, output, progress};
 use crate::explore::operators::{Couple, couples};
-use crate::explore::program::{transformed_by, view};
+use crate::explore::program::{ExplorationError, transformed_by, view};
+use crate::generate::Formulation;
+use crate::optimise::found::found;
+use crate::optimise::start::starts;
 use crate::present::json::json_text;
 use crate::sweep::design::{DesignSpace, interconnect_names};
-use crate::sweep::{FunctionSweep, page, sweep, text};
+use crate::sweep::{FunctionSweep, SweptProgram, page, sweep, text};
 use clap::{Args, ValueEnum};
 use robovec_ir::machine::{Interconnect, MemoryStyle};
+use robovec_ir::{Machine, Module};
+use robovec_passes::optimise::steps;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Resources against time: every design of a space of machines, and those that no other one beats
 #[derive(Args, Debug)]
@@ -22,13 +28,11 @@ pub(super) struct SweepArguments {
     /// Function of the models
     #[arg(long, default_value = "dirdyna")]
     function: String,
-    /// Pipeline that makes the program to be placed
-    #[arg(
-        long,
-        default_value = "atomise,zero-removal,balance,cse,dce",
-        value_name = "PIPELINE"
-    )]
-    passes: String,
+    /// Pipeline that makes the program to be placed; by default programs are searched as 'robovec
+    /// optimise' does, for the fewest elements, the most and between, and every design takes the
+    /// one with the shortest schedule
+    #[arg(long, value_name = "PIPELINE")]
+    passes: Option<String>,
     /// Numbers of adders
     #[arg(long, value_delimiter = ',', default_value = "1,2,4,8,16",
           add = whole(1, 1024, "a program is placed for every number of elements"))]
@@ -81,18 +85,24 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> 
     let mut sweeps: Vec<FunctionSweep> = Vec::new();
     let mut report = String::new();
     for subject in &arguments.subjects {
-        let (name, module, _) = programs(subject, &arguments.function)?;
+        let (name, module, others) = programs(subject, &arguments.function)?;
         let failure = |error: String| CommandFailure::plain(format!("{name}: {error}"));
         let made = |passes: &str| {
             let made = transformed_by(&module, passes, &thesis, None);
             made.map_err(|error| failure(error.to_string()))
         };
-        let program = made(&arguments.passes)?;
+        let swept = match &arguments.passes {
+            Some(passes) => vec![SweptProgram::new(passes.clone(), made(passes)?)],
+            None => {
+                let searched = searched(&module, others, &thesis, &space);
+                searched.map_err(|error| failure(error.to_string()))?
+            }
+        };
         let compiled = match arguments.cpu {
             true => Some(made("$cpu")?),
             false => None,
         };
-        let result = sweep(&name, &program, &space, compiled.as_ref().map(view))
+        let result = sweep(&name, swept, &space, compiled.as_ref().map(view))
             .map_err(|error| failure(error.to_string()))?;
         report += &text::text(&result);
         report.push('\n');
@@ -102,6 +112,40 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> 
         write(folder, &sweeps)?;
     }
     Ok(report)
+}
+
+/// The programs that the search finds for the fewest elements of a space, the
+/// most, and between.
+fn searched(
+    module: &Module,
+    others: Vec<(Formulation, Module)>,
+    machine: &Machine,
+    space: &DesignSpace,
+) -> Result<Vec<SweptProgram>, ExplorationError> {
+    let starts = starts(module.clone(), others);
+    let mut pairs: Vec<[u32; 2]> = space.pairs().map(|(add, multi)| [add, multi]).collect();
+    pairs.sort_by_key(|&[add, multi]| (u64::from(add) + u64::from(multi), add));
+    let wanted: Vec<[u32; 2]> = match pairs.len() {
+        0..=3 => pairs,
+        count => vec![pairs[0], pairs[count / 2], pairs[count - 1]],
+    };
+    let bar = progress::spinner();
+    let told = |what: &str| bar.set_message(what.to_owned());
+    let found = found(&starts, machine, &wanted, &told);
+    bar.finish_and_clear();
+    let programs = found?.into_iter();
+    let programs = programs.map(|found| {
+        let module = Arc::unwrap_or_clone(found.program);
+        SweptProgram::new(found.name, module)
+    });
+    let mut programs: Vec<SweptProgram> = programs.collect();
+    if programs.is_empty() {
+        // The machine can place none: the sweep says why for each design.
+        let passes = format!("atomise,{}", steps::REASSOCIATED);
+        let program = transformed_by(module, &passes, machine, None)?;
+        programs.push(SweptProgram::new(passes, program));
+    }
+    Ok(programs)
 }
 
 fn space(arguments: &SweepArguments) -> Result<DesignSpace, CommandFailure> {

@@ -5,30 +5,21 @@ use super::{FitError, FitProgram, FitTask, SineTreatment, largest_tolerance_shar
 use crate::explore::ExplorationProgress;
 use crate::explore::program::{ExplorationError, transformed_by, view};
 use crate::explore::yardstick::Yardstick;
-use robovec_ir::Format;
-use robovec_ir::count::Counts;
+use crate::generate::Formulation;
+use crate::optimise::found::found;
+use crate::optimise::start::OptimisationStart;
 use robovec_ir::print::print_function;
+use robovec_ir::{Format, Module};
+use robovec_passes::optimise::steps;
 use std::sync::Arc;
 
-/// Passes behind `specialise`, by name: few operations first.
-const VARIANTS: [(&str, &str); 3] = [
-    ("balanced", "atomise,fold,zero-removal,balance,cse,dce"),
-    (
-        "look-ahead 100 %",
-        "atomise,fold,zero-removal,balance,cse,dce,lookahead{growth=100},balance,cse,dce",
-    ),
-    (
-        "look-ahead 130 %",
-        "atomise,fold,zero-removal,balance,cse,dce,lookahead{growth=130},balance,cse,dce",
-    ),
-];
+/// Numbers of adders and multipliers that programs are searched for: few
+/// operations, short paths, and between the two.
+const SEARCHED: [[u32; 2]; 3] = [[1, 1], [4, 4], [16, 16]];
 
-/// Larger programs are only balanced: look-ahead takes a quarter of a
-/// millisecond per operation.
-const LARGE: usize = 60_000;
-
-/// Every formulation in every variant. Formulations that a pass gives up on,
-/// or that compute something else for this scene, are left out.
+/// Every formulation balanced, and what the search of `robovec optimise` finds
+/// from all of them. Formulations that a pass gives up on, or that compute
+/// something else for this scene, are left out.
 pub(super) fn programs(
     task: &FitTask<'_>,
     yardstick: &Yardstick,
@@ -37,6 +28,7 @@ pub(super) fn programs(
     let mut programs: Vec<FitProgram> = Vec::new();
     let mut last: Option<ExplorationError> = None;
     let mut texts: Vec<String> = Vec::new();
+    let mut starts: Vec<(Formulation, Module)> = Vec::new();
     for (formulation, module) in &task.formulations {
         let special = match transformed_by(module, "specialise", task.machine, Some(task.scene)) {
             Ok(special) => special,
@@ -51,26 +43,23 @@ pub(super) fn programs(
             continue;
         }
         texts.push(text);
-        for (variant, stages) in VARIANTS {
-            let name = format!("{}, {variant}", formulation.name());
-            progress(&name);
-            let size = Counts::of(&special.functions[0]).operations;
-            if size > LARGE && variant != VARIANTS[0].0 {
-                continue;
-            }
-            match transformed_by(&special, stages, task.machine, Some(task.scene)) {
-                Ok(module) => programs.push(FitProgram {
-                    name,
-                    pipeline: format!("specialise,{stages}"),
-                    formulation: *formulation,
-                    treatment: SineTreatment::True,
-                    module: Arc::new(module),
-                    model_share: 0.0,
-                }),
-                Err(error) => last = Some(error),
-            }
+        let stages = format!("atomise,{}", steps::REASSOCIATED);
+        let name = format!("{}, balanced", formulation.name());
+        progress(&name);
+        match transformed_by(&special, &stages, task.machine, Some(task.scene)) {
+            Ok(module) => programs.push(FitProgram {
+                name,
+                pipeline: format!("specialise,{stages}"),
+                formulation: *formulation,
+                treatment: SineTreatment::True,
+                module: Arc::new(module),
+                model_share: 0.0,
+            }),
+            Err(error) => last = Some(error),
         }
+        starts.push((*formulation, special));
     }
+    programs.extend(searched(task, &starts, progress)?);
     for program in &mut programs {
         let errors = yardstick
             .errors(view(&program.module), Format::BINARY64)
@@ -82,4 +71,36 @@ pub(super) fn programs(
         return Err(FitError::NoProgram(reason));
     }
     Ok(programs)
+}
+
+/// What the search finds from specialised formulations.
+fn searched(
+    task: &FitTask<'_>,
+    formulations: &[(Formulation, Module)],
+    progress: ExplorationProgress<'_>,
+) -> Result<Vec<FitProgram>, ExplorationError> {
+    let starts = formulations.iter().map(|(formulation, module)| {
+        let made = module.clone();
+        match formulation {
+            Formulation::Recursive => OptimisationStart {
+                name: formulation.name().to_owned(),
+                ..OptimisationStart::given(made)
+            },
+            _ => OptimisationStart::formulation(*formulation, made, String::new()),
+        }
+    });
+    let starts: Vec<OptimisationStart> = starts.collect();
+    if starts.is_empty() {
+        return Ok(Vec::new());
+    }
+    let found = found(&starts, task.machine, &SEARCHED, progress)?;
+    let programs = found.into_iter().map(|found| FitProgram {
+        name: found.name,
+        pipeline: format!("specialise,{}", found.passes),
+        formulation: formulations[found.start].0,
+        treatment: SineTreatment::True,
+        module: found.program,
+        model_share: 0.0,
+    });
+    Ok(programs.collect())
 }

@@ -7,6 +7,7 @@
 
 use crate::generate::Formulation;
 use robovec_ir::Format;
+use robovec_passes::optimise::steps;
 
 /// A way to compute a function.
 #[derive(Clone, PartialEq, Debug)]
@@ -28,8 +29,6 @@ pub struct FrontChoice {
 const BALANCED: &str = "atomise,zero-removal,balance,cse,dce";
 /// Order 1 of the Taylor series.
 const ORDER_1: &str = "trigonometry{method=taylor order=1}";
-/// Composite bodies and common factors, found in the equations.
-const COMPOSITE: &str = "atomise,zero-removal,composite,factor-trig,balance,cse,dce";
 /// The form that rounds least, with neither more cycles nor more operations.
 const ACCURATE: &str = "accurate";
 
@@ -74,6 +73,7 @@ pub fn of_the_thesis() -> Vec<FrontChoice> {
 /// and, where there is a model, from its other formulations. Angles up to
 /// `angle` (rad) are covered by the series that the elements compute.
 pub fn ours(operations: usize, formulations: &[Formulation], angle: f64) -> Vec<FrontChoice> {
+    let composite = format!("atomise,{}", steps::COMPOSITE);
     let ahead = |growth: u32| format!("lookahead{{growth={growth}}},balance,cse,dce");
     let growths: &[u32] = match operations > LARGE {
         true => &[100],
@@ -91,7 +91,7 @@ pub fn ours(operations: usize, formulations: &[Formulation], angle: f64) -> Vec<
             ..choice(&name, stages)
         });
     };
-    let from = [("", BALANCED), ("composite", COMPOSITE)];
+    let from = [("", BALANCED), ("composite", &composite)];
     for (name, start) in from {
         if !name.is_empty() {
             add(name.to_owned(), None, &[start]);
@@ -115,7 +115,7 @@ pub fn ours(operations: usize, formulations: &[Formulation], angle: f64) -> Vec<
         add(
             "composite, look-ahead 120 %, accurate".to_owned(),
             None,
-            &[COMPOSITE, &ahead(120), ACCURATE],
+            &[&composite, &ahead(120), ACCURATE],
         );
     }
     // Without a host: the elements compute the sines and cosines as well.
@@ -138,6 +138,18 @@ pub fn ours(operations: usize, formulations: &[Formulation], angle: f64) -> Vec<
         }
     }
     choices
+}
+
+/// What a search found for the numbers of elements asked for.
+pub fn found(name: &str, formulation: Option<Formulation>, passes: &str) -> FrontChoice {
+    let wide = [Format::BINARY32]
+        .into_iter()
+        .chain(FULL_MULTIPLIER.parse());
+    FrontChoice {
+        formulation,
+        formats: wide.collect(),
+        ..choice(&format!("found: {name}"), &[passes])
+    }
 }
 
 #[cfg(test)]

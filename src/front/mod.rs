@@ -17,6 +17,8 @@ use crate::explore::program::{ExplorationError, ProgramWorkshop, view};
 use crate::explore::yardstick::Yardstick;
 use crate::explore::{ExplorationProgress, processor};
 use crate::generate::Formulation;
+use crate::optimise::found::found;
+use crate::optimise::start::starts;
 use choice::FrontChoice;
 use measure::{FrontPoint, measure};
 use robovec_ir::states::States;
@@ -92,11 +94,12 @@ pub fn front(
     let mut workshop = ProgramWorkshop::new(question.machine, module.clone());
     let formulations: Vec<Formulation> =
         others.iter().map(|(formulation, _)| *formulation).collect();
+    let mut choices: Vec<FrontChoice> = choice::of_the_thesis();
+    choices.extend(choice::ours(operations, &formulations, question.angle));
+    choices.extend(searched(module, &others, question, progress)?);
     for (formulation, module) in others {
         workshop.add(formulation, module);
     }
-    let mut choices: Vec<FrontChoice> = choice::of_the_thesis();
-    choices.extend(choice::ours(operations, &formulations, question.angle));
     let mut points = Vec::new();
     for choice in &choices {
         progress(&choice.name);
@@ -117,6 +120,24 @@ pub fn front(
         points,
         verdicts,
     })
+}
+
+/// What the search of `robovec optimise` finds for the numbers of elements.
+fn searched(
+    module: &Module,
+    others: &[(Formulation, Module)],
+    question: &FrontQuestion<'_>,
+    progress: ExplorationProgress<'_>,
+) -> Result<Vec<FrontChoice>, ExplorationError> {
+    let starts = starts(module.clone(), others.iter().cloned());
+    let elements: Vec<[u32; 2]> = question.elements.iter().map(|&n| [n, n]).collect();
+    let programs = found(&starts, question.machine, &elements, progress);
+    let programs = programs?.into_iter().map(|program| {
+        let other = program.start.checked_sub(1);
+        let formulation = other.map(|other| others[other].0);
+        choice::found(&program.name, formulation, &program.passes)
+    });
+    Ok(programs.collect())
 }
 
 /// What is compared with a given number of elements: cycles, the median of the

@@ -12,6 +12,7 @@
 //! they came ([`proof`]): what the search trusts a pass for is not what the
 //! user has to trust.
 
+pub mod found;
 pub mod maker;
 pub mod measure;
 pub mod page;

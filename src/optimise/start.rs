@@ -1,9 +1,9 @@
 //! What a search starts from: the equations as they came, and those of a
 //! model in other formulations.
 
-use super::{OptimisationError, OptimisationQuestion};
+use super::OptimisationQuestion;
 use crate::align;
-use crate::explore::program::{transformed_by, view};
+use crate::explore::program::{ExplorationError, transformed_by, view};
 use crate::explore::yardstick::input_names;
 use crate::generate::{
     Formulation, GenerationRequest, MomentOrigin, Options, PrefixNetwork, generate,
@@ -74,6 +74,21 @@ impl OptimisationStart {
             recipe,
         }
     }
+}
+
+/// Equations as they came, and the same function in other formulations.
+pub fn starts(
+    given: Module,
+    others: impl IntoIterator<Item = (Formulation, Module)>,
+) -> Vec<OptimisationStart> {
+    let others = others.into_iter();
+    let others = others.map(|(formulation, module)| {
+        OptimisationStart::formulation(formulation, module, String::new())
+    });
+    [OptimisationStart::given(given)]
+        .into_iter()
+        .chain(others)
+        .collect()
 }
 
 /// The formulations of a model that are the function that came in; for the
@@ -271,7 +286,7 @@ impl PreparedStarts {
 pub(super) fn prepared(
     starts: &[OptimisationStart],
     question: &OptimisationQuestion<'_>,
-) -> Result<PreparedStarts, OptimisationError> {
+) -> Result<PreparedStarts, ExplorationError> {
     let prelude = match (view(&starts[0].module).function.level, question.scene) {
         (Level::Equations, None) => "atomise",
         (Level::Equations, Some(_)) => "atomise,specialise",

@@ -134,7 +134,7 @@ impl DesignSpace {
     }
 
     /// Numbers of adders and multipliers.
-    fn pairs(&self) -> impl Iterator<Item = (u32, u32)> {
+    pub fn pairs(&self) -> impl Iterator<Item = (u32, u32)> {
         let pairs = self.adders.iter().flat_map(|&adders| {
             let multipliers = self.multipliers.iter();
             multipliers.map(move |&multipliers| (adders, multipliers))

@@ -22,8 +22,10 @@ use crate::explore::processor;
 use crate::explore::program::{ExplorationError, transformed_by};
 use design::{DesignSpace, MachineDesign};
 use rayon::prelude::*;
+use robovec_analysis::critical_path::critical_path;
+use robovec_ir::count::Counts;
 use robovec_ir::{Machine, Module, View};
-use robovec_schedule::PlaceOptions;
+use robovec_schedule::{PlaceOptions, schedule_bound};
 use serde::Serialize;
 
 /// The most operations times designs that are placed at once.
@@ -31,16 +33,32 @@ pub const MAX_WORK: u64 = 6_000_000_000;
 /// Most designs of a sweep.
 pub const MAX_DESIGNS: u64 = 1_000_000;
 
+/// A program that may be placed on designs.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct SweptProgram {
+    /// What it is, in words.
+    pub name: String,
+    /// Its operations.
+    pub operations: usize,
+    /// Its longest chain on the thesis' machine, cycles.
+    pub path: u32,
+    /// One function at the level atomic.
+    #[serde(skip)]
+    pub module: Module,
+}
+
 /// A design with what came of it.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct SweepPoint {
     /// The design.
     pub design: MachineDesign,
+    /// Index of the program with the shortest schedule on it, from 0.
+    pub program: usize,
     /// Clock of the elements, MHz.
     pub clock_mhz: f64,
     /// Length of the schedule of all instances, cycles.
     pub cycles: u32,
-    /// No schedule is shorter.
+    /// No schedule of the same operations is shorter.
     pub lower_bound: u32,
     /// From the start to the last result of the last instance, µs.
     pub latency_us: f64,
@@ -61,10 +79,8 @@ pub struct SweepPoint {
 pub struct FunctionSweep {
     /// The model or file.
     pub name: String,
-    /// Operations of the program that was placed.
-    pub operations: usize,
-    /// Its longest chain on the thesis' machine, cycles.
-    pub path: u32,
+    /// The programs that were placed.
+    pub programs: Vec<SweptProgram>,
     /// The points, by design.
     pub points: Vec<SweepPoint>,
     /// Designs the program could not be placed on, and why.
@@ -92,25 +108,39 @@ pub enum SweepError {
     TooMuch {
         /// Designs asked for.
         designs: u64,
-        /// Operations of the function.
+        /// Operations of all programs.
         operations: usize,
     },
 }
 
-/// Places a function, alone in its module and atomic, on every design of a
-/// space, and times what a processor would run in its place.
+impl SweptProgram {
+    /// A program, one function at the level atomic.
+    pub fn new(name: String, module: Module) -> SweptProgram {
+        let function = &module.functions[0];
+        SweptProgram {
+            name,
+            operations: Counts::of(function).operations,
+            path: critical_path(function, &thesis()).asap_cycle,
+            module,
+        }
+    }
+}
+
+/// Places programs of one function on every design of a space, of which each
+/// takes the one with the shortest schedule, and times what a processor would
+/// run in its place.
 ///
 /// # Errors
 ///
-/// When the designs are too many for its size, or interleaving fails.
+/// When the designs are too many for the programs' size, or interleaving
+/// fails.
 pub fn sweep(
     name: &str,
-    module: &Module,
+    programs: Vec<SweptProgram>,
     space: &DesignSpace,
     processor: Option<View<'_>>,
 ) -> Result<FunctionSweep, SweepError> {
-    let function = &module.functions[0];
-    let operations = robovec_ir::count::Counts::of(function).operations;
+    let operations: usize = programs.iter().map(|program| program.operations).sum();
     let (designs, instances) = space.count();
     if designs > MAX_DESIGNS || instances.saturating_mul(operations as u64) > MAX_WORK {
         return Err(SweepError::TooMuch {
@@ -119,14 +149,14 @@ pub fn sweep(
         });
     }
     let designs = space.designs();
-    let programs = programs(module, space)?;
-    let program = |design: &MachineDesign| {
+    let many = interleaved(&programs, space)?;
+    let candidates = |design: &MachineDesign| {
         let place = space.instances.iter().position(|&k| k == design.instances);
-        &programs[place.expect("a design has instances of the space")]
+        &many[place.expect("a design has instances of the space")]
     };
     let results: Vec<Result<SweepPoint, String>> = designs
         .par_iter()
-        .map(|design| measure(program(design), design))
+        .map(|design| measure(candidates(design), design))
         .collect();
     let mut points = Vec::new();
     let mut failures = Vec::new();
@@ -137,16 +167,17 @@ pub fn sweep(
         }
     }
     mark_front(&mut points);
-    let cpu = processor.map(|view| match operations > processor::LARGEST {
-        true => Err("it is too large for a C compiler".to_owned()),
-        false => processor::contest(view, view),
-    });
+    let cpu =
+        processor.map(
+            |view| match Counts::of(view.function).operations > processor::LARGEST {
+                true => Err("it is too large for a C compiler".to_owned()),
+                false => processor::contest(view, view),
+            },
+        );
     let times = cpu.clone().and_then(Result::ok).unwrap_or_default();
-    let path = robovec_analysis::critical_path::critical_path(function, &thesis());
     Ok(FunctionSweep {
         name: name.to_owned(),
-        operations,
-        path: path.asap_cycle,
+        programs,
         points,
         failures,
         cpu_us: times.single().map(|time| time * 1e-3),
@@ -155,17 +186,28 @@ pub fn sweep(
     })
 }
 
-/// The program for every number of instances.
-fn programs(module: &Module, space: &DesignSpace) -> Result<Vec<Module>, SweepError> {
+/// All programs for every number of instances.
+fn interleaved(
+    programs: &[SweptProgram],
+    space: &DesignSpace,
+) -> Result<Vec<Vec<Module>>, SweepError> {
     let machine = thesis();
-    let one = |&count: &u32| match count {
-        1 => Ok(module.clone()),
+    let one = |program: &SweptProgram, count: u32| match count {
+        1 => Ok(program.module.clone()),
         _ => {
             let interleave = format!("interleave{{instances={count}}}");
-            Ok(transformed_by(module, &interleave, &machine, None)?)
+            Ok(transformed_by(
+                &program.module,
+                &interleave,
+                &machine,
+                None,
+            )?)
         }
     };
-    space.instances.iter().map(one).collect()
+    let counts = space.instances.iter();
+    counts
+        .map(|&count| programs.iter().map(|program| one(program, count)).collect())
+        .collect()
 }
 
 /// The machine that designs are variants of.
@@ -173,18 +215,50 @@ fn thesis() -> Machine {
     Machine::built_in("thesis").expect("it ships, and a test parses it")
 }
 
-/// Places a program for one design.
-fn measure(program: &Module, design: &MachineDesign) -> Result<SweepPoint, String> {
+/// Places the programs for one design, but for those whose bound is no shorter
+/// than a schedule that is known.
+fn measure(programs: &[Module], design: &MachineDesign) -> Result<SweepPoint, String> {
     let machine = design.machine();
-    let placed = verified(program, &machine, PlaceOptions::default())?;
+    let bounds = programs.iter().enumerate().map(|(index, program)| {
+        let bound = schedule_bound(&program.functions[0], &machine);
+        (bound.unwrap_or(u32::MAX), index)
+    });
+    let mut order: Vec<(u32, usize)> = bounds.collect();
+    order.sort_unstable();
+    let mut best: Option<SweepPoint> = None;
+    let mut failure = None;
+    for (bound, index) in order {
+        if best.as_ref().is_some_and(|best| bound >= best.cycles) {
+            break;
+        }
+        match placed(programs, index, (design, &machine)) {
+            Ok(point) if best.as_ref().is_none_or(|best| point.cycles < best.cycles) => {
+                best = Some(point);
+            }
+            Ok(_) => {}
+            Err(reason) => {
+                failure.get_or_insert(reason);
+            }
+        }
+    }
+    best.ok_or_else(|| failure.expect("what cannot be placed has a reason"))
+}
+
+fn placed(
+    programs: &[Module],
+    index: usize,
+    (design, machine): (&MachineDesign, &Machine),
+) -> Result<SweepPoint, String> {
+    let placed = verified(&programs[index], machine, PlaceOptions::default())?;
     // What the statistics count together lies in as many memories.
-    let words = placed.most_words(&machine);
+    let words = placed.most_words(machine);
     let words = words.div_ceil(machine.memory.style.banks() as u32);
     let summary = placed.summary;
-    let taken = device::taken(&machine, machine.number, summary.cycles, words);
+    let taken = device::taken(machine, machine.number, summary.cycles, words);
     let latency_us = f64::from(summary.cycles) / machine.clock_mhz;
     Ok(SweepPoint {
         design: *design,
+        program: index,
         clock_mhz: machine.clock_mhz,
         cycles: summary.cycles,
         lower_bound: summary.lower_bound,
@@ -222,7 +296,7 @@ mod tests {
     use robovec_ir::parse;
 
     /// Products of pairs, and their sum.
-    fn program() -> Module {
+    fn programs() -> Vec<SweptProgram> {
         let mut text = "function f atomic {\n  in q[1..16]\n  out c\n".to_owned();
         for index in 1..=8 {
             text += &format!("  %p{index} = q[{index}]*q[{}]\n", index + 8);
@@ -232,7 +306,12 @@ mod tests {
             text += &format!("  %s{index} = %s{} + %p{}\n", index - 1, index + 1);
         }
         text += "  c = %s7\n}\n";
-        parse::parse_module("f.rvir", &text).expect("well formed")
+        let printed = parse::parse_module("f.rvir", &text).expect("well formed");
+        let short = transformed_by(&printed, "balance", &thesis(), None).expect("sums");
+        vec![
+            SweptProgram::new("printed".to_owned(), printed),
+            SweptProgram::new("short".to_owned(), short),
+        ]
     }
 
     #[test]
@@ -243,7 +322,7 @@ mod tests {
             instances: vec![1, 4],
             ..DesignSpace::default()
         };
-        let sweep = sweep("f", &program(), &space, None).expect("it is small");
+        let sweep = sweep("f", programs(), &space, None).expect("it is small");
         assert_eq!(sweep.failures, []);
         assert_eq!(sweep.points.len(), space.designs().len());
         let front = sweep.front();
@@ -254,6 +333,8 @@ mod tests {
             let beaten = sweep.points.iter().any(|other| beats(other, point));
             assert!(!(point.on_front && beaten));
             assert!(point.cycles >= point.lower_bound);
+            // As few operations and a shorter path is never worse.
+            assert_eq!(sweep.programs[point.program].name, "short");
         }
         // Four instances at once wait for the chain once.
         let fastest = front.iter().map(|point| point.design.instances).max();
@@ -267,7 +348,7 @@ mod tests {
             multipliers: (1..=4096).collect(),
             ..DesignSpace::default()
         };
-        let error = sweep("f", &program(), &space, None).expect_err("it is too much");
+        let error = sweep("f", programs(), &space, None).expect_err("it is too much");
         assert!(matches!(error, SweepError::TooMuch { .. }), "{error}");
     }
 }

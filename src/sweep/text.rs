@@ -11,20 +11,18 @@ use robovec_ir::machine::MemoryStyle;
 pub fn text(sweep: &FunctionSweep) -> String {
     let head = ">share % | >ALUT | >M10K | >DSP | add+multi | stages | >MHz | memory | buffer | \
          >instances | interconnect | >cycles | >bound | >latency us | >us/evaluation | \
-         >CPU/FPGA";
+         >CPU/FPGA | >program";
     let rows: Vec<Vec<String>> = sweep
         .front()
         .into_iter()
         .map(|point| row(point, sweep.cpu_us))
         .collect();
     let mut text = format!(
-        "{}: {} operations, longest chain {} cycles on the thesis' machine; {} designs, {} on the \
-         front\n\n{}\n",
+        "{}: {} designs, {} on the front\n\n{}\n{}\n",
         sweep.name,
-        sweep.operations,
-        sweep.path,
         sweep.points.len(),
         rows.len(),
+        text_table(PROGRAMS, &programs(sweep)),
         text_table(head, &rows)
     );
     text += &verdict(sweep);
@@ -33,6 +31,24 @@ pub fn text(sweep: &FunctionSweep) -> String {
         text += &format!("{count} designs could not be placed, the first because {reason}\n");
     }
     text
+}
+
+/// Heads of the table of programs.
+const PROGRAMS: &str = ">program | >operations | >longest chain | made by";
+
+/// The programs: number, operations, longest chain on the thesis' machine,
+/// and what made them.
+fn programs(sweep: &FunctionSweep) -> Vec<Vec<String>> {
+    let programs = sweep.programs.iter().enumerate();
+    let rows = programs.map(|(index, program)| {
+        vec![
+            (index + 1).to_string(),
+            program.operations.to_string(),
+            program.path.to_string(),
+            program.name.clone(),
+        ]
+    });
+    rows.collect()
 }
 
 fn row(point: &SweepPoint, cpu_us: Option<f64>) -> Vec<String> {
@@ -56,6 +72,7 @@ fn row(point: &SweepPoint, cpu_us: Option<f64>) -> Vec<String> {
         or_dash(cpu_us, |cpu| {
             format!("{:.2}", cpu / point.us_per_evaluation)
         }),
+        (point.program + 1).to_string(),
     ]
 }
 
@@ -117,6 +134,7 @@ pub fn points_table(sweeps: &[FunctionSweep]) -> DataTable {
                 DataCell::text(buffer_name(design.buffer)),
                 DataCell::count(design.instances),
                 DataCell::text(design.interconnect.name()),
+                DataCell::text(&sweep.programs[point.program].name),
                 DataCell::count(point.cycles),
                 DataCell::count(point.lower_bound),
                 DataCell::number(point.latency_us, 4),
@@ -140,7 +158,7 @@ pub fn points_table(sweeps: &[FunctionSweep]) -> DataTable {
                   synthesised. The clock is that of the tables of operators, cut to what the \
                   memories follow.",
         "function | adders | multipliers | adder stages | multiplier stages | clock (MHz) | \
-         memory | buffer words | instances | interconnect | cycles | lower bound | \
+         memory | buffer words | instances | interconnect | program | cycles | lower bound | \
          latency (us) | us per evaluation | ALUT | M10K | DSP | share | CPU (us) | on front",
         rows,
     )
