@@ -39,8 +39,8 @@ impl<'a> Rewriter<'a> {
     }
 
     /// As [`Rewriter::new`], for writing in another order: the translations
-    /// are filled in by the caller.
-    fn unmapped(old: &'a Function, level: Level) -> Rewriter<'a> {
+    /// are filled in by the caller ([`Rewriter::amend`]).
+    pub fn unmapped(old: &'a Function, level: Level) -> Rewriter<'a> {
         let mut rewriter = Rewriter::new(old, level);
         rewriter.map = vec![Operand::NONE; old.nodes().len()];
         rewriter

@@ -72,30 +72,38 @@ const fn heavy(name: &'static str, pipeline: &'static str, weight: u64, growth: 
 }
 
 /// Short paths by sums and products in other order.
-pub const REASSOCIATED: &str = "fold,zero-removal,balance,cse,dce";
+pub const REASSOCIATED: &str = "dce{order=outputs},fold,zero-removal,balance,cse,dce";
 
 /// The fewest operations of printed equations, in short paths.
-pub const COMPOSITE: &str = "fold,zero-removal,composite,factor-trig{path=free},balance,cse,dce";
+pub const COMPOSITE: &str =
+    "dce{order=outputs},fold,zero-removal,composite,factor-trig{path=free},balance,cse,dce";
 
-/// What starts go through first.
+/// What starts go through first. The order of the equations is forgotten, so
+/// that it does not matter.
 pub const PREPARATIONS: &[SearchStep] = &[
     first(step("reassociated", REASSOCIATED)),
     first(printed("composite", COMPOSITE)),
-    step("factored", "fold,zero-removal,factor,balance,cse,dce"),
+    step(
+        "factored",
+        "dce{order=outputs},fold,zero-removal,factor,balance,cse,dce",
+    ),
     step(
         "factored freely",
-        "fold,zero-removal,factor-trig{path=free},balance,cse,dce",
+        "dce{order=outputs},fold,zero-removal,factor-trig{path=free},balance,cse,dce",
     ),
     printed(
         "composite, in place",
-        "fold,cse,composite,factor-trig{path=free},cse,dce",
+        "dce{order=outputs},fold,cse,composite,factor-trig{path=free},cse,dce",
     ),
     step(
         "factored, in place",
-        "fold,cse,factor-trig{path=free},cse,dce",
+        "dce{order=outputs},fold,cse,factor-trig{path=free},cse,dce",
     ),
-    printed("swapped", "fold,zero-removal,swap,cse,dce"),
-    step("as printed", "fold,cse,dce"),
+    printed(
+        "swapped",
+        "dce{order=outputs},fold,zero-removal,swap,cse,dce",
+    ),
+    step("as printed", "dce{order=outputs},fold,cse,dce"),
 ];
 
 /// What programs go through afterwards.
