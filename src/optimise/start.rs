@@ -12,6 +12,7 @@ use crate::model::Model;
 use crate::robotran::FunctionKind;
 use robovec_analysis::class::NumericClass;
 use robovec_framework::check::check;
+use robovec_framework::rewrite::remove_dead;
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
 use robovec_ir::{Assignment, Level, Module, Output, SourceSet, View};
@@ -233,6 +234,10 @@ fn with_outputs(given: &Module, module: &mut Module) -> Result<bool, String> {
     if !is_changed {
         return Ok(false);
     }
+    // An expression without a name belongs to what is set to it.
+    if let Some((live, _)) = remove_dead(function) {
+        *function = live;
+    }
     let zero = function.constant(0.0);
     function
         .assignments
@@ -310,4 +315,26 @@ pub(super) fn prepared(
         starts: starts.iter().map(|start| start.module.clone()).collect(),
         modules,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use robovec_ir::parse::parse_module;
+
+    #[test]
+    fn an_output_that_is_left_out_takes_its_expression_with_it() {
+        let text = |outputs: &str| {
+            format!("function f equations {{\n  in x\n  out o[1..2]\n\n{outputs}}}\n")
+        };
+        let given = text("  o[1] = sin(x)\n");
+        let given = parse_module("given.rvir", &given).expect("well formed");
+        let other = text("  o[1] = sin(x)\n  o[2] = x*x - x*x\n");
+        let other = parse_module("other.rvir", &other).expect("well formed");
+        let (module, is_changed) = same_function(&given, other).expect("it is the same");
+        assert!(is_changed);
+        let thesis = robovec_ir::Machine::built_in("thesis").expect("it ships");
+        let atomic = transformed_by(&module, "atomise", &thesis, None).expect("nothing is dead");
+        assert_eq!(atomic.functions[0].nodes().len(), 1);
+    }
 }
