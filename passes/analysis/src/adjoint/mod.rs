@@ -25,6 +25,7 @@
 mod blame;
 mod local;
 mod partials;
+mod precise;
 mod run;
 mod tape;
 #[cfg(test)]

@@ -1,11 +1,16 @@
 //! A run of a function in a number format, beside the exact one.
 
+use super::precise::PreciseRun;
 use super::{Adjoint, AdjointLanes, LANES, Tape, Workspace, local};
 use robovec_ir::evaluate::evaluate_mixed_nodes;
 use robovec_ir::{Format, Function, Value};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
 use robovec_num::soft_float::FormatArithmetic;
+
+/// The part of a bound that prediction and error may differ by; where they
+/// differ by more, adjoints have cancelled and are computed again.
+const CANCELLED: f64 = 1.0 / (1u64 << 24) as f64;
 
 /// A run of a function in a format at one state: what it computes, what it
 /// should have computed, and what every operation lost. All vectors count
@@ -32,6 +37,13 @@ pub struct OutputError {
     /// No smaller than the size of `actual`; infinite where nothing can be
     /// said, as after an overflow or a division by zero.
     pub bound: f64,
+}
+
+impl OutputError {
+    /// What the prediction misses.
+    fn miss(&self) -> f64 {
+        (self.predicted - self.actual).abs()
+    }
 }
 
 /// Covers the rounding of the sums over adjoints themselves, which are
@@ -147,7 +159,10 @@ impl<'a> AdjointRun<'a> {
     /// The bound holds for this run and every other whose operations round
     /// like this one's in size: the adjoints are those between the exact and
     /// the computed values, so nothing of second order is left out. It is
-    /// computed in binary64, and widened by 2⁻²⁰ of itself for that.
+    /// computed in binary64, and widened by 2⁻²⁰ of itself for that; where the
+    /// prediction shows that adjoints cancelled, in 1024 bits. What the
+    /// prediction misses after that is added to the bound, so that the bound
+    /// covers this run whatever was lost.
     ///
     /// # Panics
     ///
@@ -166,6 +181,7 @@ impl<'a> AdjointRun<'a> {
         let adjoint = self.adjoint();
         let mut workspace = Workspace::default();
         let mut results = Vec::with_capacity(slots.len());
+        let mut precise = None;
         for group in slots.chunks(LANES) {
             let (mut predicted, mut bound) = (AdjointLanes::ZERO, AdjointLanes::ZERO);
             adjoint.sweep_slots(&mut workspace, group, |slot, gradient| {
@@ -177,16 +193,40 @@ impl<'a> AdjointRun<'a> {
                 }
             });
             results.extend(group.iter().enumerate().map(|(lane, &slot)| {
-                let (predicted, bound) = (predicted.0[lane], bound.0[lane] * SUMS);
-                OutputError {
-                    exact: self.exact[slot],
-                    actual: self.errors[slot],
-                    predicted,
-                    bound: if bound.is_nan() { f64::INFINITY } else { bound },
-                }
+                self.output(slot, (predicted.0[lane], bound.0[lane]), &mut precise)
             }));
         }
         results
+    }
+
+    /// What sums over adjoints say of a slot, taken again with more digits
+    /// where they cancelled.
+    fn output(
+        &self,
+        slot: usize,
+        (predicted, bound): (f64, f64),
+        precise: &mut Option<PreciseRun<'a>>,
+    ) -> OutputError {
+        let mut output = OutputError {
+            exact: self.exact[slot],
+            actual: self.errors[slot],
+            predicted,
+            bound,
+        };
+        if output.miss() > CANCELLED * bound && bound.is_finite() {
+            if precise.is_none() {
+                let inputs = &self.exact[self.tape.nodes()..][..self.tape.inputs()];
+                *precise = PreciseRun::new(self.tape, &self.computed, inputs);
+            }
+            if let Some(precise) = precise {
+                output = precise.sweep(slot, &self.bounds);
+            }
+        }
+        output.bound = output.bound * SUMS + output.miss();
+        if output.bound.is_nan() {
+            output.bound = f64::INFINITY;
+        }
+        output
     }
 
     /// The bounds alone, as [`AdjointRun::outputs`] gives them.

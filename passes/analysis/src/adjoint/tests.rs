@@ -323,3 +323,31 @@ fn values_in_formats_of_their_own_are_predicted_too() {
         }
     }
 }
+
+#[test]
+fn paths_that_cancel_leave_the_rest_its_digits() {
+    let module = module(
+        "function f atomic {
+  in x[1..3]
+  out y[1..1]
+  %big = x[1]*x[2]
+  %none = %big - %big
+  %second = %none*%big
+  %third = %second*%big
+  %linear = %big*x[3]
+  %sum = %third + %linear
+  y[1] = %sum
+}",
+    );
+    let tape = Tape::new(&module.functions[0]);
+    let inputs = [1e9, 1.1, 3.0].map(|number: f64| f64::from(number as f32));
+    let run = AdjointRun::new(&tape, &Binary32, Format::BINARY32, &inputs);
+    let [error] = run.outputs(&[0])[..] else {
+        panic!("one output");
+    };
+    assert!(error.actual != 0.0 && error.actual.abs() <= error.bound);
+    let distance = (error.predicted - error.actual).abs();
+    assert!(distance <= 1e-12 * error.bound, "{error:?}");
+    // Two roundings of half a unit in the last place.
+    assert!(error.bound < 1e-6 * error.exact, "{error:?}");
+}

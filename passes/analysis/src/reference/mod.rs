@@ -23,8 +23,8 @@
 
 #[cfg(feature = "mpfr")]
 pub mod mpfr;
-mod precise;
-mod rounding;
+pub(crate) mod precise;
+pub(crate) mod rounding;
 
 use astro_float::Consts;
 use robovec_ir::Function;

@@ -91,6 +91,34 @@ fn run(
     )
 }
 
+/// One operation, rounded to so many bits.
+pub(crate) fn operate(
+    operation: Operation,
+    [a, b, c]: [&BigFloat; 3],
+    bits: usize,
+    constants: &mut Consts,
+) -> BigFloat {
+    match operation {
+        Operation::Copy => a.clone(),
+        Operation::Neg => a.neg(),
+        Operation::Add => a.add(b, bits, ROUNDING),
+        Operation::Sub => a.sub(b, bits, ROUNDING),
+        Operation::Mul => a.mul(b, bits, ROUNDING),
+        Operation::Div => a.div(b, bits, ROUNDING),
+        Operation::Sin => a.sin(bits, ROUNDING, constants),
+        Operation::Cos => a.cos(bits, ROUNDING, constants),
+        Operation::Sqrt => a.sqrt(bits, ROUNDING),
+        Operation::Fma | Operation::Fms | Operation::Fnma => {
+            let product = a.mul_full_prec(b);
+            match operation {
+                Operation::Fma => product.add(c, bits, ROUNDING),
+                Operation::Fms => product.sub(c, bits, ROUNDING),
+                _ => c.sub(&product, bits, ROUNDING),
+            }
+        }
+    }
+}
+
 /// One operation.
 fn apply(
     operation: Operation,
@@ -99,25 +127,8 @@ fn apply(
     unit: f64,
     constants: &mut Consts,
 ) -> PreciseBall {
-    let value = match operation {
-        Operation::Copy => a.value.clone(),
-        Operation::Neg => a.value.neg(),
-        Operation::Add => a.value.add(&b.value, bits, ROUNDING),
-        Operation::Sub => a.value.sub(&b.value, bits, ROUNDING),
-        Operation::Mul => a.value.mul(&b.value, bits, ROUNDING),
-        Operation::Div => a.value.div(&b.value, bits, ROUNDING),
-        Operation::Sin => a.value.sin(bits, ROUNDING, constants),
-        Operation::Cos => a.value.cos(bits, ROUNDING, constants),
-        Operation::Sqrt => a.value.sqrt(bits, ROUNDING),
-        Operation::Fma | Operation::Fms | Operation::Fnma => {
-            let product = a.value.mul_full_prec(&b.value);
-            match operation {
-                Operation::Fma => product.add(&c.value, bits, ROUNDING),
-                Operation::Fms => product.sub(&c.value, bits, ROUNDING),
-                _ => c.value.sub(&product, bits, ROUNDING),
-            }
-        }
-    };
+    let operands = [&a.value, &b.value, &c.value];
+    let value = operate(operation, operands, bits, constants);
     let size = magnitude(&value);
     let product = || a.size * b.radius + b.size * a.radius + 2.0 * unit * a.radius * b.radius;
     // Sizes are upper bounds by at most 2^-50; a divisor is told from zero

@@ -18,7 +18,7 @@ fn top(number: &BigFloat) -> Option<(u64, bool, i32)> {
 }
 
 /// The number with a precision of so many bits.
-pub(super) fn from_binary64(number: f64, bits: usize) -> BigFloat {
+pub(crate) fn from_binary64(number: f64, bits: usize) -> BigFloat {
     if !number.is_subnormal() {
         return BigFloat::from_f64(number, bits);
     }
@@ -32,7 +32,7 @@ pub(super) fn from_binary64(number: f64, bits: usize) -> BigFloat {
 }
 
 /// The nearest binary64 number, ties to even, subnormal numbers included.
-pub(super) fn to_binary64(number: &BigFloat) -> f64 {
+pub(crate) fn to_binary64(number: &BigFloat) -> f64 {
     if number.is_nan() {
         return f64::NAN;
     }
