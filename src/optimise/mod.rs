@@ -34,14 +34,14 @@ use start::OptimisationStart;
 use std::sync::Arc;
 
 /// What a program is made for.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum OptimisationTarget {
-    /// The shortest schedule on a machine of processing elements.
+    /// The shortest schedule on the machine; memory images and HDL
     Fpga,
-    /// The least time of one evaluation by C on this processor.
+    /// The least time of one evaluation in C, in the place of Robotran's file
     Cpu,
-    /// The least time per state by C that evaluates several at once.
+    /// The least time per state of C that evaluates several at once
     Batch,
 }
 

@@ -9,7 +9,8 @@ use crate::bench::{Compiler, own};
 use crate::explore::placing::with_counts;
 use crate::explore::store::PointStore;
 use crate::optimise::{OptimisationError, OptimisationQuestion, OptimisationTarget, optimise};
-use clap::{Args, ValueEnum};
+use clap::Args;
+use robovec_framework::options::OptionValue;
 use robovec_framework::scene::Scene;
 use robovec_ir::states::States;
 use robovec_ir::{Machine, Operation};
@@ -31,7 +32,7 @@ pub(super) struct OptimiseArguments {
         default_value = "fpga",
         value_name = "TARGET"
     )]
-    target: TargetName,
+    target: OptimisationTarget,
     /// Function of a model, or of a file with several
     #[arg(long)]
     function: Option<String>,
@@ -44,9 +45,11 @@ pub(super) struct OptimiseArguments {
     /// Scene that the function is needed for
     #[arg(long, value_name = "FILE")]
     scene: Option<PathBuf>,
-    /// What programs may rest on: equality over the reals alone, or also sin^2 + cos^2 = 1
-    #[arg(long, value_enum, default_value = "real-trig")]
-    class: ClassName,
+    /// What programs may rest on: equality over the reals alone (real), or also sin^2 + cos^2 = 1
+    /// (real-trig)
+    #[arg(long, default_value = "real-trig", value_name = "CLASS",
+          value_parser = VariantClass::parse)]
+    class: VariantClass,
     /// How far the search goes; more is never worse and takes as many times longer
     #[arg(long, default_value_t = 4, value_name = "N", add = EFFORT)]
     effort: u32,
@@ -76,29 +79,11 @@ pub(super) struct OptimiseArguments {
     force: bool,
 }
 
-#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-enum TargetName {
-    /// The shortest schedule on the machine; memory images and HDL
-    Fpga,
-    /// The least time of one evaluation in C, in the place of Robotran's file
-    Cpu,
-    /// The least time per state of C that evaluates several at once
-    Batch,
-}
-
-#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-enum ClassName {
-    /// Equality over the reals alone
-    Real,
-    /// And sin^2 + cos^2 = 1
-    RealTrig,
-}
-
 /// Runs the command.
 pub(super) fn run(arguments: &OptimiseArguments) -> Result<String, CommandFailure> {
     let pool = super::threads(arguments.jobs)?;
     let mut given = given::given(arguments)?;
-    if arguments.class == ClassName::Real {
+    if arguments.class == VariantClass::Real {
         // Formulations rest on sin^2 + cos^2 = 1.
         given.starts.truncate(1);
         given.left.clear();
@@ -122,17 +107,10 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<String, CommandFailur
     let operations = given.starts[0].module.functions[0].nodes().len();
     let compiler = Compiler::find(&arguments.compiler).ok();
     let question = OptimisationQuestion {
-        target: match arguments.target {
-            TargetName::Fpga => OptimisationTarget::Fpga,
-            TargetName::Cpu => OptimisationTarget::Cpu,
-            TargetName::Batch => OptimisationTarget::Batch,
-        },
+        target: arguments.target,
         machine: &machine,
         scene: given.scene.as_ref(),
-        class: match arguments.class {
-            ClassName::Real => VariantClass::Real,
-            ClassName::RealTrig => VariantClass::RealTrig,
-        },
+        class: arguments.class,
         effort: arguments.effort,
         states: &source,
         count: match arguments.states {

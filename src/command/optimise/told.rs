@@ -1,7 +1,7 @@
 //! What was found, told and written.
 
+use super::OptimiseArguments;
 use super::given::GivenStarts;
-use super::{OptimiseArguments, TargetName};
 use crate::command::CommandFailure;
 use crate::command::output::{self, result_files};
 use crate::explore::program::{transformed_by, view};
@@ -166,7 +166,7 @@ fn commands(arguments: &OptimiseArguments, given: &GivenStarts, found: &Optimise
         words.push(format!("--scene {}", arguments.input));
     }
     let mut passes = best.passes.clone();
-    if arguments.target == TargetName::Fpga {
+    if arguments.target == OptimisationTarget::Fpga {
         passes += &match arguments.elements {
             None => ",place".to_owned(),
             Some(count) => format!(",place{{n_add={count} n_multi={count}}}"),
@@ -176,13 +176,13 @@ fn commands(arguments: &OptimiseArguments, given: &GivenStarts, found: &Optimise
     words.push(format!("-o {PROGRAM}"));
     let _ = writeln!(text, "{}", words.join(" "));
     text += &match arguments.target {
-        TargetName::Fpga => {
+        OptimisationTarget::Fpga => {
             let machine = arguments.machine.as_deref();
             let machine = machine.map_or_else(String::new, |name| format!(" --machine {name}"));
             format!("robovec-opt {PROGRAM}{machine} '-passes=codegen{{target=rtl}}' -o rtl\n")
         }
-        TargetName::Cpu => format!("robovec write {PROGRAM} --language c --bounded -o .\n"),
-        TargetName::Batch => {
+        OptimisationTarget::Cpu => format!("robovec write {PROGRAM} --language c --bounded -o .\n"),
+        OptimisationTarget::Batch => {
             format!("robovec-opt {PROGRAM} '-passes=codegen{{target=batch}}' -o .\n")
         }
     };
