@@ -3,14 +3,16 @@
 use super::BenchQuestion;
 use crate::model::Model;
 use robovec_ir::evaluate::evaluate;
-use robovec_ir::states::States;
 use robovec_ir::{Input, View};
 use robovec_num::arithmetic::Binary64;
 use std::collections::BTreeMap;
 use std::fmt;
 
 /// The inputs that differ from state to state; all others are parameters.
-const VARYING: [&str; 3] = ["q", "qd", "qdd"];
+const VARYING: [&str; 6] = ["q", "qd", "qdd", "Qq", "frc", "trq"];
+
+/// Loads on bodies.
+const LOADS: [&str; 2] = ["frc", "trq"];
 
 /// An output element: array and indices from 1, 0 where there is none.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -36,30 +38,35 @@ pub(super) fn is_varying(name: &str) -> bool {
     VARYING.contains(&name)
 }
 
-/// The inputs of a function in a state.
-pub(super) fn inputs(
-    view: View<'_>,
-    model: Option<&Model>,
-    states: &States,
-    state: u32,
-) -> Vec<f64> {
-    let mut numbers = states.draw(view, state);
-    let parameters = states.draw(view, 0);
+/// The inputs of a function in a state. `view` need not be that of the
+/// question: functions of the same question see the same numbers.
+pub(super) fn inputs(question: &BenchQuestion<'_>, view: View<'_>, state: u32) -> Vec<f64> {
+    let mut numbers = question.states.draw(view, state);
+    let parameters = question.states.draw(view, 0);
     for (index, number) in numbers.iter_mut().enumerate() {
         let (array, indices, rank) = view.function.input_element(Input(index as u32));
         let name = view.tables.symbols.text(array.name);
         if !is_varying(name) {
             *number = parameters[index];
-            let known =
-                model.and_then(|model| crate::kinematics::parameter(model, name, &indices[..rank]));
-            *number = known.unwrap_or(*number);
-            // Peers know no forces on bodies.
-            if model.is_some() && matches!(name, "frc" | "trq") {
-                *number = 0.0;
-            }
+        }
+        let Some(model) = question.model else {
+            continue;
+        };
+        let known = crate::kinematics::parameter(model, name, &indices[..rank]);
+        *number = known.unwrap_or(*number);
+        if LOADS.contains(&name) && !(question.has_loads && is_loaded(model, indices[1])) {
+            *number = 0.0;
         }
     }
     numbers
+}
+
+/// True for the last joint of a body, counted from 1. A file that has all
+/// parameters as symbols has loads of the others as well, which its model does
+/// not know.
+fn is_loaded(model: &Model, joint: u32) -> bool {
+    let place = (joint as usize).checked_sub(1);
+    place.is_some_and(|place| place < model.joints.len() && model.body_of(place).is_some())
 }
 
 /// The elements that a function sets, in order of its assignments.
@@ -89,7 +96,7 @@ impl ReferenceResults {
     pub(super) fn new(question: &BenchQuestion<'_>) -> ReferenceResults {
         let view = question.view;
         let states = (0..question.count).map(|state| {
-            let inputs = inputs(view, question.model, question.states, state);
+            let inputs = inputs(question, view, state);
             evaluate(view.function, &Binary64, &inputs)
         });
         ReferenceResults {
