@@ -131,17 +131,22 @@ inline void symmetric_times(const double *i, const number *v, number *w)
 
 } // namespace
 
-static void peer_evaluate(int group)
+template <bool has_loads> static void evaluate(int group)
 {
     const size_t n = (size_t)joints;
     const double *q = peer_group(peer_q, group, n), *qd = peer_group(peer_qd, group, n);
     const double *given = peer_group(peer_given, group, peer_wanted == PEER_DIRDYNA ? 0 : n);
-    const double *loads = peer_has_loads ? peer_group(peer_loads, group, 6 * n) : nullptr;
+    const double *loads = has_loads ? peer_group(peer_loads, group, 6 * n) : nullptr;
     switch (peer_wanted) {
-    case PEER_DIRDYNA: direct(q, qd, loads); break;
-    case PEER_INVDYNA: inverse(q, qd, given, loads); break;
-    case PEER_ACCELRED: accelerations(q, qd, given, loads);
+    case PEER_DIRDYNA: direct<has_loads>(q, qd, loads); break;
+    case PEER_INVDYNA: inverse<has_loads>(q, qd, given, loads); break;
+    case PEER_ACCELRED: accelerations<has_loads>(q, qd, given, loads);
     }
+}
+
+static void peer_evaluate(int group)
+{
+    peer_has_loads ? evaluate<true>(group) : evaluate<false>(group);
 }
 
 static void peer_result(int lane, double *out)

@@ -69,7 +69,8 @@ template <class Kind> inline void add_turning(int i, number speed, number *to)
     to[Kind::d] -= speed * om[i + 1][Kind::b];
 }
 
-template <class Kind> void newton_euler(int i, number qd, number qdd, const double *loads)
+template <class Kind, bool has_loads>
+void newton_euler(int i, number qd, number qdd, const double *loads)
 {
     constexpr int a = Kind::a;
     const int h = parent[i] + 1;
@@ -90,7 +91,7 @@ template <class Kind> void newton_euler(int i, number qd, number qdd, const doub
     for (int k = 0; k < 9; k++) BB[i + 1][k] = rates[k];
     const peer_joint &joint = peer_joint_list[i];
     number *f = force[i + 1], *n = moment[i + 1], spin[3];
-    if (joint.mass == 0.0 && !loads) {
+    if (joint.mass == 0.0 && !has_loads) {
         for (int k = 0; k < 3; k++) f[k] = n[k] = zero;
         return;
     }
@@ -100,7 +101,7 @@ template <class Kind> void newton_euler(int i, number qd, number qdd, const doub
     add_cross(o, spin, n);
     for (int k = 0; k < 3; k++) {
         f[k] = joint.mass * (ac[k] + dot(l, rates + 3 * k));
-        if (loads) f[k] -= element(loads, 6 * i + k), n[k] -= element(loads, 6 * i + 3 + k);
+        if (has_loads) f[k] -= element(loads, 6 * i + k), n[k] -= element(loads, 6 * i + 3 + k);
     }
     add_cross(l, f, n);
 }
@@ -116,13 +117,14 @@ template <class Kind> inline void handed(int i, const number *f, const number *n
     for (int k = 0; k < 3; k++) force[h][k] += turned[k], moment[h][k] += moment_of[k];
 }
 
+template <bool has_loads>
 void inverse(const double *q, const double *qd, const double *qdd, const double *loads)
 {
     for (int i = 0; i < joints; i++)
         with_kind(kind[i], [&](auto own) {
             const number speed = element(qd, i);
             entered<decltype(own)>(i, element(q, i), speed);
-            newton_euler<decltype(own)>(i, speed, element(qdd, i), loads);
+            newton_euler<decltype(own), has_loads>(i, speed, element(qdd, i), loads);
         });
     for (int i = joints - 1; i >= 0; i--)
         with_kind(kind[i], [&](auto own) {
@@ -140,7 +142,8 @@ constexpr int at(int row, int column)
 
 // Velocities, what they add to accelerations, and the inertia and the force of
 // the body alone.
-template <class Kind> void velocities(int i, number q, number qd, const double *loads)
+template <class Kind, bool has_loads>
+void velocities(int i, number q, number qd, const double *loads)
 {
     const int h = parent[i] + 1;
     entered<Kind>(i, q, qd);
@@ -172,7 +175,7 @@ template <class Kind> void velocities(int i, number q, number qd, const double *
         for (int k = 0; k < 3; k++) swing[k] = -swing[k];
         add_cross(o, swing, f);
     }
-    if (!loads) return;
+    if (!has_loads) return;
     number push[3];
     for (int k = 0; k < 3; k++) {
         push[k] = zero - element(loads, 6 * i + k);
@@ -227,10 +230,13 @@ template <class Kind> void articulated(int i, number given)
     for (int r = 0; r < 3; r++)
         for (int c = 0; c < 3; c++) {
             const bool gone = Kind::turns && r == a, gone_too = !Kind::turns && c == a;
-            if (c >= r) A[at(r, c)] = gone || (Kind::turns && c == a) ? zero : A[at(r, c)] - u[r] * rest[c];
+            if (c >= r)
+                A[at(r, c)] = gone || (Kind::turns && c == a) ? zero : A[at(r, c)] - u[r] * rest[c];
             B[3 * r + c] = gone || gone_too ? zero : B[3 * r + c] - u[r] * rest[3 + c];
             if (c >= r)
-                C[at(r, c)] = gone_too || (!Kind::turns && r == a) ? zero : C[at(r, c)] - u[3 + r] * rest[3 + c];
+                C[at(r, c)] = gone_too || (!Kind::turns && r == a)
+                                  ? zero
+                                  : C[at(r, c)] - u[3 + r] * rest[3 + c];
         }
     const number *rate = turned_rate[i], *moved = moved_rate[i];
     for (int k = 0; k < 3; k++) {
@@ -281,11 +287,12 @@ template <class Kind> void accelerated(int i)
     (Kind::turns ? al : ac)[Kind::a] += result[i];
 }
 
+template <bool has_loads>
 void accelerations(const double *q, const double *qd, const double *given, const double *loads)
 {
     for (int i = 0; i < joints; i++)
         with_kind(kind[i], [&](auto own) {
-            velocities<decltype(own)>(i, element(q, i), element(qd, i), loads);
+            velocities<decltype(own), has_loads>(i, element(q, i), element(qd, i), loads);
         });
     for (int i = joints - 1; i >= 0; i--)
         with_kind(kind[i], [&](auto own) { articulated<decltype(own)>(i, element(given, i)); });

@@ -111,14 +111,16 @@ inline void loaded(int i, const number *g, const double *loads)
     for (int k = 0; k < 3; k++) f[k] -= torque[k], f[3 + k] -= force[k];
 }
 
-template <class Kind> void forward(int i, number q, number qd, const double *loads)
+// Not put into the loop six times over, of which gcc makes slower code.
+template <class Kind, bool has_loads>
+__attribute__((noinline)) void forward(int i, number q, number qd, const double *loads)
 {
     number s[6], g[3], p[6];
     placed<Kind>(i, q, s);
     moved(i, s, qd);
     number *in = I[i + 1], *f = F[i + 1];
     const number *v = V[i + 1];
-    if (peer_joint_list[i].mass == 0.0 && !loads) {
+    if (peer_joint_list[i].mass == 0.0 && !has_loads) {
         for (int k = 0; k < 10; k++) in[k] = zero;
         for (int k = 0; k < 6; k++) f[k] = zero;
         return;
@@ -132,7 +134,7 @@ template <class Kind> void forward(int i, number q, number qd, const double *loa
     f[3] += v[1] * p[5] - v[2] * p[4];
     f[4] += v[2] * p[3] - v[0] * p[5];
     f[5] += v[0] * p[4] - v[1] * p[3];
-    if (loads) loaded(i, g, loads);
+    if (has_loads) loaded(i, g, loads);
 }
 
 void backward(int i)
@@ -158,11 +160,11 @@ void backward(int i)
     for (int k = 0; k < 6; k++) F[h][k] += f[k];
 }
 
-void direct(const double *q, const double *qd, const double *loads)
+template <bool has_loads> void direct(const double *q, const double *qd, const double *loads)
 {
     for (int i = 0; i < joints; i++)
         with_kind(kind[i], [&](auto own) {
-            forward<decltype(own)>(i, element(q, i), element(qd, i), loads);
+            forward<decltype(own), has_loads>(i, element(q, i), element(qd, i), loads);
         });
     for (int i = joints - 1; i >= 0; i--) backward(i);
 }
