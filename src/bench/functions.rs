@@ -159,3 +159,63 @@ impl ReferenceResults {
         Ok(worst)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::{GenerationRequest, Options, generate};
+    use crate::model::family;
+    use crate::robotran::FunctionKind;
+    use robovec_ir::states::States;
+
+    /// The numbers of a load's elements in two states.
+    fn loads(has_loads: bool, all_parameters: bool) -> Vec<(u32, [f64; 2])> {
+        let model = family::random_tree(2, 6);
+        let request = GenerationRequest {
+            options: Options {
+                all_parameters,
+                ..Options::default()
+            },
+            ..GenerationRequest::new(FunctionKind::Dirdyna)
+        };
+        let module = generate(&model, &request).expect("a tree has direct dynamics");
+        let view = View {
+            tables: &module.tables,
+            function: &module.functions[0],
+        };
+        let question = BenchQuestion {
+            name: String::new(),
+            view,
+            model: Some(&model),
+            has_loads,
+            states: &States::new(1),
+            count: 16,
+            flags: None,
+        };
+        let states = [0, 1].map(|state| inputs(&question, view, state));
+        let mut found = Vec::new();
+        for index in 0..view.function.input_len() {
+            let (array, indices, _) = view.function.input_element(Input(index as u32));
+            if LOADS.contains(&view.tables.symbols.text(array.name)) {
+                let numbers = [0, 1].map(|state: usize| states[state][index]);
+                // Only the last joint of a body is loaded.
+                if model.body_of(indices[1] as usize - 1).is_none() {
+                    assert_eq!(numbers, [0.0; 2]);
+                }
+                found.push((indices[1], numbers));
+            }
+        }
+        assert!(!found.is_empty());
+        found
+    }
+
+    #[test]
+    fn loads_are_drawn_where_they_are_asked_for() {
+        for all_parameters in [false, true] {
+            let none = loads(false, all_parameters);
+            assert!(none.iter().all(|(_, numbers)| *numbers == [0.0; 2]));
+            let drawn = loads(true, all_parameters);
+            assert!(drawn.iter().any(|(_, [one, other])| one != other));
+        }
+    }
+}

@@ -321,3 +321,82 @@ fn package(name: &str) -> Option<(String, String)> {
     let version = lines.next()?.to_owned();
     Some((lines.next()?.to_owned(), version))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::bench;
+    use crate::files::TemporaryFolder;
+    use crate::generate::{GenerationRequest, generate};
+    use crate::model::family;
+    use robovec_ir::states::States;
+
+    /// Loops of one and of eight states compute what the generator's equations
+    /// do, of a tree whose joints turn and slide; where there is a compiler.
+    #[test]
+    fn hand_written_loops_agree_with_the_equations() {
+        let model = family::random_tree(5, 9);
+        let names = ["loop", "batched-loop"].map(str::to_owned);
+        let folder = TemporaryFolder::new().expect("a folder");
+        for task in BenchTask::ALL {
+            let module = generate(&model, &GenerationRequest::new(task.kind()));
+            let module = module.expect("a tree has all functions");
+            for has_loads in [false, true] {
+                let question = BenchQuestion {
+                    name: task.name().to_owned(),
+                    view: View {
+                        tables: &module.tables,
+                        function: &module.functions[0],
+                    },
+                    model: Some(&model),
+                    has_loads,
+                    states: &States::new(3),
+                    count: 16,
+                    flags: None,
+                };
+                let peers = peers(&question, &model, task, &names, None);
+                let outcomes = bench(&question, &peers, folder.path(), 0, 1, &mut |_| {});
+                for outcome in outcomes.expect("the folder can be written") {
+                    let context = format!("{}, {}, {has_loads}", task.name(), outcome.name);
+                    assert_eq!(outcome.failure, None, "{context}");
+                    assert!(outcome.difference.is_some(), "{context}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn states_have_what_the_task_gives_and_loads() {
+        let model = family::random_tree(1, 4);
+        for (task, vectors) in [
+            (BenchTask::Dirdyna, 2),
+            (BenchTask::Invdyna, 3),
+            (BenchTask::Accelred, 3),
+        ] {
+            let module = generate(&model, &GenerationRequest::new(task.kind()));
+            let module = module.expect("a tree has all functions");
+            for has_loads in [false, true] {
+                let question = BenchQuestion {
+                    name: String::new(),
+                    view: View {
+                        tables: &module.tables,
+                        function: &module.functions[0],
+                    },
+                    model: Some(&model),
+                    has_loads,
+                    states: &States::new(3),
+                    count: 16,
+                    flags: None,
+                };
+                let asked = PeerQuestion {
+                    question: &question,
+                    model: &model,
+                    task,
+                };
+                let loads = if has_loads { 6 } else { 0 };
+                let numbers = 2 + 16 * 4 * (vectors + loads);
+                assert_eq!(asked.state_bytes().len(), 8 * numbers);
+            }
+        }
+    }
+}

@@ -11,7 +11,7 @@ use crate::model::Model;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use robovec_ir::states::States;
-use robovec_ir::{Module, View};
+use robovec_ir::{Module, View, print};
 use std::path::{Path, PathBuf};
 
 /// Times Robotran's file, robovec's C and other libraries on this computer, results compared first
@@ -262,6 +262,8 @@ fn from_model(
             options: options.clone(),
         };
         match generate(model, &request) {
+            // What is the same equations by another name takes part once.
+            Ok(module) if generated.iter().any(|(_, known)| is_same(known, &module)) => {}
             Ok(module) => generated.push((formulation.name(), module)),
             Err(error) => refused.push((formulation.name(), error.to_string())),
         }
@@ -282,6 +284,11 @@ fn from_model(
         list.push(own::refused(question, ContestantFamily::Model, name, why));
     }
     Ok(())
+}
+
+/// True for modules with the same equations.
+fn is_same(one: &Module, other: &Module) -> bool {
+    length(one) == length(other) && print::print_module(one) == print::print_module(other)
 }
 
 /// Operations of a module of one function.

@@ -185,6 +185,6 @@ pub(super) fn transform_remarking(
 ) -> Result<(), CommandFailure> {
     let machine = input::machine("thesis")?;
     manager::run(module, pipeline, Config::new(&machine, remarks))
-    .map(drop)
-    .map_err(|error| CommandFailure::plain(error.to_string()))
+        .map(drop)
+        .map_err(|error| CommandFailure::plain(error.to_string()))
 }
