@@ -137,10 +137,11 @@ pub(super) fn main(callee: &Callee<'_>, states: u32) -> String {
             before = format!("    {name}_prepare({});\n", writer.shared.join(", "));
             format!("    {name}_batch({});\n", writer.arguments.join(", "))
         }
-        CallingConvention::States(..) => format!(
-            "    if ({name}_states(STATES, {})) bench_fail(\"there is no memory\");\n",
-            writer.arguments.join(", ")
-        ),
+        CallingConvention::States(..) => {
+            let states = ["STATES".to_owned()];
+            let arguments = [&states, writer.arguments.as_slice()].concat().join(", ");
+            format!("    if ({name}_states({arguments})) bench_fail(\"there is no memory\");\n")
+        }
         CallingConvention::Robotran(parameters) => writer.robotran(name, parameters),
     };
     let inputs = view.function.input_len();

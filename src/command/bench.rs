@@ -203,9 +203,6 @@ fn contestants(
     equations.enter(question, &found, &mut list);
     if let (Some(model), Some(task)) = (&loaded.model, loaded.task) {
         from_model(question, model, task, &found, &mut list)?;
-        for contestant in &mut list {
-            contestant.tolerance = task.tolerance(contestant.family);
-        }
         // What CasADi prints is about as long as the shortest of ours.
         let shortest = list.iter().filter_map(|own| own.operations).min();
         let too_long = shortest
@@ -214,6 +211,11 @@ fn contestants(
         let names = &arguments.peers;
         let found = peers::peers(question, model, task, names, too_long.as_deref());
         list.extend(found);
+    }
+    if let Some(task) = loaded.task {
+        for contestant in &mut list {
+            contestant.tolerance = task.tolerance(contestant.family);
+        }
     }
     Ok(list)
 }
