@@ -192,12 +192,12 @@ mod tests {
             count: 16,
             flags: None,
         };
-        let states = [0, 1].map(|state| inputs(&question, view, state));
+        let [one, other] = [0, 1].map(|state| inputs(&question, view, state));
         let mut found = Vec::new();
-        for index in 0..view.function.input_len() {
+        for (index, numbers) in one.into_iter().zip(other).enumerate() {
             let (array, indices, _) = view.function.input_element(Input(index as u32));
             if LOADS.contains(&view.tables.symbols.text(array.name)) {
-                let numbers = [0, 1].map(|state: usize| states[state][index]);
+                let numbers = <[f64; 2]>::from(numbers);
                 // Only the last joint of a body is loaded.
                 if model.body_of(indices[1] as usize - 1).is_none() {
                     assert_eq!(numbers, [0.0; 2]);
