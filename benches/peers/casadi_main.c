@@ -5,22 +5,26 @@ typedef long long int integer;
 int dynamics(const double **arg, double **res, integer *iw, double *w, int mem);
 int dynamics_work(integer *arg, integer *res, integer *iw, integer *w);
 
-static double *M_out, *c_out, *w;
+static double *first, *second, *w;
 static integer *iw;
 
 static void peer_evaluate(int s)
 {
-    const double *arg[16] = {peer_q + (size_t)s * (size_t)peer_joints,
-                             peer_qd + (size_t)s * (size_t)peer_joints};
-    double *res[16] = {M_out, c_out};
+    const size_t n = (size_t)peer_joints, given = peer_wanted == PEER_DIRDYNA ? 0 : n;
+    const double *arg[16] = {peer_group(peer_q, s, n), peer_group(peer_qd, s, n),
+                             peer_group(peer_given, s, given),
+                             peer_group(peer_loads, s, peer_has_loads ? 6 * n : 0)};
+    double *res[16] = {first, second};
     dynamics(arg, res, iw, w, 0);
 }
 
-static void peer_result(double *M, double *c)
+/* M and c, or what else was asked for alone. */
+static void peer_result(int lane, double *out)
 {
-    const size_t n = (size_t)peer_joints;
-    memcpy(M, M_out, n * n * sizeof *M);
-    memcpy(c, c_out, n * sizeof *c);
+    const size_t n = (size_t)peer_joints, matrix = peer_wanted == PEER_DIRDYNA ? n * n : n;
+    (void)lane;
+    memcpy(out, first, matrix * sizeof *out);
+    if (peer_wanted == PEER_DIRDYNA) memcpy(out + matrix, second, n * sizeof *out);
 }
 
 int main(int count, char **words)
@@ -30,8 +34,8 @@ int main(int count, char **words)
     dynamics_work(&arguments, &results, &integers, &reals);
     if (arguments > 16 || results > 16) bench_fail("CasADi wants more arguments");
     const size_t n = (size_t)peer_joints;
-    M_out = (double *)calloc(n * n, sizeof *M_out);
-    c_out = (double *)calloc(n, sizeof *c_out);
+    first = (double *)calloc(n * n, sizeof *first);
+    second = (double *)calloc(n, sizeof *second);
     w = (double *)calloc((size_t)reals + 1, sizeof *w);
     iw = (integer *)calloc((size_t)integers + 1, sizeof *iw);
     return peer_main(count, words);

@@ -1,166 +1,162 @@
-// What a good programmer writes by hand: one loop out, one loop back.
+// What a good programmer writes by hand: loops out over the joints and back.
 //
-// Everything is seen from the base frame and its origin, so that nothing is
-// turned on the way back: velocities, accelerations and forces of the bodies
-// are spatial vectors (angular part first), their inertias are mass, first
-// moment and second moment about the origin. Column i of the mass matrix is
-// the momentum that a unit velocity of joint i gives to all that it carries,
-// seen along the joints before it; for those of an unbranched chain the
-// compiler makes vectors of it, since their axes stand side by side.
+// Direct dynamics sees everything from the base frame and its origin, so that
+// nothing is turned on the way back: velocities, accelerations and forces of
+// the bodies are spatial vectors (angular part first), their inertias are
+// mass, first moment and second moment about the origin. Column i of the mass
+// matrix is the momentum that a unit velocity of joint i gives to all that it
+// carries, seen along the joints before it; for those of an unbranched chain
+// the compiler makes vectors of it, since their axes stand side by side.
 //
-// Featherstone, Rigid Body Dynamics Algorithms (2008), chapters 5 and 6.
+// Inverse dynamics and accelerations work in the frames of the bodies, where a
+// joint's axis is a coordinate axis and a turn takes four products.
+//
+// With BENCH_LANES a number is a vector of so many states; nothing else is
+// different.
+//
+// Featherstone, Rigid Body Dynamics Algorithms (2008), chapters 5 to 7.
 #include "peer.h"
 #include <cmath>
 
 namespace {
 
+#if BENCH_LANES == 1
+
+typedef double number;
+
+inline void sine_and_cosine(double x, double &sine, double &cosine)
+{
+    sincos(x, &sine, &cosine);
+}
+
+inline double lane_of(double x, int)
+{
+    return x;
+}
+
+#else
+
+typedef double number __attribute__((vector_size(8 * BENCH_LANES)));
+typedef long long bits __attribute__((vector_size(8 * BENCH_LANES)));
+
+// Reduction by quarter turns in three parts and the polynomials of fdlibm, for
+// angles below a million.
+inline void sine_and_cosine(number x, number &sine, number &cosine)
+{
+    const double rounding = 6755399441055744.0; // 1.5 * 2^52
+    const number shifted = x * 0.6366197723675814 + rounding;
+    const bits quarter = (bits)shifted;
+    const number k = shifted - rounding;
+    number r = x - k * 1.57079632673412561417;
+    r = r - k * 6.07710050630396597660e-11;
+    r = r - k * 2.02226624879595063154e-21;
+    const number z = r * r;
+    number s = 2.75573137070700676789e-06 + z * (-2.50507602534068634195e-08 +
+                                                 z * 1.58969099521155010221e-10);
+    s = 8.33333333332248946124e-03 + z * (-1.98412698298579493134e-04 + z * s);
+    s = r + r * z * (-1.66666666666666324348e-01 + z * s);
+    number c = -2.75573143513906633035e-07 + z * (2.08757232129817482790e-09 -
+                                                  z * 1.13596475577881948265e-11);
+    c = -1.38888888888741095749e-03 + z * (2.48015872894767294178e-05 + z * c);
+    c = 1.0 - (0.5 * z - z * z * (4.16666666666666019037e-02 + z * c));
+    const bits odd = (quarter & 1) != 0;
+    const number a = odd ? c : s, b = odd ? s : c;
+    sine = (number)((bits)a ^ ((quarter & 2) << 62));
+    cosine = (number)((bits)b ^ (((quarter + 1) & 2) << 62));
+}
+
+inline double lane_of(number x, int lane)
+{
+    return x[lane];
+}
+
+#endif
+
+// The element of an array of a group of states.
+inline number element(const double *group, int i)
+{
+    number x;
+    memcpy(&x, group + (size_t)i * BENCH_LANES, sizeof x);
+    return x;
+}
+
 // No power of two: arrays that are read side by side must not meet in the cache.
+// Bodies count from 1, the base is 0; joint i carries body i + 1.
 enum { MOST = PEER_MOST_JOINTS + 8 };
 int parent[MOST], kind[MOST], joints;
-bool chain;
-double R[MOST][9], P[MOST][3];             // orientation (columns: axes) and origin
-double S[6][MOST];                         // axes of the joints
-double V[MOST][6], A[MOST][6], F[MOST][6]; // velocity, acceleration, force
-double I[MOST][10];                        // m, m c, second moment xx xy xz yy yz zz
-double *mass_matrix, c[MOST];
+bool chain, unmoved[MOST];
+const number zero = {};
+number result[MOST];
 
-inline void inertia_times(const double *__restrict i, const double *__restrict v,
-                          double *__restrict f)
+// What a joint does, known where the code is compiled: it turns about axis a,
+// or slides along it.
+template <bool turning, int axis> struct joint_kind {
+    static constexpr bool turns = turning;
+    static constexpr int a = axis, b = (axis + 1) % 3, d = (axis + 2) % 3;
+};
+
+template <class Step> inline void with_kind(int kind, Step step)
 {
-    const double m = i[0], x = i[1], y = i[2], z = i[3];
-    f[0] = i[4] * v[0] + i[5] * v[1] + i[6] * v[2] + y * v[5] - z * v[4];
-    f[1] = i[5] * v[0] + i[7] * v[1] + i[8] * v[2] + z * v[3] - x * v[5];
-    f[2] = i[6] * v[0] + i[8] * v[1] + i[9] * v[2] + x * v[4] - y * v[3];
-    f[3] = m * v[3] + v[1] * z - v[2] * y;
-    f[4] = m * v[4] + v[2] * x - v[0] * z;
-    f[5] = m * v[5] + v[0] * y - v[1] * x;
+    switch (kind) {
+    case 0: step(joint_kind<false, 0>()); break;
+    case 1: step(joint_kind<false, 1>()); break;
+    case 2: step(joint_kind<false, 2>()); break;
+    case 3: step(joint_kind<true, 0>()); break;
+    case 4: step(joint_kind<true, 1>()); break;
+    default: step(joint_kind<true, 2>());
+    }
 }
 
-template <bool turn, int a> void forward(int i, double q, double qd)
+template <class X, class Y> inline void add_cross(const X *x, const Y *y, number *z)
 {
-    static const double base_R[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, base_P[3] = {0, 0, 0};
-    static const double rest[6] = {0, 0, 0, 0, 0, 0};
-    const double up[6] = {0, 0, 0, -peer_gravity[0], -peer_gravity[1], -peer_gravity[2]};
-    const peer_joint &joint = peer_joint_list[i];
-    const int h = parent[i];
-    constexpr int b = (a + 1) % 3, d = (a + 2) % 3;
-    const double *Rh = h < 0 ? base_R : R[h], *Ph = h < 0 ? base_P : P[h];
-    const double *Vh = h < 0 ? rest : V[h], *Ah = h < 0 ? up : A[h];
-    double *Ri = R[i], *Pi = P[i], s[6];
-    const double *anchor = joint.anchor;
-    for (int k = 0; k < 3; k++)
-        Pi[k] = Ph[k] + Rh[3 * k] * anchor[0] + Rh[3 * k + 1] * anchor[1] + Rh[3 * k + 2] * anchor[2];
-    const double e[3] = {Rh[a], Rh[3 + a], Rh[6 + a]};
-    if constexpr (turn) {
-        double sine, cosine;
-        sincos(q, &sine, &cosine);
-        for (int k = 0; k < 3; k++) {
-            Ri[3 * k + a] = Rh[3 * k + a];
-            Ri[3 * k + b] = cosine * Rh[3 * k + b] + sine * Rh[3 * k + d];
-            Ri[3 * k + d] = cosine * Rh[3 * k + d] - sine * Rh[3 * k + b];
-        }
-        s[0] = e[0], s[1] = e[1], s[2] = e[2];
-        s[3] = Pi[1] * e[2] - Pi[2] * e[1];
-        s[4] = Pi[2] * e[0] - Pi[0] * e[2];
-        s[5] = Pi[0] * e[1] - Pi[1] * e[0];
-    } else {
-        for (int k = 0; k < 9; k++) Ri[k] = Rh[k];
-        for (int k = 0; k < 3; k++) Pi[k] += q * e[k], s[k] = 0.0, s[3 + k] = e[k];
-    }
-    double *v = V[i], *acc = A[i];
-    for (int k = 0; k < 6; k++) S[k][i] = s[k], v[k] = Vh[k] + s[k] * qd;
-    const double x = Vh[0], y = Vh[1], z = Vh[2], vx = Vh[3], vy = Vh[4], vz = Vh[5];
-    acc[0] = Ah[0] + (y * s[2] - z * s[1]) * qd;
-    acc[1] = Ah[1] + (z * s[0] - x * s[2]) * qd;
-    acc[2] = Ah[2] + (x * s[1] - y * s[0]) * qd;
-    acc[3] = Ah[3] + (y * s[5] - z * s[4] + vy * s[2] - vz * s[1]) * qd;
-    acc[4] = Ah[4] + (z * s[3] - x * s[5] + vz * s[0] - vx * s[2]) * qd;
-    acc[5] = Ah[5] + (x * s[4] - y * s[3] + vx * s[1] - vy * s[0]) * qd;
-    double *in = I[i], *f = F[i];
-    const double m = joint.mass;
-    if (m == 0.0) {
-        for (int k = 0; k < 10; k++) in[k] = 0.0;
-        for (int k = 0; k < 6; k++) f[k] = 0.0;
-        return;
-    }
-    double g[3], T[9];
-    const double *l = joint.center, *J = joint.inertia;
-    for (int k = 0; k < 3; k++) {
-        const double *r = Ri + 3 * k;
-        g[k] = Pi[k] + r[0] * l[0] + r[1] * l[1] + r[2] * l[2];
-        T[3 * k] = r[0] * J[0] + r[1] * J[1] + r[2] * J[2];
-        T[3 * k + 1] = r[0] * J[1] + r[1] * J[3] + r[2] * J[4];
-        T[3 * k + 2] = r[0] * J[2] + r[1] * J[4] + r[2] * J[5];
-    }
-    const double px = m * g[0], py = m * g[1], pz = m * g[2];
-    auto turned = [&](int row, int column) {
-        const double *t = T + 3 * row, *r = Ri + 3 * column;
-        return t[0] * r[0] + t[1] * r[1] + t[2] * r[2];
-    };
-    in[0] = m, in[1] = px, in[2] = py, in[3] = pz;
-    in[4] = turned(0, 0) + py * g[1] + pz * g[2];
-    in[5] = turned(0, 1) - px * g[1];
-    in[6] = turned(0, 2) - px * g[2];
-    in[7] = turned(1, 1) + px * g[0] + pz * g[2];
-    in[8] = turned(1, 2) - py * g[2];
-    in[9] = turned(2, 2) + px * g[0] + py * g[1];
-    double p[6];
-    inertia_times(in, v, p);
-    inertia_times(in, acc, f);
-    f[0] += v[1] * p[2] - v[2] * p[1] + v[4] * p[5] - v[5] * p[4];
-    f[1] += v[2] * p[0] - v[0] * p[2] + v[5] * p[3] - v[3] * p[5];
-    f[2] += v[0] * p[1] - v[1] * p[0] + v[3] * p[4] - v[4] * p[3];
-    f[3] += v[1] * p[5] - v[2] * p[4];
-    f[4] += v[2] * p[3] - v[0] * p[5];
-    f[5] += v[0] * p[4] - v[1] * p[3];
+    z[0] += x[1] * y[2] - x[2] * y[1];
+    z[1] += x[2] * y[0] - x[0] * y[2];
+    z[2] += x[0] * y[1] - x[1] * y[0];
 }
 
-void backward(int i)
+template <class X> inline number dot(const X *x, const number *y)
 {
-    const int h = parent[i];
-    const double s[6] = {S[0][i], S[1][i], S[2][i], S[3][i], S[4][i], S[5][i]};
-    double u[6];
-    inertia_times(I[i], s, u);
-    const double *f = F[i];
-    c[i] = s[0] * f[0] + s[1] * f[1] + s[2] * f[2] + s[3] * f[3] + s[4] * f[4] + s[5] * f[5];
-    double *__restrict row = mass_matrix + i * joints;
-    auto entry = [&](int j) {
-        return S[0][j] * u[0] + S[1][j] * u[1] + S[2][j] * u[2] + S[3][j] * u[3] + S[4][j] * u[4] +
-               S[5][j] * u[5];
-    };
-    if (chain) {
-        for (int j = 0; j <= i; j++) row[j] = entry(j);
-    } else {
-        for (int j = i; j >= 0; j = parent[j]) row[j] = entry(j);
-    }
-    if (h < 0) return;
-    for (int k = 0; k < 10; k++) I[h][k] += I[i][k];
-    for (int k = 0; k < 6; k++) F[h][k] += f[k];
+    return x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
 }
+
+inline void symmetric_times(const double *i, const number *v, number *w)
+{
+    w[0] = i[0] * v[0] + i[1] * v[1] + i[2] * v[2];
+    w[1] = i[1] * v[0] + i[3] * v[1] + i[4] * v[2];
+    w[2] = i[2] * v[0] + i[4] * v[1] + i[5] * v[2];
+}
+
+#include "loop_direct.h"
+#include "loop_bodies.h"
 
 } // namespace
 
-static void peer_evaluate(int s)
+template <bool has_loads> static void evaluate(int group)
 {
-    const double *q = peer_q + (size_t)s * joints, *qd = peer_qd + (size_t)s * joints;
-    for (int i = 0; i < joints; i++) {
-        switch (kind[i]) {
-        case 0: forward<false, 0>(i, q[i], qd[i]); break;
-        case 1: forward<false, 1>(i, q[i], qd[i]); break;
-        case 2: forward<false, 2>(i, q[i], qd[i]); break;
-        case 3: forward<true, 0>(i, q[i], qd[i]); break;
-        case 4: forward<true, 1>(i, q[i], qd[i]); break;
-        default: forward<true, 2>(i, q[i], qd[i]);
-        }
+    const size_t n = (size_t)joints;
+    const double *q = peer_group(peer_q, group, n), *qd = peer_group(peer_qd, group, n);
+    const double *given = peer_group(peer_given, group, peer_wanted == PEER_DIRDYNA ? 0 : n);
+    const double *loads = has_loads ? peer_group(peer_loads, group, 6 * n) : nullptr;
+    switch (peer_wanted) {
+    case PEER_DIRDYNA: direct<has_loads>(q, qd, loads); break;
+    case PEER_INVDYNA: inverse<has_loads>(q, qd, given, loads); break;
+    case PEER_ACCELRED: accelerations<has_loads>(q, qd, given, loads);
     }
-    for (int i = joints - 1; i >= 0; i--) backward(i);
 }
 
-static void peer_result(double *M, double *out)
+static void peer_evaluate(int group)
 {
+    peer_has_loads ? evaluate<true>(group) : evaluate<false>(group);
+}
+
+static void peer_result(int lane, double *out)
+{
+    const bool matrix = peer_wanted == PEER_DIRDYNA;
+    double *vector = matrix ? out + joints * joints : out;
     for (int i = 0; i < joints; i++) {
-        out[i] = c[i];
-        for (int j = 0; j <= i; j++) M[i * joints + j] = M[j * joints + i] = mass_matrix[i * joints + j];
+        vector[i] = lane_of(result[i], lane);
+        for (int j = 0; matrix && j <= i; j++)
+            out[i * joints + j] = out[j * joints + i] = lane_of(mass_matrix[i * joints + j], lane);
     }
 }
 
@@ -168,12 +164,20 @@ int main(int count, char **words)
 {
     peer_read(count, words);
     joints = peer_joints;
-    mass_matrix = (double *)calloc((size_t)joints * joints, sizeof(double));
+    const size_t size = (size_t)joints * joints * sizeof(number);
+    mass_matrix = (number *)aligned_alloc(sizeof(number), size);
+    if (!mass_matrix) bench_fail("there is no memory for the mass matrix");
+    memset(mass_matrix, 0, size);
     chain = true;
     for (int i = 0; i < joints; i++) {
-        parent[i] = peer_joint_list[i].parent;
-        kind[i] = 3 * peer_joint_list[i].revolute + peer_joint_list[i].axis;
+        const peer_joint &joint = peer_joint_list[i];
+        const double *d = joint.anchor;
+        parent[i] = joint.parent;
+        kind[i] = 3 * joint.revolute + joint.axis;
+        unmoved[i] = joint.revolute && d[0] == 0.0 && d[1] == 0.0 && d[2] == 0.0;
         chain = chain && parent[i] == i - 1;
     }
+    start_direct();
+    start_bodies();
     return peer_main(count, words);
 }

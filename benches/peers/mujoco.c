@@ -1,5 +1,6 @@
-/* MuJoCo: the stages of mj_forward that give the mass matrix and the forces
-   of gravity and velocities, on a model that peer.h's text is turned into.
+/* MuJoCo: the stages of mj_forward and mj_inverse that give what is asked for
+   without constraints, on a model that peer.h's text is turned into. Loads of
+   bodies are not learnt: MuJoCo's are in the frame of the base.
 
    Joints without mass between two bodies become joints of one body, since
    MuJoCo wants every moving body to have a mass. */
@@ -126,32 +127,45 @@ static void build(const char *folder)
 
 static void peer_evaluate(int s)
 {
-    const double *q = peer_q + (size_t)s * (size_t)peer_joints;
-    const double *qd = peer_qd + (size_t)s * (size_t)peer_joints;
+    const size_t n = (size_t)peer_joints;
+    const double *q = peer_group(peer_q, s, n), *qd = peer_group(peer_qd, s, n);
+    const double *given = peer_wanted == PEER_DIRDYNA ? q : peer_group(peer_given, s, n);
     for (int i = 0; i < peer_joints; i++) {
         data->qpos[address[i]] = q[i];
         data->qvel[address[i]] = qd[i];
+        if (peer_wanted == PEER_INVDYNA) data->qacc[address[i]] = given[i];
+        if (peer_wanted == PEER_ACCELRED) data->qfrc_smooth[address[i]] = given[i];
     }
     mj_kinematics(model, data);
     mj_comPos(model, data);
-    mj_makeM(model, data);
+    if (peer_wanted != PEER_INVDYNA) mj_makeM(model, data);
+    if (peer_wanted == PEER_ACCELRED) mj_factorM(model, data);
     mj_comVel(model, data);
-    mj_rne(model, data, 0, data->qfrc_bias);
+    mj_rne(model, data, peer_wanted == PEER_INVDYNA, data->qfrc_bias);
+    if (peer_wanted != PEER_ACCELRED) return;
+    for (int i = 0; i < peer_joints; i++) data->qfrc_smooth[i] -= data->qfrc_bias[i];
+    mj_solveM(model, data, data->qacc, data->qfrc_smooth, 1);
 }
 
-static void peer_result(double *M, double *c)
+static void peer_result(int lane, double *out)
 {
     const int n = peer_joints;
+    (void)lane;
+    if (peer_wanted != PEER_DIRDYNA) {
+        const double *found = peer_wanted == PEER_INVDYNA ? data->qfrc_bias : data->qacc;
+        for (int i = 0; i < n; i++) out[i] = found[address[i]];
+        return;
+    }
     mj_fullM(model, data, dense);
     for (int i = 0; i < n; i++) {
-        c[i] = data->qfrc_bias[address[i]];
-        for (int j = 0; j < n; j++) M[i * n + j] = dense[address[i] * n + address[j]];
+        out[n * n + i] = data->qfrc_bias[address[i]];
+        for (int j = 0; j < n; j++) out[i * n + j] = dense[address[i] * n + address[j]];
     }
 }
 
 int main(int count, char **words)
 {
     peer_read(count, words);
-    build(words[3]);
+    build(words[4]);
     return peer_main(count, words);
 }

@@ -1,8 +1,15 @@
-/* What the peers have in common: how the model and the states come in.
+/* What the peers have in common: how the task, the model and the states come in.
 
    A program is called as
 
-       program MODEL STATES RESULTS MILLISECONDS
+       program TASK MODEL STATES RESULTS MILLISECONDS
+
+   TASK is what it computes:
+
+       dirdyna   the mass matrix, row by row and in full, and the forces c of
+                 M qdd + c = Q
+       invdyna   the forces Q, of accelerations
+       accelred  the accelerations qdd, of forces
 
    MODEL is text: gravity, then one line for every joint, in an order in which
    parents come first:
@@ -17,9 +24,14 @@
    attached, in the frame behind the parent joint; mass, centre of mass and
    inertia about it belong to what the joint carries, in its own frame.
 
-   STATES holds doubles: the number of states, then q and qd of each. RESULTS
-   takes for every state the mass matrix, row by row and in full, and the
-   forces c of M qdd + c = Q. */
+   STATES holds doubles: the number of states, 1 with loads or else 0, then of
+   each state q, qd, what is given (qdd for invdyna, Q for accelred, nothing
+   for dirdyna), and with loads six numbers for every joint: force and torque
+   on what it carries, at the centre of mass and in its own frame. RESULTS
+   takes the results of every state.
+
+   A program that computes BENCH_LANES states at once finds the numbers of a
+   group of so many together: all lanes of the first number, of the second ... */
 #ifndef ROBOVEC_PEER_H
 #define ROBOVEC_PEER_H
 
@@ -33,10 +45,13 @@ typedef struct {
     double anchor[3], mass, center[3], inertia[6];
 } peer_joint;
 
-static int peer_joints, peer_states;
+typedef enum { PEER_DIRDYNA, PEER_INVDYNA, PEER_ACCELRED } peer_task;
+
+static peer_task peer_wanted;
+static int peer_joints, peer_states, peer_has_loads;
 static double peer_gravity[3];
 static peer_joint peer_joint_list[PEER_MOST_JOINTS];
-static double *peer_q, *peer_qd;
+static double *peer_q, *peer_qd, *peer_given, *peer_loads;
 
 static void peer_read_model(const char *name)
 {
@@ -62,26 +77,56 @@ static void peer_read_model(const char *name)
     fclose(file);
 }
 
+/* Storage for so many numbers of every state, as wide as a group needs. */
+static double *peer_storage(size_t numbers)
+{
+    const size_t align = sizeof(double) * BENCH_LANES;
+    const size_t size = (size_t)peer_states * numbers * sizeof(double) + align;
+    double *storage = (double *)aligned_alloc(align, size / align * align);
+    if (!storage) bench_fail("there is no memory for the states");
+    return storage;
+}
+
+/* The numbers of a group in such storage. */
+static const double *peer_group(const double *storage, int group, size_t numbers)
+{
+    return storage + (size_t)group * numbers * BENCH_LANES;
+}
+
+static void peer_read_numbers(FILE *file, int s, double *storage, size_t numbers)
+{
+    double *to = storage + (size_t)(s / BENCH_LANES) * numbers * BENCH_LANES + s % BENCH_LANES;
+    for (size_t i = 0; i < numbers; i++)
+        if (fread(to + i * BENCH_LANES, sizeof *to, 1, file) != 1) bench_fail("states are missing");
+}
+
 static void peer_read_states(const char *name)
 {
     FILE *file = fopen(name, "rb");
-    double count;
+    double head[2];
     if (!file) bench_fail("the states cannot be opened");
-    if (fread(&count, sizeof count, 1, file) != 1) bench_fail("there are no states");
-    peer_states = (int)count;
-    const size_t n = (size_t)peer_joints;
-    peer_q = (double *)malloc((size_t)peer_states * n * sizeof(double));
-    peer_qd = (double *)malloc((size_t)peer_states * n * sizeof(double));
-    for (int s = 0; s < peer_states; s++)
-        if (fread(peer_q + (size_t)s * n, sizeof(double), n, file) != n ||
-            fread(peer_qd + (size_t)s * n, sizeof(double), n, file) != n)
-            bench_fail("states are missing");
+    if (fread(head, sizeof *head, 2, file) != 2) bench_fail("there are no states");
+    peer_states = (int)head[0];
+    peer_has_loads = head[1] != 0.0;
+    const size_t n = (size_t)peer_joints, given = peer_wanted == PEER_DIRDYNA ? 0 : n;
+    const size_t loads = peer_has_loads ? 6 * n : 0;
+    peer_q = peer_storage(n);
+    peer_qd = peer_storage(n);
+    peer_given = peer_storage(given);
+    peer_loads = peer_storage(loads);
+    for (int s = 0; s < peer_states; s++) {
+        peer_read_numbers(file, s, peer_q, n);
+        peer_read_numbers(file, s, peer_qd, n);
+        peer_read_numbers(file, s, peer_given, given);
+        peer_read_numbers(file, s, peer_loads, loads);
+    }
     fclose(file);
 }
 
-/* What a peer offers: evaluation of a state, and its results. */
-static void peer_evaluate(int s);
-static void peer_result(double *M, double *c);
+/* What a peer offers: evaluation of a group of states, and the results of one
+   of them after that, in the order of RESULTS. */
+static void peer_evaluate(int group);
+static void peer_result(int lane, double *out);
 
 static void bench_evaluate(int group)
 {
@@ -90,21 +135,31 @@ static void bench_evaluate(int group)
 
 static void bench_result(int group, int lane, double *out)
 {
-    (void)group, (void)lane;
-    peer_result(out, out + peer_joints * peer_joints);
+    (void)group;
+    peer_result(lane, out);
 }
 
 static int peer_main(int count, char **words)
 {
     const size_t n = (size_t)peer_joints;
-    return bench_run(peer_states, n * n + n, words[3], count > 4 ? atof(words[4]) : 100.0);
+    const size_t results = peer_wanted == PEER_DIRDYNA ? n * n + n : n;
+    return bench_run(peer_states, results, words[4], count > 5 ? atof(words[5]) : 100.0);
+}
+
+static peer_task peer_task_named(const char *name)
+{
+    if (!strcmp(name, "invdyna")) return PEER_INVDYNA;
+    if (!strcmp(name, "accelred")) return PEER_ACCELRED;
+    if (strcmp(name, "dirdyna")) bench_fail("no such task");
+    return PEER_DIRDYNA;
 }
 
 static void peer_read(int count, char **words)
 {
-    if (count < 4) bench_fail("usage: program MODEL STATES RESULTS [MILLISECONDS]");
-    peer_read_model(words[1]);
-    peer_read_states(words[2]);
+    if (count < 5) bench_fail("usage: program TASK MODEL STATES RESULTS [MILLISECONDS]");
+    peer_wanted = peer_task_named(words[1]);
+    peer_read_model(words[2]);
+    peer_read_states(words[3]);
 }
 
 #endif

@@ -1,7 +1,10 @@
-// Pinocchio: crba and nonLinearEffects on the model built joint by joint.
+// Pinocchio: crba and nonLinearEffects, rnea, or aba, on the model built joint
+// by joint.
 //
-// Both conventions of crba are compiled; CONVENTION selects one of them.
+// Of crba and aba both conventions are compiled; CONVENTION selects one of
+// them.
 #include "peer.h"
+#include <pinocchio/algorithm/aba.hpp>
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
 #include <pinocchio/multibody.hpp>
@@ -10,7 +13,8 @@ namespace pin = pinocchio;
 
 static pin::Model model;
 static pin::Data *data;
-static Eigen::VectorXd q, v;
+static Eigen::VectorXd q, v, given;
+static pin::container::aligned_vector<pin::Force> loads;
 
 static pin::JointModel joint_model(const peer_joint &joint)
 {
@@ -43,27 +47,71 @@ static void build()
     data = new pin::Data(model);
     q.resize(model.nq);
     v.resize(model.nv);
+    given.setZero(model.nv);
+    loads.assign((size_t)model.njoints, pin::Force::Zero());
+}
+
+// Loads act at the centre of mass; Pinocchio wants them at the joint.
+static void read_loads(int s)
+{
+    const double *own = peer_group(peer_loads, s, 6 * (size_t)peer_joints);
+    for (size_t i = 0; i < (size_t)peer_joints; i++, own += 6) {
+        const Eigen::Vector3d force(own), torque(own + 3), center(peer_joint_list[i].center);
+        loads[i + 1] = pin::Force(force, torque + center.cross(force));
+    }
 }
 
 static void peer_evaluate(int s)
 {
+    constexpr auto convention = pin::Convention::CONVENTION;
     const size_t n = (size_t)peer_joints;
-    q = Eigen::Map<const Eigen::VectorXd>(peer_q + s * n, (Eigen::Index)n);
-    v = Eigen::Map<const Eigen::VectorXd>(peer_qd + s * n, (Eigen::Index)n);
-    pin::crba(model, *data, q, pin::Convention::CONVENTION);
-    pin::nonLinearEffects(model, *data, q, v);
+    auto vector = [&](const double *storage) {
+        return Eigen::Map<const Eigen::VectorXd>(peer_group(storage, s, n), (Eigen::Index)n);
+    };
+    q = vector(peer_q);
+    v = vector(peer_qd);
+    if (peer_wanted != PEER_DIRDYNA) given = vector(peer_given);
+    if (peer_has_loads) read_loads(s);
+    switch (peer_wanted) {
+    case PEER_DIRDYNA:
+        pin::crba(model, *data, q, convention);
+        if (peer_has_loads)
+            pin::rnea(model, *data, q, v, given, loads);
+        else
+            pin::nonLinearEffects(model, *data, q, v);
+        break;
+    case PEER_INVDYNA:
+        if (peer_has_loads)
+            pin::rnea(model, *data, q, v, given, loads);
+        else
+            pin::rnea(model, *data, q, v, given);
+        break;
+    case PEER_ACCELRED:
+        if (peer_has_loads)
+            pin::aba(model, *data, q, v, given, loads, convention);
+        else
+            pin::aba(model, *data, q, v, given, convention);
+    }
 }
 
 // Joints keep their numbers: parents come first, and so does Pinocchio count.
-static void peer_result(double *M, double *c)
+static void peer_result(int lane, double *out)
 {
     const int n = peer_joints;
+    (void)lane;
+    auto place = [](int i) { return model.joints[(size_t)i + 1].idx_v(); };
+    if (peer_wanted != PEER_DIRDYNA) {
+        const Eigen::VectorXd &found = peer_wanted == PEER_INVDYNA ? data->tau : data->ddq;
+        for (int i = 0; i < n; i++) out[i] = found[place(i)];
+        return;
+    }
+    const Eigen::VectorXd &forces = peer_has_loads ? data->tau : data->nle;
     for (int i = 0; i < n; i++) {
-        const int row = model.joints[(size_t)i + 1].idx_v();
-        c[i] = data->nle[row];
+        const int row = place(i);
+        out[n * n + i] = forces[row];
         for (int j = 0; j < n; j++) {
-            const int column = model.joints[(size_t)j + 1].idx_v();
-            M[i * n + j] = row <= column ? data->M(row, column) : data->M(column, row);
+            const int column = place(j);
+            out[i * n + j] = row <= column ? data->M(row, column) : data->M(column, row);
         }
     }
 }

@@ -38,6 +38,9 @@ pub struct Contestant {
     pub files: Vec<(String, Vec<u8>)>,
     /// How the program `program` is made.
     pub steps: Vec<BuildStep>,
+    /// Files of its folder that the program reads when it runs, of which it
+    /// is not made.
+    pub data: Vec<(String, Vec<u8>)>,
     /// Arguments of the program before the milliseconds.
     pub arguments: Vec<String>,
     /// What stands in its file of results, for each state in this order.
@@ -78,6 +81,7 @@ impl Contestant {
             lanes: 1,
             files: Vec::new(),
             steps: Vec::new(),
+            data: Vec::new(),
             arguments: vec![RESULTS.to_owned()],
             outputs,
             tolerance: 1e-12,
@@ -88,7 +92,7 @@ impl Contestant {
 
     /// Writes the files into its folder.
     pub(super) fn write(&self, place: &Path) -> std::io::Result<()> {
-        for (name, content) in &self.files {
+        for (name, content) in self.files.iter().chain(&self.data) {
             write_whole(&place.join(name), Replace::Anything, |writer| {
                 writer.write_all(content)
             })

@@ -3,14 +3,16 @@
 use super::BenchQuestion;
 use crate::model::Model;
 use robovec_ir::evaluate::evaluate;
-use robovec_ir::states::States;
 use robovec_ir::{Input, View};
 use robovec_num::arithmetic::Binary64;
 use std::collections::BTreeMap;
 use std::fmt;
 
 /// The inputs that differ from state to state; all others are parameters.
-const VARYING: [&str; 3] = ["q", "qd", "qdd"];
+const VARYING: [&str; 6] = ["q", "qd", "qdd", "Qq", "frc", "trq"];
+
+/// Loads on bodies.
+const LOADS: [&str; 2] = ["frc", "trq"];
 
 /// An output element: array and indices from 1, 0 where there is none.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -36,30 +38,35 @@ pub(super) fn is_varying(name: &str) -> bool {
     VARYING.contains(&name)
 }
 
-/// The inputs of a function in a state.
-pub(super) fn inputs(
-    view: View<'_>,
-    model: Option<&Model>,
-    states: &States,
-    state: u32,
-) -> Vec<f64> {
-    let mut numbers = states.draw(view, state);
-    let parameters = states.draw(view, 0);
+/// The inputs of a function in a state. `view` need not be that of the
+/// question: functions of the same question see the same numbers.
+pub(super) fn inputs(question: &BenchQuestion<'_>, view: View<'_>, state: u32) -> Vec<f64> {
+    let mut numbers = question.states.draw(view, state);
+    let parameters = question.states.draw(view, 0);
     for (index, number) in numbers.iter_mut().enumerate() {
         let (array, indices, rank) = view.function.input_element(Input(index as u32));
         let name = view.tables.symbols.text(array.name);
         if !is_varying(name) {
             *number = parameters[index];
-            let known =
-                model.and_then(|model| crate::kinematics::parameter(model, name, &indices[..rank]));
-            *number = known.unwrap_or(*number);
-            // Peers know no forces on bodies.
-            if model.is_some() && matches!(name, "frc" | "trq") {
-                *number = 0.0;
-            }
+        }
+        let Some(model) = question.model else {
+            continue;
+        };
+        let known = crate::kinematics::parameter(model, name, &indices[..rank]);
+        *number = known.unwrap_or(*number);
+        if LOADS.contains(&name) && !(question.has_loads && is_loaded(model, indices[1])) {
+            *number = 0.0;
         }
     }
     numbers
+}
+
+/// True for the last joint of a body, counted from 1. A file that has all
+/// parameters as symbols has loads of the others as well, which its model does
+/// not know.
+fn is_loaded(model: &Model, joint: u32) -> bool {
+    let place = (joint as usize).checked_sub(1);
+    place.is_some_and(|place| place < model.joints.len() && model.body_of(place).is_some())
 }
 
 /// The elements that a function sets, in order of its assignments.
@@ -89,7 +96,7 @@ impl ReferenceResults {
     pub(super) fn new(question: &BenchQuestion<'_>) -> ReferenceResults {
         let view = question.view;
         let states = (0..question.count).map(|state| {
-            let inputs = inputs(view, question.model, question.states, state);
+            let inputs = inputs(question, view, state);
             evaluate(view.function, &Binary64, &inputs)
         });
         ReferenceResults {
@@ -150,5 +157,65 @@ impl ReferenceResults {
             }
         }
         Ok(worst)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::{GenerationRequest, Options, generate};
+    use crate::model::family;
+    use crate::robotran::FunctionKind;
+    use robovec_ir::states::States;
+
+    /// The numbers of a load's elements in two states.
+    fn loads(has_loads: bool, all_parameters: bool) -> Vec<(u32, [f64; 2])> {
+        let model = family::random_tree(2, 6);
+        let request = GenerationRequest {
+            options: Options {
+                all_parameters,
+                ..Options::default()
+            },
+            ..GenerationRequest::new(FunctionKind::Dirdyna)
+        };
+        let module = generate(&model, &request).expect("a tree has direct dynamics");
+        let view = View {
+            tables: &module.tables,
+            function: &module.functions[0],
+        };
+        let question = BenchQuestion {
+            name: String::new(),
+            view,
+            model: Some(&model),
+            has_loads,
+            states: &States::new(1),
+            count: 16,
+            flags: None,
+        };
+        let [one, other] = [0, 1].map(|state| inputs(&question, view, state));
+        let mut found = Vec::new();
+        for (index, numbers) in one.into_iter().zip(other).enumerate() {
+            let (array, indices, _) = view.function.input_element(Input(index as u32));
+            if LOADS.contains(&view.tables.symbols.text(array.name)) {
+                let numbers = <[f64; 2]>::from(numbers);
+                // Only the last joint of a body is loaded.
+                if model.body_of(indices[1] as usize - 1).is_none() {
+                    assert_eq!(numbers, [0.0; 2]);
+                }
+                found.push((indices[1], numbers));
+            }
+        }
+        assert!(!found.is_empty());
+        found
+    }
+
+    #[test]
+    fn loads_are_drawn_where_they_are_asked_for() {
+        for all_parameters in [false, true] {
+            let none = loads(false, all_parameters);
+            assert!(none.iter().all(|(_, numbers)| *numbers == [0.0; 2]));
+            let drawn = loads(true, all_parameters);
+            assert!(drawn.iter().any(|(_, [one, other])| one != other));
+        }
     }
 }

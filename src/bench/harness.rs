@@ -17,6 +17,9 @@ pub(super) enum CallingConvention {
     Plain,
     /// Runs of so many states, with parameters of these names prepared once.
     Batch(u32, Vec<String>),
+    /// So many states one after the other, in one call, with the same
+    /// parameters of these names for all.
+    States(u32, Vec<String>),
     /// Robotran's: some outputs, the data structure, some scalars.
     Robotran(Vec<Parameter>),
 }
@@ -25,8 +28,27 @@ impl CallingConvention {
     /// States of a call.
     pub(super) fn lanes(&self) -> u32 {
         match self {
-            CallingConvention::Batch(lanes, _) => *lanes,
+            CallingConvention::Batch(lanes, _) | CallingConvention::States(lanes, _) => *lanes,
             CallingConvention::Plain | CallingConvention::Robotran(_) => 1,
+        }
+    }
+
+    /// True when all states have an input array of this name in common.
+    fn shares(&self, name: &str) -> bool {
+        match self {
+            CallingConvention::Batch(_, shared) | CallingConvention::States(_, shared) => {
+                shared.iter().any(|known| known == name)
+            }
+            CallingConvention::Plain | CallingConvention::Robotran(_) => false,
+        }
+    }
+
+    /// The place of an element in an array of this extent that holds all lanes
+    /// of a group, lane `l`.
+    fn place(&self, element: &str, extent: &str) -> String {
+        match self {
+            CallingConvention::States(..) => format!("l * {extent} + {element}"),
+            _ => format!("({element}) * LANES + l"),
         }
     }
 }
@@ -42,13 +64,19 @@ pub(super) enum Parameter {
     Scalar(String),
 }
 
-/// The file that declares `MbsData` for the inputs of a function.
+/// The file that declares `MbsData` for the arrays of a function: the inputs,
+/// and outputs that have no parameter of their own.
 pub(super) fn data_header(view: View<'_>) -> String {
     let mut text = String::from(
         "#ifndef ROBOVEC_BENCH_MBS_DATA_H\n#define ROBOVEC_BENCH_MBS_DATA_H\ntypedef struct {\n",
     );
-    for array in view.function.inputs() {
+    let mut names: Vec<&str> = Vec::new();
+    for array in view.function.inputs().iter().chain(view.function.outputs()) {
         let name = view.tables.symbols.text(array.name);
+        if names.contains(&name) {
+            continue;
+        }
+        names.push(name);
         let stars = match array.shape {
             Shape::Scalar => "",
             Shape::Vector(_) => "*",
@@ -92,6 +120,7 @@ pub(super) fn main(callee: &Callee<'_>, states: u32) -> String {
         fill: String::new(),
         arguments: Vec::new(),
         shared: Vec::new(),
+        bases: Vec::new(),
     };
     writer.inputs();
     if let CallingConvention::Batch(..) = call {
@@ -108,17 +137,30 @@ pub(super) fn main(callee: &Callee<'_>, states: u32) -> String {
             before = format!("    {name}_prepare({});\n", writer.shared.join(", "));
             format!("    {name}_batch({});\n", writer.arguments.join(", "))
         }
+        CallingConvention::States(..) => {
+            let states = ["STATES".to_owned()];
+            let arguments = [&states, writer.arguments.as_slice()].concat().join(", ");
+            format!("    if ({name}_states({arguments})) bench_fail(\"there is no memory\");\n")
+        }
         CallingConvention::Robotran(parameters) => writer.robotran(name, parameters),
     };
     let inputs = view.function.input_len();
     let outputs = view.function.assignments.len();
-    let HarnessWriter { storage, fill, .. } = writer;
+    let HarnessWriter {
+        storage,
+        fill,
+        bases,
+        ..
+    } = writer;
+    let bases = bases.join(", ");
+    let place = call.place("output_list[i][1]", "output_list[i][2]");
     format!(
         "#define BENCH_LANES {lanes}\n#include \"bench.h\"\n{header}\n\
          enum {{ STATES = {states}, LANES = {lanes}, INPUTS = {inputs} }};\n{storage}\
          static void fill(const double *in, int s)\n{{\n    const int g = s / LANES, l = s % LANES;\n    (void)g; (void)l; (void)in;\n{fill}}}\n\
          static void bench_evaluate(int g)\n{{\n    (void)g;\n{body}}}\n\
-         static void bench_result(int g, int l, double *out)\n{{\n    (void)g;\n    for (int i = 0; i < {outputs}; i++) out[i] = *(output_base[output_list[i][0]] + output_list[i][1] * LANES + l);\n}}\n\
+         static void bench_result(int g, int l, double *out)\n{{\n    (void)g; (void)l;\n    {real} *const output_base[] = {{ {bases} }};\n    \
+         for (int i = 0; i < {outputs}; i++) out[i] = *(output_base[output_list[i][0]] + {place});\n}}\n\
          int main(int count, char **words)\n{{\n    static double in[INPUTS + 1];\n    FILE *file = fopen(\"inputs.bin\", \"rb\");\n    \
          if (!file) bench_fail(\"there are no states\");\n    \
          for (int s = 0; s < STATES; s++) {{\n        if (fread(in, sizeof(double), INPUTS, file) != INPUTS) bench_fail(\"states are missing\");\n        fill(in, s);\n    }}\n    \
@@ -136,6 +178,8 @@ struct HarnessWriter<'a> {
     arguments: Vec<String>,
     /// Arguments of what prepares shared parameters.
     shared: Vec<String>,
+    /// Where each output array of a group begins.
+    bases: Vec<String>,
 }
 
 impl HarnessWriter<'_> {
@@ -158,8 +202,7 @@ impl HarnessWriter<'_> {
                 ("[1]", "[0]")
             };
             let extent = extent(array.shape);
-            let shared =
-                matches!(self.call, CallingConvention::Batch(_, shared) if shared.contains(&name));
+            let shared = self.call.shares(&name);
             let lanes = if shared { 1 } else { self.lanes };
             let _ = writeln!(
                 self.storage,
@@ -173,28 +216,37 @@ impl HarnessWriter<'_> {
                 (false, true) => "s == 0",
                 (false, false) => "s < LANES",
             };
-            match array.shape {
-                Shape::Scalar => {
-                    let _ = writeln!(self.fill, "    if ({lane}) {element}[l] = in[{offset}];");
-                }
-                Shape::Vector(length) => {
-                    let _ = writeln!(
-                        self.fill,
-                        "    if ({lane}) for (int k = 0; k < {length}; k++) {element}[(k + 1) * {lanes} + l] = in[{offset} + k];"
-                    );
-                }
-                Shape::Matrix(rows, columns) => {
-                    let _ = writeln!(
-                        self.fill,
-                        "    if ({lane}) for (int r = 0; r < {rows}; r++) for (int k = 0; k < {columns}; k++)\n        {element}[((r + 1) * ({columns} + 1) + k + 1) * {lanes} + l] = in[{offset} + r * {columns} + k];"
-                    );
-                }
-            }
+            let place = |own: &str| match shared {
+                true => own.to_owned(),
+                false => self.call.place(own, &extent),
+            };
+            let (loops, own, from) = match array.shape {
+                Shape::Scalar => (String::new(), "0".to_owned(), String::new()),
+                Shape::Vector(length) => (
+                    format!("for (int k = 0; k < {length}; k++) "),
+                    "k + 1".to_owned(),
+                    " + k".to_owned(),
+                ),
+                Shape::Matrix(rows, columns) => (
+                    format!(
+                        "for (int r = 0; r < {rows}; r++) for (int k = 0; k < {columns}; k++)\n        "
+                    ),
+                    format!("(r + 1) * ({columns} + 1) + k + 1"),
+                    format!(" + r * {columns} + k"),
+                ),
+            };
+            let place = place(&own);
+            let _ = writeln!(
+                self.fill,
+                "    if ({lane}) {loops}{element}[{place}] = in[{offset}{from}];"
+            );
             if robotran {
                 self.field(index, &name, array.shape, &element);
             } else {
                 let argument = self.argument(&element, array.shape, true);
-                let list = if shared {
+                // What prepares shared arrays is called on its own for batches.
+                let apart = shared && matches!(self.call, CallingConvention::Batch(..));
+                let list = if apart {
                     &mut self.shared
                 } else {
                     &mut self.arguments
@@ -239,27 +291,29 @@ impl HarnessWriter<'_> {
     /// Storage of the outputs, and where each result is found.
     fn outputs(&mut self) {
         let function = self.view.function;
-        let mut bases = Vec::new();
         for (index, array) in function.outputs().iter().enumerate() {
             let extent = extent(array.shape);
             let lanes = self.lanes;
+            if let Some(input) = self.updated(array) {
+                self.bases.push(input);
+                continue;
+            }
             let _ = writeln!(
                 self.storage,
                 "static {} o{index}[{extent} * {lanes}] __attribute__((aligned(64)));",
                 self.real
             );
-            bases.push(format!("o{index}"));
+            let own = format!("o{index}");
+            self.bases.push(own.clone());
             if !matches!(self.call, CallingConvention::Robotran(_)) {
-                let argument = self.argument(&format!("o{index}"), array.shape, false);
+                let argument = self.argument(&own, array.shape, false);
                 self.arguments.push(argument);
+            } else if self.is_in_data(array) {
+                let name = self.name(array).to_owned();
+                self.field(function.inputs().len() + index, &name, array.shape, &own);
             }
         }
-        let _ = writeln!(
-            self.storage,
-            "static {} *const output_base[] = {{ {} }};\nstatic const int output_list[][2] = {{",
-            self.real,
-            bases.join(", ")
-        );
+        self.storage += "static const int output_list[][3] = {\n";
         for assignment in &function.assignments {
             let (array, indices, _) = function.output_element(assignment.output);
             let place = function.output_array(assignment.output);
@@ -268,9 +322,33 @@ impl HarnessWriter<'_> {
                 Shape::Vector(_) => indices[0],
                 Shape::Matrix(_, columns) => indices[0] * (columns + 1) + indices[1],
             };
-            let _ = writeln!(self.storage, "    {{ {place}, {offset} }},");
+            let extent = extent(array.shape);
+            let _ = writeln!(self.storage, "    {{ {place}, {offset}, {extent} }},");
         }
         self.storage += "};\n";
+    }
+
+    /// True for an output that a function as Robotran writes it leaves in the
+    /// data structure.
+    fn is_in_data(&self, array: &Array) -> bool {
+        let CallingConvention::Robotran(parameters) = self.call else {
+            return false;
+        };
+        let mut parameters = parameters.iter();
+        let name = self.name(array);
+        !parameters.any(|known| matches!(known, Parameter::Output(own) if own == name))
+    }
+
+    /// Where the elements of a group are that are set in an input array.
+    fn updated(&self, array: &Array) -> Option<String> {
+        let mut inputs = self.view.function.inputs().iter();
+        let index = inputs.position(|input| input.name == array.name)?;
+        let group = if is_varying(self.name(array)) {
+            "g"
+        } else {
+            "0"
+        };
+        self.is_in_data(array).then(|| format!("i{index}[{group}]"))
     }
 
     /// The call of a function as Robotran writes it.

@@ -3,12 +3,12 @@
 //! A bench takes the equations of a function, or the model they come from,
 //! and times in one run: Robotran's file as it is, the C that robovec writes
 //! for it, and, where they are installed, what else a user could call for the
-//! mass matrix and the forces of the same model. Every contestant is a program
+//! same function of the same model. Every contestant is a program
 //! of its own that reads states from a file, writes its results to another and
 //! prints its least time; results are compared before times are shown.
 //!
-//! States differ in positions, velocities and accelerations; parameters are
-//! the model's, or drawn once. Contestants run one after the other in rounds,
+//! States differ in positions, velocities, accelerations, forces of joints and
+//! loads; parameters are the model's, or drawn once. Contestants run one after the other in rounds,
 //! so that a busy minute of the computer meets all of them. Times are
 //! processor times of the thread: they are measurements and differ from run to
 //! run.
@@ -19,6 +19,7 @@ mod harness;
 pub mod own;
 pub mod peers;
 pub mod robotran;
+pub mod task;
 pub mod text;
 mod tools;
 mod tree;
@@ -42,6 +43,9 @@ pub struct BenchQuestion<'a> {
     pub view: View<'a>,
     /// The model, whose parameters are used and which peers need.
     pub model: Option<&'a Model>,
+    /// Whether loads on bodies are drawn where there is a model; they are zero
+    /// otherwise.
+    pub has_loads: bool,
     /// Where states come from.
     pub states: &'a States,
     /// How many: a multiple of 16.

@@ -29,7 +29,7 @@ pub fn operations(view: View<'_>) -> usize {
 pub(super) fn input_bytes(question: &BenchQuestion<'_>, view: View<'_>) -> Vec<u8> {
     let states = 0..question.count;
     states
-        .flat_map(|state| inputs(view, question.model, question.states, state))
+        .flat_map(|state| inputs(question, view, state))
         .flat_map(f64::to_le_bytes)
         .collect()
 }
@@ -88,7 +88,7 @@ pub fn rolled(
     }
 }
 
-/// C for eight states at once.
+/// C for eight states at once, which lie side by side.
 pub fn batch(
     question: &BenchQuestion<'_>,
     compiler: &Compiler,
@@ -102,6 +102,39 @@ pub fn batch(
         ..Generated::plain(batch::batch_files(view, &options), FLAGS)
     };
     generated.contestant(question, compiler, family, name, view)
+}
+
+/// The same C for states that lie one after the other: one call for all of
+/// them, which prepares what they share and copies each batch in and out.
+pub fn batch_of_states(
+    question: &BenchQuestion<'_>,
+    compiler: &Compiler,
+    family: ContestantFamily,
+    name: &str,
+    view: View<'_>,
+) -> Contestant {
+    let options = batch::Options::default();
+    let generated = Generated {
+        call: CallingConvention::States(question.count, options.shared.clone()),
+        ..Generated::plain(batch::batch_files(view, &options), FLAGS)
+    };
+    Contestant {
+        lanes: options.lanes,
+        ..generated.contestant(question, compiler, family, name, view)
+    }
+}
+
+/// A formulation that there are no equations of, and why.
+pub fn refused(
+    question: &BenchQuestion<'_>,
+    family: ContestantFamily,
+    name: &str,
+    message: String,
+) -> Contestant {
+    Contestant {
+        missing: Some(message),
+        ..Contestant::named(name, family, outputs(question.view))
+    }
 }
 
 pub(super) fn missing(
@@ -157,7 +190,9 @@ impl<'a> Generated<'a> {
         let linked = format!("-O2 -march=native -o program main.c {object} -lm");
         let steps = vec![compiled.function(&object), BuildStep::new(command, &linked)];
         let function = match self.call {
-            CallingConvention::Batch(..) => stem.trim_end_matches("_batch"),
+            CallingConvention::Batch(..) | CallingConvention::States(..) => {
+                stem.trim_end_matches("_batch")
+            }
             CallingConvention::Plain | CallingConvention::Robotran(_) => stem,
         };
         let callee = Callee {
@@ -174,12 +209,13 @@ impl<'a> Generated<'a> {
             .collect();
         files.push(("main.c".to_owned(), main.into_bytes()));
         files.push(("bench.h".to_owned(), BENCH_H.as_bytes().to_vec()));
-        files.push(("inputs.bin".to_owned(), input_bytes(question, view)));
+        let data = vec![("inputs.bin".to_owned(), input_bytes(question, view))];
         Contestant {
             remark: format!("{command} {flags}"),
             operations: Some(operations(view)),
             lanes,
             files,
+            data,
             steps,
             ..Contestant::named(name, family, outputs(view))
         }

@@ -130,7 +130,6 @@ impl RobotranSource<'_> {
         let mut files = vec![
             ("function.c".to_owned(), text.as_bytes().to_vec()),
             ("bench.h".to_owned(), BENCH_H.as_bytes().to_vec()),
-            ("inputs.bin".to_owned(), input_bytes(question, view)),
         ];
         let mut data = None;
         for header in included(text) {
@@ -166,6 +165,7 @@ impl RobotranSource<'_> {
             remark: format!("{command} {flags}"),
             operations: Some(own::operations(view)),
             files,
+            data: vec![("inputs.bin".to_owned(), input_bytes(question, view))],
             steps: vec![
                 BuildStep::new(command, flags)
                     .with("-w")
@@ -218,17 +218,24 @@ fn signature(text: &str) -> Option<(String, String, Vec<Parameter>)> {
         .map(|line| line.split("//").next().unwrap_or_default())
         .collect::<Vec<_>>()
         .join("\n");
-    let places = code.match_indices("void").map(|(place, _)| place);
-    places
-        .filter(|&place| matches!(code[..place].chars().next_back(), None | Some('\n')))
-        .find_map(|place| declaration(&code[place..]))
+    let starts = code.match_indices('\n').map(|(place, _)| place + 1);
+    let mut lines = [0].into_iter().chain(starts).map(|place| &code[place..]);
+    lines.find_map(declaration)
 }
 
-/// The declaration a text begins with.
+/// The declaration a text begins with. Functions return nothing, or whether
+/// they came to an end.
 fn declaration(text: &str) -> Option<(String, String, Vec<Parameter>)> {
+    let returned = ["void", "int"]
+        .into_iter()
+        .find_map(|word| text.strip_prefix(word));
+    let start = text.len()
+        - returned
+            .filter(|rest| rest.starts_with(char::is_whitespace))?
+            .len();
     let open = text.find('(')?;
     let close = text.find(')')?;
-    let name = text["void".len()..open.max(4)].trim().to_owned();
+    let name = text[start..open.max(start)].trim().to_owned();
     if open > close || name.is_empty() || name.contains(char::is_whitespace) {
         return None;
     }
@@ -269,6 +276,17 @@ mod tests {
             [output("M"), output("c"), Parameter::Data, time]
         );
         assert_eq!(included(text), ["MBSdataStructR7.h"]);
+    }
+
+    #[test]
+    fn results_can_be_left_in_the_data() {
+        let text = "int mbs_accelred(MbsData *s, double tsim)\n{";
+        let (name, declaration, parameters) =
+            signature(text).expect("it is a signature of Robotran's");
+        assert_eq!(name, "mbs_accelred");
+        assert_eq!(declaration, "int mbs_accelred(MbsData *s, double tsim)");
+        let time = Parameter::Scalar("tsim".to_owned());
+        assert_eq!(parameters, [Parameter::Data, time]);
     }
 
     #[test]

@@ -1,17 +1,17 @@
 //! `robovec bench`: how fast the same function is in the hands of others.
 
 use super::flags::{SEED, states, whole};
-use super::{CommandFailure, generation, input, output, progress, subjects};
+use super::{CommandFailure, generation, input, opt, output, progress, subjects};
 use crate::bench::contestant::{Contestant, ContestantFamily};
+use crate::bench::task::BenchTask;
 use crate::bench::{self, BenchOutcome, BenchQuestion, Compiler, own, peers, robotran, text};
 use crate::files::TemporaryFolder;
-use crate::generate::{Formulation, Options};
+use crate::generate::{Formulation, GenerationRequest, Options, generate};
 use crate::model::Model;
-use crate::robotran::FunctionKind;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use robovec_ir::states::States;
-use robovec_ir::{Module, View};
+use robovec_ir::{Module, View, print};
 use std::path::{Path, PathBuf};
 
 /// Times Robotran's file, robovec's C and other libraries on this computer, results compared first
@@ -23,11 +23,18 @@ pub(super) struct BenchArguments {
     /// Model (.mbs) that a file of equations comes from
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
+    /// Function of a model, or of a file that has several [default: dirdyna]
+    #[arg(long, value_name = "NAME",
+          value_parser = PossibleValuesParser::new(BenchTask::ALL.map(BenchTask::name)))]
+    function: Option<String>,
+    /// Forces and torques on the bodies of a model, drawn like other inputs, instead of none
+    #[arg(long)]
+    forces: bool,
     /// C compilers
     #[arg(long, value_delimiter = ',', default_value = "gcc")]
     compilers: Vec<String>,
     /// What others offer that takes part, where it is installed; 'none' for nothing
-    #[arg(long, value_delimiter = ',', default_value = "loop,pinocchio,mujoco,casadi",
+    #[arg(long, value_delimiter = ',', default_values = peers::NAMES,
           value_parser = PossibleValuesParser::new(["none"].into_iter().chain(peers::NAMES)))]
     peers: Vec<String>,
     /// Operations up to which a function is compiled in one piece, as Robotran's is
@@ -67,12 +74,13 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<String, CommandFailure> 
     let mut results = Vec::new();
     for subject in &arguments.subjects {
         let loaded = load(subject, arguments)?;
-        let view = loaded.view();
+        let view = view(&loaded.module);
         let states = States::new(arguments.seed);
         let question = BenchQuestion {
             name: loaded.name.clone(),
             view,
             model: loaded.model.as_ref(),
+            has_loads: arguments.forces,
             states: &states,
             count: arguments.states.next_multiple_of(16),
             flags: arguments.flags.as_deref(),
@@ -127,34 +135,32 @@ struct LoadedSubject {
     file: Option<PathBuf>,
     module: Module,
     model: Option<Model>,
-}
-
-impl LoadedSubject {
-    fn view(&self) -> View<'_> {
-        View {
-            tables: &self.module.tables,
-            function: &self.module.functions[0],
-        }
-    }
+    /// What the function is, if a model gives it and peers know it.
+    task: Option<BenchTask>,
 }
 
 fn load(subject: &str, arguments: &BenchArguments) -> Result<LoadedSubject, CommandFailure> {
     let (name, model) = subjects::named_model(subject)?;
     let path = Path::new(subject);
+    let wanted = arguments.function.as_deref();
     if let Some(model) = model {
         let options = Options::default();
-        let kinds = [FunctionKind::Dirdyna];
-        let module = generation::functions(&model, &kinds, Formulation::default(), &options)?;
+        let task = wanted.map_or_else(BenchTask::default, |name| {
+            BenchTask::with_name(name).expect("the command line has checked the function")
+        });
+        let formulation = Formulation::default();
+        let module = generation::functions(&model, &[task.kind()], formulation, &options)?;
         return Ok(LoadedSubject {
             name,
             file: None,
             module,
             model: Some(model),
+            task: Some(task),
         });
     }
     let mut module = input::equations(path, None)?.module;
-    if module.functions.len() != 1 {
-        super::opt::select(&mut module, "dirdyna")?;
+    if module.functions.len() != 1 || wanted.is_some() {
+        opt::select(&mut module, wanted.unwrap_or(BenchTask::default().name()))?;
     }
     let model = match &arguments.model {
         Some(path) => Some(input::model(path)?.model),
@@ -163,6 +169,7 @@ fn load(subject: &str, arguments: &BenchArguments) -> Result<LoadedSubject, Comm
     Ok(LoadedSubject {
         name,
         file: Some(path.to_owned()),
+        task: BenchTask::with_name(&module.functions[0].name),
         module,
         model,
     })
@@ -174,21 +181,8 @@ fn contestants(
     loaded: &LoadedSubject,
     arguments: &BenchArguments,
 ) -> Result<Vec<Contestant>, CommandFailure> {
+    let found = compilers(arguments)?;
     let mut list = Vec::new();
-    let compilers = arguments.compilers.iter();
-    let (found, missing): (Vec<_>, Vec<_>) = compilers
-        .map(|command| Compiler::find(command))
-        .partition(Result::is_ok);
-    let found: Vec<Compiler> = found.into_iter().flatten().collect();
-    if found.is_empty() {
-        return Err(CommandFailure::advised(
-            format!(
-                "none of the compilers is installed: {}",
-                arguments.compilers.join(", ")
-            ),
-            missing.into_iter().filter_map(Result::err).collect(),
-        ));
-    }
     for compiler in &found {
         let c_file = loaded.file.as_ref();
         let c_file = c_file.filter(|path| path.extension().is_some_and(|name| name == "c"));
@@ -201,39 +195,121 @@ fn contestants(
             None => robotran::printed(question, compiler, &loaded.module),
         });
     }
-    let equations = BenchProgram {
-        family: ContestantFamily::Equations,
-        name: String::new(),
-        module: loaded.module.clone(),
-        passes: EQUATIONS,
-    };
-    equations.enter(question, &found, &mut list)?;
-    let Some(model) = &loaded.model else {
-        return Ok(list);
-    };
+    let equations = BenchProgram::new(
+        ContestantFamily::Equations,
+        String::new(),
+        loaded.module.clone(),
+    )?;
+    equations.enter(question, &found, &mut list);
+    if let (Some(model), Some(task)) = (&loaded.model, loaded.task) {
+        from_model(question, model, task, &found, &mut list)?;
+        // What CasADi prints is about as long as the shortest of ours.
+        let shortest = list.iter().filter_map(|own| own.operations).min();
+        let too_long = shortest
+            .filter(|&operations| operations > arguments.largest)
+            .map(in_one_piece);
+        let names = &arguments.peers;
+        let found = peers::peers(question, model, task, names, too_long.as_deref());
+        list.extend(found);
+    }
+    if let Some(task) = loaded.task {
+        for contestant in &mut list {
+            contestant.tolerance = task.tolerance(contestant.family);
+        }
+    }
+    Ok(list)
+}
+
+/// The compilers that are installed.
+fn compilers(arguments: &BenchArguments) -> Result<Vec<Compiler>, CommandFailure> {
+    let compilers = arguments.compilers.iter();
+    let (found, missing): (Vec<_>, Vec<_>) = compilers
+        .map(|command| Compiler::find(command))
+        .partition(Result::is_ok);
+    let found: Vec<Compiler> = found.into_iter().flatten().collect();
+    if !found.is_empty() {
+        return Ok(found);
+    }
+    Err(CommandFailure::advised(
+        format!(
+            "none of the compilers is installed: {}",
+            arguments.compilers.join(", ")
+        ),
+        missing.into_iter().filter_map(Result::err).collect(),
+    ))
+}
+
+/// How many formulations of a model take part.
+const FORMULATIONS: usize = 2;
+
+/// Enters the formulations with the fewest operations, and tells of those that
+/// the generator does not give for this model.
+fn from_model(
+    question: &BenchQuestion<'_>,
+    model: &Model,
+    task: BenchTask,
+    compilers: &[Compiler],
+    list: &mut Vec<Contestant>,
+) -> Result<(), CommandFailure> {
     let options = Options {
-        external_forces: false,
+        external_forces: question.has_loads,
         ..Options::default()
     };
-    for name in ["composite", "composite-base"] {
-        let formulation = Formulation::from_name(name).expect("a formulation that there is");
-        let kinds = [FunctionKind::Dirdyna];
-        let program = BenchProgram {
-            family: ContestantFamily::Model,
-            name: format!("{name}, "),
-            module: generation::functions(model, &kinds, formulation, &options)?,
-            passes: MODEL,
+    let mut generated = Vec::new();
+    let mut refused = Vec::new();
+    for &formulation in task.formulations() {
+        let request = GenerationRequest {
+            function: task.kind(),
+            formulation,
+            options: options.clone(),
         };
-        program.enter(question, &found, &mut list)?;
+        match generate(model, &request) {
+            // What is the same equations by another name takes part once.
+            Ok(module) if generated.iter().any(|(_, known)| is_same(known, &module)) => {}
+            Ok(module) => generated.push((formulation.name(), module)),
+            Err(error) => refused.push((formulation.name(), error.to_string())),
+        }
     }
-    // What CasADi prints is about as long as the shortest of ours.
-    let shortest = list.iter().filter_map(|own| own.operations).min();
-    let too_long = shortest
-        .filter(|&operations| operations > arguments.largest)
-        .map(in_one_piece);
-    let found = peers::peers(question, model, &arguments.peers, too_long.as_deref());
-    list.extend(found);
-    Ok(list)
+    // Passes do not halve one formulation and leave another alone.
+    let lengths = generated.iter().map(|(_, module)| length(module));
+    let shortest = lengths.min().unwrap_or_default();
+    generated.retain(|(_, module)| length(module) <= 2 * shortest);
+    let programs = generated.into_iter().map(|(name, module)| {
+        BenchProgram::new(ContestantFamily::Model, format!("{name}, "), module)
+    });
+    let mut programs: Vec<BenchProgram> = programs.collect::<Result<_, _>>()?;
+    programs.sort_by_key(|program| length(&program.shorter));
+    for program in programs.iter().take(FORMULATIONS) {
+        program.enter(question, compilers, list);
+    }
+    for (name, why) in refused {
+        list.push(own::refused(question, ContestantFamily::Model, name, why));
+    }
+    Ok(())
+}
+
+/// True for modules of one function with the same equations, whatever
+/// formulation they come from.
+fn is_same(one: &Module, other: &Module) -> bool {
+    let text = |module: &Module| {
+        let mut module = module.clone();
+        module.functions[0].metadata.clear();
+        print::print_module(&module)
+    };
+    length(one) == length(other) && text(one) == text(other)
+}
+
+/// Operations of a module of one function.
+fn length(module: &Module) -> usize {
+    own::operations(view(module))
+}
+
+/// The one function of a module.
+fn view(module: &Module) -> View<'_> {
+    View {
+        tables: &module.tables,
+        function: &module.functions[0],
+    }
 }
 
 /// Why a function is not compiled.
@@ -246,48 +322,57 @@ struct BenchProgram {
     family: ContestantFamily,
     /// What stands before the name of the way.
     name: String,
+    /// The equations as they are, in which loops are found.
     module: Module,
-    /// What straight-line code goes through; loops are found in the equations
-    /// as they are.
-    passes: &'static str,
+    /// After the passes for straight-line code.
+    shorter: Module,
 }
 
 impl BenchProgram {
+    fn new(
+        family: ContestantFamily,
+        name: String,
+        module: Module,
+    ) -> Result<BenchProgram, CommandFailure> {
+        let mut shorter = module.clone();
+        // That a pass finds nothing to do is of no interest to a bench, which
+        // gives it what the pass is not made for.
+        let mut remarks = std::io::sink();
+        generation::transform_remarking(&mut shorter, &input::passes(PASSES)?, &mut remarks)?;
+        Ok(BenchProgram {
+            family,
+            name,
+            module,
+            shorter,
+        })
+    }
+
     fn enter(
         &self,
         question: &BenchQuestion<'_>,
         compilers: &[Compiler],
         list: &mut Vec<Contestant>,
-    ) -> Result<(), CommandFailure> {
-        let shorter = transformed(&self.module, self.passes)?;
-        let ways: [(&str, own::ContestantMaker, &Module); 4] = [
-            ("drop-in", robotran::drop_in, &shorter),
-            ("straight-line", own::straight, &shorter),
+    ) {
+        let ways: [(&str, own::ContestantMaker, &Module); 5] = [
+            ("drop-in", robotran::drop_in, &self.shorter),
+            ("straight-line", own::straight, &self.shorter),
             ("rolled", own::rolled, &self.module),
-            ("batch", own::batch, &shorter),
+            ("batch", own::batch, &self.shorter),
+            (
+                "batch, array of states",
+                own::batch_of_states,
+                &self.shorter,
+            ),
         ];
         for compiler in compilers {
             for (way, contestant, module) in ways {
-                let view = View {
-                    tables: &module.tables,
-                    function: &module.functions[0],
-                };
                 let name = format!("{}{way}", self.name);
-                list.push(contestant(question, compiler, self.family, &name, view));
+                let made = contestant(question, compiler, self.family, &name, view(module));
+                list.push(made);
             }
         }
-        Ok(())
     }
 }
 
-/// From the equations alone.
-const EQUATIONS: &str = "$cpu";
-/// From the model.
-const MODEL: &str = "$cpu";
-
-fn transformed(module: &Module, passes: &str) -> Result<Module, CommandFailure> {
-    let pipeline = input::passes(passes)?;
-    let mut module = module.clone();
-    generation::transform(&mut module, &pipeline)?;
-    Ok(module)
-}
+/// What shortens straight-line code for processors.
+const PASSES: &str = "$cpu";

@@ -14,6 +14,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser};
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
 use robovec_ir::{Module, print};
+use std::io::Write;
 use std::path::PathBuf;
 
 /// What is generated, and how.
@@ -170,15 +171,20 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
     }
 }
 
-/// Runs a pipeline that needs no machine in particular.
-/// Runs a pipeline over a module, for the machine of the thesis.
+/// Runs a pipeline over a module, for the machine of the thesis; what passes
+/// remark goes to the standard error.
 pub(super) fn transform(module: &mut Module, pipeline: &Pipeline) -> Result<(), CommandFailure> {
+    transform_remarking(module, pipeline, &mut std::io::stderr().lock())
+}
+
+/// Does as [`transform`], and tells somebody else what passes remark.
+pub(super) fn transform_remarking(
+    module: &mut Module,
+    pipeline: &Pipeline,
+    remarks: &mut dyn Write,
+) -> Result<(), CommandFailure> {
     let machine = input::machine("thesis")?;
-    manager::run(
-        module,
-        pipeline,
-        Config::new(&machine, &mut std::io::stderr().lock()),
-    )
-    .map(drop)
-    .map_err(|error| CommandFailure::plain(error.to_string()))
+    manager::run(module, pipeline, Config::new(&machine, remarks))
+        .map(drop)
+        .map_err(|error| CommandFailure::plain(error.to_string()))
 }

@@ -90,6 +90,7 @@ fn timed(
         name: "function".to_owned(),
         view: view(&prepared.modules[0]),
         model: None,
+        has_loads: false,
         states: question.states,
         count: STATES,
         flags: Some(question.flags),
