@@ -1,6 +1,7 @@
 //! The functions that callers call.
 
 use super::text::{BatchWriter, List, shared_type};
+use super::turn::{TurnedPlaces, has_blocks, turned_block};
 use crate::emit::arrays::{extent, place};
 use robovec_ir::{Array, OperandKind};
 use std::collections::BTreeSet;
@@ -189,13 +190,18 @@ fn batch(writer: &BatchWriter<'_>) -> String {
 
 /// The function that makes runs of states.
 fn gather(name: &str, real: &str, lanes: u32) -> String {
+    let places = TurnedPlaces {
+        from: ("lane * next + i".to_owned(), "next".to_owned()),
+        to: (format!("i * {lanes} + lane"), lanes.to_string()),
+    };
+    let blocks = places.lines(name, lanes);
     format!(
         "/* Some elements of the first states, `step` numbers from element to element and
    `next` from state to state, into runs; missing lanes repeat the last state. */
 static void {name}_gather(long count, const {real} *from, long step, long next,
     const int (*spans)[2], long number, {real} *to)
 {{
-    for (long lane = 0; lane < {lanes}; lane++) {{
+{blocks}    for (long lane = 0; lane < {lanes}; lane++) {{
         const {real} *own = from + (lane < count ? lane : count - 1) * next;
         for (long span = 0; span < number; span++)
             for (long i = spans[span][0]; i < spans[span][0] + spans[span][1]; i++)
@@ -209,12 +215,17 @@ static void {name}_gather(long count, const {real} *from, long step, long next,
 
 /// The function that makes states of runs.
 fn scatter(name: &str, real: &str, lanes: u32) -> String {
+    let places = TurnedPlaces {
+        from: (format!("i * {lanes} + lane"), lanes.to_string()),
+        to: ("lane * next + i".to_owned(), "next".to_owned()),
+    };
+    let blocks = places.lines(name, lanes);
     format!(
         "/* Runs into some elements of the first states, without the missing lanes. */
 static void {name}_scatter(long count, {real} *to, long step, long next,
     const int (*spans)[2], long number, const {real} *from)
 {{
-    for (long lane = 0; lane < count; lane++) {{
+{blocks}    for (long lane = 0; lane < count; lane++) {{
         {real} *own = to + lane * next;
         for (long span = 0; span < number; span++)
             for (long i = spans[span][0]; i < spans[span][0] + spans[span][1]; i++)
@@ -235,6 +246,9 @@ fn copies(text: &mut String, writer: &BatchWriter<'_>, arrays: &[Varying<'_>]) {
         let mut arrays = arrays.iter();
         arrays.any(|array| array.input == input && !array.spans.is_empty())
     };
+    if has_blocks(lanes) && (touched(true) || touched(false)) {
+        text.push_str(&turned_block(name, writer.options.real));
+    }
     if touched(true) {
         text.push_str(&gather(name, real, lanes));
     }

@@ -27,6 +27,7 @@ mod names;
 mod plan;
 mod prepared;
 mod text;
+mod turn;
 
 use super::emit::Real;
 use robovec_ir::View;
