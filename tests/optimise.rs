@@ -195,6 +195,21 @@ fn a_model_that_is_another_one_is_left_out_with_a_word() {
 }
 
 #[test]
+fn what_divides_gets_a_machine_with_a_divider() {
+    let text = said(&robovec(&[
+        "optimise",
+        "examples/models/double-pendulum.mbs",
+        "--function=accelred",
+        "--effort=1",
+    ]));
+    assert!(
+        text.contains("cycles on solver (4 add, 4 multi, 1 div)"),
+        "{text}"
+    );
+    assert!(text.contains("--machine solver"), "{text}");
+}
+
+#[test]
 fn class_real_rests_on_no_circle() {
     let folder = optimised(&[
         "examples/models/bogie.mbs",

@@ -18,7 +18,7 @@ use robovec_passes::optimise::VariantClass;
 use std::path::PathBuf;
 
 /// Finds the best program for a target, proves it and writes it ready to use
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub(super) struct OptimiseArguments {
     /// Robotran file, robovec text, model (.mbs), scene (.scene.toml) or built-in model (serial-23)
     input: String,
@@ -36,7 +36,8 @@ pub(super) struct OptimiseArguments {
     /// Function of a model, or of a file with several
     #[arg(long)]
     function: Option<String>,
-    /// Machine compiled for, a name or a .toml file; by default the scene's, else thesis
+    /// Machine compiled for, a name or a .toml file; by default the scene's, else thesis, or solver
+    /// for what divides
     #[arg(long)]
     machine: Option<String>,
     /// Adders and multipliers each; by default as in the machine
@@ -89,6 +90,10 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<String, CommandFailur
         given.left.clear();
     }
     let given = given;
+    let arguments = &OptimiseArguments {
+        machine: wanted_machine(arguments, &given)?,
+        ..arguments.clone()
+    };
     let machine = machine(arguments, given.scene.as_ref())?;
     let store = match &arguments.output {
         None => None,
@@ -138,13 +143,38 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<String, CommandFailur
     told::tell(arguments, &given, &question, &found)
 }
 
+/// The machine without whose divider nothing could be placed, where none is
+/// asked for.
+const WITH_DIVIDER: &str = "solver";
+
+/// The name of a machine that is asked for, or that the function needs; `None`
+/// for the usual one.
+fn wanted_machine(
+    arguments: &OptimiseArguments,
+    given: &given::GivenStarts,
+) -> Result<Option<String>, CommandFailure> {
+    let wished = given.scene.as_ref();
+    let wished = wished.and_then(|scene| scene.machine.as_ref());
+    if arguments.machine.is_some() || wished.is_some() {
+        return Ok(arguments.machine.clone());
+    }
+    let nodes = given.starts[0].module.functions[0].nodes();
+    let divides = nodes.iter().any(|node| node.operation == Operation::Div);
+    let has_divider = input::machine(USUAL)?.kind_of(Operation::Div).is_some();
+    let needed = divides && !has_divider && arguments.target == OptimisationTarget::Fpga;
+    Ok(needed.then(|| WITH_DIVIDER.to_owned()))
+}
+
+/// The machine where nothing else is said.
+const USUAL: &str = "thesis";
+
 /// The machine, with the numbers of elements that are wanted.
 fn machine(
     arguments: &OptimiseArguments,
     scene: Option<&Scene>,
 ) -> Result<Machine, CommandFailure> {
     let wished = scene.and_then(|scene| scene.machine.as_deref());
-    let name = arguments.machine.as_deref().or(wished).unwrap_or("thesis");
+    let name = arguments.machine.as_deref().or(wished).unwrap_or(USUAL);
     let machine = input::machine(name)?;
     Ok(match arguments.elements {
         None => machine,
