@@ -81,6 +81,34 @@ fn a_model_can_be_optimised_at_once() {
 }
 
 #[test]
+fn the_formulation_with_the_fewest_operations_is_one_of_them() {
+    let bogie = model("bogie.mbs");
+    let text = |formulation: &str, function: &str| {
+        said(&robovec(&[
+            "gen",
+            path(&bogie),
+            "--function",
+            function,
+            "--formulation",
+            formulation,
+            "--passes=$cpu",
+        ]))
+    };
+    let length = |text: &str| text.lines().filter(|line| line.starts_with("  %")).count();
+    for function in ["dirdyna", "accelred"] {
+        let fewest = text("fewest", function);
+        for formulation in ["recursive", "composite", "composite-base", "prefix-serial"] {
+            let other = text(formulation, function);
+            assert!(
+                length(&fewest) <= length(&other),
+                "{function}, {formulation}"
+            );
+        }
+        assert!(length(&fewest) > 0);
+    }
+}
+
+#[test]
 fn a_bad_model_writes_nothing() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let text = fs::read_to_string(model("bogie.mbs")).expect("it ships");

@@ -4,7 +4,7 @@ use super::write::{OutputLanguage, write_files};
 use super::{CommandFailure, input, names, output};
 use crate::files::Replace;
 use crate::generate::{
-    Formulation, GenerationRequest, Options, ParameterBinding, TermOrder, generate_into,
+    Formulation, GenerationRequest, Options, ParameterBinding, TermOrder, generate, generate_into,
 };
 use crate::model::Model;
 use crate::robotran::FunctionKind;
@@ -13,7 +13,9 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
+use robovec_ir::count::Counts;
 use robovec_ir::{Module, print};
+use robovec_passes::registry::REGISTRY;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -31,7 +33,7 @@ pub(super) struct GenArguments {
     language: Option<OutputLanguage>,
     /// Recursion the equations come from; all but recursive need sin^2 + cos^2 = 1
     #[arg(long, default_value = "recursive",
-          value_parser = formulations())]
+          value_parser = formulations_or_fewest())]
     formulation: String,
     /// Write what children carry before a body's own terms
     #[arg(long)]
@@ -115,6 +117,43 @@ pub(super) fn formulations() -> PossibleValuesParser {
     PossibleValuesParser::new(values)
 }
 
+/// The word for the formulation with the fewest operations.
+const FEWEST: &str = "fewest";
+
+fn formulations_or_fewest() -> PossibleValuesParser {
+    let fewest = "the one of these with the fewest operations after the preset $cpu";
+    let values = Formulation::ALL
+        .map(|formulation| PossibleValue::new(formulation.name()).help(formulation.description()));
+    PossibleValuesParser::new(
+        values
+            .into_iter()
+            .chain([PossibleValue::new(FEWEST).help(fewest)]),
+    )
+}
+
+/// The formulation of a function that has the fewest operations after the
+/// preset `$cpu`, of equally short ones the first; one that the generator does
+/// not give for this model is none.
+fn fewest(model: &Model, function: FunctionKind, options: &Options) -> Formulation {
+    let cpu = REGISTRY.pipeline("$cpu").expect("a preset is a pipeline");
+    let lengths = Formulation::ALL.into_iter().filter_map(|formulation| {
+        let request = GenerationRequest {
+            function,
+            formulation,
+            options: options.clone(),
+        };
+        let mut module = formulation
+            .gives(function)
+            .then(|| generate(model, &request).ok())??;
+        transform_remarking(&mut module, &cpu, &mut std::io::sink()).ok()?;
+        let lengths = module.functions.iter().map(Counts::of);
+        let operations: usize = lengths.map(|counts| counts.operations).sum();
+        Some((operations, formulation))
+    });
+    let shortest = lengths.min_by_key(|(operations, _)| *operations);
+    shortest.map_or_else(Formulation::default, |(_, formulation)| formulation)
+}
+
 /// The formulation of an option's value that [`formulations`] let through.
 pub(super) fn formulation(name: &str) -> Formulation {
     Formulation::from_name(name).expect("the command line has checked the formulation")
@@ -129,15 +168,25 @@ pub(super) fn functions(
 ) -> Result<Module, CommandFailure> {
     let mut module = Module::new();
     for &function in kinds {
-        let request = GenerationRequest {
-            function,
-            formulation,
-            options: options.clone(),
-        };
-        generate_into(&mut module, model, &request)
-            .map_err(|error| CommandFailure::plain(format!("{}: {error}", function.name())))?;
+        add(&mut module, model, (function, formulation), options)?;
     }
     Ok(module)
+}
+
+/// Generates one function into a module.
+fn add(
+    module: &mut Module,
+    model: &Model,
+    (function, formulation): (FunctionKind, Formulation),
+    options: &Options,
+) -> Result<(), CommandFailure> {
+    let request = GenerationRequest {
+        function,
+        formulation,
+        options: options.clone(),
+    };
+    generate_into(module, model, &request)
+        .map_err(|error| CommandFailure::plain(format!("{}: {error}", function.name())))
 }
 
 /// Runs the command.
@@ -149,8 +198,15 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
     let kinds = kinds(&arguments.function);
     let forces = kinds.iter().find(|kind| kind.depends_on_link_forces());
     let read = input::model_for(&arguments.model, forces.copied())?;
-    let formulation = formulation(&arguments.formulation);
-    let mut module = functions(&read.model, &kinds, formulation, &arguments.options())?;
+    let options = arguments.options();
+    let mut module = Module::new();
+    for function in kinds {
+        let formulation = match arguments.formulation.as_str() {
+            FEWEST => fewest(&read.model, function, &options),
+            name => formulation(name),
+        };
+        add(&mut module, &read.model, (function, formulation), &options)?;
+    }
     transform(&mut module, &pipeline)?;
     if let (Some(language), Some(folder)) = (arguments.language, &arguments.output) {
         return write_files(
