@@ -303,7 +303,10 @@ pub(super) fn select(module: &mut Module, name: &str) -> Result<(), CommandFailu
         .functions
         .retain(|function| function.name == name || case(function).is_some());
     if module.functions.is_empty() {
-        let notes = vec![format!("functions: {}", names.join(", "))];
+        let notes = match names.is_empty() {
+            true => vec!["the model has nothing of this kind".to_owned()],
+            false => vec![format!("functions: {}", names.join(", "))],
+        };
         return Err(CommandFailure::advised(
             format!("there is no function '{name}'"),
             notes,

@@ -17,7 +17,7 @@
 //!   More effort is therefore never worse.
 
 use super::Goal;
-use super::steps::{FUSED, MOVES, PREPARATIONS, SearchStep, StartForm, class};
+use super::steps::{FUSED, MOVES, PREPARATIONS, SearchStep, StartForm, class, finds_bodies};
 use super::trial::VariantTrial;
 use robovec_analysis::class::NumericClass;
 use robovec_framework::pass::{PassError, Registry};
@@ -341,16 +341,19 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
         )
     }
 
-    /// True when no preparation of a start saves so much that it would come
-    /// near the best program: what the first ones made of it is twice as far.
-    fn is_far_off(&self, start: usize) -> bool {
+    /// True when a preparation will not save so much that it comes near the
+    /// best program: what the first one of its kind made of the start is twice
+    /// as far.
+    fn is_far_off(&self, start: usize, step: &SearchStep) -> bool {
         let scarce = |trial: &VariantTrial<M::Program>| match self.question.goal {
             Goal::Cycles => trial.shared as usize,
             Goal::Operations => trial.operations,
             Goal::Path => 0,
         };
         let prepared = self.trials.iter().filter(|trial| trial.is_prepared);
-        let own = prepared.filter(|trial| trial.start == start);
+        let own = prepared.filter(|trial| {
+            trial.start == start && finds_bodies(&trial.pipeline) == finds_bodies(step.pipeline)
+        });
         let (Some(own), Some(best)) = (own.map(scarce).min(), self.best()) else {
             return false;
         };
@@ -361,7 +364,9 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
     /// of the best schedule, or when nothing but operations is scarce.
     fn is_hopeless(&self, plan: PlannedStep) -> bool {
         let index = match plan.origin {
-            Origin::Start(start) => return !plan.step.is_first && self.is_far_off(start),
+            Origin::Start(start) => {
+                return !plan.step.is_first && self.is_far_off(start, plan.step);
+            }
             Origin::Trial(index) => index,
         };
         if self.question.goal == Goal::Operations {

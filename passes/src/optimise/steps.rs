@@ -169,6 +169,12 @@ impl SearchStep {
     }
 }
 
+/// True for passes that find composite bodies in equations, which saves more
+/// than any others do.
+pub(super) fn finds_bodies(pipeline: &str) -> bool {
+    pipeline.split(',').any(|pass| pass == "composite")
+}
+
 /// The weakest class of the passes of a pipeline: what its result may differ
 /// in from the function.
 pub(super) fn class(pipeline: &Pipeline) -> NumericClass {
