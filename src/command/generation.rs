@@ -112,9 +112,12 @@ fn kinds(names: &[String]) -> Vec<FunctionKind> {
 
 /// The formulations as values of an option, each with its description.
 pub(super) fn formulations() -> PossibleValuesParser {
-    let values = Formulation::ALL
-        .map(|formulation| PossibleValue::new(formulation.name()).help(formulation.description()));
-    PossibleValuesParser::new(values)
+    PossibleValuesParser::new(formulation_values())
+}
+
+fn formulation_values() -> impl IntoIterator<Item = PossibleValue> {
+    Formulation::ALL
+        .map(|formulation| PossibleValue::new(formulation.name()).help(formulation.description()))
 }
 
 /// The word for the formulation with the fewest operations.
@@ -122,13 +125,8 @@ const FEWEST: &str = "fewest";
 
 fn formulations_or_fewest() -> PossibleValuesParser {
     let fewest = "the one of these with the fewest operations after the preset $cpu";
-    let values = Formulation::ALL
-        .map(|formulation| PossibleValue::new(formulation.name()).help(formulation.description()));
-    PossibleValuesParser::new(
-        values
-            .into_iter()
-            .chain([PossibleValue::new(FEWEST).help(fewest)]),
-    )
+    let fewest = PossibleValue::new(FEWEST).help(fewest);
+    PossibleValuesParser::new(formulation_values().into_iter().chain([fewest]))
 }
 
 /// The formulation of a function that has the fewest operations after the

@@ -3,7 +3,8 @@
 //! Adjoints are sums over paths, and paths may cancel: where one of 10^44 is
 //! taken from another, what is left in binary64 is rounding. Whether it was
 //! so shows afterwards, since the prediction is then not the error. These
-//! sweeps are for one output at a time, and cost some thousand times as much.
+//! sweeps are for one output at a time, and every operation of theirs costs far
+//! more.
 
 use super::partials::third;
 use super::run::OutputError;

@@ -11,8 +11,8 @@ pub(super) fn has_blocks(lanes: u32) -> bool {
     lanes.is_multiple_of(4)
 }
 
-/// The function that turns one square block of `WIDTH` rows; `ROBOVEC_BLOCK`
-/// is the width, and 0 where compilers know no vectors.
+/// The function that turns one square block of `ROBOVEC_BLOCK` rows, which is
+/// 0 where compilers know no vectors.
 pub(super) fn turned_block(name: &str, real: Real) -> String {
     let (wide, integer, condition) = match real {
         Real::Double => (2, "long long", "defined(__AVX__)"),
