@@ -1,15 +1,17 @@
 //! `robovec fit`: the cheapest program and machine for a scene.
 
-use super::flags::{SEED, states};
+use super::flags::{SEED, states, whole};
 use super::output::result_files;
 use super::{CommandFailure, input, output, progress};
+use crate::explore::program::view;
 use crate::fit::confirm::{self, Confirmation};
-use crate::fit::{self, FitOutcome, FitTask, SinePlace};
+use crate::fit::{self, FitError, FitOutcome, FitTask, SinePlace};
 use crate::generate::Formulation;
 use crate::present::json::json_text;
 use crate::scene::{SceneFile, SceneSubject};
 use clap::{Args, ValueEnum};
 use robovec_analysis::rounding::usual_states;
+use robovec_framework::scene::ArraySizes;
 use robovec_ir::{Machine, Module, print};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -19,7 +21,8 @@ use std::path::{Path, PathBuf};
 pub(super) struct FitArguments {
     /// The scene (.scene.toml)
     scene: PathBuf,
-    /// Machine whose elements, memories and clock are used; by default the scene's, or thesis
+    /// Machine whose elements, memories and clock are used; by default the scene's, else thesis, or solver
+    /// for equations that divide
     #[arg(long)]
     machine: Option<String>,
     /// Only these formulations; by default the scene's, or all that may be the best
@@ -35,6 +38,10 @@ pub(super) struct FitArguments {
     /// Seed of the states
     #[arg(long, default_value_t = 1, add = SEED)]
     seed: u64,
+    /// How many times the usual number of states a choice is tried with before it is believed
+    #[arg(long, default_value_t = 1,
+          add = whole(1, 1000, "the time grows with it"))]
+    effort: u32,
     /// Folder for the choice (program.rvir, machine.toml) and fit.html, fit.csv, fit.json, fit.svg
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
@@ -55,7 +62,7 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
     let fail =
         |error: String| CommandFailure::plain(format!("{}: {error}", arguments.scene.display()));
     let general = file.module().map_err(|error| fail(error.to_string()))?;
-    let machine = machine(arguments, &file)?;
+    let machine = machine(arguments, &file, &general)?;
     let operations = robovec_ir::count::Counts::of(&general.functions[0]).operations;
     let states = match arguments.states {
         0 => usual_states(operations),
@@ -67,18 +74,27 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
         formulations: formulations(arguments, &file, &general),
         machine: &machine,
         trigonometry: place(arguments, &file),
+        sizes: ArraySizes::of(view(&general), Some(&file.scene)),
         states,
         seed: arguments.seed,
+        effort: arguments.effort,
     };
     let bar = progress::spinner();
     let progress = |what: &str| bar.set_message(what.to_owned());
-    let outcome = fit::fit(&task, &progress).map_err(|error| fail(error.to_string()))?;
-    let confirmation = match outcome.chosen {
-        Some(chosen) => {
-            bar.set_message("trying the choice again");
+    let outcome = fit::fit(&task, &progress).map_err(|error| {
+        let message = format!("{}: {error}", arguments.scene.display());
+        let notes = match error {
+            FitError::Placement(_) => input::other_machine(),
+            FitError::Measure(_) | FitError::NoProgram(_) => Vec::new(),
+        };
+        CommandFailure::advised(message, notes)
+    })?;
+    let confirmation = match outcome.chosen.zip(outcome.challenge.as_ref()) {
+        Some((chosen, challenge)) => {
+            bar.set_message("running the choice cycle by cycle");
             let candidate = &outcome.candidates[chosen];
-            let program = &outcome.programs[candidate.program];
-            let confirmation = confirm::confirm(&task, program, candidate);
+            let choice = (&outcome.programs[candidate.program], candidate);
+            let confirmation = confirm::confirm(&task, choice, challenge);
             Some(confirmation.map_err(|error| fail(error.to_string()))?)
         }
         None => None,
@@ -95,7 +111,7 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
     output::write_stdout(|stdout| stdout.write_all(text.as_bytes()))?;
     let message = match outcome.chosen {
         None => "nothing meets the scene",
-        Some(_) => "the choice did not hold at fresh states or cycle by cycle",
+        Some(_) => "the choice did not hold cycle by cycle",
     };
     let advice = "allow a larger error, a later deadline, or a machine with more to offer";
     Err(CommandFailure::advised(message, vec![advice.to_owned()]))
@@ -110,10 +126,18 @@ fn place(arguments: &FitArguments, file: &SceneFile) -> SinePlace {
     }
 }
 
-/// The machine asked for, else that of the scene, else the thesis'.
-fn machine(arguments: &FitArguments, file: &SceneFile) -> Result<Machine, CommandFailure> {
+/// The machine asked for, else that of the scene, else what the function
+/// needs.
+fn machine(
+    arguments: &FitArguments,
+    file: &SceneFile,
+    general: &Module,
+) -> Result<Machine, CommandFailure> {
     let asked = arguments.machine.as_ref().or(file.scene.machine.as_ref());
-    input::machine(asked.map_or("thesis", String::as_str))
+    match asked {
+        Some(name) => input::machine(name),
+        None => input::machine(input::usual_machine(&general.functions[0])?),
+    }
 }
 
 /// The formulations that are tried: those asked for, else the one the scene
@@ -168,6 +192,8 @@ fn write(
         "states": task.states,
         "seed": task.seed,
         "chosen": outcome.chosen,
+        "challenge": outcome.challenge,
+        "broken": outcome.broken,
         "confirmation": confirmation,
         "front": outcome.front(),
         "programs": outcome.programs.iter().map(|program| json!({

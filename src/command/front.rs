@@ -10,8 +10,8 @@ use crate::optimise::start::FORMULATIONS;
 use crate::present::json::json_text;
 use crate::robotran::FunctionKind;
 use clap::Args;
-use robovec_ir::Module;
 use robovec_ir::states::{Ranges, States};
+use robovec_ir::{Machine, Module};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -24,9 +24,10 @@ pub(super) struct FrontArguments {
     /// Function of the models
     #[arg(long, default_value = "dirdyna")]
     function: String,
-    /// Machine compiled for: a name or a .toml file
-    #[arg(long, default_value = "thesis")]
-    machine: String,
+    /// Machine compiled for: a name or a .toml file; by default thesis, or solver for equations
+    /// that divide
+    #[arg(long)]
+    machine: Option<String>,
     /// Numbers of elements per kind
     #[arg(long, value_delimiter = ',', default_value = "4,16,64",
           add = whole(1, 1024, "a program is placed for every number of elements"))]
@@ -55,13 +56,17 @@ pub(super) fn run(arguments: &FrontArguments) -> Result<String, CommandFailure> 
     if !(arguments.angle > 0.0 && arguments.angle.is_finite()) {
         return Err(CommandFailure::plain("'--angle' must be a positive number"));
     }
-    let machine = input::machine(&arguments.machine)?;
     let bar = progress::spinner();
     let mut fronts: Vec<Front> = Vec::new();
     let mut text = String::new();
+    let mut machines: Vec<Machine> = Vec::new();
     for subject in &arguments.subjects {
         let (name, module, others) = programs(subject, &arguments.function)?;
         let function = &module.functions[0];
+        let machine = match &arguments.machine {
+            Some(name) => input::machine(name)?,
+            None => input::machine(input::usual_machine(function)?)?,
+        };
         let operations = robovec_ir::count::Counts::of(function).operations;
         let count = match arguments.states {
             0 => robovec_analysis::rounding::usual_states(operations),
@@ -82,10 +87,13 @@ pub(super) fn run(arguments: &FrontArguments) -> Result<String, CommandFailure> 
         text += &front::text::text(&front);
         text.push('\n');
         fronts.push(front);
+        if !machines.contains(&machine) {
+            machines.push(machine);
+        }
     }
     bar.finish_and_clear();
     if let Some(folder) = &arguments.output {
-        write(folder, &fronts, &machine)?;
+        write(folder, &fronts, &machines)?;
     }
     Ok(text)
 }
@@ -135,14 +143,10 @@ fn equations(
     generation::functions(model, &[kind], formulation, &Options::default())
 }
 
-fn write(
-    folder: &Path,
-    fronts: &[Front],
-    machine: &robovec_ir::Machine,
-) -> Result<(), CommandFailure> {
+fn write(folder: &Path, fronts: &[Front], machines: &[Machine]) -> Result<(), CommandFailure> {
     let table = front::text::points_table(fronts);
     let figure = front::text::figure(fronts);
     let mut files = result_files(&table, json_text(fronts), &figure);
-    files.push(("front.html".to_owned(), front::page::page(fronts, machine)));
+    files.push(("front.html".to_owned(), front::page::page(fronts, machines)));
     output::write_files(folder, &files)
 }

@@ -14,7 +14,7 @@ use crate::scene::SceneFile;
 use crate::sources::{self, EquationLanguage, display_name};
 use robovec_framework::pipeline::Pipeline;
 use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
-use robovec_ir::{Machine, Module};
+use robovec_ir::{Function, Machine, Module, Operation};
 use robovec_passes::registry::REGISTRY;
 use std::path::{Path, PathBuf};
 
@@ -153,6 +153,28 @@ pub(crate) fn passes(text: &str) -> Result<Pipeline, CommandFailure> {
 /// The machine of a name, or of a file.
 pub(crate) fn machine(name: &str) -> Result<Machine, CommandFailure> {
     sources::machine(name).map_err(CommandFailure)
+}
+
+/// The machine where nothing else is said.
+pub(crate) const USUAL_MACHINE: &str = "thesis";
+
+/// The machine without whose divider nothing could be placed.
+const WITH_DIVIDER: &str = "solver";
+
+/// The name of the machine for a function where nobody asks for one.
+pub(crate) fn usual_machine(function: &Function) -> Result<&'static str, CommandFailure> {
+    let mut nodes = function.nodes().iter();
+    let divides = nodes.any(|node| node.operation == Operation::Div);
+    let lacks_divider = || Ok(machine(USUAL_MACHINE)?.kind_of(Operation::Div).is_none());
+    match divides && lacks_divider()? {
+        true => Ok(WITH_DIVIDER),
+        false => Ok(USUAL_MACHINE),
+    }
+}
+
+/// What to do where nothing could be placed on a machine.
+pub(crate) fn other_machine() -> Vec<String> {
+    vec!["'--machine' chooses another one, 'robovec-opt --list-machines' lists them".to_owned()]
 }
 
 /// The pipeline of an option that may be absent.

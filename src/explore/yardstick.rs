@@ -8,10 +8,11 @@
 //! at once: model, series and rounding.
 
 use robovec_analysis::reference::{ExactOutput, ReferenceEffort, ReferenceEvaluator};
+use robovec_framework::scene::Allowed;
 use robovec_ir::evaluate::{evaluate, evaluate_mixed};
 use robovec_ir::print::{print_operand, print_output};
 use robovec_ir::states::States;
-use robovec_ir::{Format, Input, View};
+use robovec_ir::{Format, Input, Output, View};
 use robovec_num::arithmetic::{Arithmetic, Binary32, Binary64};
 use robovec_num::batch::Batch;
 use robovec_num::double_double::Double;
@@ -34,11 +35,27 @@ pub struct Yardstick {
     places: BTreeMap<String, usize>,
     /// Numbers of all input elements, state by state.
     states: Vec<Vec<f64>>,
-    /// The exact results, output by output, and of which array each is.
+    /// The exact results, state by state; where each output stands in them.
     outputs: BTreeMap<String, usize>,
-    arrays: Vec<usize>,
-    array_count: usize,
     exact: Vec<Vec<Double>>,
+    /// The names of the output arrays.
+    arrays: Vec<String>,
+}
+
+/// Where an output of a program stands in the exact results.
+#[derive(Clone, Copy)]
+struct OutputRow {
+    /// Its place; `None` for an element that the exact function leaves out
+    /// since it is zero by structure.
+    exact: Option<usize>,
+    /// Its array, as a place among those of the exact function.
+    array: usize,
+}
+
+impl OutputRow {
+    fn of(self, exact: &[Double]) -> Double {
+        self.exact.map_or(Double::from(0.0), |place| exact[place])
+    }
 }
 
 /// Why a program cannot be measured.
@@ -108,7 +125,8 @@ impl Yardstick {
     /// elements.
     pub fn at(view: View<'_>, states: Vec<Vec<f64>>) -> Yardstick {
         let names = input_names(view);
-        let outputs = view.function.outputs();
+        let name = |symbol| view.tables.symbols.text(symbol).to_owned();
+        let arrays = view.function.outputs().iter();
         let assignments = view.function.assignments.iter().enumerate();
         Yardstick {
             places: names
@@ -121,12 +139,19 @@ impl Yardstick {
             outputs: assignments
                 .map(|(index, assignment)| (print_output(view, assignment.output), index))
                 .collect(),
-            array_count: outputs.len(),
-            // Empty arrays share an offset with the next.
-            arrays: (view.function.assignments.iter())
-                .map(|a| outputs.partition_point(|array| array.offset <= a.output.0) - 1)
-                .collect(),
+            arrays: arrays.map(|array| name(array.name)).collect(),
         }
+    }
+
+    /// Adds states of the same function: numbers of all its input elements.
+    pub fn extend(&mut self, view: View<'_>, states: Vec<Vec<f64>>) {
+        self.exact.extend(exact(view, &states));
+        self.states.extend(states);
+    }
+
+    /// The numbers of all input elements of the exact function in a state.
+    pub fn state(&self, number: usize) -> &[f64] {
+        &self.states[number]
     }
 
     /// The number of states.
@@ -181,24 +206,17 @@ impl Yardstick {
         view: View<'_>,
         results: &[Vec<f64>],
     ) -> Result<MeasuredErrors, Unmeasurable> {
+        let rows = self.rows(view)?;
         let names = view.function.assignments.iter();
-        let names: Vec<String> = names.map(|a| print_output(view, a.output)).collect();
-        let rows: Result<Vec<usize>, Unmeasurable> = names
-            .iter()
-            .map(|name| {
-                let row = self.outputs.get(name).copied();
-                row.ok_or_else(|| Unmeasurable::Output(name.clone()))
-            })
-            .collect();
-        let rows = rows?;
+        let names = names.map(|a| print_output(view, a.output));
         let mut tally = ErrorTally {
             relative: Vec::new(),
             normwise: Vec::new(),
-            arrays: vec![Vec::new(); self.array_count],
-            outputs: names.into_iter().map(LargestErrors::none).collect(),
+            arrays: vec![Vec::new(); self.arrays.len()],
+            outputs: names.map(LargestErrors::none).collect(),
         };
         for (state, (exact, computed)) in self.exact.iter().zip(results).enumerate() {
-            tally.add(state, &rows, &self.arrays, exact, computed);
+            tally.add(state, &rows, exact, computed);
         }
         Ok(MeasuredErrors {
             relative: ErrorSpread::of(&mut tally.relative),
@@ -208,6 +226,59 @@ impl Yardstick {
                 .collect(),
             outputs: tally.outputs,
         })
+    }
+
+    /// For every state the largest error of an output over what is allowed of
+    /// it, of results as [`Yardstick::judge`] takes them. `allowed` belongs to
+    /// the program.
+    ///
+    /// # Errors
+    ///
+    /// See [`Unmeasurable`].
+    pub fn shares(
+        &self,
+        view: View<'_>,
+        results: &[Vec<f64>],
+        allowed: &Allowed,
+    ) -> Result<Vec<f64>, Unmeasurable> {
+        let rows = self.rows(view)?;
+        let share = |(exact, computed): (&Vec<Double>, &Vec<f64>)| {
+            let exact: Vec<Double> = rows.iter().map(|row| row.of(exact)).collect();
+            let values: Vec<f64> = exact.iter().map(|value| value.high).collect();
+            let shares = exact.iter().zip(computed).zip(allowed.of(&values));
+            // Nothing can be said of a state without an exact result.
+            let shares = shares.filter(|((exact, _), _)| exact.high.is_finite());
+            let shares = shares
+                .map(|((exact, computed), allowed)| quotient(distance(*exact, *computed), allowed));
+            shares.fold(0.0, f64::max)
+        };
+        Ok(self.exact.iter().zip(results).map(share).collect())
+    }
+
+    /// Where the outputs of a program stand in the exact results.
+    fn rows(&self, view: View<'_>) -> Result<Vec<OutputRow>, Unmeasurable> {
+        let row = |output: Output| {
+            let name = print_output(view, output);
+            let (array, _, _) = view.function.output_element(output);
+            let own = view.tables.symbols.text(array.name);
+            let array = self.arrays.iter().position(|array| array == own);
+            Ok(OutputRow {
+                exact: self.outputs.get(&name).copied(),
+                array: array.ok_or(Unmeasurable::Output(name))?,
+            })
+        };
+        let assignments = view.function.assignments.iter();
+        assignments
+            .map(|assignment| row(assignment.output))
+            .collect()
+    }
+}
+
+/// How far a result is from the exact number; infinite for what is no number.
+fn distance(exact: Double, computed: f64) -> f64 {
+    match computed.is_finite() {
+        true => exact.distance(computed),
+        false => f64::INFINITY,
     }
 }
 
@@ -220,35 +291,26 @@ struct ErrorTally {
 }
 
 impl ErrorTally {
-    fn add(
-        &mut self,
-        state: usize,
-        rows: &[usize],
-        arrays: &[usize],
-        exact: &[Double],
-        computed: &[f64],
-    ) {
+    fn add(&mut self, state: usize, rows: &[OutputRow], exact: &[Double], computed: &[f64]) {
         let mut norms: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
-        let distance = |exact: Double, computed: f64| match computed.is_finite() {
-            true => exact.distance(computed),
-            false => f64::INFINITY,
-        };
-        for (&row, &computed) in rows.iter().zip(computed) {
-            if exact[row].high.is_finite() {
-                let norm = norms.entry(arrays[row]).or_default();
-                norm.0 = norm.0.max(distance(exact[row], computed));
-                norm.1 = norm.1.max(exact[row].high.abs());
+        for (row, &computed) in rows.iter().zip(computed) {
+            let exact = row.of(exact);
+            if exact.high.is_finite() {
+                let norm = norms.entry(row.array).or_default();
+                norm.0 = norm.0.max(distance(exact, computed));
+                norm.1 = norm.1.max(exact.high.abs());
             }
         }
-        for ((&row, &computed), output) in rows.iter().zip(computed).zip(&mut self.outputs) {
-            let Some(&(_, size)) = norms.get(&arrays[row]) else {
+        for ((row, &computed), output) in rows.iter().zip(computed).zip(&mut self.outputs) {
+            let Some(&(_, size)) = norms.get(&row.array) else {
                 continue;
             };
-            if !exact[row].high.is_finite() {
+            let exact = row.of(exact);
+            if !exact.high.is_finite() {
                 continue;
             }
-            let absolute = distance(exact[row], computed);
-            let own = exact[row].high.abs();
+            let absolute = distance(exact, computed);
+            let own = exact.high.abs();
             let normwise = quotient(absolute, size);
             output.absolute = output.absolute.max(absolute);
             if normwise > output.normwise {

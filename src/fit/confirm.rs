@@ -1,18 +1,15 @@
-//! Trying a choice again: other states, and the machine itself.
+//! Trying a choice on the machine itself.
 //!
-//! The search has looked at its own states and at formulas for machines. What
-//! it chose is measured at states that it has not seen, then placed, written
-//! as memory images and run cycle by cycle by the simulator, which knows
-//! nothing of the placer: its results must be the evaluator's bit for bit,
-//! and within the tolerances.
+//! The search has looked at the evaluator and at formulas for machines. What
+//! it chose is placed, written as memory images and run cycle by cycle by the
+//! simulator, which knows nothing of the placer, at the worst states that were
+//! found: its results must be the evaluator's bit for bit, and within the
+//! tolerances.
 
-use super::{
-    FitCandidate, FitError, FitProgram, FitTask, VALIDATION_FACTOR, largest_tolerance_share, size,
-    yardstick,
-};
+use super::{Challenge, FitCandidate, FitError, FitProgram, FitTask, size, tolerance};
 use crate::explore::placing::placed;
 use crate::explore::program::{ExplorationError, view};
-use crate::explore::yardstick::{ErrorSpread, results};
+use crate::explore::yardstick::{Yardstick, results};
 use crate::simulate;
 use robovec_codegen::write_images;
 use robovec_ir::{Machine, Module, View};
@@ -22,18 +19,10 @@ use serde::Serialize;
 /// States that are run cycle by cycle.
 const SIMULATED: usize = 8;
 
-/// What was established of a choice: where it was tried, and what came out.
-/// Nothing follows for states in between.
+/// What was established of a choice on the machine: where it was run, and
+/// what came out.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Confirmation {
-    /// Other states measured at.
-    pub states: u32,
-    /// The seed that drew them.
-    pub seed: u64,
-    /// Normwise errors there.
-    pub normwise: ErrorSpread,
-    /// The largest error over its tolerance there.
-    pub used: f64,
     /// States run cycle by cycle.
     pub simulated: usize,
     /// Cycles of a run.
@@ -47,9 +36,9 @@ pub struct Confirmation {
 }
 
 impl Confirmation {
-    /// True when the choice held at every fresh state and in every run.
+    /// True when the choice held in every run.
     pub fn holds(&self) -> bool {
-        self.used <= 1.0 && self.equal && self.simulated_used <= 1.0
+        self.equal && self.simulated_used <= 1.0
     }
 }
 
@@ -82,40 +71,32 @@ pub fn ready(
     Ok(Ready { module, machine })
 }
 
-/// Tries a candidate at fresh states and cycle by cycle.
+/// Runs a candidate cycle by cycle at the worst states of its challenge.
 ///
 /// # Errors
 ///
 /// See [`FitError`]; that it does not hold is no error.
 pub fn confirm(
     task: &FitTask<'_>,
-    program: &FitProgram,
-    candidate: &FitCandidate,
+    (program, candidate): (&FitProgram, &FitCandidate),
+    challenge: &Challenge,
 ) -> Result<Confirmation, FitError> {
     let ready = ready(task, program, candidate)?;
-    let format = ready.machine.number;
-    let states = task.states * VALIDATION_FACTOR;
-    let seed = task.seed.wrapping_add(2);
-    let fresh = yardstick(task, states, seed);
+    let worst = &challenge.worst[..SIMULATED.min(challenge.worst.len())];
+    let worst = Yardstick::at(view(task.general), worst.to_vec());
     let view = view(&program.module);
-    let errors = fresh.errors(view, format).map_err(ExplorationError::from)?;
+    let inputs = worst.inputs(view).map_err(ExplorationError::from)?;
     let mut confirmation = Confirmation {
-        states,
-        seed,
-        normwise: errors.normwise,
-        used: largest_tolerance_share(task.scene, program, &errors),
         simulated: 0,
         cycles: candidate.cycles,
         equal: false,
         simulated_used: f64::INFINITY,
         remark: String::new(),
     };
-    let inputs = fresh.inputs(view).map_err(ExplorationError::from)?;
-    let inputs = &inputs[..SIMULATED.min(inputs.len())];
-    match run(&ready, inputs) {
+    match run(&ready, &inputs) {
         Err(reason) => confirmation.remark = reason,
         Ok((cycles, simulated)) => {
-            let expected = results(view, format, inputs);
+            let expected = results(view, ready.machine.number, &inputs);
             let bits = |rows: &[Vec<f64>]| -> Vec<u64> {
                 rows.iter()
                     .flatten()
@@ -125,10 +106,8 @@ pub fn confirm(
             confirmation.cycles = cycles;
             confirmation.simulated = inputs.len();
             confirmation.equal = bits(&simulated) == bits(&expected);
-            let errors = fresh
-                .judge(view, &simulated)
-                .map_err(ExplorationError::from)?;
-            confirmation.simulated_used = largest_tolerance_share(task.scene, program, &errors);
+            let shares = tolerance::shares(task, program, &worst, &simulated)?;
+            confirmation.simulated_used = shares.into_iter().fold(0.0, f64::max);
         }
     }
     Ok(confirmation)

@@ -1,9 +1,10 @@
 //! The narrowest format that meets the tolerances.
 
 use super::ranges::{exponent_bits, largest_exponent};
-use super::{FitError, FitProgram, FitTask, largest_tolerance_share};
-use crate::explore::program::{ExplorationError, view};
-use crate::explore::yardstick::{MeasuredErrors, Yardstick};
+use super::tolerance::FormatErrors;
+use super::{FitError, FitProgram, FitTask};
+use crate::explore::program::ExplorationError;
+use crate::explore::yardstick::Yardstick;
 use robovec_ir::Format;
 use robovec_num::NumberFormat;
 
@@ -12,7 +13,8 @@ const NARROWEST: u32 = 4;
 const WIDEST: u32 = 52;
 
 /// The part of a tolerance that the errors at the states of the search and of
-/// the validation may use up: other states have other worst cases.
+/// the validation may use up: other states have other worst cases, and a
+/// challenge that fails costs more than a bit.
 const PART: f64 = 0.7;
 
 /// The formats a program is measured in, with its errors at the states of the
@@ -26,11 +28,9 @@ pub(super) fn formats(
     program: &FitProgram,
     search: &Yardstick,
     validation: &Yardstick,
-) -> Result<Vec<(Format, MeasuredErrors)>, FitError> {
-    let measure_at = |yardstick: &Yardstick, format: Format| -> Result<MeasuredErrors, FitError> {
-        let errors = yardstick.errors(view(&program.module), format);
-        Ok(errors.map_err(ExplorationError::from)?)
-    };
+) -> Result<Vec<(Format, FormatErrors)>, FitError> {
+    let measure_at =
+        |yardstick: &Yardstick, format| FormatErrors::at(task, program, format, yardstick);
     let measure = |format: Format| measure_at(search, format);
     let mut found = vec![(Format::BINARY32, measure_at(validation, Format::BINARY32)?)];
     if program.model_share > PART {
@@ -38,9 +38,8 @@ pub(super) fn formats(
         return Ok(found);
     }
     let exponent = largest_exponent(program, validation).map_err(ExplorationError::from)?;
-    let meets = |errors: &MeasuredErrors| {
-        errors.normwise.worst.is_finite()
-            && largest_tolerance_share(task.scene, program, errors) <= PART
+    let meets = |measured: &FormatErrors| {
+        measured.errors.normwise.worst.is_finite() && measured.used() <= PART
     };
     let subnormals = match task.machine.number {
         Format::Float(float) => float.subnormals,

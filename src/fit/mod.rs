@@ -19,13 +19,18 @@
 //! cheapest that meets everything, and the front: the candidates that no other
 //! one beats in time, cost and error together.
 //!
-//! **Invariant.** The chosen candidate is confirmed at states it was not
-//! chosen by. Three seeds draw three sets of states: few for the *search*,
-//! which orders of series and mantissas are tried at; four times as many for
-//! the *validation*, which mantissas must hold at too and which gives the
-//! errors of candidates; as many again for the *confirmation*, which also runs
-//! some of them cycle by cycle from the memory images ([`confirm`]).
+//! What is cheapest is then *challenged* ([`challenge`]): tried at many states
+//! that nothing has seen, and at states bred from the worst of them. Where it
+//! fails, these states join those it is measured at, formats are widened, and
+//! the cheapest is taken anew, until one holds.
+//!
+//! **Invariants.** Two seeds draw the states that candidates are chosen by:
+//! few for the *search*, which orders of series and mantissas are tried at;
+//! four times as many for the *validation*, which mantissas must hold at too
+//! and which gives the errors of candidates. Every challenge draws others. A
+//! choice that did not hold is never taken again, so that the search ends.
 
+pub mod challenge;
 pub mod confirm;
 mod format;
 pub mod page;
@@ -33,25 +38,29 @@ mod ranges;
 mod series;
 mod size;
 pub mod text;
+mod tolerance;
 mod variants;
 
+pub use challenge::Challenge;
 pub use series::{SinePlace, SineTreatment};
 
 use crate::explore::ExplorationProgress;
 use crate::explore::device::{self, DeviceShare};
 use crate::explore::pareto::{self, EqualPoints};
 use crate::explore::program::{ExplorationError, view};
-use crate::explore::yardstick::{ErrorSpread, MeasuredErrors, Yardstick};
+use crate::explore::yardstick::{ErrorSpread, Yardstick};
 use crate::generate::Formulation;
 use robovec_analysis::critical_path::critical_path;
-use robovec_framework::scene::{Measure, Scene};
+use robovec_framework::scene::{ArraySizes, Scene};
 use robovec_ir::count::Counts;
 use robovec_ir::{Format, Machine, Module};
+use robovec_schedule::PlaceError;
 use serde::Serialize;
 use std::sync::Arc;
+use tolerance::FormatErrors;
 
-/// How many times as many states as the search has the validation has, and the
-/// confirmation: a search measures often and can afford few.
+/// How many times as many states as the search has the validation has: a
+/// search measures often and can afford few.
 const VALIDATION_FACTOR: u32 = 4;
 
 /// What is searched for, and where.
@@ -68,12 +77,16 @@ pub struct FitTask<'a> {
     pub machine: &'a Machine,
     /// Where sines and cosines are computed.
     pub trigonometry: SinePlace,
-    /// Random states of the search; the validation and the confirmation take
-    /// four times as many each.
+    /// The usual sizes of the general function's arrays, by which errors are
+    /// measured where the arrays vanish.
+    pub sizes: ArraySizes,
+    /// Random states of the search; the validation takes four times as many.
     pub states: u32,
-    /// The seed of the states of the search; validation and confirmation take
-    /// the next two.
+    /// The seed of the states of the search; validation and challenges take
+    /// the next ones.
     pub seed: u64,
+    /// How many times the usual number of states a choice is challenged with.
+    pub effort: u32,
 }
 
 /// A program made for the scene.
@@ -118,7 +131,8 @@ pub struct FitCandidate {
     /// The same errors, relative to the largest element of the array.
     pub normwise: ErrorSpread,
     /// The largest error over its tolerance: at most 1 when all are met; 0
-    /// when the scene has no tolerances.
+    /// when the scene has no tolerances. States that broke another choice
+    /// count as well.
     pub used: f64,
     /// What it takes of the device, estimated.
     pub resources: DeviceShare,
@@ -138,6 +152,10 @@ pub struct FitOutcome {
     /// Index of the cheapest candidate that meets everything, by share of the
     /// device, then look-up tables, then cycles; `None` when none does.
     pub chosen: Option<usize>,
+    /// What the chosen one was tried with, and held.
+    pub challenge: Option<Challenge>,
+    /// Choices before it that did not hold when they were challenged.
+    pub broken: u32,
 }
 
 /// Why nothing could be searched.
@@ -149,6 +167,9 @@ pub enum FitError {
     /// No program could be made at all.
     #[error("no formulation gives a program for this scene: {0}")]
     NoProgram(String),
+    /// No program can be placed on the machine.
+    #[error("no program can be placed on the machine: {0}")]
+    Placement(PlaceError),
 }
 
 /// Searches programs, formats and numbers of elements for a scene, and measures
@@ -159,44 +180,152 @@ pub enum FitError {
 /// See [`FitError`]. That nothing meets the scene is no error: the outcome
 /// then has no chosen candidate, and its front shows what is possible.
 pub fn fit(task: &FitTask<'_>, progress: ExplorationProgress<'_>) -> Result<FitOutcome, FitError> {
-    let search = yardstick(task, task.states, task.seed);
-    let validation = yardstick(
-        task,
-        task.states * VALIDATION_FACTOR,
-        task.seed.wrapping_add(1),
-    );
-    let mut programs = variants::programs(task, &search, progress)?;
-    series::write(task, &search, &mut programs, progress)?;
-    let mut candidates = Vec::new();
-    for (index, program) in programs.iter().enumerate() {
+    let mut search = FitSearch::new(task, progress)?;
+    let mut broken = 0;
+    loop {
+        let candidates = search.candidates();
+        let Some(chosen) = cheapest(&candidates) else {
+            return Ok(search.outcome(candidates, None, broken));
+        };
+        let program = candidates[chosen].program;
+        let format = search.format_of(&candidates[chosen]);
+        let name = &search.programs[program].name;
         progress(&format!(
-            "{}, {}: formats and elements",
-            program.name, program.treatment
+            "{name} in {format}: searching for the worst state"
         ));
-        let formats = format::formats(task, program, &search, &validation)?;
-        for size in size::sizes(task, program) {
-            for (format, errors) in &formats {
-                let found = candidate(task, (index, program), *format, errors, &size);
-                candidates.push(found);
+        let attempt = (&search.programs[program], format);
+        let challenge = challenge::challenge(task, attempt, broken)?;
+        if challenge.holds() {
+            return Ok(search.outcome(candidates, Some((chosen, challenge)), broken));
+        }
+        broken += 1;
+        search.learn(program, challenge.worst)?;
+    }
+}
+
+/// The cheapest of the candidates that meet the scene.
+fn cheapest(candidates: &[FitCandidate]) -> Option<usize> {
+    let eligible = candidates.iter().enumerate();
+    let eligible = eligible.filter(|(_, candidate)| candidate.meets);
+    let cheapest = eligible.min_by(|(_, a), (_, b)| {
+        let tables = |candidate: &FitCandidate| candidate.resources.look_up_tables;
+        a.share
+            .total_cmp(&b.share)
+            .then(tables(a).total_cmp(&tables(b)))
+            .then(a.cycles.cmp(&b.cycles))
+    });
+    cheapest.map(|(index, _)| index)
+}
+
+/// Programs with the formats and sizes they are tried in, and the states they
+/// are measured at.
+struct FitSearch<'t, 'a> {
+    task: &'t FitTask<'a>,
+    search: Yardstick,
+    validation: Yardstick,
+    programs: Vec<FitProgram>,
+    /// For every program the machines it is placed on.
+    sizes: Vec<Vec<size::SizedMachine>>,
+    /// For every program its formats with the errors at the validation.
+    formats: Vec<Vec<(Format, FormatErrors)>>,
+}
+
+impl<'t, 'a> FitSearch<'t, 'a> {
+    fn new(
+        task: &'t FitTask<'a>,
+        progress: ExplorationProgress<'_>,
+    ) -> Result<FitSearch<'t, 'a>, FitError> {
+        let search = yardstick(task, task.states, task.seed);
+        let validation = yardstick(
+            task,
+            task.states * VALIDATION_FACTOR,
+            task.seed.wrapping_add(1),
+        );
+        let mut made = variants::programs(task, &search, progress)?;
+        series::write(task, &search, &mut made, progress)?;
+        let (mut programs, mut sizes, mut formats) = (Vec::new(), Vec::new(), Vec::new());
+        let mut refused: Option<PlaceError> = None;
+        for program in made {
+            let (name, treatment) = (&program.name, program.treatment);
+            progress(&format!("{name}, {treatment}: formats and elements"));
+            match size::sizes(task, &program) {
+                Err(error) => refused = Some(error),
+                Ok(placed) => {
+                    formats.push(format::formats(task, &program, &search, &validation)?);
+                    sizes.push(placed);
+                    programs.push(program);
+                }
             }
         }
+        if let (true, Some(error)) = (programs.is_empty(), refused) {
+            return Err(FitError::Placement(error));
+        }
+        Ok(FitSearch {
+            task,
+            search,
+            validation,
+            programs,
+            sizes,
+            formats,
+        })
     }
-    let cheapest = candidates
-        .iter()
-        .enumerate()
-        .filter(|(_, candidate)| candidate.meets)
-        .min_by(|(_, a), (_, b)| {
-            let tables = |candidate: &FitCandidate| candidate.resources.look_up_tables;
-            a.share
-                .total_cmp(&b.share)
-                .then(tables(a).total_cmp(&tables(b)))
-                .then(a.cycles.cmp(&b.cycles))
-        });
-    Ok(FitOutcome {
-        chosen: cheapest.map(|(index, _)| index),
-        programs,
-        candidates,
-    })
+
+    /// Every program in its formats on its machines.
+    fn candidates(&self) -> Vec<FitCandidate> {
+        let mut candidates = Vec::new();
+        for (index, program) in self.programs.iter().enumerate() {
+            for size in &self.sizes[index] {
+                for (format, errors) in &self.formats[index] {
+                    let made = candidate(self.task, (index, program), *format, errors, size);
+                    candidates.push(made);
+                }
+            }
+        }
+        candidates
+    }
+
+    /// The format of a candidate.
+    fn format_of(&self, candidate: &FitCandidate) -> Format {
+        let formats = self.formats[candidate.program].iter();
+        let mut named = formats.filter(|(format, _)| format.to_string() == candidate.format);
+        named.next().expect("a candidate has one of the formats").0
+    }
+
+    /// Adds states at which a program failed to those that programs are
+    /// measured at, and widens the format of that program.
+    fn learn(&mut self, failed: usize, states: Vec<Vec<f64>>) -> Result<(), FitError> {
+        let news = Yardstick::at(view(self.task.general), states.clone());
+        self.search.extend(view(self.task.general), states.clone());
+        self.validation.extend(view(self.task.general), states);
+        for (index, program) in self.programs.iter().enumerate() {
+            if index == failed {
+                self.formats[index] =
+                    format::formats(self.task, program, &self.search, &self.validation)?;
+                continue;
+            }
+            for (format, errors) in &mut self.formats[index] {
+                let more = FormatErrors::at(self.task, program, *format, &news)?;
+                errors.shares.extend(more.shares);
+            }
+        }
+        Ok(())
+    }
+
+    fn outcome(
+        self,
+        candidates: Vec<FitCandidate>,
+        held: Option<(usize, Challenge)>,
+        broken: u32,
+    ) -> FitOutcome {
+        let (chosen, challenge) = held.unzip();
+        FitOutcome {
+            programs: self.programs,
+            candidates,
+            chosen,
+            challenge,
+            broken,
+        }
+    }
 }
 
 /// The general function's exact results at random states of the scene, which
@@ -211,14 +340,14 @@ fn candidate(
     task: &FitTask<'_>,
     (index, program): (usize, &FitProgram),
     format: Format,
-    errors: &MeasuredErrors,
+    measured: &FormatErrors,
     size: &size::SizedMachine,
 ) -> FitCandidate {
     let machine = size.machine(task.machine);
     let resources = device::taken(&machine, format, size.cycles, size.words);
     let function = &program.module.functions[0];
     let microseconds = f64::from(size.cycles) / task.machine.clock_mhz;
-    let used = largest_tolerance_share(task.scene, program, errors);
+    let (used, errors) = (measured.used(), &measured.errors);
     let in_time = task
         .scene
         .deadline
@@ -243,24 +372,6 @@ fn candidate(
             && errors.normwise.worst.is_finite()
             && resources.share() <= 1.0,
     }
-}
-
-/// The largest error of any output over its tolerance, in the measure the
-/// tolerance is of; 0 when no output has a tolerance.
-fn largest_tolerance_share(scene: &Scene, program: &FitProgram, errors: &MeasuredErrors) -> f64 {
-    let view = view(&program.module);
-    let mut largest = 0.0f64;
-    for (assignment, output) in view.function.assignments.iter().zip(&errors.outputs) {
-        for tolerance in scene.tolerances(view, assignment.output) {
-            let error = match tolerance.measure {
-                Measure::Norm => output.normwise,
-                Measure::Relative => output.relative,
-                Measure::Absolute => output.absolute,
-            };
-            largest = largest.max(error / tolerance.bound);
-        }
-    }
-    largest
 }
 
 impl FitOutcome {

@@ -49,5 +49,6 @@ states of the scene.</p>\
 <p><b>Of tolerance</b>: the largest error of any output over what the scene allows it. <b>Share of \
 the device</b>: the largest of the shares of look-up tables, memory blocks and multiplier blocks of \
 a 5CSEBA6U23I7, estimated by formulas; nothing was synthesised. <b>Held</b>: measured again at so \
-many states that the search has not seen, and run cycle by cycle from memory images in so many runs, \
-within the tolerances; it says nothing of other states.</p>";
+many states that the search has not seen and at states bred from the worst of them, and run cycle by \
+cycle from memory images, within the tolerances; the share of states is what independent states \
+establish with a confidence of 95 %.</p>";

@@ -1,9 +1,10 @@
 //! Sines and cosines on the elements: of each method the least order whose
 //! error leaves room for rounding.
 
-use super::{FitError, FitProgram, FitTask, largest_tolerance_share};
+use super::tolerance::FormatErrors;
+use super::{FitError, FitProgram, FitTask};
 use crate::explore::ExplorationProgress;
-use crate::explore::program::{ExplorationError, transformed_by, view};
+use crate::explore::program::transformed_by;
 use crate::explore::yardstick::Yardstick;
 use robovec_ir::Format;
 use serde::Serialize;
@@ -115,15 +116,12 @@ fn with_series(
     };
     let stage = format!("{pass},{BEHIND}");
     let module = transformed_by(&program.module, &stage, task.machine, Some(task.scene))?;
-    let errors = yardstick
-        .errors(view(&module), Format::BINARY64)
-        .map_err(ExplorationError::from)?;
     let mut new = FitProgram {
         pipeline: format!("{},{stage}", program.pipeline),
         treatment,
         module: Arc::new(module),
         ..program.clone()
     };
-    new.model_share = largest_tolerance_share(task.scene, &new, &errors);
+    new.model_share = FormatErrors::at(task, &new, Format::BINARY64, yardstick)?.used();
     Ok(new)
 }

@@ -4,7 +4,7 @@ use super::{FitProgram, FitTask};
 use crate::explore::placing::{placed, with_counts};
 use robovec_ir::count::Counts;
 use robovec_ir::{Machine, Operation};
-use robovec_schedule::{PlaceOptions, schedule_bound};
+use robovec_schedule::{PlaceError, PlaceOptions, schedule_bound};
 
 /// The most elements of a kind.
 const MOST: u32 = 64;
@@ -39,31 +39,45 @@ pub(super) fn sized(machine: &Machine, [add, multi]: [u32; 2]) -> Machine {
 
 /// The sizes a program is placed on: equal numbers by powers of two up to the
 /// longest chain, and the fewest adders and multipliers within the deadline.
-pub(super) fn sizes(task: &FitTask<'_>, program: &FitProgram) -> Vec<SizedMachine> {
+///
+/// # Errors
+///
+/// When it cannot be placed with any number of elements.
+pub(super) fn sizes(
+    task: &FitTask<'_>,
+    program: &FitProgram,
+) -> Result<Vec<SizedMachine>, PlaceError> {
     let mut sizes: Vec<SizedMachine> = Vec::new();
+    let mut refused: Option<PlaceError> = None;
     let mut count = 1;
     while count <= MOST {
-        let size = attempt(task, program, [count, count]);
-        let shorter = match (&size, sizes.last()) {
-            (Some(size), Some(last)) => size.cycles < last.cycles,
-            (Some(_), None) => true,
-            (None, _) => false,
-        };
-        match size {
-            Some(size) if shorter => sizes.push(size),
-            Some(_) => break,
-            None => {}
+        match attempt(task, program, [count, count]) {
+            Ok(size) if sizes.last().is_none_or(|last| size.cycles < last.cycles) => {
+                sizes.push(size);
+            }
+            Ok(_) => break,
+            // More elements have more memory.
+            Err(error) => refused = Some(error),
         }
         count *= 2;
     }
-    sizes.extend(fewest(task, program));
-    sizes
+    match (sizes.is_empty(), refused) {
+        (true, Some(error)) => Err(error),
+        _ => {
+            sizes.extend(fewest(task, program));
+            Ok(sizes)
+        }
+    }
 }
 
-fn attempt(task: &FitTask<'_>, program: &FitProgram, elements: [u32; 2]) -> Option<SizedMachine> {
+fn attempt(
+    task: &FitTask<'_>,
+    program: &FitProgram,
+    elements: [u32; 2],
+) -> Result<SizedMachine, PlaceError> {
     let machine = sized(task.machine, elements);
-    let placed = placed(&program.module, &machine, PlaceOptions::default()).ok()?;
-    Some(SizedMachine {
+    let placed = placed(&program.module, &machine, PlaceOptions::default())?;
+    Ok(SizedMachine {
         elements,
         cycles: placed.summary.cycles,
         words: placed.most_words(&machine),
@@ -92,7 +106,7 @@ fn fewest(task: &FitTask<'_>, program: &FitProgram) -> Option<SizedMachine> {
         if elements.iter().any(|&count| count > MOST) {
             return None;
         }
-        let size = attempt(task, program, elements)?;
+        let size = attempt(task, program, elements).ok()?;
         if size.cycles <= deadline {
             return Some(fewer(task, program, size, deadline));
         }
@@ -115,8 +129,8 @@ fn fewer(
             let mut elements = size.elements;
             elements[kind] -= 1;
             match attempt(task, program, elements) {
-                Some(less) if less.cycles <= deadline => size = less,
-                Some(_) | None => break,
+                Ok(less) if less.cycles <= deadline => size = less,
+                Ok(_) | Err(_) => break,
             }
         }
     }

@@ -1,10 +1,11 @@
 //! What a search found, as text, table and figure.
 
 use super::confirm::Confirmation;
-use super::{FitCandidate, FitOutcome, FitTask};
+use super::{Challenge, FitCandidate, FitOutcome, FitTask};
 use crate::present::{
     AxisScale, Curve, DataCell, DataTable, Figure, Mark, Panel, PlotAxis, text_table,
 };
+use robovec_framework::scene::{Measure, OutputTolerance};
 use std::fmt::Write;
 
 /// Lines of the front that are shown; all of it is in the files.
@@ -33,9 +34,10 @@ pub fn text(
         Some(chosen) => text += &choice(outcome, chosen),
         None => text += &refusal(task, outcome),
     }
-    if let Some(confirmation) = confirmation {
-        text += &held(confirmation);
+    if let Some(challenge) = &outcome.challenge {
+        text += &held(task, outcome, challenge);
     }
+    text += &confirmation.map_or_else(String::new, run);
     let front = outcome.front();
     let rows: Vec<Vec<String>> = front
         .iter()
@@ -150,35 +152,88 @@ fn refusal(task: &FitTask<'_>, outcome: &FitOutcome) -> String {
 }
 
 /// What was established of the choice: where it was tried, and what came out.
-fn held(confirmation: &Confirmation) -> String {
+fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> String {
+    let has_tolerances = task
+        .scene
+        .outputs
+        .iter()
+        .any(|need| need.tolerance.is_some());
+    if !has_tolerances {
+        return format!(
+            "The scene allows every error. All results are numbers at {} fresh states (seed {})\n",
+            challenge.fresh, challenge.seed
+        );
+    }
     let mut text = format!(
-        "{} at {} fresh states (seed {}), and cycle by cycle in {} runs; tried there, not \
-         established for all states\n  fresh states     worst {:.2e}, {} of the tolerance\n",
-        if confirmation.holds() {
-            "Held"
-        } else {
-            "DID NOT HOLD"
-        },
-        confirmation.states,
-        confirmation.seed,
-        confirmation.simulated,
-        confirmation.normwise.worst,
-        percent(confirmation.used),
+        "Held at {} fresh states (seed {}): with a confidence of 95 %, at {:.4} % of the states \
+         in the ranges, or more\n  \
+         fresh states     worst {} of the tolerance\n  \
+         directed search  {} more states, bred from the worst ones: {} of the tolerance\n  \
+         not established  for every state: no bound was computed\n",
+        challenge.fresh,
+        challenge.seed,
+        (challenge.share() * 1e6).floor() / 1e4,
+        percent(challenge.fresh_used),
+        challenge.directed,
+        percent(challenge.used),
     );
-    if confirmation.remark.is_empty() {
+    if outcome.broken > 0 {
         let _ = writeln!(
             text,
-            "  cycle by cycle   {} runs of {} cycles from memory images, {} the evaluator's bit \
-             for bit; {} of the tolerance",
-            confirmation.simulated,
-            confirmation.cycles,
-            if confirmation.equal { "all" } else { "NOT" },
-            percent(confirmation.simulated_used),
+            "  before it        {} cheaper choice(s) failed such a search",
+            outcome.broken
         );
-    } else {
-        let _ = writeln!(text, "  not simulated: {}", confirmation.remark);
+    }
+    let sizes = scales(task);
+    if !sizes.is_empty() {
+        let _ = writeln!(
+            text,
+            "  errors           in parts of the largest element of the array, or of its usual \
+             size where that is larger: {sizes}"
+        );
+    }
+    let mut tolerances = task.scene.outputs.iter().filter_map(|need| need.tolerance);
+    if tolerances.any(|one| one.measure == Measure::Relative && one.scale.is_none()) {
+        text += "  relative errors  in parts of the element, or of a thousandth of its usual size \
+                 where that is larger\n";
     }
     text
+}
+
+/// The sizes that errors are measured by at least, of arrays with a tolerance
+/// in parts of the largest element.
+fn scales(task: &FitTask<'_>) -> String {
+    let mut sizes: Vec<String> = Vec::new();
+    for need in &task.scene.outputs {
+        let array = &need.pattern.array;
+        let is_normwise = |tolerance: &OutputTolerance| tolerance.measure == Measure::Norm;
+        let Some(tolerance) = need.tolerance.filter(is_normwise) else {
+            continue;
+        };
+        let size = match tolerance.scale {
+            Some(scale) => format!("{} {scale} (the scene's)", need.pattern),
+            None => format!("{array} {:.3e}", task.sizes.get(array)),
+        };
+        if !sizes.contains(&size) {
+            sizes.push(size);
+        }
+    }
+    sizes.join(", ")
+}
+
+/// What the runs on the machine gave.
+fn run(confirmation: &Confirmation) -> String {
+    if !confirmation.remark.is_empty() {
+        return format!("  not simulated: {}\n", confirmation.remark);
+    }
+    format!(
+        "  cycle by cycle   {} runs of {} cycles from memory images at the worst states, {} the \
+         evaluator's bit for bit; {} of the tolerance\n",
+        confirmation.simulated,
+        confirmation.cycles,
+        if confirmation.equal { "all" } else { "NOT" },
+        percent(confirmation.simulated_used),
+    )
 }
 
 /// All candidates as a table for programs.

@@ -1,7 +1,8 @@
 //! The programs: every formulation specialised, with the equations as short
 //! or as few as the passes make them.
 
-use super::{FitError, FitProgram, FitTask, SineTreatment, largest_tolerance_share};
+use super::tolerance::FormatErrors;
+use super::{FitError, FitProgram, FitTask, SineTreatment};
 use crate::explore::ExplorationProgress;
 use crate::explore::program::{ExplorationError, transformed_by, view};
 use crate::explore::yardstick::Yardstick;
@@ -61,10 +62,8 @@ pub(super) fn programs(
     }
     programs.extend(searched(task, &starts, progress)?);
     for program in &mut programs {
-        let errors = yardstick
-            .errors(view(&program.module), Format::BINARY64)
-            .map_err(ExplorationError::from)?;
-        program.model_share = largest_tolerance_share(task.scene, program, &errors);
+        let measured = FormatErrors::at(task, program, Format::BINARY64, yardstick)?;
+        program.model_share = measured.used();
     }
     if programs.is_empty() {
         let reason = last.map_or("none was given".to_owned(), |error| error.to_string());

@@ -1,6 +1,7 @@
 //! Measuring the programs of the choices.
 
 use super::choice::FrontChoice;
+use crate::explore::device;
 use crate::explore::placing::{placed, with_counts};
 use crate::explore::processor;
 use crate::explore::program::{ExplorationError, view};
@@ -32,6 +33,10 @@ pub struct FrontPoint {
     pub cycles: Vec<Option<u32>>,
     /// The same in microseconds at the machine's clock.
     pub microseconds: Vec<Option<f64>>,
+    /// What the machine takes of the thesis' device for each number of
+    /// elements, with memories for this program: the largest of its shares,
+    /// estimated ([`device::DeviceShare::share`]).
+    pub shares: Vec<Option<f64>>,
     /// Time of one call on one core of this computer, ns; `None` when it was
     /// not measured.
     pub cpu_ns: Option<f64>,
@@ -59,14 +64,21 @@ pub fn measure(
     let view = view(module);
     let counts = Counts::of(view.function);
     let path = critical_path(view.function, machine).asap_cycle;
-    let cycles = |&count: &u32| {
+    let place = |&count: &u32| {
         let kinds = [Operation::Add, Operation::Mul, Operation::Fma];
         let machine = with_counts(machine, &kinds.map(|kind| (kind, count)));
         let placed = placed(module, &machine, PlaceOptions::default()).ok()?;
-        Some(placed.summary.cycles)
+        let words = placed.most_words(&machine);
+        Some((machine, placed.summary.cycles, words))
     };
-    let cycles: Vec<Option<u32>> = elements.iter().map(cycles).collect();
+    let places: Vec<Option<(Machine, u32, u32)>> = elements.iter().map(place).collect();
+    let cycles = places.iter().map(|place| Some(place.as_ref()?.1));
+    let cycles: Vec<Option<u32>> = cycles.collect();
     let time = |cycles: &Option<u32>| Some(f64::from((*cycles)?) / machine.clock_mhz);
+    let share = |place: &Option<(Machine, u32, u32)>, format: Format| {
+        let (machine, cycles, words) = place.as_ref()?;
+        Some(device::taken(machine, format, *cycles, *words).share())
+    };
     let point = |format: &Format| {
         let errors = yardstick.errors(view, *format)?;
         Ok(FrontPoint {
@@ -78,6 +90,7 @@ pub fn measure(
             path,
             cycles: cycles.clone(),
             microseconds: cycles.iter().map(time).collect(),
+            shares: places.iter().map(|place| share(place, *format)).collect(),
             cpu_ns: None,
             relative: errors.relative,
             normwise: errors.normwise,

@@ -1,11 +1,12 @@
 //! Speed against error: every way to compute a function as a point, and the
 //! points that no other one beats.
 //!
-//! A point has a time (cycles on a machine with so many elements) and an
-//! error (everything included: series, rounding, data that the format cannot
-//! hold). One point *dominates* another that is nowhere better and somewhere
-//! worse: in time, in the median and in the worst case. What is not dominated
-//! is the front, and the only place where there is something to choose.
+//! A point has a time (cycles on a machine with so many elements), an error
+//! (everything included: series, rounding, data that the format cannot hold)
+//! and a cost (its share of the device). One point *dominates* another that is
+//! nowhere better and somewhere worse: in time, in the median and in the worst
+//! case, in cost. What is not dominated is the front, and the only place where
+//! there is something to choose.
 
 pub mod choice;
 pub mod measure;
@@ -141,15 +142,17 @@ fn searched(
 }
 
 /// What is compared with a given number of elements: cycles, the median of the
-/// relative errors and the worst normwise error.
-fn measures(point: &FrontPoint, elements: usize) -> [f64; 3] {
+/// relative errors, the worst normwise error and the share of the device. What
+/// cannot be placed is worse than everything.
+fn measures(point: &FrontPoint, elements: usize) -> [f64; 4] {
     let cycles = point.cycles[elements].map_or(f64::INFINITY, f64::from);
-    [cycles, point.relative.median, point.normwise.worst]
+    let share = point.shares[elements].unwrap_or(f64::INFINITY);
+    [cycles, point.relative.median, point.normwise.worst, share]
 }
 
 /// True when the first point is nowhere worse than the second and somewhere
 /// better, with the given number of elements: in cycles, in the median of the
-/// relative errors and in the worst normwise error.
+/// relative errors, in the worst normwise error and in the share of the device.
 pub fn dominates(first: &FrontPoint, second: &FrontPoint, elements: usize) -> bool {
     pareto::dominates(&measures(first, elements), &measures(second, elements))
 }
@@ -157,7 +160,7 @@ pub fn dominates(first: &FrontPoint, second: &FrontPoint, elements: usize) -> bo
 impl Front {
     /// The points that no other one dominates, by cycles.
     pub fn undominated(&self, elements: usize) -> Vec<usize> {
-        let points: Vec<[f64; 3]> = self
+        let points: Vec<[f64; 4]> = self
             .points
             .iter()
             .map(|point| measures(point, elements))

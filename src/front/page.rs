@@ -4,19 +4,28 @@ use super::Front;
 use super::text::{figure, points_table, verdicts_table};
 use crate::present::json::json_script;
 use crate::present::page::{self, PointsPage};
+use robovec_ir::Machine;
 
-/// The page of some fronts.
-pub fn page(fronts: &[Front], machine: &robovec_ir::Machine) -> String {
+/// The page of some fronts, measured on these machines.
+pub fn page(fronts: &[Front], machines: &[Machine]) -> String {
+    let machines = machines.iter().map(|machine| {
+        let Machine {
+            name,
+            description,
+            clock_mhz,
+            ..
+        } = machine;
+        format!("Machine {name}: {description}, {clock_mhz} MHz.")
+    });
+    let machines: Vec<String> = machines.collect();
     let names: Vec<&str> = fronts.iter().map(|front| front.name.as_str()).collect();
     let verdicts = page::folding_table(&verdicts_table(fronts), "", true);
     let page = PointsPage {
         title: "Speed against error".to_owned(),
         subtitle: format!(
-            "{}. Machine {}: {}, {} MHz. Computed by robovec {}.",
+            "{}. {} Computed by robovec {}.",
             names.join(", "),
-            machine.name,
-            machine.description,
-            machine.clock_mhz,
+            machines.join(" "),
             env!("CARGO_PKG_VERSION")
         ),
         figures: verdicts + &page::figure(&figure(fronts)),
@@ -36,8 +45,9 @@ those of the equations as they came, in double-double arithmetic with true sines
 error is therefore that of everything together.</p>\
 <p><b>Relative</b>: over the element itself; elements that vanish are left out. <b>Normwise</b>: \
 the largest error of an array over its largest element. <b>Front</b>: no other point is nowhere \
-worse and somewhere better in cycles, in the median of the relative errors and in the worst \
-normwise error.</p>\
+worse and somewhere better in cycles, in the median of the relative errors, in the worst \
+normwise error and in the <b>share of the device</b>: the largest of the shares of look-up tables, \
+memory blocks and multiplier blocks of a 5CSEBA6U23I7, estimated by formulas.</p>\
 <p>Inputs are numbers of binary32, so that formats of at least its width start from the same \
 state. Sines and cosines that are not written as series are prepared before the run, as in the \
 thesis, and cost no cycles.</p>";

@@ -59,6 +59,9 @@ pub fn text(front: &Front) -> String {
                     or_dash(cycles, |cycles| cycles.to_string()),
                     or_dash(point.microseconds[place], |time| format!("{time:.2}")),
                     or_dash(point.cpu_ns, |time| format!("{time:.0}")),
+                    or_dash(point.shares[place], |share| {
+                        format!("{:.2} %", share * 100.0)
+                    }),
                     exponential(point.relative.median),
                     exponential(point.relative.percentile_99),
                     exponential(point.normwise.worst),
@@ -66,7 +69,7 @@ pub fn text(front: &Front) -> String {
                 ]
             })
             .collect();
-        let head = "by | choice | format | >operations | >path | >cycles | >us | >CPU ns | >median | \
+        let head = "by | choice | format | >operations | >path | >cycles | >us | >CPU ns | >of device | >median | \
          >99 % | >worst normwise | ";
         // Writing to a string cannot fail.
         let _ = writeln!(
@@ -125,6 +128,7 @@ pub fn points_table(fronts: &[Front]) -> DataTable {
                     point
                         .cpu_ns
                         .map_or(DataCell::Empty, |time| DataCell::number(time, 1)),
+                    point.shares[place].map_or(DataCell::Empty, |share| DataCell::number(share, 4)),
                 ];
                 for spread in errors {
                     for error in [spread.median, spread.percentile_99, spread.worst] {
@@ -144,9 +148,9 @@ pub fn points_table(fronts: &[Front]) -> DataTable {
         "Every choice in every format. Errors are those of the whole program against \
                   double-double: series, rounding, data. A choice is beaten when another one is \
                   nowhere worse and somewhere better in cycles, in the median of the relative \
-                  errors and in the worst normwise error.",
+                  errors, in the worst normwise error and in the share of the device.",
         "function | elements per kind | by | choice | format | operations | path (cycles) | \
-         cycles | time (us) | CPU (ns) | relative median | relative 99 % | relative worst | \
+         cycles | time (us) | CPU (ns) | share of device | relative median | relative 99 % | relative worst | \
          normwise median | normwise 99 % | normwise worst | of | in state | standing",
         rows,
     )
@@ -195,8 +199,8 @@ pub fn verdicts_table(fronts: &[Front]) -> DataTable {
     DataTable::new(
         "verdicts",
         "What the thesis could choose, and what dominates it",
-        "The fastest of ours that is nowhere worse in cycles, median and worst error; in \
-                  the last columns the same with the number format of the thesis.",
+        "The fastest of ours that is nowhere worse in cycles, median and worst error, \
+                  and share of the device; in the last columns the same with the number format of the thesis.",
         "function | elements per kind | thesis | cycles | worst error | ours | cycles | \
          worst error | times faster | times more exact | ours in its format | cycles",
         rows,

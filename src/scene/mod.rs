@@ -68,6 +68,13 @@ const ERROR: NumberLimit = NumberLimit::real(
     "no program is free of rounding errors, and a larger error allows everything",
 );
 
+/// The size an error is measured by at least, in the unit of the output.
+const SCALE: NumberLimit = NumberLimit::real(
+    1e-30,
+    1e30,
+    "a smaller scale vanishes with what it is there for, and no output is larger",
+);
+
 /// Numbers of inputs, in SI units.
 const INPUT: NumberLimit = NumberLimit::real(
     -1e30,
@@ -80,6 +87,7 @@ const INPUT: NumberLimit = NumberLimit::real(
 pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
     ("deadline", DEADLINE, "none"),
     ("output.error", ERROR, "none"),
+    ("output.scale", SCALE, "usual size"),
     ("bind", INPUT, ""),
     ("range", INPUT, ""),
     ("locked", INPUT, ""),

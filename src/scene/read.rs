@@ -7,7 +7,7 @@ use super::document::{
 };
 use super::inputs::InputReader;
 use super::known::ElementStatements;
-use super::{DEADLINE, ERROR, ModelSubject, SceneFile, SceneSubject};
+use super::{DEADLINE, ERROR, ModelSubject, SCALE, SceneFile, SceneSubject};
 use crate::generate::{Formulation, Options};
 use crate::robotran::FunctionKind;
 use crate::sources;
@@ -291,7 +291,11 @@ fn outputs(
         let Some(section) = table(entry, problems) else {
             continue;
         };
-        only_keys(section, &["elements", "error", "measure"], problems);
+        only_keys(
+            section,
+            &["elements", "error", "measure", "scale"],
+            problems,
+        );
         let tolerance = tolerance(section, problems);
         let Some(elements) = get(section, "elements") else {
             let message = "this output names no elements";
@@ -355,13 +359,24 @@ fn tolerance(
         measure
     });
     let value = get(section, "error");
-    if let (Some(value), None) = (get(section, "measure"), value) {
-        let message = "a measure without an error says nothing";
-        problems.add(value.span(), message);
+    for key in ["measure", "scale"] {
+        if let (Some(other), None) = (get(section, key), value) {
+            let message = format!("a {key} without an error says nothing");
+            problems.add(other.span(), message);
+        }
     }
+    let measure = measure.unwrap_or_default();
+    let scale = get(section, "scale").and_then(|value| {
+        if measure == Measure::Absolute {
+            let message = "an absolute error is measured by nothing, so that it has no scale";
+            problems.add(value.span(), message);
+        }
+        limited(value, ("scale", SCALE), problems)
+    });
     let bound = limited(value?, ("error", ERROR), problems)?;
     Some(OutputTolerance {
-        measure: measure.unwrap_or_default(),
+        measure,
         bound,
+        scale,
     })
 }

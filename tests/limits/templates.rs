@@ -254,6 +254,7 @@ fn scene(row: &LimitRow, value: &str, folder: &Path) -> Vec<Invocation> {
     let text = match row.name.as_str() {
         "deadline" => scene_text(&format!("deadline = {value}"), ""),
         "output.error" => scene_text("", &format!("error = {value}\n")),
+        "output.scale" => scene_text("", &format!("error = 1e-3\nscale = {value}\n")),
         "bind" => scene_text("", &format!("\n[bind]\n\"q[1]\" = {value}\n")),
         "range" => scene_text("", &format!("\n[range]\nq = [{value}, {value}]\n")),
         _ => format!(

@@ -11,7 +11,7 @@ use robovec_framework::check::Promise;
 use robovec_framework::declare_pass;
 use robovec_framework::options::OptionValue;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
-use robovec_framework::scene::Allowed;
+use robovec_framework::scene::{Allowed, ArraySizes};
 use robovec_ir::states::States;
 use robovec_ir::{Format, Function, ValueFormats, View};
 use robovec_num::NumberFormat;
@@ -122,7 +122,8 @@ impl Pass for Mixed {
             tables: &*context.tables,
             function,
         };
-        let allowed = Allowed::new(view, context.scene, self.error.0);
+        let sizes = ArraySizes::of(view, context.scene);
+        let allowed = Allowed::new(view, context.scene, self.error.0, &sizes);
         let choosing = AccuracyCheck::new(view, &states, [FIRST_CHOSEN, count], &allowed);
         let checking = AccuracyCheck::new(view, &states, [FIRST_CHECKED, 2 * count], &allowed);
         let mut search = FormatSearch {

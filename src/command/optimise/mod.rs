@@ -132,20 +132,13 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<String, CommandFailur
     bar.finish_and_clear();
     let found = found.map_err(|error| {
         let notes = match error {
-            OptimisationError::Placement(_) => vec![
-                "'--machine' chooses another one, 'robovec-opt --list-machines' lists them"
-                    .to_owned(),
-            ],
+            OptimisationError::Placement(_) => input::other_machine(),
             OptimisationError::Program(_) | OptimisationError::Proof(_) => Vec::new(),
         };
         CommandFailure::advised(format!("{}: {error}", arguments.input), notes)
     })?;
     told::tell(arguments, &given, &question, &found)
 }
-
-/// The machine without whose divider nothing could be placed, where none is
-/// asked for.
-const WITH_DIVIDER: &str = "solver";
 
 /// The name of a machine that is asked for, or that the function needs; `None`
 /// for the usual one.
@@ -158,15 +151,12 @@ fn wanted_machine(
     if arguments.machine.is_some() || wished.is_some() {
         return Ok(arguments.machine.clone());
     }
-    let nodes = given.starts[0].module.functions[0].nodes();
-    let divides = nodes.iter().any(|node| node.operation == Operation::Div);
-    let has_divider = input::machine(USUAL)?.kind_of(Operation::Div).is_some();
-    let needed = divides && !has_divider && arguments.target == OptimisationTarget::Fpga;
-    Ok(needed.then(|| WITH_DIVIDER.to_owned()))
+    if arguments.target != OptimisationTarget::Fpga {
+        return Ok(None);
+    }
+    let usual = input::usual_machine(&given.starts[0].module.functions[0])?;
+    Ok((usual != input::USUAL_MACHINE).then(|| usual.to_owned()))
 }
-
-/// The machine where nothing else is said.
-const USUAL: &str = "thesis";
 
 /// The machine, with the numbers of elements that are wanted.
 fn machine(
@@ -174,7 +164,11 @@ fn machine(
     scene: Option<&Scene>,
 ) -> Result<Machine, CommandFailure> {
     let wished = scene.and_then(|scene| scene.machine.as_deref());
-    let name = arguments.machine.as_deref().or(wished).unwrap_or(USUAL);
+    let name = arguments
+        .machine
+        .as_deref()
+        .or(wished)
+        .unwrap_or(input::USUAL_MACHINE);
     let machine = input::machine(name)?;
     Ok(match arguments.elements {
         None => machine,

@@ -20,7 +20,7 @@
 mod allowed;
 mod pattern;
 
-pub use allowed::Allowed;
+pub use allowed::{Allowed, ArraySizes};
 pub use pattern::{ElementPattern, IndexPattern};
 use robovec_ir::states::{Ranges, States};
 use robovec_ir::{Input, Output, View};
@@ -72,15 +72,21 @@ pub struct OutputTolerance {
     pub measure: Measure,
     /// The largest that is allowed.
     pub bound: f64,
+    /// What the error is measured by where the measure is smaller: a size in
+    /// the unit of the output. `None`: the usual size of the array for
+    /// [`Measure::Norm`], a small part of that of the element for
+    /// [`Measure::Relative`] ([`ArraySizes`]).
+    pub scale: Option<f64>,
 }
 
 /// The measure an error is compared with.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum Measure {
-    /// The largest element of the output's array.
+    /// The largest element of the output's array, or the tolerance's scale
+    /// where that is larger.
     #[default]
     Norm,
-    /// The element itself.
+    /// The element itself, or the tolerance's scale where that is larger.
     Relative,
     /// Nothing: the error has the unit of the output.
     Absolute,
@@ -114,7 +120,11 @@ impl fmt::Display for OutputTolerance {
             Measure::Relative => " of itself",
             Measure::Absolute => "",
         };
-        write!(formatter, "{:e}{of}", self.bound)
+        write!(formatter, "{:e}{of}", self.bound)?;
+        match self.scale {
+            Some(scale) => write!(formatter, ", at least {scale}"),
+            None => Ok(()),
+        }
     }
 }
 
