@@ -1,6 +1,7 @@
 //! `robovec scene`: what a scene means.
 
 use super::{CommandFailure, input};
+use crate::present::number::{exponential, or_dash};
 use crate::present::text_table;
 use crate::scene::{SceneEffect, SceneFile, SceneSubject, effects};
 use clap::Args;
@@ -14,7 +15,8 @@ use std::path::PathBuf;
 pub(super) struct SceneArguments {
     /// Scene (.scene.toml)
     scene: PathBuf,
-    /// Machine that cycles are counted for; by default the scene's, else thesis
+    /// Machine that cycles are counted for; by default the scene's, else thesis, or solver
+    /// for equations that divide
     #[arg(long, value_name = "MACHINE")]
     machine: Option<String>,
 }
@@ -22,11 +24,14 @@ pub(super) struct SceneArguments {
 /// Runs the command.
 pub(super) fn run(arguments: &SceneArguments) -> Result<String, CommandFailure> {
     let file = input::scene(&arguments.scene)?;
-    let named = arguments.machine.as_ref().or(file.scene.machine.as_ref());
-    let machine = input::machine(named.map_or("thesis", String::as_str))?;
     let fail =
         |error: String| CommandFailure::plain(format!("{}: {error}", arguments.scene.display()));
     let module = file.module().map_err(|error| fail(error.to_string()))?;
+    let named = arguments.machine.as_ref().or(file.scene.machine.as_ref());
+    let machine = input::machine(match named {
+        Some(name) => name,
+        None => input::usual_machine(&module.functions[0])?,
+    })?;
     let effects = effects(&file, &machine).map_err(|error| fail(error.to_string()))?;
     let mut text = format!("{}\n", file.scene.name);
     if !file.scene.description.is_empty() {
@@ -174,22 +179,40 @@ fn worth(effects: &[SceneEffect], machine: &Machine, scene: &Scene) -> String {
                 effect.operations.to_string(),
                 format!("{share:.0} %"),
                 effect.sin_cos.to_string(),
-                effect.cycles.to_string(),
+                effect.path.to_string(),
+                or_dash(effect.placed, |(cycles, _)| cycles.to_string()),
+                or_dash(effect.placed, |(_, share)| {
+                    format!("{:.2} %", 100.0 * share)
+                }),
+                exponential(effect.normwise.median),
+                exponential(effect.normwise.worst),
             ]
         })
         .collect();
-    let head = "used | >operations | >of them | >sin, cos | >cycles";
+    let head = "used | >operations | >of them | >sin, cos | >longest chain | >cycles | >of device | \
+         >median error | >worst error";
     let mut text = format!("\n{}\n", text_table(head, &rows));
+    // Writing to a string cannot fail, here and below.
+    let _ = writeln!(
+        text,
+        "cycles and errors on {}, in {}; errors in parts of the largest element of the array, at \
+         states of the scene, against double-double arithmetic",
+        machine.name, machine.number
+    );
     if let (Some(deadline), Some(last)) = (scene.deadline, effects.last()) {
-        let time = f64::from(last.cycles) / machine.clock_mhz;
+        let cycles = last.placed.map_or(last.path, |(cycles, _)| cycles);
+        let what = match last.placed {
+            Some(_) => "the schedule",
+            None => "the longest chain",
+        };
+        let time = f64::from(cycles) / machine.clock_mhz;
         let verdict = match time <= deadline {
             true => "within the deadline of",
             false => "beyond the deadline of",
         };
-        // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "\nthe longest chain takes {time:.2} us on {}, {verdict} {deadline} us",
+            "\n{what} takes {time:.2} us on {}, {verdict} {deadline} us",
             machine.name
         );
     }

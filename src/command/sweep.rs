@@ -6,6 +6,7 @@ use super::output::result_files;
 use super::{CommandFailure, input, output, progress};
 use crate::explore::operators::{Couple, couples};
 use crate::explore::program::{ExplorationError, transformed_by, view};
+use crate::explore::yardstick::Yardstick;
 use crate::generate::Formulation;
 use crate::optimise::found::found;
 use crate::optimise::start::starts;
@@ -13,7 +14,10 @@ use crate::present::json::json_text;
 use crate::sweep::design::{DesignSpace, interconnect_names};
 use crate::sweep::{FunctionSweep, SweptProgram, page, sweep, text};
 use clap::{Args, ValueEnum};
+use robovec_analysis::rounding::usual_states;
+use robovec_ir::count::Counts;
 use robovec_ir::machine::{Interconnect, MemoryStyle};
+use robovec_ir::states::States;
 use robovec_ir::{Machine, Module};
 use robovec_passes::optimise::steps;
 use std::path::{Path, PathBuf};
@@ -78,6 +82,9 @@ enum MemoryWord {
     FourPort,
 }
 
+/// The seed of the states that errors are measured at.
+const STATE_SEED: u64 = 1;
+
 /// Runs the command.
 pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> {
     let space = space(arguments)?;
@@ -91,13 +98,17 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> 
             let made = transformed_by(&module, passes, &thesis, None);
             made.map_err(|error| failure(error.to_string()))
         };
+        let operations = Counts::of(&module.functions[0]).operations;
+        let states = usual_states(operations);
+        let yardstick = Yardstick::new(view(&module), &States::new(STATE_SEED), states);
         let swept = match &arguments.passes {
-            Some(passes) => vec![SweptProgram::new(passes.clone(), made(passes)?)],
-            None => {
-                let searched = searched(&module, others, &thesis, &space);
-                searched.map_err(|error| failure(error.to_string()))?
+            Some(passes) => {
+                let program = SweptProgram::new(passes.clone(), made(passes)?, &yardstick);
+                program.map(|program| vec![program])
             }
+            None => searched(&module, others, (&thesis, &space), &yardstick),
         };
+        let swept = swept.map_err(|error| failure(error.to_string()))?;
         let compiled = match arguments.cpu {
             true => Some(made("$cpu")?),
             false => None,
@@ -119,8 +130,8 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> 
 fn searched(
     module: &Module,
     others: Vec<(Formulation, Module)>,
-    machine: &Machine,
-    space: &DesignSpace,
+    (machine, space): (&Machine, &DesignSpace),
+    yardstick: &Yardstick,
 ) -> Result<Vec<SweptProgram>, ExplorationError> {
     let starts = starts(module.clone(), others);
     let mut pairs: Vec<[u32; 2]> = space.pairs().map(|(add, multi)| [add, multi]).collect();
@@ -136,14 +147,14 @@ fn searched(
     let programs = found?.into_iter();
     let programs = programs.map(|found| {
         let module = Arc::unwrap_or_clone(found.program);
-        SweptProgram::new(found.name, module)
+        SweptProgram::new(found.name, module, yardstick)
     });
-    let mut programs: Vec<SweptProgram> = programs.collect();
+    let mut programs = programs.collect::<Result<Vec<SweptProgram>, ExplorationError>>()?;
     if programs.is_empty() {
         // The machine can place none: the sweep says why for each design.
         let passes = format!("atomise,{}", steps::REASSOCIATED);
         let program = transformed_by(module, &passes, machine, None)?;
-        programs.push(SweptProgram::new(passes, program));
+        programs.push(SweptProgram::new(passes, program, yardstick)?);
     }
     Ok(programs)
 }

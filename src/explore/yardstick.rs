@@ -44,7 +44,7 @@ pub struct Yardstick {
 
 /// Where an output of a program stands in the exact results.
 #[derive(Clone, Copy)]
-struct OutputRow {
+struct ExactPlace {
     /// Its place; `None` for an element that the exact function leaves out
     /// since it is zero by structure.
     exact: Option<usize>,
@@ -52,7 +52,7 @@ struct OutputRow {
     array: usize,
 }
 
-impl OutputRow {
+impl ExactPlace {
     fn of(self, exact: &[Double]) -> Double {
         self.exact.map_or(Double::from(0.0), |place| exact[place])
     }
@@ -256,13 +256,13 @@ impl Yardstick {
     }
 
     /// Where the outputs of a program stand in the exact results.
-    fn rows(&self, view: View<'_>) -> Result<Vec<OutputRow>, Unmeasurable> {
+    fn rows(&self, view: View<'_>) -> Result<Vec<ExactPlace>, Unmeasurable> {
         let row = |output: Output| {
             let name = print_output(view, output);
             let (array, _, _) = view.function.output_element(output);
             let own = view.tables.symbols.text(array.name);
             let array = self.arrays.iter().position(|array| array == own);
-            Ok(OutputRow {
+            Ok(ExactPlace {
                 exact: self.outputs.get(&name).copied(),
                 array: array.ok_or(Unmeasurable::Output(name))?,
             })
@@ -291,7 +291,7 @@ struct ErrorTally {
 }
 
 impl ErrorTally {
-    fn add(&mut self, state: usize, rows: &[OutputRow], exact: &[Double], computed: &[f64]) {
+    fn add(&mut self, state: usize, rows: &[ExactPlace], exact: &[Double], computed: &[f64]) {
         let mut norms: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
         for (row, &computed) in rows.iter().zip(computed) {
             let exact = row.of(exact);

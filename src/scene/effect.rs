@@ -1,16 +1,24 @@
-//! What a scene is worth: operations with more and more of it used.
+//! What a scene is worth: operations, time, error and cost with more and more
+//! of it used.
 
 use super::{SceneFile, SceneSubject};
+use crate::explore::device;
+use crate::explore::placing::placed;
+use crate::explore::program::view;
+use crate::explore::yardstick::{ErrorSpread, Unmeasurable, Yardstick};
 use robovec_analysis::critical_path::critical_path;
+use robovec_analysis::rounding::usual_states;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::scene::{Bindings, Scene};
 use robovec_ir::count::Counts;
-use robovec_ir::{Machine, Module};
+use robovec_ir::states::States;
+use robovec_ir::{Function, Machine, Module};
 use robovec_passes::registry::REGISTRY;
+use robovec_schedule::PlaceOptions;
 use thiserror::Error;
 
 /// The function with a part of the scene used, after the usual pipeline.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct SceneEffect {
     /// What is used.
     pub what: &'static str,
@@ -19,7 +27,13 @@ pub struct SceneEffect {
     /// Sines and cosines.
     pub sin_cos: usize,
     /// The longest chain, in cycles of the machine.
-    pub cycles: u32,
+    pub path: u32,
+    /// The schedule on the machine, in cycles, and its share of the thesis'
+    /// device, estimated; `None` where the machine cannot hold it.
+    pub placed: Option<(u32, f64)>,
+    /// Errors in the machine's number format at states of the scene, over the
+    /// largest element of the array, against double-double arithmetic.
+    pub normwise: ErrorSpread,
 }
 
 /// Why nothing could be told.
@@ -31,7 +45,13 @@ pub enum EffectError {
     /// A pass gave up.
     #[error(transparent)]
     Run(#[from] manager::RunError),
+    /// A program could not be measured.
+    #[error(transparent)]
+    Measure(#[from] Unmeasurable),
 }
+
+/// The seed of the states that errors are measured at.
+const STATE_SEED: u64 = 1;
 
 /// The usual pipeline.
 pub const USUAL: &str = "atomise,zero-removal,balance,cse,dce";
@@ -50,18 +70,20 @@ pub fn effects(file: &SceneFile, machine: &Machine) -> Result<Vec<SceneEffect>, 
         bound: Bindings::default(),
         ..file.scene.clone()
     };
-    let general = effect("the general function", file.general()?, None, machine)?;
+    let states = file.scene.states(STATE_SEED);
+    let effect = |what, module, scene| effect(what, module, scene, (machine, &states));
+    let general = effect("the general function", file.general()?, None)?;
     let mut effects = vec![general];
     if matches!(file.subject, SceneSubject::Model(_)) && !file.scene.joints.is_empty() {
-        let held = effect("with joints held", file.module()?, None, machine)?;
+        let held = effect("with joints held", file.module()?, None)?;
         effects.push(held);
     }
     if !file.scene.outputs.is_empty() {
         let needed = "needed outputs only";
-        effects.push(effect(needed, file.module()?, Some(&sliced), machine)?);
+        effects.push(effect(needed, file.module()?, Some(&sliced))?);
     }
     let bound = "numbers of inputs";
-    effects.push(effect(bound, file.module()?, Some(&file.scene), machine)?);
+    effects.push(effect(bound, file.module()?, Some(&file.scene))?);
     Ok(effects)
 }
 
@@ -69,12 +91,13 @@ fn effect(
     what: &'static str,
     mut module: Module,
     scene: Option<&Scene>,
-    machine: &Machine,
+    (machine, states): (&Machine, &States),
 ) -> Result<SceneEffect, EffectError> {
     let pipeline = if scene.is_some() { PIPELINE } else { USUAL };
     let pipeline = REGISTRY
         .pipeline(pipeline)
         .expect("the usual pipeline is well formed");
+    let general = alone(&module);
     let mut log = std::io::sink();
     let config = Config {
         scene,
@@ -85,15 +108,43 @@ fn effect(
         what,
         operations: 0,
         sin_cos: 0,
-        cycles: 0,
+        path: 0,
+        placed: Some((0, 0.0)),
+        normwise: ErrorSpread::default(),
     };
-    for function in &module.functions {
-        let counts = Counts::of(function);
+    for (general, function) in general.iter().zip(alone(&module)) {
+        let counts = Counts::of(&function.functions[0]);
         effect.operations += counts.operations;
         effect.sin_cos += counts.sin_cos;
-        effect.cycles = effect
-            .cycles
-            .max(critical_path(function, machine).asap_cycle);
+        let path = critical_path(&function.functions[0], machine).asap_cycle;
+        effect.path = effect.path.max(path);
+        let all = effect.placed.zip(on_machine(&function, machine));
+        // One machine runs all functions, one after the other.
+        effect.placed = all.map(|(all, one)| (all.0 + one.0, all.1.max(one.1)));
+        let count = usual_states(Counts::of(&general.functions[0]).operations);
+        let yardstick = Yardstick::new(view(general), states, count);
+        let errors = yardstick.errors(view(&function), machine.number)?.normwise;
+        if errors.worst >= effect.normwise.worst {
+            effect.normwise = errors;
+        }
     }
     Ok(effect)
+}
+
+/// Every function of a module in one of its own.
+fn alone(module: &Module) -> Vec<Module> {
+    let functions = module.functions.iter();
+    let one = |function: &Function| Module {
+        tables: module.tables.clone(),
+        functions: vec![function.clone()],
+    };
+    functions.map(one).collect()
+}
+
+/// The schedule of a function, in cycles, and the share of the device.
+fn on_machine(module: &Module, machine: &Machine) -> Option<(u32, f64)> {
+    let placed = placed(module, machine, PlaceOptions::default()).ok()?;
+    let cycles = placed.summary.cycles;
+    let taken = device::taken(machine, machine.number, cycles, placed.most_words(machine));
+    Some((cycles, taken.share()))
 }

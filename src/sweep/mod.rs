@@ -19,7 +19,8 @@ use crate::explore::device::{self, DeviceShare};
 use crate::explore::pareto::{self, EqualPoints};
 use crate::explore::placing::verified;
 use crate::explore::processor;
-use crate::explore::program::{ExplorationError, transformed_by};
+use crate::explore::program::{ExplorationError, transformed_by, view};
+use crate::explore::yardstick::{ErrorSpread, Yardstick};
 use design::{DesignSpace, MachineDesign};
 use rayon::prelude::*;
 use robovec_analysis::critical_path::critical_path;
@@ -42,6 +43,11 @@ pub struct SweptProgram {
     pub operations: usize,
     /// Its longest chain on the thesis' machine, cycles.
     pub path: u32,
+    /// Errors in the number format of the designs, relative to each element,
+    /// at random states against double-double arithmetic.
+    pub relative: ErrorSpread,
+    /// The same errors over the largest element of the array.
+    pub normwise: ErrorSpread,
     /// One function at the level atomic.
     #[serde(skip)]
     pub module: Module,
@@ -114,15 +120,28 @@ pub enum SweepError {
 }
 
 impl SweptProgram {
-    /// A program, one function at the level atomic.
-    pub fn new(name: String, module: Module) -> SweptProgram {
+    /// A program, one function at the level atomic, with its errors against
+    /// the function it was made from.
+    ///
+    /// # Errors
+    ///
+    /// When it reads or computes something that the yardstick's function does
+    /// not.
+    pub fn new(
+        name: String,
+        module: Module,
+        yardstick: &Yardstick,
+    ) -> Result<SweptProgram, ExplorationError> {
         let function = &module.functions[0];
-        SweptProgram {
+        let errors = yardstick.errors(view(&module), thesis().number)?;
+        Ok(SweptProgram {
             name,
             operations: Counts::of(function).operations,
             path: critical_path(function, &thesis()).asap_cycle,
+            relative: errors.relative,
+            normwise: errors.normwise,
             module,
-        }
+        })
     }
 }
 
@@ -294,6 +313,7 @@ impl FunctionSweep {
 mod tests {
     use super::*;
     use robovec_ir::parse;
+    use robovec_ir::states::States;
 
     /// Products of pairs, and their sum.
     fn programs() -> Vec<SweptProgram> {
@@ -308,10 +328,11 @@ mod tests {
         text += "  c = %s7\n}\n";
         let printed = parse::parse_module("f.rvir", &text).expect("well formed");
         let short = transformed_by(&printed, "balance", &thesis(), None).expect("sums");
-        vec![
-            SweptProgram::new("printed".to_owned(), printed),
-            SweptProgram::new("short".to_owned(), short),
-        ]
+        let yardstick = Yardstick::new(view(&printed), &States::new(1), 8);
+        let program = |name: &str, module: Module| {
+            SweptProgram::new(name.to_owned(), module, &yardstick).expect("the same function")
+        };
+        vec![program("printed", printed.clone()), program("short", short)]
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A sweep as aligned text, as a table for programs, and as a figure.
 
 use super::{FunctionSweep, SweepPoint};
-use crate::present::number::or_dash;
+use crate::present::number::{exponential, or_dash};
 use crate::present::{
     AxisScale, Curve, DataCell, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, text_table,
 };
@@ -34,10 +34,12 @@ pub fn text(sweep: &FunctionSweep) -> String {
 }
 
 /// Heads of the table of programs.
-const PROGRAMS: &str = ">program | >operations | >longest chain | made by";
+const PROGRAMS: &str =
+    ">program | >operations | >longest chain | >median error | >worst error | made by";
 
 /// The programs: number, operations, longest chain on the thesis' machine,
-/// and what made them.
+/// the median of the relative errors, the worst error over the largest element
+/// of its array, and what made them.
 fn programs(sweep: &FunctionSweep) -> Vec<Vec<String>> {
     let programs = sweep.programs.iter().enumerate();
     let rows = programs.map(|(index, program)| {
@@ -45,6 +47,8 @@ fn programs(sweep: &FunctionSweep) -> Vec<Vec<String>> {
             (index + 1).to_string(),
             program.operations.to_string(),
             program.path.to_string(),
+            exponential(program.relative.median),
+            exponential(program.normwise.worst),
             program.name.clone(),
         ]
     });
@@ -146,6 +150,8 @@ pub fn points_table(sweeps: &[FunctionSweep]) -> DataTable {
                 sweep
                     .cpu_us
                     .map_or(DataCell::Empty, |time| DataCell::number(time, 4)),
+                DataCell::text(exponential(sweep.programs[point.program].relative.median)),
+                DataCell::text(exponential(sweep.programs[point.program].normwise.worst)),
                 DataCell::text(if point.on_front { "yes" } else { "" }),
             ]
         })
@@ -156,10 +162,12 @@ pub fn points_table(sweeps: &[FunctionSweep]) -> DataTable {
         "Every design. The share is the largest of those of look-up tables, memory \
                   blocks and multiplier blocks of the thesis' device, by formulas; nothing is \
                   synthesised. The clock is that of the tables of operators, cut to what the \
-                  memories follow.",
+                  memories follow. Errors are those of the program in binary32 at random states \
+                  against double-double arithmetic.",
         "function | adders | multipliers | adder stages | multiplier stages | clock (MHz) | \
          memory | buffer words | instances | interconnect | program | cycles | lower bound | \
-         latency (us) | us per evaluation | ALUT | M10K | DSP | share | CPU (us) | on front",
+         latency (us) | us per evaluation | ALUT | M10K | DSP | share | CPU (us) | median error | \
+         worst normwise error | on front",
         rows,
     )
 }
