@@ -16,7 +16,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [input, folder] = arguments.as_slice() else {
         return Err("a file and a folder".into());
     };
-    let read = sources::equations(Path::new(input), None).map_err(|found| found.render_plain())?;
+    let read =
+        sources::equations(Path::new(input), None, None).map_err(|found| found.render_plain())?;
     let mut module = read.module;
     let machine = Machine::built_in("thesis").ok_or("it ships")?;
     let pipeline = REGISTRY.pipeline("$cpu")?;

@@ -9,6 +9,7 @@ pub mod evaluate_command;
 pub mod explore;
 pub mod files;
 pub mod fit;
+pub mod fpcore;
 pub mod front;
 pub mod generate;
 pub mod hexadecimal;

@@ -5,11 +5,13 @@
 //! returned; telling it is left to the caller.
 
 use crate::files::limited::{self, FileLimit};
+use crate::fpcore;
 use crate::model::mbs::{ReadModel, read_mbs};
 use crate::robotran::{self, Language};
 use robovec_ir::diagnostic::{Diagnostic, Label, Report, did_you_mean};
 use robovec_ir::machine::{self, MachineError};
-use robovec_ir::{Machine, Module, parse};
+use robovec_ir::states::Ranges;
+use robovec_ir::{Format, Machine, Module, parse};
 use std::path::Path;
 
 /// A language that equations are written in.
@@ -17,6 +19,8 @@ use std::path::Path;
 pub enum EquationLanguage {
     /// robovec's own text.
     Rvir,
+    /// FPCore, which tools for rounding errors exchange.
+    Fpcore,
     /// One that Robotran writes.
     Robotran(Language),
 }
@@ -28,6 +32,10 @@ pub struct ReadEquations {
     pub module: Module,
     /// Name of the file, without its folder.
     pub name: String,
+    /// The ranges that the file gives its inputs.
+    pub ranges: Ranges,
+    /// The format that the file computes in, where it names one.
+    pub format: Option<Format>,
     /// What the reader remarked.
     pub warnings: Report,
 }
@@ -43,24 +51,46 @@ pub fn display_name(path: &Path) -> String {
 }
 
 /// Reads equations; without a language, in the one that name and text show.
+/// Of a file of FPCore the function of a name is read, of others all are.
 ///
 /// # Errors
 ///
 /// Says why the file is not read, or where its text is wrong.
-pub fn equations(path: &Path, language: Option<EquationLanguage>) -> Result<ReadEquations, Report> {
+pub fn equations(
+    path: &Path,
+    language: Option<EquationLanguage>,
+    function: Option<&str>,
+) -> Result<ReadEquations, Report> {
     let bytes = limited::read(path, &limited::EQUATIONS)?;
     let name = display_name(path);
     let looks_own = || name.ends_with(".rvir") || bytes.starts_with(b"// robovec ");
+    let looks_core = || name.ends_with(".fpcore") || bytes.starts_with(b"(FPCore");
     let language = match language {
         Some(EquationLanguage::Robotran(language)) => Some(language),
         Some(EquationLanguage::Rvir) => return own_text(name, bytes),
+        Some(EquationLanguage::Fpcore) => return core(name, bytes, function),
         None if looks_own() => return own_text(name, bytes),
+        None if looks_core() => return core(name, bytes, function),
         None => None,
     };
     let read = robotran::read(&name, &bytes, language).map_err(|error| error.report)?;
     Ok(ReadEquations {
         module: read.module,
         name,
+        ranges: Ranges::default(),
+        format: None,
+        warnings: read.warnings,
+    })
+}
+
+fn core(name: String, bytes: Vec<u8>, function: Option<&str>) -> Result<ReadEquations, Report> {
+    let text = utf8(&name, bytes).map_err(|message| Report::error(message, Vec::new()))?;
+    let read = fpcore::read(&name, &text, function)?;
+    Ok(ReadEquations {
+        module: read.module,
+        name,
+        ranges: read.ranges,
+        format: read.format,
         warnings: read.warnings,
     })
 }
@@ -74,6 +104,8 @@ fn own_text(name: String, bytes: Vec<u8>) -> Result<ReadEquations, Report> {
         Ok(module) => Ok(ReadEquations {
             module,
             name,
+            ranges: Ranges::default(),
+            format: None,
             warnings: Report::new(),
         }),
         Err(diagnostics) => Err(Report::of(&name, text, diagnostics)),

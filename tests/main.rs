@@ -24,6 +24,7 @@ mod determinism;
 mod docs;
 mod drop_in;
 mod exact_outputs;
+mod fpcore;
 mod front;
 mod generate_cli;
 mod library;

@@ -21,7 +21,7 @@ use std::process::ExitCode;
 
 type Body = fn(&[u8]);
 
-const BODIES: [(&str, Body); 19] = [
+const BODIES: [(&str, Body); 20] = [
     ("check_catches_mutants", robovec_fuzz::check_catches_mutants),
     ("errors_are_predicted", robovec_fuzz::errors_are_predicted),
     (
@@ -45,6 +45,7 @@ const BODIES: [(&str, Body); 19] = [
         robovec_fuzz::precision::precision_keeps_programs,
     ),
     ("random_pipeline", robovec_fuzz::pipelines::random_pipeline),
+    ("read_fpcore", robovec_fuzz::read_fpcore),
     ("read_model", robovec_fuzz::read_model),
     ("read_robotran", robovec_fuzz::read_robotran),
     ("results_stay_in_class", robovec_fuzz::results_stay_in_class),

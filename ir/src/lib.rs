@@ -15,6 +15,7 @@ pub mod history;
 mod index_type;
 pub mod machine;
 pub mod module;
+pub mod parenthesised;
 pub mod parse;
 pub mod placement;
 pub mod plan;

@@ -191,6 +191,8 @@ pub(crate) enum InputLanguage {
     Python,
     /// robovec's own text
     Rvir,
+    /// FPCore, of FPBench
+    Fpcore,
 }
 
 /// How a table is printed.

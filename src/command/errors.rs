@@ -1,15 +1,16 @@
 //! `robovec errors`: how large errors are, can be, and where they come from.
 
+use super::CommandFailure;
 use super::arguments::InputLanguage;
 use super::flags::{SEED, states, whole};
-use super::{CommandFailure, input};
+use super::input::{self, InputModule};
 use crate::errors::{self, ErrorMethod, ErrorSettings, ErrorTable};
 use clap::Args;
 use robovec_framework::manager::{self, Config};
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
-use robovec_ir::{Format, Function, Module, View};
+use robovec_ir::{Format, Function, View};
 use std::io;
 use std::path::PathBuf;
 
@@ -31,9 +32,10 @@ pub(super) struct ErrorsArguments {
     /// Machine compiled for: a name or a .toml file
     #[arg(long, default_value = "thesis")]
     machine: String,
-    /// Number format of the run: f32, f16, float(8,17), fixed(12,19) …
-    #[arg(long, default_value = "f32")]
-    format: String,
+    /// Number format of the run: f32, f16, float(8,17), fixed(12,19) …; by
+    /// default that of an FPCore, else f32
+    #[arg(long)]
+    format: Option<String>,
     /// Output arrays or elements: c, or M[1,2],c[3]; by default all, of large
     /// functions only scalars and vectors
     #[arg(long, value_name = "LIST")]
@@ -87,17 +89,17 @@ const WORK: usize = 1 << 31;
 
 /// Runs the command: the text for the standard output.
 pub(super) fn run(arguments: &ErrorsArguments) -> Result<String, CommandFailure> {
-    let format: Format = arguments.format.parse().map_err(|error| {
-        CommandFailure::plain(format!("--format {}: {error}", clip(&arguments.format)))
-    })?;
-    let states = match &arguments.scene {
-        Some(path) => {
-            let file = input::scene(path)?;
-            file.scene.states(arguments.seed)
-        }
+    let scene = match &arguments.scene {
+        Some(path) => Some(input::scene(path)?.scene),
+        None => None,
+    };
+    let input = read(arguments)?;
+    let format = format(arguments, &input)?;
+    let states = match input.scene(scene) {
+        Some(scene) => scene.states(arguments.seed),
         None => States::new(arguments.seed),
     };
-    let module = read(arguments)?;
+    let module = input.module;
     let mut tables = Vec::new();
     for function in &module.functions {
         if !asked(arguments, function) {
@@ -157,22 +159,27 @@ fn asked(arguments: &ErrorsArguments, function: &Function) -> bool {
     })
 }
 
+/// The format of the run.
+fn format(arguments: &ErrorsArguments, input: &InputModule) -> Result<Format, CommandFailure> {
+    let Some(text) = &arguments.format else {
+        return Ok(input.format.unwrap_or(Format::BINARY32));
+    };
+    text.parse()
+        .map_err(|error| CommandFailure::plain(format!("--format {}: {error}", clip(text))))
+}
+
 /// Reads the file and runs the pipeline.
-fn read(arguments: &ErrorsArguments) -> Result<Module, CommandFailure> {
+fn read(arguments: &ErrorsArguments) -> Result<InputModule, CommandFailure> {
     let function = arguments.function.as_deref();
-    let read = input::equations_or_model(&arguments.file, arguments.language, function)?;
-    let mut module = read.module;
+    let mut read = input::equations_or_model(&arguments.file, arguments.language, function)?;
+    let module = &mut read.module;
     if let Some(passes) = &arguments.passes {
         let pipeline = input::passes(passes)?;
         let machine = input::machine(&arguments.machine)?;
-        manager::run(
-            &mut module,
-            &pipeline,
-            Config::new(&machine, &mut io::sink()),
-        )
-        .map_err(|error| CommandFailure::plain(error.to_string()))?;
+        manager::run(module, &pipeline, Config::new(&machine, &mut io::sink()))
+            .map_err(|error| CommandFailure::plain(error.to_string()))?;
     }
-    Ok(module)
+    Ok(read)
 }
 
 /// The assignments that a list of arrays and elements means.

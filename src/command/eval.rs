@@ -134,7 +134,11 @@ fn generated(arguments: &EvalArguments, model: &Model) -> Result<Module, Command
 
 /// The functions of a file of equations.
 fn read(arguments: &EvalArguments) -> Result<Module, CommandFailure> {
-    let input = input::equations(&arguments.file, arguments.language)?;
+    let input = input::equations_of(
+        &arguments.file,
+        arguments.language,
+        arguments.function.first().map(String::as_str),
+    )?;
     let mut module = input.module;
     let asked = &arguments.function;
     if let Some(name) = asked.iter().find(|name| module.function(name).is_none()) {

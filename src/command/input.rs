@@ -13,8 +13,10 @@ use crate::robotran::Language;
 use crate::scene::SceneFile;
 use crate::sources::{self, EquationLanguage, display_name};
 use robovec_framework::pipeline::Pipeline;
+use robovec_framework::scene::Scene;
 use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
-use robovec_ir::{Function, Machine, Module, Operation};
+use robovec_ir::states::Ranges;
+use robovec_ir::{Format, Function, Machine, Module, Operation};
 use robovec_passes::registry::REGISTRY;
 use std::path::{Path, PathBuf};
 
@@ -22,6 +24,10 @@ use std::path::{Path, PathBuf};
 pub(crate) struct InputModule {
     /// The functions.
     pub(crate) module: Module,
+    /// The ranges that the file gives its inputs.
+    pub(crate) ranges: Ranges,
+    /// The format that the file computes in, where it names one.
+    pub(crate) format: Option<Format>,
     /// Name of the file.
     pub(crate) name: String,
     /// Where its text can be read again for a message.
@@ -29,6 +35,25 @@ pub(crate) struct InputModule {
 }
 
 impl InputModule {
+    /// The scene with the ranges that the file gives inputs of which it says
+    /// nothing; none where nobody says anything.
+    pub(crate) fn scene(&self, given: Option<Scene>) -> Option<Scene> {
+        let mut ranges = self.ranges.iter().peekable();
+        if ranges.peek().is_none() {
+            return given;
+        }
+        let mut scene = given.unwrap_or_else(|| Scene {
+            name: self.name.clone(),
+            ..Scene::default()
+        });
+        for (array, indices, [low, high]) in ranges {
+            if scene.ranges.get(array, indices).is_none() {
+                scene.ranges.set(array, indices, low, high);
+            }
+        }
+        Some(scene)
+    }
+
     /// The text of the file once more, for a message that points into it;
     /// keeping it from the start would double the memory of a large file.
     /// `None` when it cannot be had again.
@@ -50,7 +75,7 @@ pub(crate) fn equations_or_model(
 ) -> Result<InputModule, CommandFailure> {
     let is_model = path.extension().is_some_and(|extension| extension == "mbs");
     if !is_model || language.is_some() {
-        return equations(path, language);
+        return equations_of(path, language, function);
     }
     let kind = function.map_or(Some(FunctionKind::Dirdyna), FunctionKind::with_name);
     let kind = kind.ok_or_else(|| no_such_kind(function.unwrap_or_default()))?;
@@ -59,6 +84,8 @@ pub(crate) fn equations_or_model(
         .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
     Ok(InputModule {
         module,
+        ranges: Ranges::default(),
+        format: None,
         name: display_name(path),
         path: path.to_owned(),
     })
@@ -76,16 +103,29 @@ pub(crate) fn equations(
     path: &Path,
     language: Option<InputLanguage>,
 ) -> Result<InputModule, CommandFailure> {
+    equations_of(path, language, None)
+}
+
+/// Reads equations in any language; of a file of FPCore the function of a
+/// name.
+pub(crate) fn equations_of(
+    path: &Path,
+    language: Option<InputLanguage>,
+    function: Option<&str>,
+) -> Result<InputModule, CommandFailure> {
     let language = language.map(|language| match language {
         InputLanguage::C => EquationLanguage::Robotran(Language::C),
         InputLanguage::Matlab => EquationLanguage::Robotran(Language::Matlab),
         InputLanguage::Python => EquationLanguage::Robotran(Language::Python),
         InputLanguage::Rvir => EquationLanguage::Rvir,
+        InputLanguage::Fpcore => EquationLanguage::Fpcore,
     });
-    let read = sources::equations(path, language).map_err(CommandFailure)?;
+    let read = sources::equations(path, language, function).map_err(CommandFailure)?;
     tell(&read.warnings);
     Ok(InputModule {
         module: read.module,
+        ranges: read.ranges,
+        format: read.format,
         name: read.name,
         path: path.to_owned(),
     })

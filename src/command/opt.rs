@@ -21,7 +21,7 @@ use robovec_framework::scene::Scene;
 use robovec_framework::trail::Trail;
 use robovec_ir::count::Counts;
 use robovec_ir::diagnostic::{Diagnostic, Label, Report};
-use robovec_ir::states::States;
+use robovec_ir::states::{Ranges, States};
 use robovec_ir::{Function, Machine, Module, SourceSet, print};
 use robovec_rules::RuleSet;
 use std::ffi::OsString;
@@ -228,6 +228,8 @@ fn scene_and_input(
             .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
         let input = InputModule {
             module,
+            ranges: Ranges::default(),
+            format: None,
             name: path
                 .file_name()
                 .unwrap_or_default()
@@ -244,7 +246,7 @@ fn scene_and_input(
     let wished = scene.as_ref().and_then(|scene| scene.function.as_deref());
     let function = arguments.function.as_deref().or(wished);
     let input = input::equations_or_model(path, arguments.language, function)?;
-    Ok((scene, input))
+    Ok((input.scene(scene), input))
 }
 
 /// Where random states come from.

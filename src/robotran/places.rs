@@ -5,7 +5,7 @@ use robovec_ir::SourcePlace;
 
 /// Finds lines and columns; quick when asked in order.
 #[derive(Debug)]
-pub(super) struct LineIndex<'t> {
+pub(crate) struct LineIndex<'t> {
     text: &'t str,
     starts: Vec<u32>,
     /// The line found last, from 0.
@@ -18,7 +18,7 @@ pub(super) struct LineIndex<'t> {
 }
 
 impl<'t> LineIndex<'t> {
-    pub(super) fn new(text: &'t str, file: u32) -> LineIndex<'t> {
+    pub(crate) fn new(text: &'t str, file: u32) -> LineIndex<'t> {
         let after_breaks = text
             .bytes()
             .enumerate()
@@ -48,7 +48,7 @@ impl<'t> LineIndex<'t> {
     }
 
     /// Line and column of a byte, both from 1.
-    pub(super) fn location(&mut self, byte: u32) -> (u32, u32) {
+    pub(crate) fn location(&mut self, byte: u32) -> (u32, u32) {
         self.seek(byte);
         let start = self.starts[self.line];
         let column = if self.ascii {
@@ -67,7 +67,7 @@ impl<'t> LineIndex<'t> {
     }
 
     /// The place of a span that is not empty.
-    pub(super) fn place(&mut self, span: SourceSpan) -> SourcePlace {
+    pub(crate) fn place(&mut self, span: SourceSpan) -> SourcePlace {
         let (line, column) = self.location(span.start);
         let (end_line, after) = self.location(span.end.max(span.start + 1));
         SourcePlace {

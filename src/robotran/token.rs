@@ -9,13 +9,13 @@ use robovec_ir::{Operation, Symbol};
 
 /// A byte range of the source text; files are refused beyond 4 GiB.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct SourceSpan {
-    pub(super) start: u32,
-    pub(super) end: u32,
+pub(crate) struct SourceSpan {
+    pub(crate) start: u32,
+    pub(crate) end: u32,
 }
 
 impl SourceSpan {
-    pub(super) fn new(start: usize, end: usize) -> SourceSpan {
+    pub(crate) fn new(start: usize, end: usize) -> SourceSpan {
         // The reader refuses texts whose offsets do not fit.
         SourceSpan {
             start: start as u32,
@@ -23,7 +23,7 @@ impl SourceSpan {
         }
     }
 
-    pub(super) fn range(self) -> std::ops::Range<usize> {
+    pub(crate) fn range(self) -> std::ops::Range<usize> {
         self.start as usize..self.end as usize
     }
 }

@@ -197,7 +197,7 @@ fn subject(
     if key == "model" {
         return model_subject(&path, scene, file, span, problems);
     }
-    let read = sources::equations(&path, None)?;
+    let read = sources::equations(&path, None, scene.function.as_deref())?;
     let mut module = read.module;
     let names: Vec<String> = module.functions.iter().map(|f| f.name.clone()).collect();
     match &scene.function {

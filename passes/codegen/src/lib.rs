@@ -19,6 +19,7 @@ mod binding;
 pub mod c;
 pub mod emit;
 mod error;
+pub mod fpcore;
 pub mod hardware;
 mod hex;
 mod images;

@@ -2,12 +2,14 @@
 
 use super::batch::{self, batch_files};
 use super::c::{self, Options, Real, Signature, SignatureError, Sines, StatementOrder};
+use super::fpcore::fpcore;
 use super::images::foreign_format;
 use super::rolled::{self, RolledCircular, rolled_files};
 use super::rtl::{self, CrossbarChoice, RtlError, write_rtl};
 use super::{Artifacts, ImageError, write_images};
 use robovec_framework::pass::{Artifact, Context, Gives, Pass, PassError};
 use robovec_framework::{declare_pass, option_words};
+use robovec_ir::states::Ranges;
 use robovec_ir::{Format, Function, View};
 use robovec_num::limits::NumberLimit;
 use std::io;
@@ -25,6 +27,8 @@ option_words! {
         Rolled = "rolled",
         /// C that evaluates many states at once.
         Batch = "batch",
+        /// FPCore, for tools that bound rounding errors.
+        Fpcore = "fpcore",
     }
 }
 
@@ -93,6 +97,10 @@ declare_pass! {
     /// drivers for any number of states (`docs/c-batch.md`). With
     /// `parameters=shared` the arrays `dpt`, `l`, `m`, `In` and `g` are the same
     /// for all states, and what depends on nothing else is computed once.
+    ///
+    /// `target=fpcore` writes FPCore, which Daisy, FPTaylor, Satire and Herbie
+    /// read: one core for every output, computed in `number`, with the ranges
+    /// of the scene as precondition.
     ///
     /// The function itself stays as it is.
     pub struct Codegen("codegen") {
@@ -163,20 +171,27 @@ impl Pass for Codegen {
                 write_rtl(view, context.machine, self.crossbar, &mut folder)
                     .map_err(|error| explain_rtl(&error))?;
             }
-            CodegenTarget::C | CodegenTarget::Rolled | CodegenTarget::Batch => {
+            CodegenTarget::C
+            | CodegenTarget::Rolled
+            | CodegenTarget::Batch
+            | CodegenTarget::Fpcore => {
                 let own = match self.number {
                     Real::Double => Format::BINARY64,
                     Real::Float => Format::BINARY32,
                 };
                 if let Some((value, format)) = foreign_format(view, own) {
+                    let code = match self.target {
+                        CodegenTarget::Fpcore => "FPCore",
+                        _ => "C code",
+                    };
                     let message = format!(
-                        "'%{value}' is computed as {format}, and the C code computes in {}",
+                        "'%{value}' is computed as {format}, and the {code} computes in {}",
                         self.number.name()
                     );
                     let help = "give values their formats for a machine only";
                     return Err(PassError::new(message).help(help));
                 }
-                let files = match self.target {
+                let files: Vec<(String, String)> = match self.target {
                     CodegenTarget::Rolled => {
                         let options = rolled::Options {
                             real: self.number,
@@ -185,10 +200,20 @@ impl Pass for Codegen {
                         let rolled = rolled_files(view, options)
                             .map_err(|error| PassError::new(error.to_string()))?;
                         context.statistics.extend(rolled.summary.statistics());
-                        rolled.files
+                        rolled.files.into()
                     }
-                    CodegenTarget::Batch => batch_files(view, &self.batch_options()?),
-                    _ => c::files(view, &self.options()).map_err(refuse)?,
+                    CodegenTarget::Batch => batch_files(view, &self.batch_options()?).into(),
+                    CodegenTarget::Fpcore => {
+                        let none = Ranges::default();
+                        let ranges = context.scene.map_or(&none, |scene| &scene.ranges);
+                        let name = format!("{}.fpcore", view.function.name);
+                        let text = fpcore(view, self.number, ranges).ok_or_else(|| {
+                            PassError::new("the cores of all outputs repeat too much of each other")
+                                .help("keep the outputs that are needed: a scene and 'specialise'")
+                        })?;
+                        vec![(name, text)]
+                    }
+                    _ => c::files(view, &self.options()).map_err(refuse)?.into(),
                 };
                 context.artifacts.extend(
                     files

@@ -10,7 +10,6 @@ mod read;
 mod term;
 #[cfg(test)]
 mod tests;
-mod tree;
 mod write;
 
 use super::RuleSet;

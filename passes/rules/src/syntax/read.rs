@@ -4,10 +4,10 @@ use super::super::rule::{Condition, Requirement, Rule, RulePlaces};
 use super::super::{RuleFile, RuleSet, group_of};
 use super::Syntax;
 use super::term::{PatternProblem, RuleSides, number};
-use super::tree::{Forest, error, read};
 use hashbrown::HashSet;
 use robovec_analysis::class::NumericClass;
 use robovec_ir::diagnostic::{Diagnostic, Report, Severity, clip};
+use robovec_ir::parenthesised::{Forest, error, read};
 
 /// Most remarks on rules that were left out.
 const MAX_REMARKS: usize = 50;

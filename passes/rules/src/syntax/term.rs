@@ -1,9 +1,9 @@
 //! Trees as patterns.
 
 use super::super::pattern::{Pattern, PatternNode};
-use super::tree::{Forest, error};
 use robovec_ir::Operation;
 use robovec_ir::diagnostic::{Diagnostic, clip};
+use robovec_ir::parenthesised::{Forest, error};
 
 /// The reason why a tree is no pattern.
 pub(super) enum PatternProblem {

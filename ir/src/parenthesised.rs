@@ -1,10 +1,10 @@
-//! Reading parenthesised text into trees.
+//! Reading parenthesised text (egglog, Herbie, FPCore) into trees.
 //!
 //! Trees live in an arena and are built with a stack of our own: no nesting
 //! is too deep.
 
+use crate::diagnostic::{Diagnostic, Label};
 use logos::Logos;
-use robovec_ir::diagnostic::{Diagnostic, Label};
 use std::ops::Range;
 
 #[derive(Logos, Clone, Copy, PartialEq, Debug)]
@@ -26,33 +26,44 @@ enum TreeToken {
 
 /// A node of a tree.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) enum TreeKind {
+pub enum TreeKind {
     /// A word, a number or a text in quotes.
     Atom,
     /// The trees between parentheses.
     List(Vec<u32>),
 }
 
+/// A tree with the place it stands at.
 #[derive(Clone, Debug)]
-pub(super) struct RuleTree {
-    pub(super) kind: TreeKind,
-    pub(super) span: Range<usize>,
+pub struct TextTree {
+    /// An atom, or a list of trees.
+    pub kind: TreeKind,
+    /// Its bytes in the text.
+    pub span: Range<usize>,
 }
 
 /// The trees of a text.
-pub(super) struct Forest<'text> {
-    pub(super) text: &'text str,
-    trees: Vec<RuleTree>,
-    pub(super) roots: Vec<u32>,
+#[derive(Clone, Debug)]
+pub struct Forest<'text> {
+    /// The text.
+    pub text: &'text str,
+    trees: Vec<TextTree>,
+    /// The trees between no parentheses, in order.
+    pub roots: Vec<u32>,
 }
 
 impl<'text> Forest<'text> {
-    pub(super) fn get(&self, index: u32) -> &RuleTree {
+    /// A tree by its number.
+    ///
+    /// # Panics
+    ///
+    /// When the forest has no tree of that number.
+    pub fn get(&self, index: u32) -> &TextTree {
         &self.trees[index as usize]
     }
 
     /// The elements of a list; none of an atom.
-    pub(super) fn elements(&self, index: u32) -> &[u32] {
+    pub fn elements(&self, index: u32) -> &[u32] {
         match &self.get(index).kind {
             TreeKind::List(elements) => elements,
             TreeKind::Atom => &[],
@@ -60,13 +71,13 @@ impl<'text> Forest<'text> {
     }
 
     /// The text of an atom.
-    pub(super) fn atom(&self, index: u32) -> Option<&'text str> {
+    pub fn atom(&self, index: u32) -> Option<&'text str> {
         let tree = self.get(index);
         (tree.kind == TreeKind::Atom).then(|| &self.text[tree.span.clone()])
     }
 
     /// The word a list starts with.
-    pub(super) fn head(&self, index: u32) -> Option<&'text str> {
+    pub fn head(&self, index: u32) -> Option<&'text str> {
         self.elements(index)
             .first()
             .and_then(|&head| self.atom(head))
@@ -74,7 +85,7 @@ impl<'text> Forest<'text> {
 
     /// The comment before a tree, when it stands on the line before or on its
     /// own line.
-    pub(super) fn comment(&self, index: u32) -> Option<&'text str> {
+    pub fn comment(&self, index: u32) -> Option<&'text str> {
         let before = self.text[..self.get(index).span.start].trim_end();
         let line = before.rsplit('\n').next()?.trim();
         let comment = line.strip_prefix(';')?.trim_start_matches(';').trim();
@@ -82,14 +93,19 @@ impl<'text> Forest<'text> {
     }
 }
 
-pub(super) fn error(span: Range<usize>, message: impl Into<String>) -> Diagnostic {
+/// An error at a place of a text that is the only file of its report.
+pub fn error(span: Range<usize>, message: impl Into<String>) -> Diagnostic {
     Diagnostic::error()
         .with_message(message.into())
         .with_labels(vec![Label::primary(0, span)])
 }
 
 /// Reads all trees of a text.
-pub(super) fn read(text: &str) -> Result<Forest<'_>, Diagnostic> {
+///
+/// # Errors
+///
+/// Where a parenthesis or a quote stands alone.
+pub fn read(text: &str) -> Result<Forest<'_>, Diagnostic> {
     let mut forest = Forest {
         text,
         trees: Vec::new(),
@@ -117,12 +133,12 @@ pub(super) fn read(text: &str) -> Result<Forest<'_>, Diagnostic> {
                     diagnostic.labels.push(label);
                     return Err(diagnostic);
                 }
-                RuleTree {
+                TextTree {
                     kind: TreeKind::List(elements),
                     span: start.start..span.end,
                 }
             }
-            Ok(TreeToken::Text | TreeToken::Atom) => RuleTree {
+            Ok(TreeToken::Text | TreeToken::Atom) => TextTree {
                 kind: TreeKind::Atom,
                 span,
             },
