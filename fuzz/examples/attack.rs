@@ -21,7 +21,11 @@ use std::process::ExitCode;
 
 type Body = fn(&[u8]);
 
-const BODIES: [(&str, Body); 20] = [
+const BODIES: [(&str, Body); 21] = [
+    (
+        "bounds_hold_over_boxes",
+        robovec_fuzz::bounds_hold_over_boxes,
+    ),
     ("check_catches_mutants", robovec_fuzz::check_catches_mutants),
     ("errors_are_predicted", robovec_fuzz::errors_are_predicted),
     (

@@ -2,6 +2,7 @@
 //! tests run briefly and cargo-fuzz runs at length.
 
 pub mod adjoints;
+pub mod boxes;
 pub mod equations;
 pub mod errors;
 pub mod formats;
@@ -30,6 +31,7 @@ pub mod verdicts;
 pub mod written;
 
 pub use adjoints::errors_are_predicted;
+pub use boxes::bounds_hold_over_boxes;
 pub use errors::errors_stay_within_bounds;
 pub use formats::formats_agree;
 pub use fpcore::read_fpcore;

@@ -5,7 +5,8 @@ use super::arguments::InputLanguage;
 use super::flags::{SEED, states, whole};
 use super::input::{self, InputModule};
 use crate::errors::{self, ErrorMethod, ErrorSettings, ErrorTable};
-use clap::Args;
+use clap::{Args, ValueEnum};
+use robovec_analysis::interval::GivenData;
 use robovec_framework::manager::{self, Config};
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use robovec_ir::print::print_output;
@@ -75,12 +76,30 @@ pub(super) struct ErrorsArguments {
     #[arg(long, default_value_t = 32,
           add = whole(1, 10_000, "the function is evaluated at every state, and all values are kept"))]
     samples: u32,
+    /// Enclosures of a window at most, for the method interval: boxes into
+    /// which ranges are cut
+    #[arg(long, default_value_t = 2000,
+          add = whole(1, 1_000_000, "all operations of the window are enclosed in every box"))]
+    boxes: u32,
+    /// What inputs and literals are, for the method interval: numbers of the
+    /// format, or real numbers that are rounded first
+    #[arg(long, value_name = "WHAT", value_enum, default_value = "held")]
+    data: GivenWord,
     /// Write JSON instead of text
     #[arg(long, conflicts_with = "csv")]
     json: bool,
     /// Write CSV instead of text: one line per output
     #[arg(long)]
     csv: bool,
+}
+
+/// What inputs and literals are before the run.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+enum GivenWord {
+    /// Inputs are numbers of the format, literals of binary64
+    Held,
+    /// Inputs are real numbers, literals the decimals written
+    Real,
 }
 
 /// What differentiating all outputs may cost, in values times outputs; where
@@ -119,6 +138,11 @@ pub(super) fn run(arguments: &ErrorsArguments) -> Result<String, CommandFailure>
             most_equations: arguments.top,
             window: arguments.window as usize,
             samples: arguments.samples,
+            boxes: arguments.boxes as usize,
+            data: match arguments.data {
+                GivenWord::Held => GivenData::Held,
+                GivenWord::Real => GivenData::Real,
+            },
         };
         let table = ErrorTable::measure(view, &settings).map_err(|error| {
             let help = "leave it out: --method bound,predict".to_owned();

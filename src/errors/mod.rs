@@ -21,4 +21,6 @@ pub(crate) use view::{heat_text, heat_title};
 #[cfg(test)]
 mod examples;
 #[cfg(test)]
+mod published;
+#[cfg(test)]
 mod tests;

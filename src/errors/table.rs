@@ -2,12 +2,24 @@
 
 use super::heat::{Heat, blame_of};
 use robovec_analysis::adjoint::{AdjointRun, Tape};
-use robovec_analysis::interval::{Alarm, ConeWindow, Leaves, enclose, integer_bits};
+use robovec_analysis::interval::{
+    Alarm, ConeWindow, GivenData, Leaves, WindowLeaves, integer_bits, largest_seen, subdivide,
+};
 use robovec_analysis::stochastic::{Unsupported, stochastic_slots};
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
 use robovec_ir::{Format, View};
 use serde::Serialize;
+
+/// The most enclosures of all windows, times operations and leaves: some
+/// seconds.
+const ENCLOSED: usize = 1 << 25;
+
+/// The most states at which the error of a window is looked for.
+const STATES: usize = 4096;
+
+/// The most states of all windows, times operations and leaves.
+const RUN: usize = 1 << 23;
 
 /// A way to say something of an error.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, clap::ValueEnum)]
@@ -43,6 +55,10 @@ pub struct ErrorSettings {
     pub window: usize,
     /// States from which ranges inside a function are assumed.
     pub samples: u32,
+    /// Enclosures of a window at most.
+    pub boxes: usize,
+    /// What inputs and literals are before the run.
+    pub data: GivenData,
 }
 
 /// The errors of a function's outputs.
@@ -92,6 +108,19 @@ pub struct IntervalRow {
     pub high: f64,
     /// The most that the window's operations lose together.
     pub error: f64,
+    /// The part of the ranges, by volume, in which that has an end.
+    pub share: f64,
+    /// The most that they lose in that part.
+    pub finite: f64,
+    /// How large the bound is at the worst state looked at: with more boxes
+    /// it would come down to this at best.
+    pub at_a_state: f64,
+    /// The largest error seen at random states in the ranges.
+    pub seen: f64,
+    /// The number of these states.
+    pub states: usize,
+    /// Boxes that cover the ranges.
+    pub boxes: usize,
     /// How many operations the window has.
     pub operations: usize,
     /// What the weakest range of a leaf rests on: `given` for inputs, `drawn`
@@ -142,7 +171,7 @@ impl ErrorTable {
             let leaves = Leaves::new(view, &tape, &settings.states, settings.samples);
             for (row, &slot) in rows.iter_mut().zip(&slots) {
                 let window = ConeWindow::new(&tape, slot, settings.window);
-                row.interval = Some(interval(&tape, &window, settings.format, &leaves));
+                row.interval = Some(interval(&tape, &window, settings, &leaves));
             }
         }
         let states = settings.state..settings.state.saturating_add(settings.blamed);
@@ -175,17 +204,33 @@ fn row(view: View<'_>, run: &AdjointRun<'_>, output: usize) -> OutputRow {
     }
 }
 
-fn interval(tape: &Tape, window: &ConeWindow, format: Format, leaves: &Leaves<'_>) -> IntervalRow {
-    let enclosure = enclose(tape, window, format, leaves);
-    let range = enclosure.exact.last();
-    let range = *range.expect("a window has a node or is a single leaf");
+fn interval(
+    tape: &Tape,
+    window: &ConeWindow,
+    settings: &ErrorSettings,
+    leaves: &Leaves<'_>,
+) -> IntervalRow {
+    let format = settings.format;
+    let leaves = WindowLeaves::new(tape, window, format, settings.data, leaves);
+    let size = window.nodes.len() + leaves.ranges.len() + 1;
+    let size = size * settings.outputs.len().max(1);
+    let most = settings.boxes.min(ENCLOSED / size).max(1);
+    let found = subdivide(tape, window, &leaves, most);
+    let (seed, states) = (settings.states.seed(), STATES.min(RUN / size).max(16));
+    let (seen, states) = largest_seen(tape, window, &leaves, &found.worst, seed, states);
     IntervalRow {
-        low: range.low,
-        high: range.high,
-        error: enclosure.error,
+        low: found.range.low,
+        high: found.range.high,
+        error: found.error,
+        share: found.share,
+        finite: found.finite,
+        at_a_state: found.at_a_state,
+        seen,
+        states,
+        boxes: found.boxes,
         operations: window.nodes.len(),
-        ranges: enclosure.knowledge.text(),
-        alarm: Alarm::of(range, format).map(Alarm::text),
-        integer_bits: integer_bits(range),
+        ranges: leaves.knowledge.text(),
+        alarm: Alarm::of(found.range, format).map(Alarm::text),
+        integer_bits: integer_bits(found.range),
     }
 }

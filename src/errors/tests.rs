@@ -1,6 +1,7 @@
 //! Tables of small functions.
 
 use super::*;
+use robovec_analysis::interval::GivenData;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Module, View};
@@ -29,6 +30,8 @@ fn settings(methods: &[ErrorMethod], format: &str) -> ErrorSettings {
         most_equations: 12,
         window: 100,
         samples: 8,
+        boxes: 100,
+        data: GivenData::Held,
     }
 }
 

@@ -11,6 +11,10 @@ use std::fmt::Write;
 /// The rows of a table for a person; the others are counted.
 const MAX_ROWS: usize = 40;
 
+/// What windows establish.
+const ESTABLISHED: &str = "window loses: proved for all states in the ranges, but where they are \
+     assumed; seen: the largest error at random states in them\n";
+
 /// Characters of a full bar.
 const BAR: f64 = 24.0;
 
@@ -35,7 +39,7 @@ pub fn text(errors: &ErrorTable) -> String {
         " | >predicted",
         " | >bound",
         " | >sigma",
-        " | >least | >greatest | >window loses | >ranges",
+        " | >least | >greatest | >window loses | >seen | >boxes | >ranges",
     ];
     for (names, _) in names.iter().zip(columns).filter(|(_, has)| *has) {
         head.push_str(names);
@@ -45,6 +49,9 @@ pub fn text(errors: &ErrorTable) -> String {
         .map(|&index| row(&errors.outputs[index]))
         .collect();
     text += &text_lines(&head, &rows);
+    if columns[3] {
+        text.push_str(ESTABLISHED);
+    }
     let rest = errors.outputs.len() - shown.len();
     if rest > 0 {
         let _ = writeln!(text, "and {rest} more outputs with smaller relative errors");
@@ -78,12 +85,19 @@ fn row(output: &OutputRow) -> Vec<String> {
     let numbers = [output.predicted, output.bound, output.sigma];
     cells.extend(numbers.into_iter().flatten().map(small));
     if let Some(interval) = &output.interval {
-        let ranges = match interval.alarm {
-            Some(alarm) => format!("{}, {alarm}", interval.ranges),
-            None => interval.ranges.to_owned(),
-        };
-        let numbers = [interval.low, interval.high, interval.error];
+        let mut ranges = interval.ranges.to_owned();
+        if let Some(alarm) = interval.alarm {
+            let _ = write!(ranges, ", {alarm}");
+        }
+        let mut loses = interval.error;
+        if loses.is_infinite() && interval.share > 0.0 {
+            // An error without an end somewhere says nothing of the rest.
+            loses = interval.finite;
+            let _ = write!(ranges, ", only {} of them", percent(interval.share));
+        }
+        let numbers = [interval.low, interval.high, loses, interval.seen];
         cells.extend(numbers.map(small));
+        cells.push(interval.boxes.to_string());
         cells.push(ranges);
     }
     cells
@@ -192,7 +206,8 @@ pub fn json(tables: &[ErrorTable]) -> String {
 pub fn csv(tables: &[ErrorTable]) -> String {
     let mut text = String::from(
         "function,output,exact,computed,error,predicted,bound,sigma,\
-         low,high,window_error,window_operations,ranges,alarm\n",
+         low,high,window_error,window_operations,ranges,alarm,\
+         share,finite,at_a_state,seen,states,boxes\n",
     );
     let number = |number: Option<f64>| number.map_or(String::new(), |number| format!("{number:e}"));
     for table in tables {
@@ -217,6 +232,12 @@ pub fn csv(tables: &[ErrorTable]) -> String {
                     .and_then(|interval| interval.alarm)
                     .unwrap_or("")
                     .to_owned(),
+                number(interval.map(|interval| interval.share)),
+                number(interval.map(|interval| interval.finite)),
+                number(interval.map(|interval| interval.at_a_state)),
+                number(interval.map(|interval| interval.seen)),
+                interval.map_or(String::new(), |interval| interval.states.to_string()),
+                interval.map_or(String::new(), |interval| interval.boxes.to_string()),
             ];
             let _ = writeln!(text, "{}", cells.join(","));
         }

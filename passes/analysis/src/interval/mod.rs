@@ -18,16 +18,21 @@
 //! margin. Whatever rests on an assumed range says so ([`RangeBasis`]).
 
 mod assumed;
+mod boxes;
+mod loss;
 mod number;
+mod seen;
 #[cfg(test)]
 mod tests;
 mod window;
 
 pub use assumed::{LeafRange, Leaves, MARGIN, RangeBasis};
+pub use boxes::{SubdividedEnclosure, subdivide};
 pub use number::{Enclosing, Interval};
+pub use seen::largest_seen;
 pub use window::ConeWindow;
 
-use super::adjoint::{Tape, half_ulp};
+use super::adjoint::{Tape, TapeSlot, half_ulp};
 use robovec_ir::{Format, Operation};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::soft_float::FormatArithmetic;
@@ -48,8 +53,6 @@ pub struct WindowEnclosure {
     /// The error of the window's value at most, if the leaves that are values
     /// have none; infinite where nothing can be said.
     pub error: f64,
-    /// The basis of the weakest range of a leaf.
-    pub knowledge: RangeBasis,
 }
 
 /// An alarm that a range raises about a format.
@@ -104,43 +107,150 @@ pub fn integer_bits(range: Interval) -> Option<u32> {
     Some(((size.to_bits() >> 52) as i32 - 1022).max(0) as u32)
 }
 
-/// Encloses all values of a window and bounds its error in a format, for
-/// operands of that format.
+/// What inputs and literals are before the run.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum GivenData {
+    /// Inputs are numbers of the format, and literals those of binary64.
+    #[default]
+    Held,
+    /// Inputs are real numbers, which the format rounds, and literals the
+    /// decimals that they print as.
+    Real,
+}
+
+/// The leaves of a window before and after they are rounded.
+#[derive(Clone, PartialEq, Debug)]
+pub struct WindowLeaves {
+    format: Format,
+    data: GivenData,
+    /// The range of every leaf; that of a literal is one number.
+    pub ranges: Vec<Interval>,
+    kinds: Vec<WindowLeafKind>,
+    /// The basis of the weakest range.
+    pub knowledge: RangeBasis,
+}
+
+/// What a leaf is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum WindowLeafKind {
+    Input,
+    Literal,
+    Inner,
+}
+
+impl WindowLeaves {
+    /// The leaves of a window with the ranges that are known of them.
+    pub fn new(
+        tape: &Tape,
+        window: &ConeWindow,
+        format: Format,
+        data: GivenData,
+        leaves: &Leaves<'_>,
+    ) -> WindowLeaves {
+        let known = window.leaves.iter().map(|&slot| leaves.of(slot));
+        let kinds = window.leaves.iter().map(|&slot| match tape.slot(slot) {
+            TapeSlot::Input(_) => WindowLeafKind::Input,
+            TapeSlot::Constant(_) | TapeSlot::Nothing => WindowLeafKind::Literal,
+            TapeSlot::Value(_) => WindowLeafKind::Inner,
+        });
+        let weakest = known.clone().map(|leaf| leaf.knowledge).max();
+        WindowLeaves {
+            format,
+            data,
+            ranges: known.map(|leaf| leaf.range).collect(),
+            kinds: kinds.collect(),
+            knowledge: weakest.unwrap_or(RangeBasis::Given),
+        }
+    }
+
+    fn is_input(&self, leaf: usize) -> bool {
+        self.kinds[leaf] == WindowLeafKind::Input
+    }
+
+    fn is_literal(&self, leaf: usize) -> bool {
+        self.kinds[leaf] == WindowLeafKind::Literal
+    }
+
+    /// What a leaf that lies in a range is exactly, what it is as the format
+    /// holds it, and the most that it loses on the way.
+    fn given(&self, leaf: usize, range: Interval) -> (Interval, Interval, f64) {
+        let arithmetic = || FormatArithmetic::new(self.format);
+        match (self.kinds[leaf], self.data) {
+            (WindowLeafKind::Inner, _) | (WindowLeafKind::Input, GivenData::Held) => {
+                (range, range, 0.0)
+            }
+            (WindowLeafKind::Input, GivenData::Real) => {
+                let lost = half_ulp(self.format, range.low).max(half_ulp(self.format, range.high));
+                match lost.is_finite() {
+                    true => (range, range.widened(lost), lost),
+                    false => (range, Interval::WHOLE, lost),
+                }
+            }
+            // A literal is rounded once and for all.
+            (WindowLeafKind::Literal, data) => {
+                let held = Interval::point(arithmetic().convert(range.low));
+                let exact = match data {
+                    GivenData::Real if !is_decimal(range.low) => {
+                        range.widened(half_ulp(Format::BINARY64, range.low))
+                    }
+                    GivenData::Held | GivenData::Real => range,
+                };
+                (exact, held, (held - exact).magnitude())
+            }
+        }
+    }
+}
+
+/// True when the shortest decimal that reads as a number is that number:
+/// neither it nor any other number of as few digits was rounded.
+fn is_decimal(number: f64) -> bool {
+    if number == 0.0 {
+        return true;
+    }
+    let bits = number.to_bits();
+    let (exponent, fraction) = ((bits >> 52) as i32 & 0x7ff, bits & ((1 << 52) - 1));
+    let (mantissa, exponent) = match exponent {
+        0 => (fraction, -1074),
+        biased => (fraction | 1 << 52, biased - 1075),
+    };
+    // The number is an odd one times this power of two: a decimal with as
+    // many digits behind the point as the power is below one.
+    let power = exponent + mantissa.trailing_zeros() as i32;
+    let digits = number.abs().to_string();
+    let behind = digits.split_once('.').map_or(0, |(_, behind)| behind.len());
+    if power >= 0 {
+        return number.abs() < (1u64 << 53) as f64;
+    }
+    usize::try_from(-power).is_ok_and(|power| power <= behind)
+}
+
+/// Encloses all values of a window and bounds its error in the format of its
+/// leaves, which lie in the ranges given.
 pub fn enclose(
     tape: &Tape,
     window: &ConeWindow,
-    format: Format,
-    leaves: &Leaves<'_>,
+    leaves: &WindowLeaves,
+    ranges: &[Interval],
 ) -> WindowEnclosure {
-    let arithmetic = FormatArithmetic::new(format);
-    let count = window.leaves.len() + window.nodes.len();
+    let count = ranges.len() + window.nodes.len();
     let mut enclosure = WindowEnclosure {
         exact: Vec::with_capacity(count),
         computed: Vec::with_capacity(count),
         local: Vec::with_capacity(count),
         error: 0.0,
-        knowledge: RangeBasis::Given,
     };
-    for &slot in &window.leaves {
-        let LeafRange { range, knowledge } = leaves.of(slot);
-        enclosure.knowledge = enclosure.knowledge.max(knowledge);
-        // A literal is rounded once and for all; other leaves are what the
-        // format holds.
-        let literal = slot >= tape.nodes() + tape.inputs();
-        let computed = match literal {
-            true => Interval::point(arithmetic.convert(range.low)),
-            false => range,
-        };
-        enclosure.exact.push(range);
+    for (leaf, &range) in ranges.iter().enumerate() {
+        let (exact, computed, local) = leaves.given(leaf, range);
+        enclosure.exact.push(exact);
         enclosure.computed.push(computed);
-        let lost = (computed - range).magnitude();
-        enclosure.local.push(if literal { lost } else { 0.0 });
+        enclosure.local.push(local);
     }
     for (&node, places) in window.nodes.iter().zip(&window.operands) {
         let operation = tape.operation(node);
         let exact = operate(operation, places, &enclosure.exact);
         let before = operate(operation, places, &enclosure.computed);
-        let (computed, local) = rounded(operation, before, format);
+        let operands = places.map(|place| enclosure.computed[place]);
+        let (computed, local) = loss::rounded(operation, operands, before, leaves.format);
         enclosure.exact.push(exact);
         enclosure.computed.push(computed);
         enclosure.local.push(local);
@@ -159,26 +269,6 @@ fn operate(operation: Operation, places: &[usize; 3], values: &[Interval]) -> In
         return values[places[0]].square();
     }
     Enclosing.apply(operation, places.map(|place| values[place]))
-}
-
-/// The range after rounding, and the largest distance it moves a number.
-fn rounded(operation: Operation, range: Interval, format: Format) -> (Interval, f64) {
-    let ends = half_ulp(format, range.low).max(half_ulp(format, range.high));
-    if ends.is_infinite() {
-        return (Interval::WHOLE, f64::INFINITY);
-    }
-    let fixed_sum =
-        matches!(format, Format::Fixed(_)) && matches!(operation, Operation::Add | Operation::Sub);
-    let moves = matches!(operation, Operation::Copy | Operation::Neg);
-    if moves || fixed_sum {
-        return (range, 0.0);
-    }
-    let host = match operation.is_trigonometric() {
-        // The host's function is that of binary64, within four places.
-        true => 4.0 * f64::EPSILON * range.magnitude(),
-        false => 0.0,
-    };
-    (range.widened(ends + host), ends + host)
 }
 
 /// The error of a window's value: adjoints of all nodes and literals as

@@ -69,8 +69,9 @@ fn errors_and_values_stay_inside_for_every_state_and_format() {
         for output in 0..tape.outputs() {
             let slot = tape.output_slot(output);
             let window = ConeWindow::new(&tape, slot, USUAL);
-            let enclosure = enclose(&tape, &window, format, &leaves);
-            assert_eq!(enclosure.knowledge, RangeBasis::Given);
+            let leaves = WindowLeaves::new(&tape, &window, format, GivenData::Held, &leaves);
+            assert_eq!(leaves.knowledge, RangeBasis::Given);
+            let enclosure = enclose(&tape, &window, &leaves, &leaves.ranges);
             assert!(enclosure.error.is_finite(), "{text} {output}");
             let arithmetic = FormatArithmetic::new(format);
             for state in 0..300 {
@@ -121,7 +122,6 @@ fn secants_times_differences_of_operands_are_those_of_results() {
                 computed: after,
                 local: Vec::new(),
                 error: 0.0,
-                knowledge: RangeBasis::Given,
             };
             let secants = secant(operation, [0, 1, 2], &enclosure, 3);
             let parts = secants.into_iter().zip(step).take(operation.arity());
@@ -141,8 +141,8 @@ fn sines_of_the_host_may_be_off_by_more_than_a_rounding() {
         high: 0.75,
     };
     let format: Format = "f64".parse().expect("it is one");
-    let (range, error) = rounded(Operation::Sin, sine, format);
-    let (_, rounding) = rounded(Operation::Mul, sine, format);
+    let (range, error) = loss::rounded(Operation::Sin, [sine; 3], sine, format);
+    let (_, rounding) = loss::rounded(Operation::Mul, [sine; 3], sine, format);
     assert!(error >= rounding + 4.0 * f64::EPSILON * 0.75);
     assert!(range.low <= sine.low - error && range.high >= sine.high + error);
 }
@@ -159,7 +159,8 @@ fn assumed_ranges_are_said_to_be() {
     let root = tape.output_slot(1);
     let knowledge = |most| {
         let window = ConeWindow::new(&tape, root, most);
-        enclose(&tape, &window, Format::BINARY32, &leaves).knowledge
+        let format = Format::BINARY32;
+        WindowLeaves::new(&tape, &window, format, GivenData::Held, &leaves).knowledge
     };
     assert_eq!(knowledge(2), RangeBasis::Assumed);
     assert_eq!(knowledge(USUAL), RangeBasis::Drawn);

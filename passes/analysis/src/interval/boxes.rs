@@ -1,0 +1,227 @@
+//! Bounds over boxes: branch and bound on the ranges of a window's leaves.
+//!
+//! One enclosure bounds every operation by itself, at the ranges where it
+//! loses most. No state is at all of these places at once, and intervals
+//! forget that one leaf stands behind two operands. In small boxes neither
+//! matters: the bound of a box tends to the sum over operations of adjoint
+//! times loss at one state. So the box with the largest bound is cut in two
+//! until the bound is near what it is at a state, or the work is spent. The
+//! bound holds at every moment, since the boxes left cover the ranges.
+
+use super::{ConeWindow, Interval, WindowEnclosure, WindowLeaves, enclose};
+use crate::adjoint::Tape;
+use std::cmp::{Ordering, Reverse};
+use std::collections::BinaryHeap;
+
+/// Leaves that are tried for a cut.
+const TRIED: usize = 8;
+
+/// How near, relatively, the bound comes to that at a state.
+const NEAR: f64 = 1.0 / 128.0;
+
+/// What was established over boxes.
+#[derive(Clone, PartialEq, Debug)]
+pub struct SubdividedEnclosure {
+    /// The range of the exact value.
+    pub range: Interval,
+    /// The error at most, over all boxes.
+    pub error: f64,
+    /// The part of the ranges, by volume, in which the error has an end.
+    pub share: f64,
+    /// The error at most in that part.
+    pub finite: f64,
+    /// How large the bound is at the worst state that was looked at: cutting
+    /// on would not lower it further.
+    pub at_a_state: f64,
+    /// Boxes that cover the ranges.
+    pub boxes: usize,
+    /// Enclosures that were computed.
+    pub enclosures: usize,
+    /// The box with the largest bound.
+    pub worst: Vec<Interval>,
+}
+
+/// A box, with what holds in it.
+struct LeafBox {
+    ranges: Vec<Interval>,
+    range: Interval,
+    error: f64,
+    /// How often it was cut: its volume is so many halves of the whole.
+    cuts: u32,
+    /// Its number.
+    index: usize,
+}
+
+/// The largest error first, then the box made first.
+impl Ord for LeafBox {
+    fn cmp(&self, other: &LeafBox) -> Ordering {
+        let errors = self.error.total_cmp(&other.error);
+        // Of boxes of which nothing is known the largest.
+        let key = |leaf_box: &LeafBox| (Reverse(leaf_box.cuts), Reverse(leaf_box.index));
+        errors.then_with(|| key(self).cmp(&key(other)))
+    }
+}
+
+impl PartialOrd for LeafBox {
+    fn partial_cmp(&self, other: &LeafBox) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for LeafBox {
+    fn eq(&self, other: &LeafBox) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for LeafBox {}
+
+struct BoxSearch<'a> {
+    tape: &'a Tape,
+    window: &'a ConeWindow,
+    leaves: &'a WindowLeaves,
+    /// Enclosures that may still be computed.
+    left: usize,
+    made: usize,
+}
+
+/// Bounds the error of a window over boxes, with at most so many enclosures.
+pub fn subdivide(
+    tape: &Tape,
+    window: &ConeWindow,
+    leaves: &WindowLeaves,
+    most: usize,
+) -> SubdividedEnclosure {
+    let most = most.max(1);
+    let mut search = BoxSearch {
+        tape,
+        window,
+        leaves,
+        left: most,
+        made: 0,
+    };
+    let whole = search.leaf_box(leaves.ranges.clone(), 0);
+    let mut open = BinaryHeap::from([whole]);
+    let (mut done, mut at_a_state) = (Vec::new(), 0.0f64);
+    while let Some(worst) = open.pop() {
+        at_a_state = at_a_state.max(search.middle(&worst.ranges));
+        let near = worst.error <= at_a_state * (1.0 + NEAR);
+        if near || search.left == 0 {
+            open.push(worst);
+            break;
+        }
+        match search.cut(&worst) {
+            Some(halves) => open.extend(halves),
+            None => done.push(worst),
+        }
+    }
+    done.extend(open);
+    done.sort_by(|a, b| b.cmp(a));
+    summary(done, at_a_state, most - search.left)
+}
+
+/// What holds over boxes, the worst of which is the first.
+fn summary(boxes: Vec<LeafBox>, at_a_state: f64, enclosures: usize) -> SubdividedEnclosure {
+    let ranges = boxes.iter().map(|leaf_box| leaf_box.range);
+    let range = ranges.reduce(Interval::hull);
+    let finite = || boxes.iter().filter(|leaf_box| leaf_box.error.is_finite());
+    // The smallest first, so that none is lost beside large ones.
+    let mut cuts: Vec<u32> = finite().map(|leaf_box| leaf_box.cuts).collect();
+    cuts.sort_unstable_by_key(|&cuts| Reverse(cuts));
+    let share = cuts.iter().map(|&cuts| 0.5f64.powi(cuts as i32)).sum();
+    SubdividedEnclosure {
+        range: range.unwrap_or(Interval::WHOLE),
+        error: boxes.first().map_or(f64::INFINITY, |worst| worst.error),
+        share,
+        finite: finite().map(|leaf_box| leaf_box.error).fold(0.0, f64::max),
+        at_a_state,
+        boxes: boxes.len(),
+        enclosures,
+        worst: boxes
+            .into_iter()
+            .next()
+            .map_or(Vec::new(), |worst| worst.ranges),
+    }
+}
+
+impl BoxSearch<'_> {
+    fn enclose(&mut self, ranges: &[Interval]) -> WindowEnclosure {
+        self.left = self.left.saturating_sub(1);
+        enclose(self.tape, self.window, self.leaves, ranges)
+    }
+
+    fn leaf_box(&mut self, ranges: Vec<Interval>, cuts: u32) -> LeafBox {
+        let enclosure = self.enclose(&ranges);
+        self.made += 1;
+        LeafBox {
+            range: enclosure.exact.last().copied().unwrap_or(Interval::WHOLE),
+            error: enclosure.error,
+            ranges,
+            cuts,
+            index: self.made,
+        }
+    }
+
+    /// The bound at the middle of a box; zero where it has no end, since that
+    /// is no reason to stop.
+    fn middle(&mut self, ranges: &[Interval]) -> f64 {
+        let points = ranges.iter().map(|&range| Interval::point(middle(range)));
+        let points: Vec<Interval> = points.collect();
+        let error = self.enclose(&points).error;
+        if error.is_finite() { error } else { 0.0 }
+    }
+
+    /// The halves of a box, cut where the worse of them is the best; `None`
+    /// when no number lies between the ends of its ranges.
+    fn cut(&mut self, worst: &LeafBox) -> Option<[LeafBox; 2]> {
+        let mut best: Option<[LeafBox; 2]> = None;
+        for leaf in self.candidates(&worst.ranges) {
+            let range = worst.ranges[leaf];
+            let middle = middle(range);
+            let [lower, upper] = [(range.low, middle), (middle, range.high)].map(|(low, high)| {
+                let mut ranges = worst.ranges.clone();
+                ranges[leaf] = Interval::new(low, high);
+                self.leaf_box(ranges, worst.cuts + 1)
+            });
+            let key = |[one, other]: &[LeafBox; 2]| {
+                let larger = one.error.max(other.error);
+                (larger, one.error + other.error)
+            };
+            let halves = [lower, upper];
+            let better = best.as_ref().is_none_or(|best| {
+                let ((new, sum), (old, least)) = (key(&halves), key(best));
+                new.total_cmp(&old).then(sum.total_cmp(&least)).is_lt()
+            });
+            if better {
+                best = Some(halves);
+            }
+            if self.left == 0 {
+                break;
+            }
+        }
+        best
+    }
+
+    /// The leaves that a box can be cut in, the widest relative to its range
+    /// first, of those with equal widths the first one.
+    fn candidates(&self, ranges: &[Interval]) -> Vec<usize> {
+        let width = |leaf: usize| {
+            let (part, whole) = (ranges[leaf], self.leaves.ranges[leaf]);
+            (part.high - part.low) / (whole.high - whole.low)
+        };
+        let can = |&leaf: &usize| {
+            let range = ranges[leaf];
+            let middle = middle(range);
+            range.low < middle && middle < range.high
+        };
+        let mut leaves: Vec<usize> = (0..ranges.len()).filter(can).collect();
+        leaves.sort_by(|&a, &b| width(b).total_cmp(&width(a)));
+        leaves.truncate(TRIED);
+        leaves
+    }
+}
+
+/// A number between the ends of a range; NaN for one without ends.
+fn middle(range: Interval) -> f64 {
+    0.5 * range.low + 0.5 * range.high
+}

@@ -1,0 +1,77 @@
+//! Errors that were seen: a window run at states of its ranges.
+//!
+//! A bound tells how large errors can be, not how large they are. What is
+//! found here is the other end: no bound can be lower.
+
+use super::{ConeWindow, GivenData, Interval, WindowLeaves};
+use crate::adjoint::{Tape, half_ulp};
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::double_double::{Double, DoubleDouble};
+use robovec_num::field::mix;
+use robovec_num::soft_float::FormatArithmetic;
+
+/// The largest error at random states, every other one inside a box (the one
+/// with the largest bound), and the number of states that gave one: those
+/// that overflow do not.
+pub fn largest_seen(
+    tape: &Tape,
+    window: &ConeWindow,
+    leaves: &WindowLeaves,
+    inside: &[Interval],
+    seed: u64,
+    states: usize,
+) -> (f64, usize) {
+    let arithmetic = FormatArithmetic::new(leaves.format);
+    let mut random = seed;
+    let mut largest = 0.0f64;
+    let mut counted = 0;
+    for state in 0..states {
+        let ranges = match state % 2 {
+            0 => leaves.ranges.as_slice(),
+            _ => inside,
+        };
+        let (mut exact, mut computed) = (Vec::new(), Vec::new());
+        for (leaf, range) in ranges.iter().enumerate() {
+            let [one, other] = [(); 2].map(|()| {
+                random = mix(random.wrapping_add(1));
+                // The upper 53 bits fill a binary64 mantissa.
+                (random >> 11) as f64 / (1u64 << 53) as f64
+            });
+            let number = range.low + (range.high - range.low) * one;
+            let real = leaves.data == GivenData::Real && leaves.is_input(leaf);
+            let held = arithmetic.convert(number);
+            exact.push(match (leaves.is_literal(leaf), real) {
+                (true, _) => Double::from(number),
+                (false, true) => between(number, *range, other, leaves),
+                (false, false) if range.contains(held) => Double::from(held),
+                // Numbers of the format may lie outside of a narrow range.
+                (false, false) => Double::from(f64::NAN),
+            });
+            computed.push(held);
+        }
+        for (&node, places) in window.nodes.iter().zip(&window.operands) {
+            let operation = tape.operation(node);
+            exact.push(DoubleDouble.apply(operation, places.map(|place| exact[place])));
+            computed.push(arithmetic.apply(operation, places.map(|place| computed[place])));
+        }
+        if let (Some(&exact), Some(&computed)) = (exact.last(), computed.last()) {
+            let error = (Double::from(computed) - exact).high.abs();
+            if error.is_finite() {
+                largest = largest.max(error);
+                counted += 1;
+            }
+        }
+    }
+    (largest, counted)
+}
+
+/// A real number that binary64 rounds to this one, inside the range.
+fn between(number: f64, range: Interval, place: f64, leaves: &WindowLeaves) -> Double {
+    let inner = range.low < number && number < range.high;
+    let half = half_ulp(robovec_ir::Format::BINARY64, number);
+    if !inner || leaves.format != robovec_ir::Format::BINARY64 {
+        return Double::from(number);
+    }
+    // Less than half a unit, so that it is not rounded to a neighbour.
+    Double::from(number) + Double::from(half * (1.9 * place - 0.95) * 0.5)
+}
