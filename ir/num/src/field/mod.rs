@@ -23,16 +23,18 @@
 //! - `sqrt` is drawn likewise and has no law but that the roots of squares of
 //!   short literals are right (`sqrt(2.25) = 1.5`), and those of the numbers
 //!   the prime was drawn for and of their squares: `sqrt(x)*sqrt(x)` is not
-//!   `x` here, so the field may reject a true identity of square roots.
+//!   `x` here. In [`RootField`] it is.
 //!
 //! A field knows neither which numbers are positive nor where a function is
 //! not defined; numbers decide what depends on that.
 
 mod circle;
 mod prime;
+mod root;
 
 pub use circle::{Angular, CircleField};
 pub use prime::{MAX_RADICANDS, Modulus, Prime, is_prime};
+pub use root::{Gaussian, RootField};
 
 use crate::arithmetic::Arithmetic;
 

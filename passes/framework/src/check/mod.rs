@@ -8,7 +8,8 @@
 //!     differ agree at a random point with probability at most `degree / p`,
 //!     unless their difference vanishes modulo the prime. Sine and cosine are
 //!     points of the circle, on which angles add up, for *real-trig* and
-//!     independent elements otherwise;
+//!     independent elements otherwise; for *real* the square of a root is what
+//!     stands under it;
 //!   - in double-double within a bound of its error that follows from the
 //!     operations, at states near and far, whole and not, positive and
 //!     negative, and near the constants of both versions. This image decides
@@ -58,7 +59,7 @@ use robovec_analysis::class::NumericClass;
 use robovec_ir::states::States;
 use robovec_ir::{Output, View};
 use robovec_num::ball::Balls;
-use robovec_num::field::{CircleField, Field, FieldPoint, PrimeField};
+use robovec_num::field::{CircleField, Field, FieldPoint, PrimeField, RootField};
 use robovec_num::format::Format;
 pub use states::{StatePlace, StateScale};
 use std::array;
@@ -231,6 +232,10 @@ fn judge(
             judge_promise(pairs, states, promise, verdict);
         }
         NumericClass::RealTrig => judge_equality::<CircleField>(pairs, states, verdict),
+        // The laws of roots cost twice the time.
+        NumericClass::Real if pairs.both_take_roots() => {
+            judge_equality::<RootField>(pairs, states, verdict);
+        }
         NumericClass::Real | NumericClass::Exact => {
             judge_equality::<PrimeField>(pairs, states, verdict);
         }

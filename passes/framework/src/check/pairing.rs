@@ -240,6 +240,15 @@ impl<'a> Pairs<'a> {
         constants.fold(mix(seed), |seed, size| mix(seed ^ size.to_bits()))
     }
 
+    /// True when both versions take roots.
+    pub(super) fn both_take_roots(&self) -> bool {
+        let roots = |view: View<'_>| {
+            let mut nodes = view.function.nodes().iter();
+            nodes.any(|node| node.operation == Operation::Sqrt)
+        };
+        roots(self.before) && roots(self.after)
+    }
+
     /// Two primes, modulo which the first constants under roots have roots.
     pub(super) fn primes(&self, seed: u64) -> [Prime; 2] {
         let functions = [self.before.function, self.after.function];
