@@ -32,6 +32,8 @@ macro_rules! folders {
 
 folders! {
     accurate "accurate"
+    accurate_roots "accurate-roots"
+    accurate_trig "accurate-trig"
     asap_alap "asap-alap"
     atomise "atomise"
     balance "balance"

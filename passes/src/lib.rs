@@ -9,6 +9,7 @@ pub mod accurate;
 pub mod asap_alap;
 pub mod atomise;
 pub mod balance;
+pub mod cancellation;
 mod choice;
 pub mod composite;
 pub mod cse;

@@ -2,9 +2,9 @@
 //! are listed.
 
 use crate::{
-    accurate, asap_alap, atomise, balance, composite, cse, dce, eqsat, factor, fma, fold, inline,
-    interleave, lookahead, mixed, optimise, recurrence, specialise, swap, trigonometry,
-    zero_removal,
+    accurate, asap_alap, atomise, balance, cancellation, composite, cse, dce, eqsat, factor, fma,
+    fold, inline, interleave, lookahead, mixed, optimise, recurrence, specialise, swap,
+    trigonometry, zero_removal,
 };
 use robovec_codegen::Codegen;
 use robovec_framework::pass::{PassInfo, Preset, Registry};
@@ -33,6 +33,8 @@ const PASSES: &[PassInfo] = &[
     dce::Dce::INFO,
     fma::Fma::INFO,
     accurate::Accurate::INFO,
+    cancellation::AccurateRoots::INFO,
+    cancellation::AccurateTrig::INFO,
     inline::Inline::INFO,
     lookahead::Lookahead::INFO,
     recurrence::Recurrence::INFO,

@@ -8,6 +8,7 @@ use crate::errors::{self, ErrorMethod, ErrorSettings, ErrorTable};
 use clap::{Args, ValueEnum};
 use robovec_analysis::interval::GivenData;
 use robovec_framework::manager::{self, Config};
+use robovec_framework::scene::Scene;
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
@@ -112,9 +113,9 @@ pub(super) fn run(arguments: &ErrorsArguments) -> Result<String, CommandFailure>
         Some(path) => Some(input::scene(path)?.scene),
         None => None,
     };
-    let input = read(arguments)?;
+    let (input, scene) = read(arguments, scene)?;
     let format = format(arguments, &input)?;
-    let states = match input.scene(scene) {
+    let states = match scene {
         Some(scene) => scene.states(arguments.seed),
         None => States::new(arguments.seed),
     };
@@ -192,18 +193,27 @@ fn format(arguments: &ErrorsArguments, input: &InputModule) -> Result<Format, Co
         .map_err(|error| CommandFailure::plain(format!("--format {}: {error}", clip(text))))
 }
 
-/// Reads the file and runs the pipeline.
-fn read(arguments: &ErrorsArguments) -> Result<InputModule, CommandFailure> {
+/// Reads the file and runs the pipeline for a scene, to which the file may add
+/// ranges.
+fn read(
+    arguments: &ErrorsArguments,
+    scene: Option<Scene>,
+) -> Result<(InputModule, Option<Scene>), CommandFailure> {
     let function = arguments.function.as_deref();
     let mut read = input::equations_or_model(&arguments.file, arguments.language, function)?;
-    let module = &mut read.module;
+    let scene = read.scene(scene);
     if let Some(passes) = &arguments.passes {
         let pipeline = input::passes(passes)?;
         let machine = input::machine(&arguments.machine)?;
-        manager::run(module, &pipeline, Config::new(&machine, &mut io::sink()))
+        let mut sink = io::sink();
+        let config = Config {
+            scene: scene.as_ref(),
+            ..Config::new(&machine, &mut sink)
+        };
+        manager::run(&mut read.module, &pipeline, config)
             .map_err(|error| CommandFailure::plain(error.to_string()))?;
     }
-    Ok(read)
+    Ok((read, scene))
 }
 
 /// The assignments that a list of arrays and elements means.

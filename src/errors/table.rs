@@ -8,7 +8,7 @@ use robovec_analysis::interval::{
 use robovec_analysis::stochastic::{Unsupported, stochastic_slots};
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
-use robovec_ir::{Format, View};
+use robovec_ir::{Format, Operation, View};
 use serde::Serialize;
 
 /// The most enclosures of all windows, times operations and leaves: some
@@ -72,6 +72,10 @@ pub struct ErrorTable {
     pub seed: u64,
     /// The number of the state.
     pub state: u32,
+    /// The largest error of a divisor or of a number under a root in this
+    /// run, relative to its exact value: bounds are of first order, and what
+    /// they leave out grows with this.
+    pub weakest_divisor: f64,
     /// One row per output asked for.
     pub outputs: Vec<OutputRow>,
     /// Where the errors come from.
@@ -91,7 +95,8 @@ pub struct OutputRow {
     pub error: f64,
     /// The error that was predicted from what every operation lost.
     pub predicted: Option<f64>,
-    /// No error of a run like this one is larger.
+    /// The error when every operation loses as much as it can, to first
+    /// order about this run.
     pub bound: Option<f64>,
     /// The standard deviation under random rounding.
     pub sigma: Option<f64>,
@@ -184,10 +189,29 @@ impl ErrorTable {
             format: format.to_string(),
             seed: settings.states.seed(),
             state: settings.state,
+            weakest_divisor: weakest_divisor(&run),
             outputs: rows,
             heat: Heat::new(view, &tape, format, &blame, about, settings.most_equations),
         })
     }
+}
+
+/// The largest relative error of what is divided by, or stands under a root.
+fn weakest_divisor(run: &AdjointRun<'_>) -> f64 {
+    let tape = run.tape();
+    let divisors = (0..tape.nodes()).filter_map(|node| {
+        let place = match tape.operation(node) {
+            Operation::Div => 1,
+            Operation::Sqrt => 0,
+            _ => return None,
+        };
+        let slot = tape.operands(node)[place];
+        let (error, exact) = (run.computed()[slot] - run.exact()[slot], run.exact()[slot]);
+        let relative = (error / exact).abs();
+        // A zero that is exact has no error.
+        Some(if error == 0.0 { 0.0 } else { relative })
+    });
+    divisors.fold(0.0, f64::max)
 }
 
 fn row(view: View<'_>, run: &AdjointRun<'_>, output: usize) -> OutputRow {

@@ -11,6 +11,22 @@ use std::fmt::Write;
 /// The rows of a table for a person; the others are counted.
 const MAX_ROWS: usize = 40;
 
+/// The relative error of a divisor from which on bounds of first order say
+/// little: what they leave out is that part of them and more.
+const WEAK: f64 = 0.01;
+
+/// What the bounds of a run are worth.
+fn first_order(weakest_divisor: f64) -> String {
+    if weakest_divisor <= WEAK {
+        return "bound: at this state, to first order\n".to_owned();
+    }
+    format!(
+        "bound: not to be relied on, a divisor or root is off by {} of itself at this state, and \
+         bounds are of first order\n",
+        percent(weakest_divisor.min(1.0))
+    )
+}
+
 /// What windows establish.
 const ESTABLISHED: &str = "window loses: proved for all states in the ranges, but where they are \
      assumed; seen: the largest error at random states in them\n";
@@ -49,6 +65,9 @@ pub fn text(errors: &ErrorTable) -> String {
         .map(|&index| row(&errors.outputs[index]))
         .collect();
     text += &text_lines(&head, &rows);
+    if columns[1] {
+        text += &first_order(errors.weakest_divisor);
+    }
     if columns[3] {
         text.push_str(ESTABLISHED);
     }

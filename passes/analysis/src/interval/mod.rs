@@ -163,6 +163,18 @@ impl WindowLeaves {
         }
     }
 
+    /// Leaves of which only these ranges are known, whatever they are.
+    pub fn anything(window: &ConeWindow, format: Format, ranges: Vec<Interval>) -> WindowLeaves {
+        debug_assert_eq!(window.leaves.len(), ranges.len(), "a range for every leaf");
+        WindowLeaves {
+            format,
+            data: GivenData::Held,
+            kinds: vec![WindowLeafKind::Inner; ranges.len()],
+            ranges,
+            knowledge: RangeBasis::Given,
+        }
+    }
+
     fn is_input(&self, leaf: usize) -> bool {
         self.kinds[leaf] == WindowLeafKind::Input
     }
