@@ -17,9 +17,9 @@
 //               become zero.
 //   CUTS        bit i: a register at cut i. With A = ($clog2(MANTISSA+4)+1)/2
 //               levels of alignment and N = ($clog2(MANTISSA+5)+1)/2 digits
-//               of normalisation the cuts are: 0 exponents compared,
-//               1 operands ordered, 2.. behind each of the A levels, then
-//               1 in the middle of the sum, 1 behind it, 2N in the
+//               of normalisation the cuts are: 0 operands, 1 exponents
+//               compared, 2 operands ordered, 3.. behind each of the A levels,
+//               then 1 in the middle of the sum, 1 behind it, 2N in the
 //               normalisation, 3 in the rounding, the last at the result.
 //   EXTRA       registers behind the result.
 // Ports
@@ -53,16 +53,30 @@ module fp_add #(
     localparam COUNT = $clog2(SUM);
     localparam DIGITS = (COUNT + 1) / 2;
 
-    localparam CUT_ALIGN = 2;
+    localparam CUT_ALIGN = 3;
     localparam CUT_SUM = CUT_ALIGN + LEVELS;
     localparam CUT_NORMALISE = CUT_SUM + 2;
     localparam CUT_PACK = CUT_NORMALISE + 2 * DIGITS;
 
+    // Operands.
+    wire         left_enters;
+    wire         right_enters;
+    wire [E-1:0] left_exponent;
+    wire [E-1:0] right_exponent;
+    wire [M-1:0] left_fraction;
+    wire [M-1:0] right_fraction;
+    pipeline_cut #(
+        .WIDTH(2 * (E + M + 1)),
+        .REGISTERED(CUTS[0])
+    ) operands_cut (
+        .clock(clock),
+        .enable(enable),
+        .from({left, right[E+M] ^ subtract, right[E+M-1:0]}),
+        .to({left_enters, left_exponent, left_fraction,
+             right_enters, right_exponent, right_fraction})
+    );
+
     // Comparison.
-    wire [E-1:0] left_exponent = left[E+M-1:M];
-    wire [E-1:0] right_exponent = right[E+M-1:M];
-    wire [M-1:0] left_fraction = left[M-1:0];
-    wire [M-1:0] right_fraction = right[M-1:0];
     wire [E:0] forward = {1'b0, left_exponent} - {1'b0, right_exponent};
     wire [E:0] backward = {1'b0, right_exponent} - {1'b0, left_exponent};
 
@@ -83,11 +97,11 @@ module fp_add #(
     wire         right_behind;
     pipeline_cut #(
         .WIDTH(2 * (E + M + 1) + 2 * (E + 1) + 7),
-        .REGISTERED(CUTS[0])
+        .REGISTERED(CUTS[1])
     ) compared_cut (
         .clock(clock),
         .enable(enable),
-        .from({left[E+M], right[E+M] ^ subtract, left_exponent, right_exponent, left_fraction,
+        .from({left_enters, right_enters, left_exponent, right_exponent, left_fraction,
                right_fraction, forward, backward, left_fraction < right_fraction,
                ~|left_exponent, ~|right_exponent, &left_exponent, &right_exponent,
                |left_fraction, |right_fraction}),
@@ -138,7 +152,7 @@ module fp_add #(
     wire [FLAGS-1:0]  flags_1;
     pipeline_cut #(
         .WIDTH(2 * (M + 1) + AMOUNT + E + FLAGS),
-        .REGISTERED(CUTS[1])
+        .REGISTERED(CUTS[2])
     ) ordered_cut (
         .clock(clock),
         .enable(enable),

@@ -9,13 +9,22 @@
 //
 // Registers directly at the multiplier's inputs and outputs can be taken into
 // a DSP block; there are two cuts on each side, for a register in the block
-// and one on the way to it.
+// and one on the way to it. Significands that are wider than a block are cut
+// into pieces; the products of the pieces are added up behind the first cut
+// of the product, beside the amount of the shift.
+//
+// Operands come late in a clock, out of a block memory, so nothing stands
+// before the first cut and a single look-up table before the second: which
+// fours of an exponent's bits have a one, which the multiplier must know. What
+// makes an operand special is found beside the multiplier, what the exponent
+// says of the result beside the shift.
 //
 // Parameters
 //   EXPONENT, MANTISSA   the format: a word is sign, exponent, mantissa.
 //   SUBNORMALS  1: kept; 0: such operands count as zero, and a result below
 //               the least normal number before it is rounded becomes zero.
-//   CUTS        bit i: a register at cut i: 0, 1 significands, 2, 3 product;
+//   BLOCK       bits of the widest factor of a multiplier block.
+//   CUTS        bit i: a register at cut i: 0, 1 operands, 2, 3 product;
 //               then one behind each of the ($clog2(2*MANTISSA+4)+1)/2 levels
 //               of the shift, or only one without subnormal numbers; then 1
 //               behind the choice of the leading bit, and 3 in the rounding,
@@ -30,6 +39,7 @@ module fp_mul #(
     parameter EXPONENT = 8,
     parameter MANTISSA = 23,
     parameter SUBNORMALS = 1,
+    parameter BLOCK = 27,
     parameter [63:0] CUTS = 0,
     parameter EXTRA = 0
 ) (
@@ -53,60 +63,117 @@ module fp_mul #(
     // What decides the rounding: a significand, the bit above it that may be
     // zero, and the guard bit.
     localparam WINDOW = M + 3;
+    // Pieces of a significand, and bits of a piece; of the products of the
+    // pieces, or of the one product.
+    localparam PIECES = (M + BLOCK) / BLOCK;
+    localparam PIECE = (M + PIECES) / PIECES;
+    localparam PARTIAL = PIECES == 1 ? PRODUCT : PIECES * PIECES * 2 * PIECE;
 
     localparam CUT_SHIFT = 4;
     localparam CUT_LEADING = CUT_SHIFT + LEVELS;
     localparam CUT_PACK = CUT_LEADING + 1;
 
     // Operands.
-    wire [E-1:0] left_exponent = left[E+M-1:M];
-    wire [E-1:0] right_exponent = right[E+M-1:M];
-    wire left_least = ~|left_exponent;
-    wire right_least = ~|right_exponent;
-    wire left_behind = |left[M-1:0];
-    wire right_behind = |right[M-1:0];
-    wire left_most = &left_exponent;
-    wire right_most = &right_exponent;
-    wire left_zero = left_least & (SUBNORMALS == 0 | ~left_behind);
-    wire right_zero = right_least & (SUBNORMALS == 0 | ~right_behind);
-    wire nan = (left_most & left_behind) | (right_most & right_behind)
-        | (left_most & right_zero) | (right_most & left_zero);
-
-    localparam FLAGS = 4;
-    localparam OPERANDS = 2 * (M + 1) + 2 * E + FLAGS;
-    wire [OPERANDS-1:0] operands_0;
-    wire [M:0]          left_1;
-    wire [M:0]          right_1;
-    wire [E-1:0]        left_exponent_1;
-    wire [E-1:0]        right_exponent_1;
-    wire [FLAGS-1:0]    flags_1;
+    localparam FOURS = (E + 3) / 4;
+    localparam WORDS = 2 * (E + M + 1);
+    localparam OPERANDS = WORDS + 2 * FOURS;
+    wire [E+M:0]        left_0;
+    wire [E+M:0]        right_0;
+    wire                left_sign;
+    wire                right_sign;
+    wire [FOURS-1:0]    left_fours;
+    wire [FOURS-1:0]    right_fours;
+    wire [FOURS-1:0]    left_set;
+    wire [FOURS-1:0]    right_set;
+    wire [E-1:0]        left_exponent;
+    wire [E-1:0]        right_exponent;
+    wire [M-1:0]        left_fraction;
+    wire [M-1:0]        right_fraction;
     pipeline_cut #(
-        .WIDTH(OPERANDS),
+        .WIDTH(WORDS),
         .REGISTERED(CUTS[0])
     ) operands_cut (
         .clock(clock),
         .enable(enable),
-        .from({~left_least, left[M-1:0], ~right_least, right[M-1:0],
-               left_exponent[E-1:1], left_exponent[0] | left_least,
-               right_exponent[E-1:1], right_exponent[0] | right_least,
-               left[E+M] ^ right[E+M], nan, left_most | right_most, left_zero | right_zero}),
-        .to(operands_0)
+        .from({left, right}),
+        .to({left_0, right_0})
     );
+    genvar four;
+    generate
+        for (four = 0; four < FOURS; four = four + 1) begin : exponents
+            localparam LOW = M + 4 * four;
+            localparam HIGH = LOW + 3 < M + E ? LOW + 3 : M + E - 1;
+            assign left_fours[four] = |left_0[HIGH:LOW];
+            assign right_fours[four] = |right_0[HIGH:LOW];
+        end
+    endgenerate
     pipeline_cut #(
         .WIDTH(OPERANDS),
         .REGISTERED(CUTS[1])
     ) factors_cut (
         .clock(clock),
         .enable(enable),
-        .from(operands_0),
-        .to({left_1, right_1, left_exponent_1, right_exponent_1, flags_1})
+        .from({left_fours, left_0, right_fours, right_0}),
+        .to({left_set, left_sign, left_exponent, left_fraction,
+             right_set, right_sign, right_exponent, right_fraction})
     );
 
-    // Product, its exponent (of the second highest bit), and zeros at the top
-    // of the one operand that may be subnormal.
-    wire [PRODUCT-1:0] product = left_1 * right_1;
-    wire [WIDE-1:0] exponent = {{(WIDE - E) {1'b0}}, left_exponent_1}
-        + {{(WIDE - E) {1'b0}}, right_exponent_1} - BIAS;
+    // Special operands.
+    localparam FLAGS = 4;
+    wire left_least = ~|left_set;
+    wire right_least = ~|right_set;
+    wire left_behind = |left_fraction;
+    wire right_behind = |right_fraction;
+    wire left_most = &left_exponent;
+    wire right_most = &right_exponent;
+    wire left_zero = left_least & (SUBNORMALS == 0 | ~left_behind);
+    wire right_zero = right_least & (SUBNORMALS == 0 | ~right_behind);
+    wire nan = (left_most & left_behind) | (right_most & right_behind)
+        | (left_most & right_zero) | (right_most & left_zero);
+    wire [FLAGS-1:0] flags_1 = {left_sign ^ right_sign, nan, left_most | right_most,
+                                left_zero | right_zero};
+
+    // Products of pieces, which lie one behind the other.
+    wire [M:0] left_1 = {~left_least, left_fraction};
+    wire [M:0] right_1 = {~right_least, right_fraction};
+    wire [PARTIAL-1:0] partial;
+    wire [PARTIAL-1:0] partial_2;
+    wire [PRODUCT-1:0] product_2;
+    genvar i, j;
+    generate
+        if (PIECES == 1) begin : whole
+            assign partial = left_1 * right_1;
+            assign product_2 = partial_2;
+        end else begin : pieces
+            wire [PIECES*PIECE+M:0] left_padded = {{(PIECES * PIECE) {1'b0}}, left_1};
+            wire [PIECES*PIECE+M:0] right_padded = {{(PIECES * PIECE) {1'b0}}, right_1};
+            for (i = 0; i < PIECES; i = i + 1) begin : row
+                for (j = 0; j < PIECES; j = j + 1) begin : place
+                    localparam AT = (i * PIECES + j) * 2 * PIECE;
+                    wire [PIECE-1:0] one = left_padded[i*PIECE+:PIECE];
+                    wire [PIECE-1:0] other = right_padded[j*PIECE+:PIECE];
+                    assign partial[AT+:2*PIECE] = one * other;
+                end
+            end
+            // Their sum.
+            reg [PRODUCT+2*PIECE-1:0] sum;
+            integer at;
+            always @* begin
+                sum = {(PRODUCT + 2 * PIECE) {1'b0}};
+                for (at = 0; at < PIECES * PIECES; at = at + 1)
+                    sum = sum + ({{PRODUCT{1'b0}}, partial_2[at*2*PIECE+:2*PIECE]}
+                        << (PIECE * (at / PIECES + at % PIECES)));
+            end
+            wire unused = &{1'b0, sum[PRODUCT+2*PIECE-1:PRODUCT]};
+            assign product_2 = sum[PRODUCT-1:0];
+        end
+    endgenerate
+
+    // The product's exponent (of the second highest bit), and zeros at the top
+    // of the one operand that may be subnormal, whose exponent counts as 1.
+    wire [WIDE-1:0] exponent = {{(WIDE - E) {1'b0}}, left_exponent[E-1:1],
+                                left_exponent[0] | left_least}
+        + {{(WIDE - E) {1'b0}}, right_exponent[E-1:1], right_exponent[0] | right_least} - BIAS;
     wire [COUNT-1:0] zeros;
     generate
         if (SUBNORMALS != 0) begin : counted
@@ -132,18 +199,17 @@ module fp_mul #(
         end
     endgenerate
 
-    wire [PRODUCT-1:0] product_2;
     wire [WIDE-1:0]    exponent_2;
     wire [COUNT-1:0]   zeros_2;
     wire [FLAGS-1:0]   flags_2;
     pipeline_cut #(
-        .WIDTH(PRODUCT + WIDE + COUNT + FLAGS),
+        .WIDTH(PARTIAL + WIDE + COUNT + FLAGS),
         .REGISTERED(CUTS[2])
     ) product_cut (
         .clock(clock),
         .enable(enable),
-        .from({product, exponent, zeros, flags_1}),
-        .to({product_2, exponent_2, zeros_2, flags_2})
+        .from({partial, exponent, zeros, flags_1}),
+        .to({partial_2, exponent_2, zeros_2, flags_2})
     );
 
     // The shift to the left that takes the zeros away, or as much of it as
@@ -183,9 +249,23 @@ module fp_mul #(
         .to({product_3, base_3, amount_3, flags_3})
     );
 
+    // What the base says of the result, with the leading bit the second
+    // highest, and with it the highest, where the exponent is one more.
+    localparam SIDE = 2 * E + 4 + FLAGS;
+    wire [E-1:0]    one = {{(E - 1) {1'b0}}, 1'b1};
+    wire [SIDE-1:0] side_3 = {base_3[E-1:0] + one, base_3[E-1:0],
+                              base_3[WIDE-1] | ~|base_3, base_3[WIDE-1],
+                              ~base_3[WIDE-1] & base_3 >= ONES,
+                              ~base_3[WIDE-1] & base_3 >= ONES - 1, flags_3};
+
     wire [WINDOW-1:0] window;
     wire              sticky;
-    wire [WIDE-1:0]   base_4;
+    wire [E-1:0]      raised_4;
+    wire [E-1:0]      kept_4;
+    wire              least_4;
+    wire              negative_4;
+    wire              above_4;
+    wire              above_raised_4;
     wire [FLAGS-1:0]  flags_4;
     generate
         if (SUBNORMALS != 0) begin : shift
@@ -195,17 +275,18 @@ module fp_mul #(
             fp_shift_right #(
                 .WIDTH(PRODUCT + 1),
                 .AMOUNT(AMOUNT),
-                .PAYLOAD(WIDE + FLAGS),
+                .PAYLOAD(SIDE),
                 .CUTS(CUTS >> CUT_SHIFT & (64'd1 << LEVELS) - 64'd1)
             ) shifter (
                 .clock(clock),
                 .enable(enable),
                 .value({product_3, 1'b0}),
                 .amount(amount_3),
-                .payload({base_3, flags_3}),
+                .payload(side_3),
                 .shifted(shifted),
                 .sticky(dropped),
-                .companion({base_4, flags_4})
+                .companion({raised_4, kept_4, least_4, negative_4, above_4, above_raised_4,
+                            flags_4})
             );
             assign window = shifted[WINDOW-1:0];
             assign sticky = dropped;
@@ -214,13 +295,14 @@ module fp_mul #(
             // The lowest M - 1 bits, of which there may be none.
             wire [M-1:0] rest = product_3[M-1:0] & {M{1'b1}} >> 1;
             pipeline_cut #(
-                .WIDTH(WINDOW + 1 + WIDE + FLAGS),
+                .WIDTH(WINDOW + 1 + SIDE),
                 .REGISTERED(CUTS[CUT_SHIFT])
             ) sticky_cut (
                 .clock(clock),
                 .enable(enable),
-                .from({product_3[PRODUCT-1:M-1], |rest, base_3, flags_3}),
-                .to({window, sticky, base_4, flags_4})
+                .from({product_3[PRODUCT-1:M-1], |rest, side_3}),
+                .to({window, sticky, raised_4, kept_4, least_4, negative_4, above_4,
+                     above_raised_4, flags_4})
             );
         end
     endgenerate
@@ -228,12 +310,12 @@ module fp_mul #(
     // The leading bit is the highest or the second highest; with a base of
     // zero nothing may move any more.
     wire top = window[WINDOW-1];
-    wire stays = top | (SUBNORMALS != 0 & ~|base_4);
+    wire stays = top | (SUBNORMALS != 0 & least_4);
     wire [M-1:0] fraction = stays ? window[M+1:2] : window[M:1];
     wire guard = stays ? window[1] : window[0];
-    wire below = base_4[WIDE-1] | (~top & ~|base_4);
-    wire above = ~base_4[WIDE-1] & (base_4 >= ONES | (top & base_4 == ONES - 1));
-    wire [E-1:0] final_exponent = base_4[E-1:0] + {{(E - 1) {1'b0}}, top};
+    wire below = negative_4 | (~top & least_4);
+    wire above = above_4 | (top & above_raised_4);
+    wire [E-1:0] final_exponent = top ? raised_4 : kept_4;
     wire zero = flags_4[0] | (SUBNORMALS == 0 & below);
 
     wire [E-1:0] exponent_5;

@@ -2,8 +2,12 @@
 // shows them to the crossbar in later cycles.
 //
 // It is read without a clock, so that a result written in one cycle can be on
-// the crossbar in the next; the logic cells' own memory (MLAB) does that. One
-// copy per read port, all written alike.
+// the crossbar in the next; the logic cells' own memory does that. One copy per
+// read port, all written alike.
+//
+// Which kind of memory it is follows from the reading, in every vendor's
+// tools. Quartus is told besides, by an attribute that other tools take for a
+// kind of memory their devices lack, so only Quartus sees it.
 //
 // Parameters
 //   WIDTH     bits of a word
@@ -32,7 +36,9 @@ module result_buffer #(
     genvar port;
     generate
         for (port = 0; port < READS; port = port + 1) begin : ports
+`ifdef ROBOVEC_ALTSYNCRAM
             (* ramstyle = "MLAB, no_rw_check" *)
+`endif
             reg [WIDTH-1:0] memory [0:(1 << ADDRESS)-1];
             assign words[port*WIDTH +: WIDTH] =
                 memory[read_address[port*ADDRESS +: ADDRESS]];

@@ -31,7 +31,9 @@ module simple_dual_port_memory #(
     output reg [WIDTH-1:0]   read_data
 );
 
+`ifdef ROBOVEC_ALTSYNCRAM
     (* ramstyle = "M10K" *)
+`endif
     reg [WIDTH-1:0] memory [0:(1 << ADDRESS)-1];
 
     generate

@@ -6,6 +6,7 @@
 //! ([`evaluate`]), and the description of the machine it is compiled for.
 //! This crate holds no pass and no front end, and touches no file.
 
+pub mod cost;
 pub mod count;
 pub mod diagnostic;
 pub mod entity;

@@ -6,10 +6,12 @@
 //! (thesis 1.1 to 1.3). Nothing about a machine is a constant in code: all of
 //! it comes from a TOML file (`machines/`), described field by field below.
 
+pub mod device;
 pub mod fields;
 pub mod identity;
 pub mod interconnect;
 
+pub use device::{ClockOrigin, Device, DeviceFamily};
 pub use identity::MachineMismatch;
 pub use interconnect::{Interconnect, LinkNetwork, Topology};
 
@@ -26,9 +28,21 @@ pub struct Machine {
     /// One line for people.
     #[serde(default)]
     pub description: String,
-    /// Clock of the processing elements, in MHz.
-    #[serde(deserialize_with = "fields::clock_mhz::deserialize")]
-    pub clock_mhz: f64,
+    /// Clock of the processing elements, in MHz, where it is known; absent
+    /// means as the model of the device estimates it.
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "fields::clock_mhz::deserialize"
+    )]
+    pub clock_mhz: Option<f64>,
+    /// Where that clock comes from. A published one is that of other
+    /// hardware, so only studies of what was published use it.
+    #[serde(default)]
+    pub clock_origin: ClockOrigin,
+    /// The family of devices it is built on.
+    #[serde(default, skip_serializing_if = "DeviceFamily::is_default")]
+    pub device: DeviceFamily,
     /// The number format of every word: a name as in
     /// [`Format::from_str`](Format), or a float's fields as a table; binary32
     /// when absent.

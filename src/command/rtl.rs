@@ -1,12 +1,13 @@
 //! `robovec rtl`: hardware for a placed program, and programs for hardware.
 
+use super::flags::whole;
 use super::opt::select;
 use super::rtl_bench::{self, RtlBenchArguments};
 use super::{CommandFailure, input, output, placed};
 use crate::files::sealed::check_folder;
 use crate::files::{Replace, limited};
 use clap::{Args, ValueEnum};
-use robovec_codegen::hardware::MachineShape;
+use robovec_codegen::hardware::{self, MachineShape};
 use robovec_codegen::manifest::FileHash;
 use robovec_codegen::rtl::{
     self, Crossbar, CrossbarChoice, DESCRIPTION, Hardware, HardwareFit, RtlError,
@@ -48,6 +49,12 @@ pub(super) struct RtlArguments {
     /// thesis, and how fast it is
     #[arg(long, conflicts_with = "fits")]
     synthesise: bool,
+    /// Place and route the hardware of a machine on an ECP5 with yosys and nextpnr, once for every
+    /// one of these seeds: the clock it reaches beside the estimate, in minutes
+    #[arg(long, conflicts_with = "fits", value_name = "SEEDS", value_delimiter = ',',
+          num_args = 0..=1, default_missing_value = "1,2,3",
+          add = whole(0, 1_000_000, "a seed only tells placements apart"))]
+    place_and_route: Option<Vec<u32>>,
 }
 
 /// How much of the crossbar is built.
@@ -97,6 +104,9 @@ fn build(arguments: &RtlArguments) -> Result<String, CommandFailure> {
     text += &rtl_bench::checked(&arguments.bench, folder, folder)?;
     if arguments.synthesise {
         text += &super::synthesise::machine(&shape, &files.verilog())?;
+    }
+    if let Some(seeds) = &arguments.place_and_route {
+        text += &super::synthesise::routed(&hardware.machine, &shape, &files.verilog(), seeds)?;
     }
     Ok(text)
 }
@@ -382,6 +392,17 @@ fn summary(hardware: &Hardware, function: &Function, folder: &Path) -> String {
     };
     let _ = writeln!(text, "  crossbar: {kind}, {built} of {all} pairs");
     let _ = writeln!(text, "  machine hash {}", hardware.hash());
+    let groups = hardware.elements.iter();
+    let counts = groups.map(|group| (group.kind.as_str(), group.count));
+    let clock = hardware::clock_with_elements(&hardware.machine, counts);
+    let device = hardware.machine.device.device();
+    let _ = writeln!(
+        text,
+        "  clock: {} on {}: {}",
+        clock.text(),
+        device.name,
+        device.origin
+    );
     let cycles = function
         .schedule
         .as_ref()

@@ -5,6 +5,7 @@ use crate::present::number::{exponential, or_dash};
 use crate::present::text_table;
 use crate::scene::{SceneEffect, SceneFile, SceneSubject, effects};
 use clap::Args;
+use robovec_codegen::hardware;
 use robovec_framework::scene::{Hold, Scene};
 use robovec_ir::{Input, Machine, Module, View};
 use std::fmt::Write;
@@ -205,7 +206,7 @@ fn worth(effects: &[SceneEffect], machine: &Machine, scene: &Scene) -> String {
             Some(_) => "the schedule",
             None => "the longest chain",
         };
-        let time = f64::from(cycles) / machine.clock_mhz;
+        let time = hardware::clock(machine).microseconds(cycles);
         let verdict = match time <= deadline {
             true => "within the deadline of",
             false => "beyond the deadline of",

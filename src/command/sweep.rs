@@ -16,7 +16,7 @@ use crate::sweep::{FunctionSweep, SweptProgram, page, sweep, text};
 use clap::{Args, ValueEnum};
 use robovec_analysis::rounding::usual_states;
 use robovec_ir::count::Counts;
-use robovec_ir::machine::{Interconnect, MemoryStyle};
+use robovec_ir::machine::{DeviceFamily, Interconnect, MemoryStyle};
 use robovec_ir::states::States;
 use robovec_ir::{Machine, Module};
 use robovec_passes::optimise::steps;
@@ -66,6 +66,9 @@ pub(super) struct SweepArguments {
     /// Interconnects: crossbar, bus, mesh, torus, omega, hypercube
     #[arg(long, value_delimiter = ',', default_value = "crossbar")]
     interconnects: Vec<String>,
+    /// Family of devices the machines are built on: cyclone-v or ecp5
+    #[arg(long, default_value_t, value_name = "FAMILY")]
+    device: DeviceFamily,
     /// Also time the program on this computer, with the C compiler 'cc'
     #[arg(long)]
     cpu: bool,
@@ -224,6 +227,7 @@ fn space(arguments: &SweepArguments) -> Result<DesignSpace, CommandFailure> {
             .collect(),
         instances: sorted(&arguments.instances),
         interconnects,
+        device: arguments.device,
     })
 }
 

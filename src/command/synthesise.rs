@@ -6,11 +6,12 @@ use crate::explore::operators::{ADDERS, MULTIPLIERS, Operator};
 use crate::present::text_table;
 use crate::process::ToolError;
 use crate::synthesis::cores::{self, Mapped};
-use crate::synthesis::{SynthesisError, Yosys, machine, page};
+use crate::synthesis::{SynthesisError, Yosys, machine, page, place};
 use clap::Args;
-use robovec_codegen::hardware::MachineShape;
+use robovec_codegen::hardware::{MachineShape, estimate_of};
 use robovec_codegen::rtl::cores::OperatorCore;
-use robovec_ir::Format;
+use robovec_ir::machine::DeviceFamily;
+use robovec_ir::{Format, Machine};
 use std::fmt::Write;
 
 /// What is mapped.
@@ -32,9 +33,6 @@ pub(super) struct SynthesiseArguments {
     /// Tell the cells of every longest path
     #[arg(long)]
     paths: bool,
-    /// The delays alone, in picoseconds, as the estimate of the clock keeps them
-    #[arg(long)]
-    delays: bool,
 }
 
 pub(super) fn run(arguments: &SynthesiseArguments) -> Result<String, CommandFailure> {
@@ -59,9 +57,6 @@ pub(super) fn run(arguments: &SynthesiseArguments) -> Result<String, CommandFail
         .map(|(core, stages)| cores::map(&tool, core, format, stages))
         .collect::<Result<_, _>>()
         .map_err(failure)?;
-    if arguments.delays {
-        return Ok(delays(&mapped));
-    }
     let mut text = format!(
         "{} {}, synth_intel_alm for Cyclone V, operators of {}.\n\
          MHz: with 900, 700 and 500 ps per net, an estimate from published cell delays, \
@@ -86,6 +81,54 @@ pub(super) fn machine(
     let tool = Yosys::find().map_err(failure)?;
     let mapped = machine::map(&tool, shape, files).map_err(failure)?;
     Ok(format!("\n{}", page::page(&mapped, &tool)))
+}
+
+/// The clock of a machine, placed and routed, beside its estimate.
+pub(super) fn routed(
+    machine: &Machine,
+    shape: &MachineShape,
+    files: &[(String, String)],
+    seeds: &[u32],
+) -> Result<String, CommandFailure> {
+    if machine.device != DeviceFamily::Ecp5 {
+        return Err(CommandFailure::advised(
+            format!("open tools do not place and route a {}", shape.device.name),
+            vec!["let the machine file say device = \"ecp5\"".to_owned()],
+        ));
+    }
+    let tool = Yosys::find().map_err(failure)?;
+    let routed = place::place_and_route(&tool, files, seeds).map_err(failure)?;
+    let estimate = estimate_of(shape);
+    let mut text = format!(
+        "\n{} {}, {}, {}\n",
+        tool.program,
+        tool.version,
+        routed.version,
+        place::OPTIONS.join(" ")
+    );
+    for (seed, clock) in &routed.clocks {
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "seed {seed}: {clock:.1} MHz (measured by place and route)"
+        );
+    }
+    let median = routed.median();
+    let _ = writeln!(
+        text,
+        "median {median:.1} MHz (measured by place and route); {:.1} MHz (estimated, {:.1} to \
+         {:.1}), {:+.0} %",
+        estimate.mid,
+        estimate.low,
+        estimate.high,
+        100.0 * (estimate.mid / median - 1.0)
+    );
+    let used = routed.used.iter();
+    let used: Vec<String> = used
+        .map(|(name, count)| format!("{count} {name}"))
+        .collect();
+    let _ = writeln!(text, "used: {}", used.join(", "));
+    Ok(text)
 }
 
 /// An error of the mapping, told to the user.
@@ -136,23 +179,4 @@ fn printed(one: &Mapped) -> Option<Operator> {
         .iter()
         .copied()
         .find(|operator| operator.stages == one.stages)
-}
-
-/// The table of delays in the source of the estimate.
-fn delays(mapped: &[Mapped]) -> String {
-    let mut text = String::new();
-    for one in mapped {
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "{} {} {} {} {} {}",
-            one.core.module(),
-            one.stages,
-            one.quick.first,
-            one.quick.inner,
-            one.slow.first,
-            one.slow.inner
-        );
-    }
-    text
 }

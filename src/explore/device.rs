@@ -4,33 +4,30 @@
 //! hardware that `robovec rtl` writes. Nothing is synthesised.
 
 use robovec_codegen::hardware::{self, MachineShape};
+use robovec_ir::machine::Device;
 use robovec_ir::{Format, Machine};
 use serde::Serialize;
-
-/// The device that shares are of: that of the thesis' board, 5CSEBA6U23I7.
-const LOOK_UP_TABLES: f64 = 83_820.0;
-const MEMORY_BLOCKS: f64 = 553.0;
-const MULTIPLIER_BLOCKS: f64 = 112.0;
 
 /// What a machine takes.
 #[derive(Clone, Copy, PartialEq, Default, Debug, Serialize)]
 pub struct DeviceShare {
     /// Look-up tables.
     pub look_up_tables: f64,
-    /// Blocks of 10 kbit.
+    /// Memory blocks.
     pub memory_blocks: f64,
-    /// Multiplier blocks of 27 bits.
+    /// Multiplier blocks.
     pub multiplier_blocks: f64,
 }
 
 impl DeviceShare {
-    /// The largest of the three shares of the thesis' device; above 1 the
-    /// machine does not fit.
-    pub fn share(&self) -> f64 {
+    /// The largest of the three shares of a device; above 1 the machine does
+    /// not fit.
+    pub fn share(&self, device: &Device) -> f64 {
+        let capacity = &device.capacity;
         let shares = [
-            self.look_up_tables / LOOK_UP_TABLES,
-            self.memory_blocks / MEMORY_BLOCKS,
-            self.multiplier_blocks / MULTIPLIER_BLOCKS,
+            self.look_up_tables / capacity.look_up_tables,
+            self.memory_blocks / capacity.memory_blocks,
+            self.multiplier_blocks / capacity.multiplier_blocks,
         ];
         shares.into_iter().fold(0.0, f64::max)
     }
@@ -38,15 +35,17 @@ impl DeviceShare {
 
 /// What a machine takes in a format, for a program of so many cycles whose
 /// elements hold at most so many words each. A memory in logic counts as the
-/// twenty tables whose place it takes.
+/// tables whose place it takes.
 pub fn taken(machine: &Machine, format: Format, cycles: u32, words: u32) -> DeviceShare {
     let machine = Machine {
         number: format,
         ..machine.clone()
     };
     let taken = hardware::resources(&MachineShape::of(&machine, cycles, words));
+    let capacity = &machine.device.device().capacity;
     DeviceShare {
-        look_up_tables: taken.aluts + 20.0 * taken.lab_memories,
+        look_up_tables: capacity.tables_per_adaptive * taken.aluts
+            + capacity.tables_per_memory * taken.lab_memories,
         memory_blocks: taken.memory_blocks,
         multiplier_blocks: taken.multiplier_blocks,
     }
@@ -64,7 +63,9 @@ mod tests {
             taken(&machine, format, 1024, 2048)
         };
         let (half, single, double) = (of("f16"), of("f32"), of("f64"));
-        assert!(half.share() < single.share() && single.share() < double.share());
+        let device = machine.device.device();
+        let shares = [half, single, double].map(|taken| taken.share(device));
+        assert!(shares.is_sorted_by(|a, b| a < b), "{shares:?}");
         assert_eq!(
             [half, single, double].map(|taken| taken.multiplier_blocks),
             [2.0, 4.0, 16.0]

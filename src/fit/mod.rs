@@ -51,6 +51,7 @@ use crate::explore::program::{ExplorationError, view};
 use crate::explore::yardstick::{ErrorSpread, Yardstick};
 use crate::generate::Formulation;
 use robovec_analysis::critical_path::critical_path;
+use robovec_codegen::hardware::{self, MachineClock};
 use robovec_framework::scene::{ArraySizes, Scene};
 use robovec_ir::count::Counts;
 use robovec_ir::{Format, Machine, Module};
@@ -123,7 +124,9 @@ pub struct FitCandidate {
     pub path: u32,
     /// Length of the schedule, in cycles.
     pub cycles: u32,
-    /// The same at the machine's clock, µs.
+    /// The clock of the machine with these elements, and its origin.
+    pub clock: MachineClock,
+    /// The time at that clock, µs.
     pub microseconds: f64,
     /// Errors at the states of the validation, approximations and rounding
     /// together, relative to each element.
@@ -346,7 +349,11 @@ fn candidate(
     let machine = size.machine(task.machine);
     let resources = device::taken(&machine, format, size.cycles, size.words);
     let function = &program.module.functions[0];
-    let microseconds = f64::from(size.cycles) / task.machine.clock_mhz;
+    let clock = hardware::clock(&Machine {
+        number: format,
+        ..machine.clone()
+    });
+    let microseconds = clock.microseconds(size.cycles);
     let (used, errors) = (measured.used(), &measured.errors);
     let in_time = task
         .scene
@@ -359,18 +366,19 @@ fn candidate(
         operations: Counts::of(function).operations,
         path: critical_path(function, task.machine).asap_cycle,
         cycles: size.cycles,
+        clock,
         microseconds,
         relative: errors.relative,
         normwise: errors.normwise,
         used,
         resources,
-        share: resources.share(),
+        share: resources.share(task.machine.device.device()),
         meets: in_time
             && used <= 1.0
             // Infinite when a result was not finite, which a scene without
             // tolerances would let pass.
             && errors.normwise.worst.is_finite()
-            && resources.share() <= 1.0,
+            && resources.share(task.machine.device.device()) <= 1.0,
     }
 }
 

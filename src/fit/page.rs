@@ -6,6 +6,7 @@ use super::{FitOutcome, FitTask};
 use crate::present::escape::Escaped;
 use crate::present::json::json_script;
 use crate::present::page::{self, PointsPage};
+use robovec_codegen::hardware;
 
 /// The page of a search.
 pub fn page(
@@ -19,11 +20,11 @@ pub fn page(
     let page = PointsPage {
         title: format!("Scene {}", task.scene.name),
         subtitle: format!(
-            "{}. Machine {}: {}, {} MHz. Computed by robovec {}.",
+            "{}. Machine {}: {}, {}. Computed by robovec {}.",
             task.scene.description.trim_end_matches('.'),
             task.machine.name,
             task.machine.description,
-            task.machine.clock_mhz,
+            hardware::clock(task.machine).text(),
             env!("CARGO_PKG_VERSION")
         ),
         figures: format!(

@@ -2,6 +2,7 @@
 
 use super::{FitProgram, FitTask};
 use crate::explore::placing::{placed, with_counts};
+use robovec_codegen::hardware;
 use robovec_ir::count::Counts;
 use robovec_ir::{Machine, Operation};
 use robovec_schedule::{PlaceError, PlaceOptions, schedule_bound};
@@ -23,6 +24,11 @@ impl SizedMachine {
     /// The machine with these numbers of elements.
     pub(super) fn machine(&self, machine: &Machine) -> Machine {
         sized(machine, self.elements)
+    }
+
+    /// The time of its schedule: many elements slow the clock down.
+    pub(super) fn microseconds(&self, machine: &Machine) -> f64 {
+        hardware::clock(&self.machine(machine)).microseconds(self.cycles)
     }
 }
 
@@ -88,7 +94,8 @@ fn attempt(
 /// one more of the kind that the work bound calls for until the schedule is
 /// short enough; then fewer again, as long as it stays so.
 fn fewest(task: &FitTask<'_>, program: &FitProgram) -> Option<SizedMachine> {
-    let deadline = (task.scene.deadline? * task.machine.clock_mhz).floor();
+    let limit = task.scene.deadline?;
+    let deadline = (limit * hardware::clock(task.machine).mhz).floor();
     if deadline < 1.0 {
         return None;
     }
@@ -107,8 +114,8 @@ fn fewest(task: &FitTask<'_>, program: &FitProgram) -> Option<SizedMachine> {
             return None;
         }
         let size = attempt(task, program, elements).ok()?;
-        if size.cycles <= deadline {
-            return Some(fewer(task, program, size, deadline));
+        if size.microseconds(task.machine) <= limit {
+            return Some(fewer(task, program, size, limit));
         }
         // The kind with more work per element comes first.
         let load = [counts.add_sub, counts.mul].map(|work| work as f64);
@@ -122,14 +129,14 @@ fn fewer(
     task: &FitTask<'_>,
     program: &FitProgram,
     mut size: SizedMachine,
-    deadline: u32,
+    limit: f64,
 ) -> SizedMachine {
     for kind in [1, 0] {
         while size.elements[kind] > 1 {
             let mut elements = size.elements;
             elements[kind] -= 1;
             match attempt(task, program, elements) {
-                Ok(less) if less.cycles <= deadline => size = less,
+                Ok(less) if less.microseconds(task.machine) <= limit => size = less,
                 Ok(_) | Err(_) => break,
             }
         }

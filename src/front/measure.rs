@@ -8,6 +8,7 @@ use crate::explore::program::{ExplorationError, view};
 use crate::explore::yardstick::{ErrorSpread, LargestErrors, MeasuredErrors, Yardstick};
 use robovec_analysis::critical_path::critical_path;
 use robovec_codegen::c::Real;
+use robovec_codegen::hardware;
 use robovec_ir::count::Counts;
 use robovec_ir::{Format, Machine, Module, Operation};
 use robovec_schedule::PlaceOptions;
@@ -74,10 +75,18 @@ pub fn measure(
     let places: Vec<Option<(Machine, u32, u32)>> = elements.iter().map(place).collect();
     let cycles = places.iter().map(|place| Some(place.as_ref()?.1));
     let cycles: Vec<Option<u32>> = cycles.collect();
-    let time = |cycles: &Option<u32>| Some(f64::from((*cycles)?) / machine.clock_mhz);
+    let time = |place: &Option<(Machine, u32, u32)>, format: Format| {
+        let (machine, cycles, _) = place.as_ref()?;
+        let machine = Machine {
+            number: format,
+            ..machine.clone()
+        };
+        Some(hardware::clock(&machine).microseconds(*cycles))
+    };
     let share = |place: &Option<(Machine, u32, u32)>, format: Format| {
         let (machine, cycles, words) = place.as_ref()?;
-        Some(device::taken(machine, format, *cycles, *words).share())
+        let taken = device::taken(machine, format, *cycles, *words);
+        Some(taken.share(machine.device.device()))
     };
     let point = |format: &Format| {
         let errors = yardstick.errors(view, *format)?;
@@ -89,7 +98,7 @@ pub fn measure(
             operations: counts.operations,
             path,
             cycles: cycles.clone(),
-            microseconds: cycles.iter().map(time).collect(),
+            microseconds: places.iter().map(|place| time(place, *format)).collect(),
             shares: places.iter().map(|place| share(place, *format)).collect(),
             cpu_ns: None,
             relative: errors.relative,

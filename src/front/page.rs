@@ -4,18 +4,17 @@ use super::Front;
 use super::text::{figure, points_table, verdicts_table};
 use crate::present::json::json_script;
 use crate::present::page::{self, PointsPage};
+use robovec_codegen::hardware;
 use robovec_ir::Machine;
 
 /// The page of some fronts, measured on these machines.
 pub fn page(fronts: &[Front], machines: &[Machine]) -> String {
     let machines = machines.iter().map(|machine| {
-        let Machine {
-            name,
-            description,
-            clock_mhz,
-            ..
-        } = machine;
-        format!("Machine {name}: {description}, {clock_mhz} MHz.")
+        let clock = hardware::clock(machine).text();
+        format!(
+            "Machine {}: {}, {clock}.",
+            machine.name, machine.description
+        )
     });
     let machines: Vec<String> = machines.collect();
     let names: Vec<&str> = fronts.iter().map(|front| front.name.as_str()).collect();

@@ -25,6 +25,7 @@ use crate::bench::Compiler;
 use crate::explore::program::ExplorationError;
 use crate::explore::store::PointStore;
 use crate::explore::yardstick::MeasuredErrors;
+use robovec_codegen::hardware;
 use robovec_framework::scene::Scene;
 use robovec_ir::states::States;
 use robovec_ir::{Machine, Module};
@@ -178,7 +179,7 @@ pub fn optimise(
             bound: trial.bound.as_ref().ok().copied(),
             cycles: trial.cycles,
             microseconds: (trial.cycles)
-                .map(|cycles| f64::from(cycles) / question.machine.clock_mhz),
+                .map(|cycles| hardware::clock(question.machine).microseconds(cycles)),
             nanoseconds: figures.nanoseconds,
             errors: figures.errors,
             remark: match figures.remark.is_empty() {

@@ -1,5 +1,6 @@
 //! What a schedule costs, and how well it uses its machine.
 
+use robovec_codegen::hardware::{self, MachineClock};
 use robovec_ir::placement::{ElementKind, Schedule};
 use robovec_ir::{Format, Function, Machine, Operation};
 use robovec_schedule::{ElementSpread, KindStatistics, PlacementStatistics, placement_statistics};
@@ -23,8 +24,11 @@ pub struct ScheduleReport {
     pub cycles: u32,
     /// No schedule on this machine is shorter (proved).
     pub lower_bound: u32,
-    /// Length at the machine's clock, in microseconds; absent when the
-    /// machine at hand is another one than that of the schedule.
+    /// The machine's clock with the elements of the schedule, and where it
+    /// comes from; absent when the machine at hand is another one than that
+    /// of the schedule.
+    pub clock: Option<MachineClock>,
+    /// Length at that clock, in microseconds.
     pub time_us: Option<f64>,
     /// Operations over elements times cycles: the share of all issue slots
     /// that is used.
@@ -112,6 +116,11 @@ impl ScheduleReport {
             Some(ByKind(words.collect()))
         };
         let own = schedule.check_machine(machine).is_ok().then_some(machine);
+        let clock = own.map(|machine| {
+            let kinds = schedule.kinds.iter();
+            let counts = kinds.map(|kind| (kind.name.as_str(), kind.count));
+            hardware::clock_with_elements(machine, counts)
+        });
         Some(ScheduleReport {
             machine: schedule.machine.clone(),
             machine_hash: schedule.machine_hash.map(|hash| hash.text()),
@@ -120,7 +129,8 @@ impl ScheduleReport {
             n_multi: performs(Operation::Mul).unwrap_or(0),
             cycles: schedule.cycles,
             lower_bound: schedule.lower_bound,
-            time_us: own.map(|machine| f64::from(schedule.cycles) / machine.clock_mhz),
+            clock,
+            time_us: clock.map(|clock| clock.microseconds(schedule.cycles)),
             parallelisation_rate: if capacity > 0.0 {
                 issued as f64 / capacity
             } else {

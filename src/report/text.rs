@@ -257,11 +257,11 @@ fn print_schedule(schedule: &ScheduleReport, text: &mut String) {
         row("machine", schedule.machine.clone(), &identity),
         row("cycles", schedule.cycles.to_string(), &excess),
     ];
-    if let Some(time) = schedule.time_us {
+    if let (Some(time), Some(clock)) = (schedule.time_us, &schedule.clock) {
         rows.push(row(
             "time",
             format!("{time:.3}"),
-            "microseconds at the machine's clock",
+            &format!("microseconds at {}", clock.text()),
         ));
     }
     let rate = format!("{:.1} %", schedule.parallelisation_rate * 100.0);

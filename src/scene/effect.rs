@@ -146,5 +146,5 @@ fn on_machine(module: &Module, machine: &Machine) -> Option<(u32, f64)> {
     let placed = placed(module, machine, PlaceOptions::default()).ok()?;
     let cycles = placed.summary.cycles;
     let taken = device::taken(machine, machine.number, cycles, placed.most_words(machine));
-    Some((cycles, taken.share()))
+    Some((cycles, taken.share(machine.device.device())))
 }

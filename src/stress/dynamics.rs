@@ -24,6 +24,7 @@ use crate::model::Model;
 use crate::robotran::FunctionKind;
 use errors::DynamicsErrors;
 use robovec_ir::Format;
+use robovec_ir::cost::OperationWork;
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::Double;
 use robovec_num::power::times_power_of_two;
@@ -368,33 +369,34 @@ impl DynamicsBench<'_> {
         Ok(guess.qdd.into_iter().map(Double::from).collect())
     }
 
-    /// Operations times bits.
+    /// Cells of the operations in their formats.
     fn cost(&self, treatment: &ProgramTreatment) -> Result<f64, StressError> {
         let joints = self.joints() as f64;
-        let width = |format: Format| f64::from(format.width());
-        let operations = |kind, only| -> Result<f64, StressError> {
-            Ok(self.program(kind, treatment, only)?.operations as f64)
+        let cost = |kind, only, format: Format| -> Result<f64, StressError> {
+            Ok(self.program(kind, treatment, only)?.work.cost(format))
         };
         let outer = treatment.forces.unwrap_or(treatment.format);
         if self.subject.metric == Metric::Forces {
-            return Ok(operations(FunctionKind::Invdyna, None)? * width(outer));
+            return cost(FunctionKind::Invdyna, None, outer);
         }
         let inverse = match treatment.forces {
             None if treatment.refinements == 0 => 0.0,
-            _ => operations(FunctionKind::Invdyna, None)? * width(outer),
+            _ => cost(FunctionKind::Invdyna, None, outer)?,
         };
         let repeats = f64::from(treatment.refinements);
         if treatment.formulation == Formulation::Articulated {
-            let once = operations(FunctionKind::Accelred, None)? * width(treatment.format);
+            let once = cost(FunctionKind::Accelred, None, treatment.format)?;
             return Ok(once * (1.0 + repeats) + inverse * repeats);
         }
         let only = treatment.forces.map(|_| "M");
-        let mut once = operations(FunctionKind::Dirdyna, only)? * width(treatment.format);
+        let mut once = cost(FunctionKind::Dirdyna, only, treatment.format)?;
         if self.subject.metric == Metric::Accelerations {
             // Cholesky's factorisation and two triangular systems.
             let factor = joints.powi(3) / 3.0;
             let substitutions = 2.0 * joints * joints * (1.0 + repeats);
-            once += (factor + substitutions) * width(treatment.format);
+            // As many products as sums.
+            let half = (factor + substitutions) / 2.0;
+            once += OperationWork::new(half, half).cost(treatment.format);
         }
         Ok(once + inverse * (1.0 + repeats))
     }

@@ -7,7 +7,7 @@ use super::program::{is_normal, run_passes, shared};
 use super::treatment::BALANCED;
 use super::{ProgramTreatment, StressError};
 use robovec_framework::scene::Scene;
-use robovec_ir::count::Counts;
+use robovec_ir::cost::OperationWork;
 use robovec_ir::evaluate::evaluate_nodes;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::Ranges;
@@ -144,13 +144,12 @@ impl StressBench for EquationsBench<'_> {
                 outside += u32::from(!is_normal(*number, treatment.format));
             }
         }
-        let operations = Counts::of(function).operations as f64;
         Ok(Measured {
             error: worst_component,
             others: vec![("normwise", worst_norm)],
             outside: f64::from(outside) / f64::from(all.max(1)),
             consistent: true,
-            cost: operations * f64::from(treatment.format.width()),
+            cost: OperationWork::of(function).cost(treatment.format),
         })
     }
 }

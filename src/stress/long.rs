@@ -10,8 +10,9 @@ use crate::model::Model;
 use crate::motion::{Calculus, Drift, FreeMotion, Stepping};
 use crate::robotran::FunctionKind;
 use robovec_ir::Format;
-use robovec_ir::count::Counts;
+use robovec_ir::cost::OperationWork;
 use robovec_num::arithmetic::Arithmetic;
+use std::ops::Add;
 use std::sync::Mutex;
 
 /// What is to stay the same.
@@ -107,9 +108,9 @@ impl StressSubject for Long {
     fn prepare(&self) -> Result<Box<dyn StressBench + '_>, StressError> {
         let request = GenerationRequest::new(FunctionKind::Accelred);
         let module = generate(&self.model, &request)?;
-        let operations = module.functions.iter().map(|f| Counts::of(f).operations);
+        let work = module.functions.iter().map(OperationWork::of);
         Ok(Box::new(LongBench {
-            operations: operations.sum(),
+            work: work.fold(OperationWork::default(), Add::add),
             known: Mutex::new(Vec::new()),
             motion: FreeMotion::new(&self.model, Formulation::default())?,
             subject: self,
@@ -120,7 +121,7 @@ impl StressSubject for Long {
 struct LongBench<'a> {
     subject: &'a Long,
     motion: FreeMotion<'a>,
-    operations: usize,
+    work: OperationWork,
     /// Runs take long: none is made twice.
     known: Mutex<Vec<(ProgramTreatment, Drift)>>,
 }
@@ -195,19 +196,19 @@ impl StressBench for LongBench<'_> {
         let steps = self
             .subject
             .steps(treatment.step.unwrap_or(self.subject.step)) as f64;
-        let width = |format: Format| f64::from(format.width());
         let state = treatment.state.unwrap_or(treatment.format);
         // Four stages of a product and a sum, four more sums and two products
         // for the change; three sums more to compensate.
-        let additions = if treatment.compensated { 17.0 } else { 14.0 };
+        let sums = if treatment.compensated { 11.0 } else { 8.0 };
         let numbers = 2.0 * self.subject.model.joints.len() as f64;
-        let slopes = 4.0 * self.operations as f64 * width(treatment.format);
+        let slopes = (self.work * 4.0).cost(treatment.format);
+        let change = (OperationWork::new(6.0, sums) * numbers).cost(state);
         Ok(Measured {
             error,
             others: vec![(name, other)],
             outside: 0.0,
             consistent: true,
-            cost: steps * (slopes + additions * numbers * width(state)),
+            cost: steps * (slopes + change),
         })
     }
 }

@@ -215,7 +215,7 @@ impl<'a> PreparedLoop<'a> {
             others: vec![("J qdd + Jdqd", worst(residuals) / size)],
             outside: outside as f64 / all.max(1) as f64,
             consistent: true,
-            cost: program.operations as f64 * f64::from(treatment.format.width()),
+            cost: program.work.cost(treatment.format),
         })
     }
 }

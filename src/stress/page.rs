@@ -88,7 +88,8 @@ pub fn page(findings: &[CaseFinding<'_>]) -> String {
          <title>Hard cases</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
          <h1>Hard cases and their cures</h1>\n\
          <p class=\"soft\">{} cases, computed by robovec {}. Errors are relative, against \
-         double-double numbers; costs are operations times bits, relative to the untreated \
+         double-double numbers; costs are the cells of the operations, those of a product the \
+         square of its bits, relative to the untreated \
          program in binary32.</p>\n",
         findings.len(),
         env!("CARGO_PKG_VERSION"),

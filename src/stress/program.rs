@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::robotran::FunctionKind;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::scene::Scene;
-use robovec_ir::count::Counts;
+use robovec_ir::cost::OperationWork;
 use robovec_ir::evaluate::evaluate_nodes;
 use robovec_ir::{Format, Function, Input, Machine, Module, Operand, Output, View};
 use robovec_num::NumberFormat;
@@ -35,8 +35,8 @@ pub(super) struct ModelProgram {
     input_dimensions: Vec<Dimension>,
     outputs: Vec<(String, usize, usize)>,
     output_dimensions: Vec<Dimension>,
-    /// Everything but sines and cosines, which the host prepares.
-    pub(super) operations: usize,
+    /// Its operations; the host prepares sines and cosines.
+    pub(super) work: OperationWork,
 }
 
 impl ModelProgram {
@@ -88,7 +88,7 @@ impl ModelProgram {
         });
         Ok(ModelProgram {
             outputs: outputs.collect(),
-            operations: Counts::of(&function).operations,
+            work: OperationWork::of(&function),
             function,
             inputs,
             input_dimensions,

@@ -11,6 +11,7 @@ use crate::kinematics::MotionState;
 use crate::model::Model;
 use crate::robotran::FunctionKind;
 use robovec_ir::Format;
+use robovec_ir::cost::OperationWork;
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::Double;
 
@@ -92,14 +93,19 @@ impl Work for WithSeries<'_> {
 
 /// Operations that a true sine or cosine is counted for: the reduction of the
 /// range and a polynomial of full precision.
-const TRUE_FUNCTION: f64 = 24.0;
+const TRUE_FUNCTION: OperationWork = OperationWork::new(12.0, 12.0);
 
 /// Operations of a sine and a cosine by series of an order.
-fn operations(order: Option<u32>) -> f64 {
+fn operations(order: Option<u32>) -> OperationWork {
     match order {
-        None => 2.0 * TRUE_FUNCTION,
-        // Three for each further term, the square, and the product with x.
-        Some(order) => 3.0 * f64::from(order - 1) + if order > 1 { 2.0 } else { 0.0 },
+        None => TRUE_FUNCTION * 2.0,
+        // Two products and a sum for each further term, the square, and the
+        // product with x.
+        Some(order) => {
+            let terms = f64::from(order - 1);
+            let ends = if order > 1 { 2.0 } else { 0.0 };
+            OperationWork::new(2.0 * terms + ends, terms)
+        }
     }
 }
 
@@ -220,13 +226,13 @@ impl StressBench for AnglesBench<'_> {
             component = worst([component, componentwise(&found, exact)].into_iter());
         }
         let angles = self.dynamics.model.joints.len() as f64;
-        let all = self.program.operations as f64 + angles * operations(treatment.series);
+        let all = self.program.work + operations(treatment.series) * angles;
         Ok(Measured {
             error: norm,
             others: vec![("componentwise", component)],
             outside: 0.0,
             consistent: true,
-            cost: all * f64::from(treatment.format.width()),
+            cost: all.cost(treatment.format),
         })
     }
 }

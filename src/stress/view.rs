@@ -174,7 +174,8 @@ pub fn table(findings: &[CaseFinding<'_>]) -> DataTable {
         "stress",
         "Hard cases and their cures",
         "Every case as it is in binary32 and under every treatment tried; the cost \
-                  is operations times bits, relative to the untreated program.",
+                  is the cells of the operations, those of a product the square of its bits, \
+                  relative to the untreated program.",
         "case | class | metric | condition | attainable in f32 | verdict | treatment | \
          error | cost | outside the range | cheapest",
         rows,

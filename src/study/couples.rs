@@ -3,6 +3,7 @@
 use super::plan::NamedMachine;
 use crate::explore::operators::{Couple, couples, with_stages};
 use robovec_ir::Machine;
+use robovec_ir::machine::ClockOrigin;
 
 /// The word for all couples in lists of machines.
 pub const ALL: &str = "couples";
@@ -28,7 +29,8 @@ fn machine(couple: Couple) -> NamedMachine {
         "adders of {add} stages, multipliers of {multi}, at {} MHz (thesis, Table 1.3)",
         couple.mhz()
     );
-    machine.clock_mhz = f64::from(couple.mhz());
+    machine.clock_mhz = Some(f64::from(couple.mhz()));
+    machine.clock_origin = ClockOrigin::Published;
     NamedMachine {
         name,
         machine,

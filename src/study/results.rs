@@ -122,7 +122,7 @@ impl Results {
                 into.extend(from);
                 into.insert(
                     "time_us".to_owned(),
-                    json!(time_us(point, machine.machine.clock_mhz)),
+                    json!(time_us(point, machine.clock().mhz)),
                 );
             }
             value

@@ -52,7 +52,7 @@ fn verdict(
 ) -> Option<StudyVerdict> {
     let facts = results.program(model, pipeline, machine)?;
     let knee = knee(results, model, pipeline, machine)?;
-    let mhz = results.plan.machines[machine].machine.clock_mhz;
+    let mhz = results.plan.machines[machine].clock().mhz;
     let subject = &results.plan.models[model];
     Some(StudyVerdict {
         model: facts.model.clone(),

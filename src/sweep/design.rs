@@ -1,14 +1,13 @@
 //! The space of designs.
 
 use crate::explore::axes::Axes;
-use crate::explore::operators::{Couple, MEMORY_CAP_MHZ, couples, with_stages};
+use crate::explore::operators::{Couple, couples, with_stages};
 use crate::explore::placing::with_counts;
-use robovec_ir::machine::{BufferDescription, Interconnect, LinkNetwork, MemoryStyle, Topology};
+use robovec_ir::machine::{
+    BufferDescription, DeviceFamily, Interconnect, LinkNetwork, MemoryStyle, Topology,
+};
 use robovec_ir::{Machine, Operation};
 use serde::Serialize;
-
-/// The clock that single-pumped M10K memories follow, MHz (thesis 1.3).
-const SINGLE_CAP_MHZ: f64 = 240.0;
 
 /// One machine, and how many instances it evaluates at once.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
@@ -19,8 +18,6 @@ pub struct MachineDesign {
     pub multipliers: u32,
     /// Stages of an adder and of a multiplier.
     pub stages: [u32; 2],
-    /// The clock these allow, MHz.
-    pub couple_mhz: u32,
     /// Style of the memories.
     pub memory: MemoryStyle,
     /// Words of each buffer; none for a machine without.
@@ -29,6 +26,8 @@ pub struct MachineDesign {
     pub instances: u32,
     /// How results travel.
     pub interconnect: Interconnect,
+    /// The family of devices it is built on.
+    pub device: DeviceFamily,
 }
 
 impl MachineDesign {
@@ -47,19 +46,9 @@ impl MachineDesign {
             reads: Some(1),
         });
         machine.interconnect = self.interconnect;
-        machine.clock_mhz = self.clock_mhz();
+        machine.clock_mhz = None;
+        machine.device = self.device;
         machine
-    }
-
-    /// The clock of the elements: that of the operators, as far as memories
-    /// follow; those of four ports are on devices without that limit.
-    fn clock_mhz(&self) -> f64 {
-        let operators = f64::from(self.couple_mhz);
-        match self.memory {
-            MemoryStyle::Unified => operators.min(f64::from(MEMORY_CAP_MHZ)),
-            MemoryStyle::SideSplit => operators.min(SINGLE_CAP_MHZ),
-            MemoryStyle::FourPort => operators,
-        }
     }
 }
 
@@ -83,6 +72,8 @@ pub struct DesignSpace {
     pub instances: Vec<u32>,
     /// Interconnects.
     pub interconnects: Vec<Interconnect>,
+    /// The family of devices of all of them.
+    pub device: DeviceFamily,
 }
 
 impl Default for DesignSpace {
@@ -96,6 +87,7 @@ impl Default for DesignSpace {
             buffers: vec![Some(16), None],
             instances: vec![1, 4],
             interconnects: vec![Interconnect::Crossbar],
+            device: DeviceFamily::default(),
         }
     }
 }
@@ -112,11 +104,11 @@ impl DesignSpace {
                 adders,
                 multipliers,
                 stages: couple.stages(),
-                couple_mhz: couple.mhz(),
                 memory: self.memories[memory],
                 buffer: self.buffers[buffer],
                 instances: self.instances[instances],
                 interconnect: self.interconnects[interconnect],
+                device: self.device,
             }
         })
         .collect()

@@ -24,6 +24,7 @@ use crate::explore::yardstick::{ErrorSpread, Yardstick};
 use design::{DesignSpace, MachineDesign};
 use rayon::prelude::*;
 use robovec_analysis::critical_path::critical_path;
+use robovec_codegen::hardware::{self, MachineClock};
 use robovec_ir::count::Counts;
 use robovec_ir::{Machine, Module, View};
 use robovec_schedule::{PlaceOptions, schedule_bound};
@@ -60,8 +61,8 @@ pub struct SweepPoint {
     pub design: MachineDesign,
     /// Index of the program with the shortest schedule on it, from 0.
     pub program: usize,
-    /// Clock of the elements, MHz.
-    pub clock_mhz: f64,
+    /// Clock of the elements, with its origin.
+    pub clock: MachineClock,
     /// Length of the schedule of all instances, cycles.
     pub cycles: u32,
     /// No schedule of the same operations is shorter.
@@ -72,7 +73,7 @@ pub struct SweepPoint {
     pub us_per_evaluation: f64,
     /// What the machine takes.
     pub resources: DeviceShare,
-    /// The largest of its shares of the thesis' device; above 1 it does not
+    /// The largest of its shares of the device; above 1 it does not
     /// fit.
     pub share: f64,
     /// No other point takes less and is as fast, or is faster and takes no
@@ -274,17 +275,18 @@ fn placed(
     let words = words.div_ceil(machine.memory.style.banks() as u32);
     let summary = placed.summary;
     let taken = device::taken(machine, machine.number, summary.cycles, words);
-    let latency_us = f64::from(summary.cycles) / machine.clock_mhz;
+    let clock = hardware::clock(machine);
+    let latency_us = clock.microseconds(summary.cycles);
     Ok(SweepPoint {
         design: *design,
         program: index,
-        clock_mhz: machine.clock_mhz,
+        clock,
         cycles: summary.cycles,
         lower_bound: summary.lower_bound,
         latency_us,
         us_per_evaluation: latency_us / f64::from(design.instances),
         resources: taken,
-        share: taken.share(),
+        share: taken.share(machine.device.device()),
         on_front: false,
     })
 }

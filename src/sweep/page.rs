@@ -33,9 +33,8 @@ pub fn page(sweeps: &[FunctionSweep]) -> String {
 /// What the numbers mean.
 const METHOD: &str = "<p>Every design is placed operation by operation, and the placement is \
 checked against the machine. Time is cycles over the clock, divided by the instances that are \
-evaluated at once. The clock is that of the operators in the thesis' tables, at most 120 MHz with \
-double-pumped memories and 240 MHz with single-pumped ones. What a design takes is estimated by \
-formulas. Sines and cosines, loading and reading cost no cycles.</p>\
+evaluated at once. The clock is estimated by the model of the device that every command asks, and \
+neither measured nor published. What a design takes is estimated by formulas. Sines and cosines, loading and reading cost no cycles.</p>\
 <p>The time of the processor is that of the same function in binary64, written as C for processors \
 (fewest operations, with loops or without, whichever is faster), its results compared with the \
 evaluator's, and run on one core, the least of many repetitions.</p>";

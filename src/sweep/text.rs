@@ -9,7 +9,7 @@ use robovec_ir::machine::MemoryStyle;
 
 /// The front with the processor's time beside it, and what did not work.
 pub fn text(sweep: &FunctionSweep) -> String {
-    let head = ">share % | >ALUT | >M10K | >DSP | add+multi | stages | >MHz | memory | buffer | \
+    let head = ">share % | >ALUT | >M10K | >DSP | add+multi | stages | >estimated MHz | memory | buffer | \
          >instances | interconnect | >cycles | >bound | >latency us | >us/evaluation | \
          >CPU/FPGA | >program";
     let rows: Vec<Vec<String>> = sweep
@@ -64,7 +64,7 @@ fn row(point: &SweepPoint, cpu_us: Option<f64>) -> Vec<String> {
         format!("{:.0}", point.resources.multiplier_blocks),
         format!("{}+{}", design.adders, design.multipliers),
         format!("{}, {}", design.stages[0], design.stages[1]),
-        format!("{:.0}", point.clock_mhz),
+        format!("{:.0}", point.clock.mhz),
         memory_name(design.memory).to_owned(),
         buffer_name(design.buffer),
         design.instances.to_string(),
@@ -133,7 +133,7 @@ pub fn points_table(sweeps: &[FunctionSweep]) -> DataTable {
                 DataCell::count(design.multipliers),
                 DataCell::count(design.stages[0]),
                 DataCell::count(design.stages[1]),
-                DataCell::number(point.clock_mhz, 1),
+                DataCell::number(point.clock.mhz, 1),
                 DataCell::text(memory_name(design.memory)),
                 DataCell::text(buffer_name(design.buffer)),
                 DataCell::count(design.instances),
@@ -160,11 +160,11 @@ pub fn points_table(sweeps: &[FunctionSweep]) -> DataTable {
         "sweep",
         "Resources against time",
         "Every design. The share is the largest of those of look-up tables, memory \
-                  blocks and multiplier blocks of the thesis' device, by formulas; nothing is \
-                  synthesised. The clock is that of the tables of operators, cut to what the \
-                  memories follow. Errors are those of the program in binary32 at random states \
-                  against double-double arithmetic.",
-        "function | adders | multipliers | adder stages | multiplier stages | clock (MHz) | \
+                  blocks and multiplier blocks of the device, by formulas; nothing is \
+                  synthesised. The clock is that which the model of the device estimates, as \
+                  in every other command. Errors are those of the program in binary32 at random \
+                  states against double-double arithmetic.",
+        "function | adders | multipliers | adder stages | multiplier stages | estimated clock (MHz) | \
          memory | buffer words | instances | interconnect | program | cycles | lower bound | \
          latency (us) | us per evaluation | ALUT | M10K | DSP | share | CPU (us) | median error | \
          worst normwise error | on front",

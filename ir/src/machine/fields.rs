@@ -5,7 +5,7 @@ use robovec_num::limits::{self, LimitRow};
 
 limited_fields! {
     /// Clock of the processing elements, in MHz.
-    clock_mhz ("clock_mhz", "") = NumberLimit::real(
+    clock_mhz ("clock_mhz", "as estimated") = NumberLimit::real(
         1e-3, 1e6, "no circuit is clocked slower or faster, and times in microseconds lose their digits");
     /// Elements of a kind.
     count ("element.count", "") = NumberLimit::whole(

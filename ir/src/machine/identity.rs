@@ -15,7 +15,7 @@ impl Machine {
     /// `[number, elements, memory, buffer, interconnect]` of the machine
     /// file with every element's `count` set to 1, since placement may be
     /// told other counts and says which it used. Name, description, clock,
-    /// instruction memories and resources change no placement.
+    /// device, instruction memories and resources change no placement.
     pub fn content_hash(&self) -> Fnv {
         let mut elements = self.elements.clone();
         for element in &mut elements {
@@ -155,7 +155,8 @@ mod tests {
         let mut machine = thesis();
         machine.name = "mine".to_owned();
         machine.description.clear();
-        machine.clock_mhz = 1.0;
+        machine.clock_mhz = Some(1.0);
+        machine.device = crate::machine::DeviceFamily::Ecp5;
         machine.resources = None;
         machine.elements[0].count += 3;
         assert_eq!(machine.content_hash(), thesis().content_hash());

@@ -3,6 +3,7 @@
 use super::FormatSearch;
 use crate::accurate::profile::{LANES, SensitivityProfile, StateLanes};
 use robovec_framework::scene::Allowed;
+use robovec_ir::cost::OperationWork;
 use robovec_ir::{Format, Function, Node, Operation, Value, ValueFormats};
 use robovec_num::soft_float::FormatArithmetic;
 
@@ -72,20 +73,12 @@ pub(super) fn cost_of(
 
 /// The cost of a function in one format.
 pub(super) fn uniform_cost(function: &Function, format: Format) -> f64 {
-    let nodes = function.nodes().iter();
-    nodes.map(|node| cost(node.operation, format)).sum()
+    OperationWork::of(function).cost(format)
 }
 
-/// The cost of an operation: a multiplier has as many cells as the square of
-/// the bits of its factors, an adder and a word as many as bits.
+/// The cost of an operation.
 fn cost(operation: Operation, format: Format) -> f64 {
-    let bits = f64::from(format.significand());
-    match operation {
-        Operation::Mul | Operation::Div | Operation::Sqrt => bits * bits,
-        Operation::Fma | Operation::Fms | Operation::Fnma => bits * bits + bits,
-        Operation::Add | Operation::Sub | Operation::Neg => bits,
-        Operation::Copy | Operation::Sin | Operation::Cos => bits,
-    }
+    OperationWork::of_operation(operation).cost(format)
 }
 
 impl Choices {

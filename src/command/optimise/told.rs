@@ -10,6 +10,7 @@ use crate::optimise::{OptimisationQuestion, OptimisationTarget, Optimised, page,
 use crate::present::json::json_text;
 use crate::robotran::drop_in::{DropInOptions, drop_in};
 use robovec_codegen::c;
+use robovec_codegen::hardware;
 use robovec_framework::manager::{self, Config};
 use robovec_ir::{Machine, Module, print};
 use robovec_passes::registry::REGISTRY;
@@ -90,11 +91,12 @@ fn facts(given: &GivenStarts, question: &OptimisationQuestion<'_>, found: &Optim
     };
     if let (Some(cycles), Some(bound)) = (best.cycles, best.bound) {
         let machine = question.machine;
-        let time = f64::from(cycles) / machine.clock_mhz;
+        let clock = hardware::clock(machine);
+        let time = clock.microseconds(cycles);
         line(format!(
-            "{cycles} cycles on {}, {time:.2} us at {} MHz",
+            "{cycles} cycles on {}, {time:.2} us at {}",
             elements(machine),
-            machine.clock_mhz
+            clock.text()
         ));
         line(match cycles == bound {
             true => "no schedule of these operations on this machine is shorter".to_owned(),

@@ -62,7 +62,7 @@ pub(super) fn variants(results: &Results) -> Vec<Figure> {
         let panel = |pipeline: usize| {
             let curves = COMPARED.iter().enumerate().filter_map(|(index, couple)| {
                 let machine = couple_machine(results, *couple)?;
-                let mhz = results.plan.machines[machine].machine.clock_mhz;
+                let mhz = results.plan.machines[machine].clock().mhz;
                 let placed = ladder(results, results.plan.headline, pipeline, machine);
                 let marks = placed
                     .iter()

@@ -102,7 +102,7 @@ fn data(results: &Results, cpu: &[CpuTime]) -> Value {
             "choice": request.choice,
             "cycles": point.cycles,
             "lower_bound": point.lower_bound,
-            "time_us": round(time_us(point, machine.machine.clock_mhz), 4),
+            "time_us": round(time_us(point, machine.clock().mhz), 4),
             "rate": round(point.rate, 4),
             "busy": [round(point.kinds[0].rate, 4), round(point.kinds[1].rate, 4)],
             "memory": [most(point.kinds[0].memory), most(point.kinds[1].memory)],
@@ -114,7 +114,7 @@ fn data(results: &Results, cpu: &[CpuTime]) -> Value {
     json!({
         "headline": plan.models.get(plan.headline).map(|model| &model.name),
         "machine": machine.map(|machine| &machine.name),
-        "mhz": machine.map(|machine| machine.machine.clock_mhz),
+        "mhz": machine.map(|machine| machine.clock().mhz),
         "pipelines": plan
             .pipelines
             .iter()

@@ -9,6 +9,7 @@ mod file;
 mod resolve;
 mod sweeps;
 
+use robovec_codegen::hardware::{self, MachineClock};
 use robovec_framework::pipeline::Pipeline;
 use robovec_ir::Machine;
 use robovec_num::limits::NumberLimit;
@@ -133,6 +134,14 @@ pub struct NamedMachine {
     pub machine: Machine,
     /// Stages of adders and multipliers, for the couples of Table 1.3.
     pub couple: Option<[u32; 2]>,
+}
+
+impl NamedMachine {
+    /// The clock that the study counts with: what was published of the
+    /// machine, else the estimate.
+    pub fn clock(&self) -> MachineClock {
+        hardware::published_clock(&self.machine)
+    }
 }
 
 /// One placement.

@@ -7,7 +7,7 @@ use crate::present::{DataCell, DataTable};
 
 pub(super) fn table(results: &Results) -> Option<DataTable> {
     let machine = results.main_machine()?;
-    let mhz = results.plan.machines[machine].machine.clock_mhz;
+    let mhz = results.plan.machines[machine].clock().mhz;
     let mut rows = Vec::new();
     for group in variants::groups(results) {
         for pipeline in 0..results.plan.pipelines.len() {

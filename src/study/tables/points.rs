@@ -64,7 +64,7 @@ pub(super) fn points(results: &Results) -> DataTable {
             }),
             DataCell::count(point.cycles),
             DataCell::count(point.lower_bound),
-            DataCell::number(time_us(point, machine.machine.clock_mhz), 3),
+            DataCell::number(time_us(point, machine.clock().mhz), 3),
             DataCell::number(100.0 * point.rate, 1),
             memory(0),
             memory(1),

@@ -1,94 +1,106 @@
-//! The clock of a machine: an estimate without any tool.
+//! The clock of a machine: one model, which every command asks.
 //!
-//! The delays of the operators are those of the mapped cores, tabulated by
-//! latency; what stands between them is short and known: operands come from
-//! a block memory, results cross the crossbar into one. Delays of cells are
-//! published, those of nets are not, so every estimate is a range.
+//! A stage of an operator takes what its steps take
+//! ([`CoreStep`](crate::rtl::cores::CoreStep)), from the figures of the
+//! device ([`Device`]). What stands between the operators is short and known:
+//! operands come from a block memory, results cross the crossbar into one.
+//! Delays of nets lie between two bounds, so every estimate is a range.
 //!
-//! **Invariant.** The tables are what `robovec synthesise --delays` prints
-//! (yosys 0.70, binary32 with subnormal numbers); a test compares them when
-//! yosys is installed. They were never calibrated against Quartus.
+//! **Invariant.** A machine on a device has one clock: reports, searches,
+//! studies of robovec's own hardware and projects take it from [`clock`], and
+//! clocks that somebody published are told apart by their origin.
 
 use super::shape::MachineShape;
-use crate::rtl::cores::{self, OperatorCore};
-use robovec_ir::machine::ElementDescription;
+use crate::rtl::cores::{self, OperatorCore, stage_delay};
+use robovec_ir::machine::{ClockOrigin, Device, ElementDescription};
 use robovec_ir::{Format, Machine, Operation};
 use robovec_num::NumberFormat;
 use serde::Serialize;
 
-/// The delay of a net, ps: the lower and the upper guess.
-const NETS: [u32; 2] = [500, 900];
-
-/// Clock to output of a register and of a block memory, and the set-up time
-/// of a block memory's data and address, ps (yosys' `intel_alm` cells).
-const REGISTER: u32 = 731;
-const MEMORY: u32 = 1004;
-const MEMORY_DATA: u32 = 97;
-const MEMORY_ADDRESS: u32 = 125;
-
-/// A look-up table through its slowest input, and a memory in logic.
-const TABLE: u32 = 605;
-const LOGIC_MEMORY: u32 = 487;
-
-/// The highest clock of a block memory, MHz (thesis 1.3).
-const MEMORY_MHZ: f64 = 240.0;
-
-/// Adders of 1 stage and more: from an operand to a register and from register
-/// to register with quick nets, then both with slow ones, ps.
-const ADDER: [[u32; 4]; 16] = [
-    [25266, 0, 33986, 0],
-    [13507, 13554, 18307, 18661],
-    [9184, 11128, 13460, 14728],
-    [7515, 8991, 10706, 11791],
-    [5410, 8015, 7410, 10415],
-    [5410, 6865, 7410, 9665],
-    [5410, 7039, 7410, 8639],
-    [4703, 6139, 6303, 7339],
-    [4703, 6139, 6303, 7339],
-    [3803, 6139, 5003, 7339],
-    [3803, 6063, 5303, 7263],
-    [3803, 4226, 5003, 6225],
-    [3803, 4225, 5003, 6225],
-    [3803, 4225, 5003, 6225],
-    [3803, 4225, 5003, 6225],
-    [3803, 4225, 5003, 6225],
-];
-
-/// The same for multipliers.
-const MULTIPLIER: [[u32; 4]; 13] = [
-    [19091, 0, 26849, 0],
-    [9865, 11227, 14529, 15227],
-    [6895, 9530, 10774, 11930],
-    [4800, 9530, 7600, 11930],
-    [4506, 7244, 6906, 8844],
-    [4506, 6786, 6906, 9511],
-    [4506, 6777, 6906, 9577],
-    [4506, 6127, 6906, 9025],
-    [4506, 6432, 6906, 9511],
-    [4506, 6361, 6906, 9399],
-    [3909, 5876, 6300, 8585],
-    [4506, 6432, 6906, 9232],
-    [4506, 6432, 7297, 9440],
-];
-
 /// A clock, MHz.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct Estimate {
-    /// With 900 ps per net.
+    /// With slow nets.
     pub low: f64,
     /// Between the two.
     pub mid: f64,
-    /// With 500 ps per net.
+    /// With quick nets.
     pub high: f64,
 }
 
-/// The clock of a machine's elements: of a cycle, which has several clocks
-/// where memories are shared in time. An estimate from published delays of
-/// cells for a Cyclone V of speed grade 7, neither placed nor routed nor
-/// calibrated.
+/// The clock that a machine is said to have.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct MachineClock {
+    /// Of a cycle, MHz.
+    pub mhz: f64,
+    /// Where it comes from.
+    pub origin: ClockOrigin,
+}
+
+impl MachineClock {
+    /// The time of so many cycles, in microseconds.
+    pub fn microseconds(&self, cycles: u32) -> f64 {
+        f64::from(cycles) / self.mhz
+    }
+
+    /// The clock and its origin, for people.
+    pub fn text(&self) -> String {
+        let megahertz = (self.mhz * 10.0).round() / 10.0;
+        format!("{megahertz} MHz ({})", self.origin.name())
+    }
+}
+
+/// The clock of a machine's elements: what the machine file declares or
+/// measured, else the middle of the estimate. What was published of other
+/// hardware does not count.
+pub fn clock(machine: &Machine) -> MachineClock {
+    match (machine.clock_mhz, machine.clock_origin) {
+        (Some(mhz), origin @ (ClockOrigin::Declared | ClockOrigin::Measured)) => {
+            MachineClock { mhz, origin }
+        }
+        _ => MachineClock {
+            mhz: estimated_clock_mhz(machine).mid,
+            origin: ClockOrigin::Estimated,
+        },
+    }
+}
+
+/// The clock of a machine with other numbers of elements: kinds and counts.
+pub fn clock_with_elements<'a>(
+    machine: &Machine,
+    counts: impl Iterator<Item = (&'a str, u32)> + Clone,
+) -> MachineClock {
+    let mut machine = machine.clone();
+    for element in &mut machine.elements {
+        let mut counts = counts.clone();
+        if let Some((_, count)) = counts.find(|(kind, _)| *kind == element.kind) {
+            element.count = count;
+        }
+    }
+    clock(&machine)
+}
+
+/// The clock that a study of published tables counts with: the one that was
+/// published, where there is one, else that of [`clock`].
+pub fn published_clock(machine: &Machine) -> MachineClock {
+    match (machine.clock_mhz, machine.clock_origin) {
+        (Some(mhz), origin @ ClockOrigin::Published) => MachineClock { mhz, origin },
+        _ => clock(machine),
+    }
+}
+
+/// The estimate for a machine's elements: of a cycle, which has several clocks
+/// where memories are shared in time. How good it is, the device's `origin`
+/// says.
 pub fn estimated_clock_mhz(machine: &Machine) -> Estimate {
-    let shape = MachineShape::of(machine, 1024, 1024);
-    let [quick, slow] = [0, 1].map(|guess| period(&shape, guess));
+    // Neither the length of programs nor their words matter.
+    estimate_of(&MachineShape::of(machine, 1024, 1024))
+}
+
+/// The estimate for hardware of a shape.
+pub fn estimate_of(shape: &MachineShape) -> Estimate {
+    let nets = shape.device.nets;
+    let [quick, slow] = [nets.quick, nets.slow].map(|net| period(shape, net));
     Estimate {
         low: 1e6 / slow,
         mid: 2e6 / (quick + slow),
@@ -96,39 +108,26 @@ pub fn estimated_clock_mhz(machine: &Machine) -> Estimate {
     }
 }
 
-/// The delays of an operator of binary32 by latency: from an operand to a
-/// register, and from register to register, ps; `guess` 0 for quick nets, 1
-/// for slow ones. Latencies beyond the table are no quicker. None for the
-/// operators that are not tabulated.
-pub fn tabulated(core: OperatorCore, stages: u32, guess: usize) -> Option<[u32; 2]> {
-    let table: &[[u32; 4]] = match core {
-        OperatorCore::Add => &ADDER,
-        OperatorCore::Multiply => &MULTIPLIER,
-        OperatorCore::Divide | OperatorCore::Root | OperatorCore::Fused => return None,
-    };
-    let place = (stages.max(1) as usize).min(table.len()) - 1;
-    let row = table[place];
-    Some([row[2 * guess], row[2 * guess + 1]])
-}
-
 /// The longest of all paths of a cycle, ps.
-fn period(shape: &MachineShape, guess: usize) -> f64 {
-    let net = NETS[guess];
+fn period(shape: &MachineShape, net: u32) -> f64 {
+    let cells = &shape.device.cells;
     let mut longest = f64::from(crossbar(shape, net));
     for kind in &shape.kinds {
-        longest = longest.max(element(&kind.element, shape.number, guess));
+        let element = element(&kind.element, shape.number, shape.device, net);
+        longest = longest.max(f64::from(element));
     }
     let phases = f64::from(shape.phases());
     if shape.phases() > 1 {
         // In every clock a port takes another address.
-        let address = f64::from(REGISTER + TABLE + MEMORY_ADDRESS + 2 * net);
-        longest = longest.max(phases * address);
+        let address = cells.register + cells.table_slowest + cells.memory_address + 2 * net;
+        longest = longest.max(phases * f64::from(address));
     }
-    longest.max(phases * 1e6 / MEMORY_MHZ)
+    longest.max(phases * 1e6 / shape.device.blocks.memory_mhz)
 }
 
 /// From a buffer's address through the buffer and the crossbar into a memory.
 fn crossbar(shape: &MachineShape, net: u32) -> u32 {
+    let cells = &shape.device.cells;
     let mut levels = 0;
     let mut left = shape.sources();
     while left > 1 {
@@ -136,73 +135,90 @@ fn crossbar(shape: &MachineShape, net: u32) -> u32 {
         levels += 1;
     }
     let buffer = if shape.buffer.is_some() {
-        LOGIC_MEMORY + net
+        cells.logic_memory + net
     } else {
         0
     };
-    REGISTER + net + buffer + levels * (TABLE + net) + MEMORY_DATA
+    cells.register + net + buffer + levels * (cells.table_slowest + net) + cells.memory_data
 }
 
 /// The longest path of the operators of an element, ps.
-fn element(element: &ElementDescription, number: Format, guess: usize) -> f64 {
+fn element(element: &ElementDescription, number: Format, device: &Device, net: u32) -> u32 {
     let performed = Operation::ALL.into_iter();
     let performed = performed.filter(|operation| element.performs(*operation));
     let periods = performed
         .filter_map(OperatorCore::of)
         .map(|core| match number {
-            Format::Float(format) => {
-                let model = slowest(core, format, element.stages);
-                match tabulated(core, element.stages, guess) {
-                    Some([first, inner]) => {
-                        let binary32 = slowest(core, NumberFormat::BINARY32, element.stages);
-                        f64::from((MEMORY + first).max(inner)) * model / binary32
-                    }
-                    // The model has quick nets; slow ones make paths through
-                    // logic three tenths longer, as in the tables.
-                    None => f64::from(MEMORY) + model * [1.0, 1.3][guess],
-                }
-            }
-            Format::Fixed(_) => f64::from(fixed(core, number.width(), NETS[guess])),
+            Format::Float(format) => operator_period(core, format, element.stages, device, net),
+            Format::Fixed(_) => fixed(core, number.width(), device, net),
         });
-    periods.fold(0.0, f64::max)
+    periods.max().unwrap_or(0)
 }
 
-/// The slowest stage by the cores' own model, which carries the table over
-/// to other formats.
-fn slowest(core: OperatorCore, format: NumberFormat, stages: u32) -> f64 {
-    let mask = cores::cuts(core, format, stages).mask;
-    let (mut worst, mut stage) = (1, 0);
-    for (place, step) in (0_u32..).zip(core.steps(format)) {
-        stage += step.delay;
-        worst = worst.max(stage);
-        if mask >> place & 1 == 1 {
-            stage = 0;
-        }
+/// The longest path of an operator whose operands come from a block memory,
+/// ps: where nets take so long.
+pub fn operator_period(
+    core: OperatorCore,
+    format: NumberFormat,
+    stages: u32,
+    device: &Device,
+    net: u32,
+) -> u32 {
+    let mask = cores::cuts(core, format, stages, device).mask;
+    let steps = core.steps_with_nets(format, device, net);
+    let (mut worst, mut first) = (0, 0);
+    for last in (0..steps.len()).filter(|last| mask >> last & 1 == 1) {
+        let from = match first {
+            0 => device.cells.memory,
+            _ => device.cells.register,
+        };
+        worst = worst.max(from + stage_delay(&steps[first..=last]));
+        first = last + 1;
     }
-    f64::from(worst)
+    worst
 }
 
 /// A carry chain, or a product and a carry chain, in one stage: there are no
 /// cores of fixed point.
-fn fixed(core: OperatorCore, width: u32, net: u32) -> u32 {
-    let chain = 1342 + 36 * width + 368 + net;
+fn fixed(core: OperatorCore, width: u32, device: &Device, net: u32) -> u32 {
+    let cells = &device.cells;
+    let chain = cells.chain + cells.carry * width + net;
     let product = match core {
-        OperatorCore::Multiply => 3928 + net,
+        OperatorCore::Multiply => cells.multiplier + net,
         _ => 0,
     };
-    MEMORY + net + product + chain
+    cells.memory + net + product + chain
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use robovec_ir::machine::MemoryStyle;
+    use robovec_ir::machine::{DeviceFamily, MemoryStyle};
 
     fn with_stages(add: u32, multiply: u32) -> Machine {
         let mut machine = Machine::built_in("side-split").expect("it ships");
         machine.elements[0].stages = add;
         machine.elements[1].stages = multiply;
         machine
+    }
+
+    #[test]
+    #[ignore = "prints the stages of the operators"]
+    fn stages_of_operators() {
+        for family in DeviceFamily::ALL {
+            let device = family.device();
+            for (core, stages) in [(OperatorCore::Add, 10), (OperatorCore::Multiply, 5)] {
+                let binary32 = NumberFormat::BINARY32;
+                let cuts = cores::cuts(core, binary32, stages, device);
+                let steps = core.steps(binary32, device);
+                let mut first = 0;
+                println!("{} {core:?} {stages} {:x}", device.name, cuts.mask);
+                for last in (0..steps.len()).filter(|last| cuts.mask >> last & 1 == 1) {
+                    println!("  {first}..{last} {}", stage_delay(&steps[first..=last]));
+                    first = last + 1;
+                }
+            }
+        }
     }
 
     #[test]

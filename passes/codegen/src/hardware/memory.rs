@@ -1,15 +1,6 @@
 //! Memories: how many blocks of which kind hold so many words.
 
-/// Words and bits per word that an M10K block can have with one read and one
-/// write port.
-const SIMPLE: [[u32; 2]; 6] = [
-    [8192, 1],
-    [4096, 2],
-    [2048, 5],
-    [1024, 10],
-    [512, 20],
-    [256, 40],
-];
+use robovec_ir::machine::Device;
 
 /// Words of an MLAB.
 const LAB_WORDS: u32 = 32;
@@ -24,16 +15,15 @@ fn least(shapes: &[[u32; 2]], words: u32, bits: u32) -> u32 {
     counts.min().unwrap_or(0)
 }
 
-/// M10K blocks for a memory with one read and one write port, all blocks of
-/// one shape (thesis 1.3.1).
-pub fn blocks(words: u32, bits: u32) -> u32 {
-    least(&SIMPLE, words, bits)
+/// Blocks for a memory with one read and one write port, all blocks of one
+/// shape (thesis 1.3.1).
+pub fn blocks(words: u32, bits: u32, device: &Device) -> u32 {
+    least(&device.blocks.memory_shapes, words, bits)
 }
 
-/// M10K blocks for a memory with two ports that both read and write: a block
-/// has no words of 40 bits then.
-pub fn true_dual_port_blocks(words: u32, bits: u32) -> u32 {
-    least(&SIMPLE[..5], words, bits)
+/// Blocks for a memory with two ports that both read and write.
+pub fn true_dual_port_blocks(words: u32, bits: u32, device: &Device) -> u32 {
+    least(&device.blocks.dual_port_shapes, words, bits)
 }
 
 /// Blocks of a larger device for a memory with two read and two write ports:
@@ -55,6 +45,15 @@ pub(super) fn bits(count: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use robovec_ir::machine::DeviceFamily;
+
+    fn blocks(words: u32, bits: u32) -> u32 {
+        super::blocks(words, bits, DeviceFamily::CycloneV.device())
+    }
+
+    fn true_dual_port_blocks(words: u32, bits: u32) -> u32 {
+        super::true_dual_port_blocks(words, bits, DeviceFamily::CycloneV.device())
+    }
 
     #[test]
     fn blocks_follow_the_shapes_of_an_m10k() {

@@ -18,7 +18,10 @@ mod parts;
 mod resources;
 mod shape;
 
-pub use clock::{Estimate, estimated_clock_mhz, tabulated};
+pub use clock::{
+    Estimate, MachineClock, clock, clock_with_elements, estimate_of, estimated_clock_mhz,
+    operator_period, published_clock,
+};
 pub use interconnect::{Terminals, interconnect};
 pub use memory::{blocks, four_port_blocks, lab_memories, true_dual_port_blocks};
 pub use operator::{operator, product_blocks};

@@ -12,13 +12,14 @@ use super::ResourceUse;
 use super::memory::bits;
 use crate::rtl::cores::{self, OperatorCore};
 use robovec_ir::Format;
+use robovec_ir::machine::Device;
 use robovec_num::NumberFormat;
 
 /// The resources of one operator with so many stages.
-pub fn operator(core: OperatorCore, number: Format, stages: u32) -> ResourceUse {
+pub fn operator(core: OperatorCore, number: Format, stages: u32, device: &Device) -> ResourceUse {
     match number {
-        Format::Float(format) => float(core, format, stages),
-        Format::Fixed(_) => fixed(core, number.width(), stages),
+        Format::Float(format) => float(core, format, stages, device),
+        Format::Fixed(_) => fixed(core, number.width(), stages, device),
     }
 }
 
@@ -38,7 +39,7 @@ fn tables(core: OperatorCore, subnormals: bool) -> [f64; 4] {
     }
 }
 
-fn float(core: OperatorCore, format: NumberFormat, stages: u32) -> ResourceUse {
+fn float(core: OperatorCore, format: NumberFormat, stages: u32, device: &Device) -> ResourceUse {
     let (exponent, mantissa) = (f64::from(format.exponent), f64::from(format.mantissa));
     let [per_step, per_mantissa, per_exponent, constant] = tables(core, format.subnormals);
     let steps = f64::from(bits(format.mantissa + 5));
@@ -59,11 +60,11 @@ fn float(core: OperatorCore, format: NumberFormat, stages: u32) -> ResourceUse {
     }
     if matches!(core, OperatorCore::Multiply | OperatorCore::Fused) {
         let significand = format.mantissa + 1;
-        multiplier_blocks = product_blocks(significand);
-        aluts += product_tables(significand);
+        multiplier_blocks = product_blocks(significand, device);
+        aluts += product_tables(significand, device);
     }
-    let cuts = cores::cuts(core, format, stages);
-    let steps = core.steps(format);
+    let cuts = cores::cuts(core, format, stages, device);
+    let steps = core.steps(format, device);
     let cut = (0_u32..)
         .zip(&steps)
         .filter(|(place, _)| cuts.mask >> place & 1 == 1);
@@ -80,7 +81,7 @@ fn float(core: OperatorCore, format: NumberFormat, stages: u32) -> ResourceUse {
 /// Numbers without an exponent: a carry chain that saturates, or a product
 /// that is rounded and saturates. No cores are built for them; this is for
 /// comparing formats.
-fn fixed(core: OperatorCore, width: u32, stages: u32) -> ResourceUse {
+fn fixed(core: OperatorCore, width: u32, stages: u32, device: &Device) -> ResourceUse {
     let places = f64::from(width);
     let registers = places * f64::from(stages);
     match core {
@@ -95,33 +96,39 @@ fn fixed(core: OperatorCore, width: u32, stages: u32) -> ResourceUse {
             ..ResourceUse::default()
         },
         OperatorCore::Multiply | OperatorCore::Fused => ResourceUse {
-            aluts: 3.0 * places + product_tables(width),
+            aluts: 3.0 * places + product_tables(width, device),
             registers,
-            multiplier_blocks: product_blocks(width),
+            multiplier_blocks: product_blocks(width, device),
             ..ResourceUse::default()
         },
     }
 }
 
-/// Multiplier blocks of a product of two numbers of so many bits: three of 9
-/// or two of 18 bits share one, and wider numbers are cut into pieces of 27.
-pub fn product_blocks(width: u32) -> f64 {
-    match width {
-        0..=9 => 1.0 / 3.0,
-        10..=18 => 0.5,
-        _ => f64::from(width.div_ceil(27).pow(2)),
+/// Multiplier blocks of a product of two numbers of so many bits. In a block
+/// of 27 bits three products of 9 or two of 18 share it; wider numbers are cut
+/// into pieces, each product of which takes a block.
+pub fn product_blocks(width: u32, device: &Device) -> f64 {
+    match (width, device.blocks.factor) {
+        (0..=9, 27) => 1.0 / 3.0,
+        (10..=18, 27) => 0.5,
+        (_, factor) => f64::from(width.div_ceil(factor).pow(2)),
     }
 }
 
 /// Tables that add up the partial products of wide numbers.
-fn product_tables(width: u32) -> f64 {
-    let products = width.div_ceil(27).pow(2);
+fn product_tables(width: u32, device: &Device) -> f64 {
+    let products = width.div_ceil(device.blocks.factor).pow(2);
     0.95 * f64::from((products - 1) * 2 * width)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use robovec_ir::machine::DeviceFamily;
+
+    fn operator(core: OperatorCore, number: Format, stages: u32) -> ResourceUse {
+        super::operator(core, number, stages, DeviceFamily::default().device())
+    }
 
     fn float(exponent: u32, mantissa: u32, subnormals: bool) -> NumberFormat {
         NumberFormat {
@@ -181,16 +188,16 @@ mod tests {
 
     /// Tables and registers that yosys 0.70 maps cores of binary32 to.
     const BY_STAGES: [(OperatorCore, u32, f64, f64); 10] = [
-        (OperatorCore::Add, 1, 457.0, 32.0),
-        (OperatorCore::Add, 3, 449.0, 148.0),
-        (OperatorCore::Add, 5, 455.0, 258.0),
-        (OperatorCore::Add, 7, 427.0, 334.0),
-        (OperatorCore::Add, 10, 439.0, 543.0),
-        (OperatorCore::Add, 14, 438.0, 725.0),
-        (OperatorCore::Multiply, 2, 358.0, 100.0),
-        (OperatorCore::Multiply, 4, 369.0, 213.0),
-        (OperatorCore::Multiply, 5, 366.0, 264.0),
-        (OperatorCore::Multiply, 9, 370.0, 425.0),
+        (OperatorCore::Add, 1, 469.0, 32.0),
+        (OperatorCore::Add, 3, 450.0, 132.0),
+        (OperatorCore::Add, 5, 424.0, 226.0),
+        (OperatorCore::Add, 7, 456.0, 357.0),
+        (OperatorCore::Add, 10, 451.0, 508.0),
+        (OperatorCore::Add, 14, 446.0, 702.0),
+        (OperatorCore::Multiply, 2, 368.0, 100.0),
+        (OperatorCore::Multiply, 4, 356.0, 200.0),
+        (OperatorCore::Multiply, 5, 388.0, 272.0),
+        (OperatorCore::Multiply, 9, 390.0, 452.0),
     ];
 
     #[test]
@@ -208,7 +215,8 @@ mod tests {
     #[test]
     fn products_share_blocks_or_take_several() {
         assert_eq!(
-            [8, 18, 24, 27, 28, 53].map(product_blocks),
+            [8, 18, 24, 27, 28, 53]
+                .map(|width| product_blocks(width, DeviceFamily::default().device())),
             [1.0 / 3.0, 0.5, 1.0, 1.0, 4.0, 4.0]
         );
     }

@@ -6,7 +6,7 @@
 
 use super::memory::bits;
 use crate::rtl::{Crossbar, Hardware};
-use robovec_ir::machine::{ElementDescription, Interconnect, MemoryStyle};
+use robovec_ir::machine::{Device, ElementDescription, Interconnect, MemoryStyle};
 use robovec_ir::{Format, Machine};
 
 /// Address bits of instruction and operand memories at least.
@@ -24,6 +24,8 @@ pub struct ElementsOfKind {
 /// A machine with every size settled.
 #[derive(Clone, Debug)]
 pub struct MachineShape {
+    /// The device it is built on.
+    pub device: &'static Device,
     /// The number format.
     pub number: Format,
     /// The kinds of elements.
@@ -56,6 +58,7 @@ impl MachineShape {
             count: element.count,
         });
         MachineShape {
+            device: machine.device.device(),
             number: machine.number,
             kinds: kinds.collect(),
             style: machine.memory.style,
@@ -84,6 +87,7 @@ impl MachineShape {
             })
         });
         MachineShape {
+            device: hardware.machine.device.device(),
             number: hardware.machine.number,
             kinds: kinds.collect(),
             style: hardware.machine.memory.style,

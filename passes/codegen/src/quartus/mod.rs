@@ -15,7 +15,7 @@ mod constraints;
 mod map;
 
 use super::manifest::Manifest;
-use crate::hardware::{MachineShape, estimated_clock_mhz};
+use crate::hardware::{MachineShape, estimate_of};
 use constraints::constraints;
 use map::map;
 use robovec_ir::Machine;
@@ -62,24 +62,25 @@ struct Clock {
     why: String,
 }
 
-/// The clock of the project: that of the machine file, unless even the lower
-/// end of the estimate is below it; then that.
-fn clock(machine: &Machine, phases: u32) -> Clock {
-    let phases = f64::from(phases);
-    let estimate = estimated_clock_mhz(machine);
-    let declared = machine.clock_mhz;
-    let (element, why) = if declared <= estimate.low {
-        (declared, "as the machine file has it")
-    } else {
-        (
-            estimate.low.floor(),
-            "the lower end of the estimate, since the machine file's is above it",
-        )
+/// The clock of the project: that of the machine file, where it has one,
+/// unless even the lower end of the estimate is below it; then that.
+fn clock(machine: &Machine, shape: &MachineShape) -> Clock {
+    let phases = f64::from(shape.phases());
+    let estimate = estimate_of(shape);
+    let lowest = estimate.low.floor();
+    let origin = machine.clock_origin.name();
+    let (element, why) = match machine.clock_mhz {
+        Some(known) if known <= estimate.low => (known, format!("{origin} in the machine file")),
+        Some(known) => (
+            lowest,
+            format!("the lower end of the estimate, below the {known} MHz {origin}"),
+        ),
+        None => (lowest, "the lower end of the estimate".to_owned()),
     };
     Clock {
         megahertz: element * phases,
         why: format!(
-            "{element} MHz per cycle, {why}; machine file {declared}, estimate {:.0} to {:.0}",
+            "{element} MHz per cycle, {why}; estimated {:.0} to {:.0}",
             estimate.low, estimate.high
         ),
     }
@@ -96,7 +97,7 @@ pub fn project(
     sources: &[String],
     images: &[String],
 ) -> Vec<(String, String)> {
-    let clock = clock(machine, shape.phases());
+    let clock = clock(machine, shape);
     let mut files = vec![
         ("robovec.qpf".to_owned(), PROJECT.to_owned()),
         ("robovec.qsf".to_owned(), settings(&clock, sources, images)),
@@ -189,6 +190,10 @@ fn top(clock: &Clock, manifest: &Manifest) -> String {
 mod tests {
     use super::*;
 
+    fn shape(machine: &Machine) -> MachineShape {
+        MachineShape::of(machine, 1024, 1024)
+    }
+
     fn machine() -> Machine {
         Machine::built_in("de10-nano").expect("it ships")
     }
@@ -196,16 +201,16 @@ mod tests {
     #[test]
     fn a_clock_that_is_too_fast_gives_way_to_the_estimate() {
         let mut machine = machine();
-        let as_built = clock(&machine, 2);
+        let as_built = clock(&machine, &shape(&machine));
         assert_eq!(as_built.megahertz, 50.0);
-        machine.clock_mhz = 1000.0;
-        let limited = clock(&machine, 2);
+        machine.clock_mhz = Some(1000.0);
+        let limited = clock(&machine, &shape(&machine));
         assert!(limited.megahertz < 240.0 && limited.why.contains("lower end"));
     }
 
     #[test]
     fn settings_name_every_file_and_quote_brackets() {
-        let clock = clock(&machine(), 2);
+        let clock = clock(&machine(), &shape(&machine()));
         let text = settings(&clock, &["a.v".to_owned()], &["F.add0.data.mif".to_owned()]);
         for wanted in [
             "VERILOG_FILE ../rtl/a.v",

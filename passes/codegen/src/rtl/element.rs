@@ -42,7 +42,12 @@ pub(super) fn text(hardware: &Hardware, group: &ElementGroup) -> String {
         let code = element.field(OPERATION);
         let _ = writeln!(text, "    wire {} operation = {code};\n", range(code_bits));
     }
-    text += &unit::text(hardware.kind(group), number, code_bits);
+    text += &unit::text(
+        hardware.kind(group),
+        number,
+        code_bits,
+        hardware.machine.device.device(),
+    );
     text += &element.buffer();
     text += "\nendmodule\n";
     text

@@ -148,7 +148,7 @@ impl Top<'_> {
              .running(running), .finished(finished)\n    );\n\n    \
              assign results_running = active & advance;\n\n    \
              wire unit_access;\n    wire unit_write;\n    wire {host} unit_address;\n    \
-             wire {limbs} unit_data;\n    reg {word} unit_word;\n\n    \
+             wire {limbs} unit_data;\n    wire {word} unit_word;\n\n    \
              host_window #(\n        .ADDRESS({host_bits}), .LIMBS({limb_count}), \
              .WIDTH({width}), .CYCLE({cycle}),\n        \
              .CYCLES(INITIAL != 0 ? CYCLES : 0),\n        \
@@ -218,18 +218,27 @@ impl Top<'_> {
                 bits_of("host_words", units * self.width, missing)
             );
         }
+        // Words leave the block memories late in a clock, so they are held
+        // before one of them is chosen.
+        let _ = write!(
+            text,
+            "    reg {words} host_held;\n    \
+             always @(posedge clock) host_held <= host_words;\n",
+            words = range(padded * self.width),
+        );
         if block.unit_bits > 0 {
             let _ = write!(
                 text,
-                "    reg {unit} unit_read;\n    always @(posedge clock) begin\n        \
-                 unit_read <= {};\n        \
-                 unit_word <= host_words[unit_read*{width} +: {width}];\n    end\n",
+                "    reg {unit} unit_read;\n    reg {unit} unit_held;\n    \
+                 always @(posedge clock) begin\n        \
+                 unit_read <= {};\n        unit_held <= unit_read;\n    end\n    \
+                 assign unit_word = host_held[unit_held*{width} +: {width}];\n",
                 bits_of("unit_address", block.unit_low(), block.unit_bits),
                 unit = range(block.unit_bits),
                 width = self.width,
             );
         } else {
-            text += "    always @(posedge clock) unit_word <= host_words;\n";
+            text += "    assign unit_word = host_held;\n";
         }
         let block = &window.instructions;
         let _ = writeln!(

@@ -5,7 +5,7 @@ use super::cores::{self, OperatorCore};
 use super::error::RtlError;
 use super::text::range;
 use robovec_ir::Operation;
-use robovec_ir::machine::ElementDescription;
+use robovec_ir::machine::{Device, ElementDescription};
 use robovec_num::NumberFormat;
 use std::fmt::Write;
 
@@ -68,7 +68,12 @@ pub(super) fn check(kind: &ElementDescription) -> Result<(), RtlError> {
 /// The text between the operands `left`, `right` and `addend` and the wire
 /// `result`. `code_bits` is the width of the wire `operation`, 0 where an
 /// element performs one operation only.
-pub(super) fn text(kind: &ElementDescription, number: NumberFormat, code_bits: u32) -> String {
+pub(super) fn text(
+    kind: &ElementDescription,
+    number: NumberFormat,
+    code_bits: u32,
+    device: &Device,
+) -> String {
     let parts = parts(kind);
     let mut text = String::new();
     // Writing to a string cannot fail, here and below.
@@ -82,7 +87,7 @@ pub(super) fn text(kind: &ElementDescription, number: NumberFormat, code_bits: u
         );
     }
     for part in &parts {
-        core_instance(&mut text, part, kind, number, code_bits);
+        core_instance(&mut text, part, (kind, device), number, code_bits);
     }
     select_result(&mut text, &parts, kind.stages, code_bits);
     text
@@ -91,11 +96,15 @@ pub(super) fn text(kind: &ElementDescription, number: NumberFormat, code_bits: u
 fn core_instance(
     text: &mut String,
     part: &UnitCore,
-    kind: &ElementDescription,
+    (kind, device): (&ElementDescription, &Device),
     number: NumberFormat,
     code_bits: u32,
 ) {
-    let cuts = cores::cuts(part.core, number, kind.stages);
+    let cuts = cores::cuts(part.core, number, kind.stages, device);
+    let blocks = part.core.device_parameters(device).into_iter();
+    let blocks: Vec<String> = blocks
+        .map(|(name, value)| format!(".{name}({value}), "))
+        .collect();
     let code = |wanted: &str| {
         let found = part.operations.iter().find(|(name, _)| name == wanted);
         found.map(|&(_, code)| format!("entering == {code_bits}'d{code}"))
@@ -121,13 +130,14 @@ fn core_instance(
         text,
         "    wire {word} {module}_result;\n    \
          {module} #(\n        .EXPONENT({exponent}), .MANTISSA({mantissa}), \
-         .SUBNORMALS({subnormals}), .CUTS(64'h{mask:x}), .EXTRA({extra})\n    ) {module}_core (\n        \
+         .SUBNORMALS({subnormals}), {blocks}.CUTS(64'h{mask:x}), .EXTRA({extra})\n    ) {module}_core (\n        \
          .clock(clock), .enable(advance), {ports},\n        .result({module}_result)\n    );\n",
         module = part.name(),
         word = range(1 + number.exponent + number.mantissa),
         exponent = number.exponent,
         mantissa = number.mantissa,
         subnormals = u32::from(number.subnormals),
+        blocks = blocks.concat(),
         mask = cuts.mask,
         extra = cuts.extra,
     );

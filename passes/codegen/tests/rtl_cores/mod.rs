@@ -18,7 +18,8 @@ mod reference;
 mod simulators;
 mod vectors;
 
-use robovec_codegen::rtl::cores::{Cuts, OperatorCore, cuts};
+use robovec_codegen::rtl::cores::OperatorCore;
+use robovec_ir::machine::{Device, DeviceFamily};
 use robovec_num::NumberFormat;
 use simulators::{Bench, Simulator};
 
@@ -34,6 +35,20 @@ const fn float(exponent: u32, mantissa: u32, subnormals: bool) -> NumberFormat {
 const BINARY32: NumberFormat = NumberFormat::BINARY32;
 const BINARY32_FLUSHED: NumberFormat = float(8, 23, false);
 
+fn device() -> &'static Device {
+    DeviceFamily::default().device()
+}
+
+/// The devices for which the Verilog of an operator differs by more than the
+/// places of its registers.
+fn devices(core: OperatorCore) -> Vec<&'static Device> {
+    let all = DeviceFamily::ALL.map(DeviceFamily::device);
+    match core.device_parameters(device()).is_empty() {
+        true => vec![device()],
+        false => all.to_vec(),
+    }
+}
+
 /// Says loudly that a simulator is missing.
 fn is_missing(simulator: Simulator) -> bool {
     let missing = !simulator.is_installed();
@@ -47,21 +62,40 @@ fn is_missing(simulator: Simulator) -> bool {
 }
 
 /// Runs vectors through a core and demands that nothing differs.
-fn check(simulator: Simulator, core: OperatorCore, format: NumberFormat, cuts: Cuts, count: usize) {
+fn check(
+    simulator: Simulator,
+    core: OperatorCore,
+    format: NumberFormat,
+    stages: u32,
+    count: usize,
+) {
+    for device in devices(core) {
+        check_on(device, simulator, (core, format), stages, count);
+    }
+}
+
+fn check_on(
+    device: &'static Device,
+    simulator: Simulator,
+    (core, format): (OperatorCore, NumberFormat),
+    stages: u32,
+    count: usize,
+) {
     let vectors = vectors::vectors(core, format, count, 1);
-    let bench = Bench::new(core, format, cuts);
+    let bench = Bench::new(core, format, stages, device);
     let report = bench.run(simulator, &vectors);
     assert_eq!(
         (report.checked, report.wrong),
         (count, 0),
-        "{core:?} {format:?} {cuts:?}:\n{}",
+        "{core:?} {format:?} {stages} stages, {}:\n{}",
+        device.name,
         report.text
     );
 }
 
 /// One register, a handful, one at every cut, and more than that.
 fn stages(core: OperatorCore, format: NumberFormat) -> [u32; 4] {
-    let places = core.steps(format).len() as u32;
+    let places = core.steps(format, device()).len() as u32;
     [1, places.min(5), places, places + 2]
 }
 
@@ -72,8 +106,7 @@ fn short(core: OperatorCore) {
     for format in [BINARY32, BINARY32_FLUSHED] {
         for stages in stages(core, format) {
             let count = if stages == 5 { 5_000 } else { 500 };
-            let cuts = cuts(core, format, stages);
-            check(Simulator::Iverilog, core, format, cuts, count);
+            check(Simulator::Iverilog, core, format, stages, count);
         }
     }
 }
@@ -125,10 +158,9 @@ fn every_format_is_right() {
         for core in OperatorCore::ALL {
             for subnormals in [true, false] {
                 let format = float(exponent, mantissa, subnormals);
-                let places = core.steps(format).len() as u32;
+                let places = core.steps(format, device()).len() as u32;
                 for stages in [3, places] {
-                    let cuts = cuts(core, format, stages);
-                    check(Simulator::Iverilog, core, format, cuts, 150);
+                    check(Simulator::Iverilog, core, format, stages, 150);
                 }
             }
         }
@@ -225,16 +257,21 @@ fn line(
     stages: u32,
     vectors: &[vectors::Vector],
 ) -> usize {
-    let bench = Bench::new(core, format, cuts(core, format, stages));
-    let report = bench.run(Simulator::Verilator, vectors);
-    println!(
-        "{:<9} {:<17} {stages:>6} {:>9} {:>7}",
-        core.module(),
-        robovec_ir::Format::Float(format).to_string(),
-        report.checked,
-        report.wrong
-    );
-    print!("{}", report.text);
-    assert_eq!(report.checked, vectors.len(), "every vector is compared");
-    report.wrong
+    let mut wrong = 0;
+    for device in devices(core) {
+        let bench = Bench::new(core, format, stages, device);
+        let report = bench.run(Simulator::Verilator, vectors);
+        println!(
+            "{:<9} {:<17} {stages:>6} {:>9} {:>7} {}",
+            core.module(),
+            robovec_ir::Format::Float(format).to_string(),
+            report.checked,
+            report.wrong,
+            device.name
+        );
+        print!("{}", report.text);
+        assert_eq!(report.checked, vectors.len(), "every vector is compared");
+        wrong += report.wrong;
+    }
+    wrong
 }

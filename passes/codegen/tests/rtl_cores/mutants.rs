@@ -3,7 +3,8 @@
 
 use super::simulators::{Bench, Simulator};
 use super::{BINARY32, BINARY32_FLUSHED, vectors};
-use robovec_codegen::rtl::cores::{OperatorCore, SOURCES, cuts};
+use robovec_codegen::rtl::cores::{OperatorCore, SOURCES};
+use robovec_ir::machine::DeviceFamily;
 
 /// A fault.
 pub(crate) struct Mutant {
@@ -15,6 +16,7 @@ pub(crate) struct Mutant {
     to: &'static str,
     core: OperatorCore,
     flushes: bool,
+    device: DeviceFamily,
 }
 
 impl Mutant {
@@ -30,7 +32,7 @@ impl Mutant {
         assert!(text.contains(self.from), "{}: {}", self.file, self.from);
         let text = text.replacen(self.from, self.to, 1);
         let vectors = vectors::vectors(self.core, format, count, 3);
-        let bench = Bench::new(self.core, format, cuts(self.core, format, 4));
+        let bench = Bench::new(self.core, format, 4, self.device.device());
         let report = bench
             .with(self.file, text)
             .run(Simulator::Iverilog, &vectors);
@@ -51,6 +53,15 @@ const fn mutant(
         to,
         core,
         flushes,
+        device: DeviceFamily::CycloneV,
+    }
+}
+
+/// A fault of products in pieces.
+const fn split(names: (&'static str, &'static str), texts: (&'static str, &'static str)) -> Mutant {
+    Mutant {
+        device: DeviceFamily::Ecp5,
+        ..mutant(names, texts, OperatorCore::Multiply, false)
     }
 }
 
@@ -270,13 +281,13 @@ pub(crate) const MUTANTS: &[Mutant] = &[
     ),
     mutant(
         ("fp_mul.v", "products are flushed a binade too late"),
-        ("(~top & ~|base_4)", "1'b0"),
+        ("(~top & least_4)", "1'b0"),
         OperatorCore::Multiply,
         true,
     ),
     mutant(
         ("fp_mul.v", "an overflow by the leading bit is missed"),
-        ("(top & base_4 == ONES - 1)", "1'b0"),
+        ("(top & above_raised_4)", "1'b0"),
         OperatorCore::Multiply,
         false,
     ),
@@ -290,8 +301,34 @@ pub(crate) const MUTANTS: &[Mutant] = &[
         false,
     ),
     mutant(
+        (
+            "fp_mul.v",
+            "a leading bit at the top does not raise the exponent",
+        ),
+        ("top ? raised_4 : kept_4", "kept_4"),
+        OperatorCore::Multiply,
+        false,
+    ),
+    mutant(
+        (
+            "fp_mul.v",
+            "only the lowest bits of an exponent tell subnormals",
+        ),
+        ("LOW = M + 4 * four", "LOW = M"),
+        OperatorCore::Multiply,
+        false,
+    ),
+    split(
+        ("fp_mul.v", "products of pieces stand in the wrong place"),
+        ("at / PIECES + at % PIECES", "at / PIECES"),
+    ),
+    split(
+        ("fp_mul.v", "the highest product of pieces is forgotten"),
+        ("at < PIECES * PIECES;", "at < PIECES * PIECES - 1;"),
+    ),
+    mutant(
         ("fp_mul.v", "minus times minus is minus"),
-        ("left[E+M] ^ right[E+M]", "left[E+M] | right[E+M]"),
+        ("left_sign ^ right_sign", "left_sign | right_sign"),
         OperatorCore::Multiply,
         false,
     ),

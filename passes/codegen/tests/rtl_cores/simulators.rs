@@ -1,7 +1,8 @@
 //! Benches: a core, a stream of vectors and a simulator.
 
 use super::vectors::Vector;
-use robovec_codegen::rtl::cores::{Cuts, OperatorCore, SOURCES, SourceFile};
+use robovec_codegen::rtl::cores::{Cuts, OperatorCore, SOURCES, SourceFile, cuts};
+use robovec_ir::machine::Device;
 use robovec_num::NumberFormat;
 use std::fmt::Write;
 use std::path::Path;
@@ -46,16 +47,23 @@ pub(crate) struct Bench {
     core: OperatorCore,
     format: NumberFormat,
     cuts: Cuts,
+    device: &'static Device,
     sources: Vec<SourceFile>,
     mutated: Option<(&'static str, String)>,
 }
 
 impl Bench {
-    pub(crate) fn new(core: OperatorCore, format: NumberFormat, cuts: Cuts) -> Bench {
+    pub(crate) fn new(
+        core: OperatorCore,
+        format: NumberFormat,
+        stages: u32,
+        device: &'static Device,
+    ) -> Bench {
         Bench {
             core,
             format,
-            cuts,
+            cuts: cuts(core, format, stages, device),
+            device,
             sources: SOURCES.to_vec(),
             mutated: None,
         }
@@ -104,18 +112,23 @@ impl Bench {
             mantissa,
             subnormals,
         } = self.format;
+        let blocks = self.core.device_parameters(self.device).into_iter();
+        let blocks: Vec<String> = blocks
+            .map(|(name, value)| format!(".{name}({value}), "))
+            .collect();
         format!(
             "module top(input clock, input enable, input [1:0] operation,
     input [{width}:0] left, input [{width}:0] right, input [{width}:0] addend,
     output [{width}:0] result);
     {module} #(.EXPONENT({exponent}), .MANTISSA({mantissa}), .SUBNORMALS({subnormals}),
-        .CUTS(64'd{mask}), .EXTRA({extra})) core (
+        {blocks}.CUTS(64'd{mask}), .EXTRA({extra})) core (
         .clock(clock), .enable(enable), {ports} .result(result));
 endmodule
 ",
             width = exponent + mantissa,
             module = self.core.module(),
             subnormals = u32::from(subnormals),
+            blocks = blocks.concat(),
             mask = self.cuts.mask,
             extra = self.cuts.extra,
         )

@@ -11,8 +11,9 @@
 mod steps;
 
 use robovec_ir::Operation;
+use robovec_ir::machine::Device;
 use robovec_num::NumberFormat;
-pub use steps::CoreStep;
+pub use steps::{CoreStep, stage_delay};
 
 /// A floating-point operator in hardware.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -98,9 +99,25 @@ impl OperatorCore {
         }
     }
 
-    /// Its steps, each with the cut at its end.
-    pub fn steps(self, format: NumberFormat) -> Vec<CoreStep> {
-        steps::of(self, format)
+    /// Its steps on a device with quick nets, each with the cut at its end.
+    pub fn steps(self, format: NumberFormat, device: &Device) -> Vec<CoreStep> {
+        self.steps_with_nets(format, device, device.nets.quick)
+    }
+
+    /// The same where a net takes so many picoseconds.
+    pub fn steps_with_nets(self, format: NumberFormat, device: &Device, net: u32) -> Vec<CoreStep> {
+        steps::of(self, format, device, net)
+    }
+
+    /// The parameters of its module that depend on the device: names and
+    /// values.
+    pub fn device_parameters(self, device: &Device) -> Vec<(&'static str, u32)> {
+        match self {
+            OperatorCore::Multiply => vec![("BLOCK", device.blocks.factor)],
+            OperatorCore::Add | OperatorCore::Divide | OperatorCore::Root | OperatorCore::Fused => {
+                Vec::new()
+            }
+        }
     }
 }
 
@@ -124,8 +141,8 @@ impl Cuts {
 /// stage is as quick as possible, and among these choices the one with the
 /// fewest registers. Stages beyond the last cut are plain registers. No stages
 /// give no cut at all.
-pub fn cuts(core: OperatorCore, format: NumberFormat, stages: u32) -> Cuts {
-    let steps = core.steps(format);
+pub fn cuts(core: OperatorCore, format: NumberFormat, stages: u32, device: &Device) -> Cuts {
+    let steps = behind_memory(core, format, device);
     let places = steps.len() as u32;
     let count = stages.min(places) as usize;
     let cuts = Cuts {
@@ -144,10 +161,20 @@ pub fn cuts(core: OperatorCore, format: NumberFormat, stages: u32) -> Cuts {
     cuts
 }
 
+/// The steps of an operator whose operands leave a block memory, later in the
+/// clock than they would leave a register.
+fn behind_memory(core: OperatorCore, format: NumberFormat, device: &Device) -> Vec<CoreStep> {
+    let mut steps = core.steps(format, device);
+    let later = device.cells.memory.saturating_sub(device.cells.register);
+    steps[0].delay += later;
+    steps[0].through += later;
+    steps
+}
+
 /// The delay of a stage that begins behind step `first - 1` and ends at the
 /// cut of step `last`, in picoseconds.
 fn delay(steps: &[CoreStep], first: usize, last: usize) -> u32 {
-    steps[first..=last].iter().map(|step| step.delay).sum()
+    stage_delay(&steps[first..=last])
 }
 
 /// The delay of the slowest stage at its best, with so many registers.
@@ -167,13 +194,12 @@ fn slowest(steps: &[CoreStep], count: usize) -> u32 {
 
 /// The fewest stages of at most a delay; no step alone exceeds it.
 fn stages_within(steps: &[CoreStep], limit: u32) -> usize {
-    let (mut stages, mut stage) = (1, 0);
-    for step in steps {
-        if stage + step.delay > limit {
+    let (mut stages, mut first) = (1, 0);
+    for last in 0..steps.len() {
+        if delay(steps, first, last) > limit {
             stages += 1;
-            stage = 0;
+            first = last;
         }
-        stage += step.delay;
     }
     stages
 }
@@ -211,6 +237,11 @@ fn best_mask(steps: &[CoreStep], count: usize, limit: u32) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use robovec_ir::machine::DeviceFamily;
+
+    fn device() -> &'static Device {
+        DeviceFamily::default().device()
+    }
 
     fn formats() -> impl Iterator<Item = NumberFormat> {
         let widths = [(2, 1), (4, 3), (5, 10), (8, 7), (8, 17), (8, 23), (11, 52)];
@@ -229,21 +260,21 @@ mod tests {
             .into_iter()
             .flat_map(|core| formats().map(move |format| (core, format)))
         {
-            let steps = core.steps(format);
+            let steps = core.steps(format, device());
             assert!(steps.len() <= 64, "{core:?} {format:?}");
             for stages in 1..steps.len() as u32 + 3 {
-                let cuts = cuts(core, format, stages);
+                let cuts = cuts(core, format, stages, device());
                 assert_eq!(cuts.stages(), stages, "{core:?} {format:?}");
                 assert_ne!(cuts.mask >> (steps.len() - 1) & 1, 0);
             }
-            assert_eq!(cuts(core, format, 0), Cuts { mask: 0, extra: 0 });
+            assert_eq!(cuts(core, format, 0, device()), Cuts { mask: 0, extra: 0 });
         }
     }
 
     #[test]
     fn more_stages_are_never_slower() {
         for core in OperatorCore::ALL {
-            let steps = core.steps(NumberFormat::BINARY32);
+            let steps = core.steps(NumberFormat::BINARY32, device());
             let delays: Vec<u32> = (1..=steps.len())
                 .map(|count| slowest(&steps, count))
                 .collect();
@@ -253,7 +284,7 @@ mod tests {
 
     #[test]
     fn a_mask_is_the_best_of_all() {
-        let steps = OperatorCore::Multiply.steps(NumberFormat::BINARY32);
+        let steps = behind_memory(OperatorCore::Multiply, NumberFormat::BINARY32, device());
         let count = 4;
         let cost = |mask: u64| {
             let (mut worst, mut bits, mut first) = (0, 0, 0);
@@ -269,7 +300,12 @@ mod tests {
             .filter(|mask: &u64| mask.count_ones() == count)
             .map(cost)
             .min();
-        let chosen = cuts(OperatorCore::Multiply, NumberFormat::BINARY32, count);
+        let chosen = cuts(
+            OperatorCore::Multiply,
+            NumberFormat::BINARY32,
+            count,
+            device(),
+        );
         assert_eq!(Some(cost(chosen.mask)), best);
     }
 
