@@ -172,7 +172,8 @@ fn the_json_form_has_the_documented_names_and_the_right_numbers() {
     let schedule = &function["schedule"];
     assert_eq!(schedule["number"], "binary32");
     assert_eq!(schedule["n_add"], 1);
-    assert_eq!(schedule["time_us"], 33.0 / 178.0);
+    // The estimated clock of the machine.
+    assert_eq!(schedule["time_us"], 33.0 / 120.0);
     assert_eq!(schedule["parallelisation_rate"], 3.0 / 66.0);
     assert_eq!(schedule["memory"]["add"]["max"], 4);
     assert_eq!(schedule["memory"]["multi"]["mean"], 2.0);
