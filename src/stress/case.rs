@@ -120,8 +120,23 @@ pub(super) trait StressSubject: Send + Sync {
         }
     }
 
-    /// What may make the error smaller, beside wider formats of everything.
-    fn candidates(&self) -> Vec<ProgramTreatment>;
+    /// Other programs for the same, in the format of the untreated one: other
+    /// recursions, passes, partitions of coordinates.
+    fn programs(&self) -> Vec<ProgramTreatment> {
+        Vec::new()
+    }
+
+    /// What else may make the error smaller, beside wider formats of
+    /// everything.
+    fn candidates(&self) -> Vec<ProgramTreatment> {
+        Vec::new()
+    }
+
+    /// True when every program can be tried in every format; otherwise only
+    /// two of them are, by bisection.
+    fn is_small(&self) -> bool {
+        false
+    }
 
     /// True when the error is that of rounding, which wider formats reduce.
     fn rounds(&self) -> bool {

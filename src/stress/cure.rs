@@ -48,6 +48,19 @@ pub struct Findings {
 /// How many times the error of binary64 a cure may leave.
 const CLOSE: f64 = 10.0;
 
+/// How many times smaller the error of another program in the same format must
+/// be for the problem not to be what is hard. Rounding errors of two programs
+/// differ by a bit or two by luck.
+const BETTER: f64 = 8.0;
+
+/// The error of a result with one digit: with a larger one nothing is better
+/// than anything.
+const ONE_DIGIT: f64 = 0.1;
+
+/// The shortest mantissa that is tried: with fewer bits no error is below ten
+/// times the rounding of binary32.
+const NARROWEST: u32 = 18;
+
 impl Findings {
     /// The cure.
     pub fn cure(&self) -> Option<&TreatmentTrial> {
@@ -67,7 +80,8 @@ impl Findings {
 /// [`StressError`].
 pub fn judge(case: &StressCase) -> Result<Findings, StressError> {
     let bench = case.subject.prepare()?;
-    judged(case, bench.as_ref())
+    let (findings, _) = judged(case, bench.as_ref())?;
+    Ok(findings)
 }
 
 /// Measures a case and tries cures.
@@ -77,24 +91,14 @@ pub fn judge(case: &StressCase) -> Result<Findings, StressError> {
 /// [`StressError`].
 pub fn examine(case: &StressCase) -> Result<Findings, StressError> {
     let bench = case.subject.prepare()?;
-    let mut findings = judged(case, bench.as_ref())?;
-    let untreated = findings.untreated.clone();
+    let (mut findings, mut attempts) = judged(case, bench.as_ref())?;
     // A result may happen to be exact; nobody can ask for that.
     let exact = Format::BINARY64.unit_roundoff();
     let close = CLOSE * findings.long.error.max(exact);
     let readable = close.max(CLOSE * Format::BINARY32.unit_roundoff());
-    let mut attempts = Attempts {
-        bench: bench.as_ref(),
-        untreated: &untreated,
-        cost: findings.short.cost,
-        trials: Vec::new(),
-    };
-    for treatment in case.subject.candidates() {
-        match attempts.attempt(treatment) {
-            // What a pass refuses is no cure; that is its right.
-            Ok(_) | Err(StressError::Passes(_)) => {}
-            Err(error) => return Err(error),
-        }
+    let programs = case.subject.programs();
+    for treatment in programs.iter().cloned().chain(case.subject.candidates()) {
+        attempts.allowed(treatment)?;
     }
     attempts.attempt(case.subject.standard())?;
     if case.subject.rounds() {
@@ -103,10 +107,14 @@ pub fn examine(case: &StressCase) -> Result<Findings, StressError> {
         } else {
             NumberFormat::BINARY32.exponent
         };
-        // The program as it is, and the one with the least operations.
-        for program in [Some(untreated.clone()), attempts.shortest()] {
-            let Some(program) = program else { continue };
-            for goal in [readable, close] {
+        for goal in [readable, close] {
+            if case.subject.is_small() {
+                attempts.exhaust(exponent, goal)?;
+                continue;
+            }
+            // The program as it is, and the one with the least operations.
+            for program in [Some(findings.untreated.clone()), attempts.shortest()] {
+                let Some(program) = program else { continue };
                 attempts.narrowest(&program, exponent, goal)?;
             }
         }
@@ -120,37 +128,89 @@ pub fn examine(case: &StressCase) -> Result<Findings, StressError> {
 /// What was tried so far.
 struct Attempts<'a> {
     bench: &'a dyn StressBench,
-    untreated: &'a ProgramTreatment,
+    untreated: ProgramTreatment,
     /// Of the untreated program.
     cost: f64,
     trials: Vec<TreatmentTrial>,
 }
 
 impl Attempts<'_> {
-    /// Tries a treatment, unless that was done: its error.
-    fn attempt(&mut self, treatment: ProgramTreatment) -> Result<f64, StressError> {
+    /// Tries a treatment, unless that was done: its index among the trials.
+    fn attempt(&mut self, treatment: ProgramTreatment) -> Result<usize, StressError> {
         let mut trials = self.trials.iter();
-        if let Some(known) = trials.find(|trial| trial.treatment == treatment) {
-            return Ok(known.measured.error);
+        if let Some(known) = trials.position(|trial| trial.treatment == treatment) {
+            return Ok(known);
         }
         let measured = self.bench.measure(&treatment)?;
-        let error = measured.error;
         self.trials.push(TreatmentTrial {
-            label: treatment.label(self.untreated),
+            label: treatment.label(&self.untreated),
             cost: measured.cost / self.cost,
             treatment,
             measured,
         });
-        Ok(error)
+        Ok(self.trials.len() - 1)
+    }
+
+    /// As [`Attempts::attempt`]; what a pass refuses is no cure, and that is
+    /// its right.
+    fn allowed(&mut self, treatment: ProgramTreatment) -> Result<(), StressError> {
+        match self.attempt(treatment) {
+            Ok(_) | Err(StressError::Passes(_)) => Ok(()),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// True when a program in the format of the untreated one has a much
+    /// smaller error.
+    fn is_bettered(&self, error: f64) -> bool {
+        let programs = self.trials.iter().filter(|trial| {
+            trial.treatment.is_another_program(&self.untreated) && trial.measured.consistent
+        });
+        let mut errors = programs.map(|trial| trial.measured.error);
+        errors.any(|other| other * BETTER < error && other <= ONE_DIGIT)
+    }
+
+    /// Tries every program with every mantissa from the narrowest on, until its
+    /// error is small enough or it costs more than what is known to do.
+    fn exhaust(&mut self, exponent: u32, goal: f64) -> Result<(), StressError> {
+        let untreated = self.untreated.clone();
+        let is_program = |trial: &&TreatmentTrial| {
+            trial.treatment == untreated || trial.treatment.is_another_program(&untreated)
+        };
+        let programs = self.trials.iter().filter(is_program);
+        let mut programs: Vec<(f64, ProgramTreatment)> = programs
+            .map(|trial| (trial.cost, trial.treatment.clone()))
+            .collect();
+        programs.push((1.0, untreated.clone()));
+        // The shortest first: what it reaches spares the others most trials.
+        programs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (_, program) in programs {
+            for mantissa in NARROWEST..=Format::WIDEST.mantissa {
+                let format = NumberFormat {
+                    exponent,
+                    mantissa,
+                    subnormals: true,
+                };
+                let tried = self.attempt(ProgramTreatment {
+                    format: Format::Float(format),
+                    ..program.clone()
+                })?;
+                // A trial that is good enough ends this, since it is known itself.
+                let known = cheapest(&self.trials, goal).map(|best| self.trials[best].cost);
+                if known.is_some_and(|known| known <= self.trials[tried].cost) {
+                    break;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// The program of the least cost among those in the same format, when it
     /// is another than the untreated one.
     fn shortest(&self) -> Option<ProgramTreatment> {
-        let others = self
-            .trials
-            .iter()
-            .filter(|trial| trial.treatment.is_another_program(self.untreated) && trial.cost < 1.0);
+        let others = self.trials.iter().filter(|trial| {
+            trial.treatment.is_another_program(&self.untreated) && trial.cost < 1.0
+        });
         let shortest = others.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
         Some(shortest.treatment.clone())
     }
@@ -172,11 +232,11 @@ impl Attempts<'_> {
                 mantissa,
                 subnormals: true,
             };
-            let error = self.attempt(ProgramTreatment {
+            let tried = self.attempt(ProgramTreatment {
                 format: Format::Float(format),
                 ..program.clone()
             })?;
-            if error <= goal {
+            if self.trials[tried].measured.error <= goal {
                 enough = mantissa;
             } else {
                 short = mantissa + 1;
@@ -196,7 +256,11 @@ fn cheapest(trials: &[TreatmentTrial], error: f64) -> Option<usize> {
     good.min_by(order).map(|(index, _)| index)
 }
 
-fn judged(case: &StressCase, bench: &dyn StressBench) -> Result<Findings, StressError> {
+/// The findings without cures, with what was tried for the verdict.
+fn judged<'a>(
+    case: &StressCase,
+    bench: &'a dyn StressBench,
+) -> Result<(Findings, Attempts<'a>), StressError> {
     let untreated = case.subject.untreated();
     let format = untreated.format;
     let in_format = |format: Format| {
@@ -218,16 +282,32 @@ fn judged(case: &StressCase, bench: &dyn StressBench) -> Result<Findings, Stress
         _ => None,
     };
     let floor = bench.floor(format);
-    Ok(Findings {
+    let mut attempts = Attempts {
+        bench,
         untreated: untreated.clone(),
+        cost: short.cost,
+        trials: Vec::new(),
+    };
+    let mut found = verdict(format, &short, floor, wide);
+    if found == StressVerdict::HardProblem {
+        for program in case.subject.programs() {
+            attempts.allowed(program)?;
+        }
+        if attempts.is_bettered(short.error) {
+            found = StressVerdict::BadCode;
+        }
+    }
+    let findings = Findings {
+        untreated,
         metric: case.subject.metric(),
         condition: bench.condition(),
         floor,
-        verdict: verdict(format, &short, floor, wide),
+        verdict: found,
         short,
         long,
         trials: Vec::new(),
         cure: None,
         short_cure: None,
-    })
+    };
+    Ok((findings, attempts))
 }

@@ -15,7 +15,7 @@ use super::case::{Measured, StressBench, StressSubject};
 use super::linear::{factorise, solve, substitute};
 use super::numbers::{Wide, Work, WorkingPrecision, rounded};
 use super::program::{ModelProgram, ProgramRecipe, shared};
-use super::treatment::BALANCED;
+use super::treatment::{BALANCED, PASSES};
 use super::units::Units;
 use super::{ProgramTreatment, StressError};
 use crate::generate::Formulation;
@@ -49,6 +49,9 @@ pub(super) struct DynamicsSubject {
     /// Too long for a mass matrix: accelerations come from articulated bodies.
     pub(super) articulated: bool,
 }
+
+/// Joints of models of which every program is tried in every format.
+const SMALL: usize = 8;
 
 /// The largest matrix whose eigenvalues are computed by Jacobi's method.
 const JACOBI: usize = 140;
@@ -129,6 +132,41 @@ impl StressSubject for DynamicsSubject {
         }
     }
 
+    fn programs(&self) -> Vec<ProgramTreatment> {
+        let plain = self.untreated();
+        if self.articulated {
+            return Vec::new();
+        }
+        let mut formulations = vec![
+            Formulation::Recursive,
+            Formulation::Composite,
+            Formulation::CompositeBase,
+            Formulation::ALL[3],
+            Formulation::ALL[6],
+        ];
+        if self.metric == Metric::Accelerations {
+            formulations.push(Formulation::Articulated);
+        }
+        let passes = match self.is_small() {
+            true => &PASSES[..],
+            // Of large models the recursion decides.
+            false => &PASSES[..2],
+        };
+        let programs = formulations
+            .into_iter()
+            .flat_map(|formulation| passes.iter().map(move |&passes| (formulation, passes)));
+        programs
+            .filter(|(formulation, passes)| {
+                self.is_small() || passes.is_empty() || *formulation == Formulation::Recursive
+            })
+            .map(|(formulation, passes)| ProgramTreatment {
+                formulation,
+                passes,
+                ..plain.clone()
+            })
+            .collect()
+    }
+
     fn candidates(&self) -> Vec<ProgramTreatment> {
         let plain = self.untreated();
         let with = |change: &dyn Fn(&mut ProgramTreatment)| {
@@ -136,27 +174,19 @@ impl StressSubject for DynamicsSubject {
             change(&mut treatment);
             treatment
         };
-        let mut list = vec![with(&|t| t.units = true), with(&|t| t.passes = BALANCED)];
+        let mut list = vec![with(&|t| t.units = true)];
         if self.articulated {
+            list.push(with(&|t| t.passes = BALANCED));
             list.push(with(&|t| t.forces = Some(Format::BINARY64)));
             list.push(with(&|t| {
                 (t.forces, t.refinements) = (Some(Format::BINARY64), 3);
             }));
             return list;
         }
-        for formulation in [
-            Formulation::Composite,
-            Formulation::CompositeBase,
-            Formulation::ALL[3],
-            Formulation::ALL[6],
-        ] {
-            list.push(with(&|t| t.formulation = formulation));
-        }
         list.push(with(&|t| {
             (t.formulation, t.units) = (Formulation::Composite, true);
         }));
         if self.metric == Metric::Accelerations {
-            list.push(with(&|t| t.formulation = Formulation::Articulated));
             for refinements in [0, 1, 2, 4] {
                 for units in [false, true] {
                     list.push(with(&|t| {
@@ -168,6 +198,10 @@ impl StressSubject for DynamicsSubject {
             }
         }
         list
+    }
+
+    fn is_small(&self) -> bool {
+        self.model.joints.len() <= SMALL
     }
 
     fn prepare(&self) -> Result<Box<dyn StressBench + '_>, StressError> {

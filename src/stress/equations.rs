@@ -4,7 +4,7 @@ use super::case::{Measured, StressBench, StressSubject};
 use super::dynamics::{componentwise, normwise, perturb, worst};
 use super::numbers::{Evaluation, WorkingPrecision};
 use super::program::{is_normal, run_passes, shared};
-use super::treatment::BALANCED;
+use super::treatment::PASSES;
 use super::{ProgramTreatment, StressError};
 use robovec_framework::scene::Scene;
 use robovec_ir::cost::OperationWork;
@@ -14,7 +14,6 @@ use robovec_ir::states::Ranges;
 use robovec_ir::{Format, Input, Module};
 use robovec_num::arithmetic::Binary64;
 use robovec_num::double_double::Double;
-use robovec_passes::registry::REGISTRY;
 
 /// Equations, and the inputs they are evaluated for.
 pub(super) struct EquationsSubject {
@@ -73,18 +72,16 @@ impl StressSubject for EquationsSubject {
         "sum"
     }
 
-    fn candidates(&self) -> Vec<ProgramTreatment> {
-        let mut passes = vec![BALANCED];
-        // Only where there is such a pass.
-        if REGISTRY.find("accurate").is_some() {
-            passes.push("atomise,accurate");
-            passes.push("atomise,accurate{growth=1000 slack=1000}");
-        }
+    fn programs(&self) -> Vec<ProgramTreatment> {
         let treatment = |passes| ProgramTreatment {
             passes,
             ..ProgramTreatment::default()
         };
-        passes.into_iter().map(treatment).collect()
+        PASSES.map(treatment).to_vec()
+    }
+
+    fn is_small(&self) -> bool {
+        true
     }
 
     fn prepare(&self) -> Result<Box<dyn StressBench + '_>, StressError> {

@@ -5,17 +5,18 @@ use super::dynamics::{DynamicsSubject, Metric, normwise, perturb, worst};
 use super::linear::eigenvalues;
 use super::numbers::WorkingPrecision;
 use super::program::{ModelProgram, ProgramRecipe};
-use super::treatment::BALANCED;
+use super::treatment::PASSES;
 use super::units::Units;
 use super::{ProgramTreatment, StressError};
 use crate::generate::Formulation;
 use crate::kinematics::MotionState;
 use crate::kinematics::linear::{DenseMatrix, dot};
-use crate::model::Model;
+use crate::model::{Model, Nature};
 use crate::motion::{EquationSetting, MotionEquations};
 use crate::robotran::FunctionKind;
 use robovec_ir::Format;
 use robovec_num::double_double::Double;
+use std::sync::{Arc, Mutex};
 
 /// Models with closed loops.
 pub(super) struct LoopsSubject {
@@ -47,7 +48,21 @@ impl LoopsSubject {
 }
 
 impl Closed {
+    /// The program for a treatment; a partition of coordinates for which the
+    /// model gives no equations is no treatment of it.
     fn program(&self, treatment: &ProgramTreatment) -> Result<ModelProgram, StressError> {
+        if !treatment.independent.is_empty() {
+            let plain = ProgramTreatment {
+                independent: Vec::new(),
+                ..treatment.clone()
+            };
+            let divided = Closed {
+                model: divided(&self.model, &treatment.independent),
+                state: self.state.clone(),
+            };
+            let program = divided.program(&plain);
+            return program.map_err(|error| StressError::Passes(error.to_string()));
+        }
         let recipe = ProgramRecipe {
             formulation: treatment.formulation,
             passes: treatment.passes,
@@ -67,6 +82,44 @@ impl Closed {
     }
 }
 
+/// The model with these joints independent, of those that are not driven.
+fn divided(model: &Model, independent: &[String]) -> Model {
+    let mut model = model.clone();
+    for joint in &mut model.joints {
+        joint.nature = match joint.nature {
+            Nature::Driven => Nature::Driven,
+            _ if independent.contains(&joint.name) => Nature::Independent,
+            _ => Nature::Dependent,
+        };
+    }
+    model
+}
+
+/// The most partitions that are tried.
+const PARTITIONS: usize = 16;
+
+/// Other partitions of a model's coordinates: one independent joint exchanged
+/// for one that is dependent.
+fn partitions(model: &Model) -> Vec<Vec<String>> {
+    let of = |nature: Nature| {
+        let joints = model
+            .joints
+            .iter()
+            .filter(move |joint| joint.nature == nature);
+        joints.map(|joint| joint.name.clone())
+    };
+    let independent: Vec<String> = of(Nature::Independent).collect();
+    let exchanged = of(Nature::Dependent).flat_map(|dependent| {
+        let independent = independent.clone();
+        (0..independent.len()).map(move |place| {
+            let mut names = independent.clone();
+            names[place] = dependent.clone();
+            names
+        })
+    });
+    exchanged.take(PARTITIONS).collect()
+}
+
 struct LoopsBench<'a> {
     models: Vec<PreparedLoop<'a>>,
 }
@@ -77,6 +130,9 @@ struct PreparedLoop<'a> {
     plain: ModelProgram,
     exact: Vec<Double>,
     equations: MotionEquations,
+    /// What was made, by the treatment that makes it in binary32: formats are
+    /// tried one after the other.
+    programs: Mutex<Vec<(ProgramTreatment, Arc<ModelProgram>)>>,
 }
 
 impl StressSubject for LoopsSubject {
@@ -84,23 +140,36 @@ impl StressSubject for LoopsSubject {
         "qdd"
     }
 
-    fn candidates(&self) -> Vec<ProgramTreatment> {
-        let plain = ProgramTreatment::default();
-        let mut list = vec![ProgramTreatment {
-            passes: BALANCED,
-            ..plain.clone()
-        }];
-        for formulation in [
+    fn programs(&self) -> Vec<ProgramTreatment> {
+        let formulations = [
+            Formulation::Recursive,
             Formulation::Composite,
             Formulation::CompositeBase,
             Formulation::ALL[3],
-        ] {
-            list.push(ProgramTreatment {
-                formulation,
-                ..plain.clone()
-            });
+        ];
+        // All models of a case have the same joints.
+        let others = self.closed.first().map(|closed| partitions(&closed.model));
+        let mut choices = vec![Vec::new()];
+        choices.extend(others.unwrap_or_default());
+        let mut programs = Vec::new();
+        for independent in &choices {
+            for formulation in formulations {
+                for passes in PASSES {
+                    programs.push(ProgramTreatment {
+                        formulation,
+                        passes,
+                        independent: independent.clone(),
+                        ..ProgramTreatment::default()
+                    });
+                }
+            }
         }
-        list
+        programs
+    }
+
+    fn is_small(&self) -> bool {
+        let joints = self.closed.iter().map(|closed| closed.model.joints.len());
+        joints.max().is_none_or(|most| most <= SMALL)
     }
 
     fn prepare(&self) -> Result<Box<dyn StressBench + '_>, StressError> {
@@ -108,6 +177,9 @@ impl StressSubject for LoopsSubject {
         Ok(Box::new(LoopsBench { models: models? }))
     }
 }
+
+/// Joints of models of which every program is tried in every format.
+const SMALL: usize = 8;
 
 /// Eigenvalues smaller than this, relative to the largest, belong to rows that
 /// say what others say.
@@ -153,7 +225,27 @@ impl<'a> PreparedLoop<'a> {
             equations: MotionEquations::new(&subject.model, &EquationSetting::default())?,
             subject,
             plain,
+            programs: Mutex::default(),
         })
+    }
+
+    /// The program for a treatment, made once for all formats.
+    fn program(&self, treatment: &ProgramTreatment) -> Result<Arc<ModelProgram>, StressError> {
+        let key = ProgramTreatment {
+            format: Format::BINARY32,
+            ..treatment.clone()
+        };
+        // A thread that panicked left nothing half done here.
+        let mut programs = self
+            .programs
+            .lock()
+            .unwrap_or_else(|error| error.into_inner());
+        if let Some((_, program)) = programs.iter().find(|(known, _)| *known == key) {
+            return Ok(program.clone());
+        }
+        let program = Arc::new(self.subject.program(treatment)?);
+        programs.push((key, program.clone()));
+        Ok(program)
     }
 
     /// Of the matrix `[M J'; J 0]` of accelerations and multipliers, redundant
@@ -194,7 +286,7 @@ impl<'a> PreparedLoop<'a> {
     }
 
     fn measure(&self, treatment: &ProgramTreatment) -> Result<Measured, StressError> {
-        let program = self.subject.program(treatment)?;
+        let program = self.program(treatment)?;
         let state = &self.subject.state;
         let inputs = program.inputs(state);
         let numbers = WorkingPrecision::In(treatment.format);

@@ -7,6 +7,19 @@ use std::fmt;
 /// The passes that shorten paths by regrouping sums and products.
 pub(super) const BALANCED: &str = "atomise,zero-removal,balance,cse,dce";
 
+/// What is run over the equations of every recursion: regrouping for short
+/// paths and for common factors, and sums that round less. The first list is
+/// empty: the equations as they come.
+pub(super) const PASSES: [&str; 7] = [
+    "",
+    BALANCED,
+    "atomise,factor,cse,dce",
+    "atomise,factor{path=free},cse,dce",
+    "atomise,composite,cse,dce",
+    "atomise,accurate",
+    "atomise,accurate{growth=1000 slack=1000}",
+];
+
 /// How a program is made and run. The default is what one gets without
 /// asking: the recursion Robotran prints, in binary32.
 #[derive(Clone, PartialEq, Debug)]
@@ -15,6 +28,9 @@ pub struct ProgramTreatment {
     pub formulation: Formulation,
     /// The passes that are run over them; none when empty.
     pub passes: &'static str,
+    /// The joints that are independent in the loops; those of the model when
+    /// empty.
+    pub independent: Vec<String>,
     /// What is computed in.
     pub format: Format,
     /// What forces (`c`, `Qq`, residuals) are computed in, where that is not
@@ -42,6 +58,7 @@ impl Default for ProgramTreatment {
         ProgramTreatment {
             formulation: Formulation::default(),
             passes: "",
+            independent: Vec::new(),
             format: Format::BINARY32,
             forces: None,
             refinements: 0,
@@ -68,6 +85,7 @@ impl ProgramTreatment {
         let same = ProgramTreatment {
             formulation: untreated.formulation,
             passes: untreated.passes,
+            independent: untreated.independent.clone(),
             ..self.clone()
         };
         same == *untreated && self != untreated
@@ -85,6 +103,9 @@ impl ProgramTreatment {
                 // Every list of passes begins there.
                 passes => passes.trim_start_matches("atomise,").to_owned(),
             });
+        }
+        if self.independent != untreated.independent {
+            words.push(format!("independent {}", self.independent.join(" ")));
         }
         if self.series != untreated.series {
             words.push(match self.series {

@@ -15,10 +15,10 @@ pub(super) fn cases() -> Vec<StressCase> {
     let mut cases = Vec::new();
     for (power, expected) in [
         (2, StressVerdict::Fine),
-        (4, StressVerdict::HardProblem),
-        (6, StressVerdict::HardProblem),
-        (8, StressVerdict::HardProblem),
-        (10, StressVerdict::HardProblem),
+        (4, StressVerdict::BadCode),
+        (6, StressVerdict::BadCode),
+        (8, StressVerdict::BadCode),
+        (10, StressVerdict::BadCode),
     ] {
         cases.push(case(
             format!("dot-1e{power}"),
@@ -32,7 +32,7 @@ pub(super) fn cases() -> Vec<StressCase> {
         "alternating".to_owned(),
         "small terms, each between +1e7 and -1e7".to_owned(),
         "the small terms, in this order; in another they survive",
-        StressVerdict::HardProblem,
+        StressVerdict::BadCode,
         Box::new(alternating()),
     ));
     cases.push(case(
@@ -44,8 +44,8 @@ pub(super) fn cases() -> Vec<StressCase> {
     ));
     for (power, expected) in [
         (1, StressVerdict::Fine),
-        (2, StressVerdict::HardProblem),
-        (3, StressVerdict::HardProblem),
+        (2, StressVerdict::BadCode),
+        (3, StressVerdict::BadCode),
     ] {
         let residual = 10f64.powi(-power);
         let model = counterweight(residual);

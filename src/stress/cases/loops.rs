@@ -39,6 +39,16 @@ pub(super) fn cases() -> Vec<StressCase> {
         StressVerdict::Fine,
         [parallelogram(1e-3, 0.0, true)],
     ));
+    for power in [2, 4, 6] {
+        // The bend is a coordinate, so that it keeps its digits near zero.
+        cases.push(case(
+            format!("dead-point-1e-{power}"),
+            format!("a four-bar with the rocker independent, 1e-{power} rad from its dead point"),
+            "the partition of the coordinates: the rocker hardly tells where the crank is",
+            StressVerdict::Fine,
+            [four_bar(10f64.powi(-power))],
+        ));
+    }
     cases
 }
 
@@ -96,6 +106,71 @@ fn parallelogram(angle: f64, slope: f64, third: bool) -> Model {
         rocker("Third", middle, half);
     }
     builder.finish()
+}
+
+/// A crank of 0.3 m, a coupler of 0.8 m and a rocker of 0.6 m on pivots 0.9 m
+/// apart; crank and coupler are so far from one line, rad, where the rocker
+/// turns round.
+fn four_bar(bend: f64) -> Model {
+    let mut builder = ModelBuilder::new("four_bar");
+    let pivot = builder.point(BASE, "Pivot", [0.9, 0.0, 0.0]);
+    let rod = |length: f64| [length / 2.0, 0.0, 0.0];
+    let (crank_length, coupler_length, rocker_length) = (0.3f64, 0.8f64, 0.6f64);
+    let crank = builder.body("Crank", BASE.origin(), &HINGE);
+    builder.mass(crank, 1.5, rod(crank_length), sphere(0.0115));
+    let pin = builder.point(crank, "Pin", [crank_length, 0.0, 0.0]);
+    let coupler = builder.body("Coupler", pin, &HINGE);
+    builder.mass(coupler, 2.0, rod(coupler_length), sphere(0.107));
+    let end = builder.point(coupler, "End", [coupler_length, 0.0, 0.0]);
+    let rocker = builder.body("Rocker", pivot, &HINGE);
+    builder.mass(rocker, 1.8, rod(rocker_length), sphere(0.054));
+    let tip = builder.point(rocker, "Tip", [rocker_length, 0.0, 0.0]);
+    builder.cut("Loop", CutKind::Ball, [end, tip]);
+    // The triangle of crank with coupler, rocker, and the line of the pivots.
+    let (x, y) = (
+        crank_length + coupler_length * bend.cos(),
+        coupler_length * bend.sin(),
+    );
+    let reach = x.hypot(y);
+    let at_crank = (reach * reach + 0.81 - rocker_length * rocker_length) / (2.0 * reach * 0.9);
+    let angle = at_crank.acos() - y.atan2(x);
+    let (tip_x, tip_y) = (
+        crank_length * angle.cos() + coupler_length * (angle + bend).cos(),
+        crank_length * angle.sin() + coupler_length * (angle + bend).sin(),
+    );
+    // Hinges turn from x towards -z: angles change sign.
+    let rate = 1.0;
+    let [coupler_rate, rocker_rate] = rates(
+        [tip_x, tip_y],
+        [
+            tip_x - crank_length * angle.cos(),
+            tip_y - crank_length * angle.sin(),
+        ],
+        rate,
+    );
+    set(&mut builder, crank, [-angle, rate], true);
+    set(&mut builder, coupler, [-bend, coupler_rate], true);
+    let swing = tip_y.atan2(tip_x - 0.9);
+    set(&mut builder, rocker, [-swing, rocker_rate], false);
+    builder.finish()
+}
+
+/// The rates of the coupler, relative to the crank, and of the rocker, rad/s, that close the four-bar when the
+/// crank turns at `rate`: from where the tip is, seen from the crank's pivot
+/// and from the pin.
+fn rates([x, y]: [f64; 2], [from_pin_x, from_pin_y]: [f64; 2], rate: f64) -> [f64; 2] {
+    // The tip moves by the crank about its pivot and the coupler about the pin:
+    // across the rocker, along which it cannot move.
+    let [along_x, along_y] = [x - 0.9, y];
+    let along = |x: f64, y: f64| -y * along_x + x * along_y;
+    let coupler = -rate * along(x, y) / along(from_pin_x, from_pin_y);
+    let velocity = [
+        -y * rate - from_pin_y * coupler,
+        x * rate + from_pin_x * coupler,
+    ];
+    let length = along_x * along_x + along_y * along_y;
+    let rocker = (along_x * velocity[1] - along_y * velocity[0]) / length;
+    [coupler, rocker]
 }
 
 fn set(

@@ -101,6 +101,37 @@ fn lengths() -> Vec<StressCase> {
             (model, states),
         ));
     }
+    for (power, expected) in [
+        (2, StressVerdict::HardProblem),
+        (4, StressVerdict::Inconsistent),
+    ] {
+        let model = short_link(10f64.powi(-power));
+        let states = some(&model);
+        cases.push(case(
+            CaseClass::Ratio,
+            format!("short-link-1e-{power}"),
+            (
+                format!(
+                    "a chain of 5 whose third link is 1e-{power} m long and weighs accordingly"
+                ),
+                "the two hinges at its ends are nearly one",
+            ),
+            expected,
+            (model, states),
+        ));
+    }
+    let model = massless();
+    let states = some(&model);
+    cases.push(case(
+        CaseClass::Ratio,
+        "massless".to_owned(),
+        (
+            "a chain of 9 hinges, three at a place: two of three bodies have no mass".to_owned(),
+            "nothing, while the three axes are apart",
+        ),
+        StressVerdict::Fine,
+        (model, states),
+    ));
     let model = millimetres();
     let states = some(&model)
         .into_iter()
@@ -122,6 +153,41 @@ fn lengths() -> Vec<StressCase> {
         (model, states),
     ));
     cases
+}
+
+/// Rods on parallel hinges: 1 m and 1 kg each, but for the third, of the same
+/// thickness.
+fn short_link(length: f64) -> Model {
+    let mut builder = ModelBuilder::new("short_link");
+    let mut place = BASE.origin();
+    for number in 1..=5 {
+        let length = if number == 3 { length } else { 1.0 };
+        let body = builder.body(&format!("Body_{number}"), place, &HINGE);
+        let center = [0.5 * length, 0.0, 0.0];
+        builder.mass(body, length, center, sphere(length.powi(3) / 12.0));
+        place = builder.point(body, "End", [length, 0.0, 0.0]);
+    }
+    builder.finish()
+}
+
+/// Bodies on three hinges each: between them nothing has mass or inertia.
+fn massless() -> Model {
+    let mut builder = ModelBuilder::new("massless");
+    let axes = [Axis::Z, Axis::Y, Axis::X].map(JointKind::Revolute);
+    let mut place = BASE.origin();
+    for number in 1..=3 {
+        for (part, axis) in axes.into_iter().enumerate() {
+            let body = builder.body(&format!("Body_{number}_{part}"), place, &[axis]);
+            match part {
+                2 => {
+                    builder.mass(body, 2.0, [0.2, 0.1, 0.5], sphere(0.3));
+                    place = builder.point(body, "End", [0.0, 0.1, 1.0]);
+                }
+                _ => place = body.origin(),
+            }
+        }
+    }
+    builder.finish()
 }
 
 /// Prismatic and revolute joints, kilometres and millimetres.
