@@ -193,6 +193,7 @@ fn write(
         "seed": task.seed,
         "chosen": outcome.chosen,
         "challenge": outcome.challenge,
+        "bound": outcome.bound,
         "broken": outcome.broken,
         "confirmation": confirmation,
         "front": outcome.front(),

@@ -22,7 +22,8 @@
 //! What is cheapest is then *challenged* ([`challenge`]): tried at many states
 //! that nothing has seen, and at states bred from the worst of them. Where it
 //! fails, these states join those it is measured at, formats are widened, and
-//! the cheapest is taken anew, until one holds.
+//! the cheapest is taken anew, until one holds. Of small programs a bound over
+//! the ranges may prove the rest ([`bound`]).
 //!
 //! **Invariants.** Two seeds draw the states that candidates are chosen by:
 //! few for the *search*, which orders of series and mantissas are tried at;
@@ -30,6 +31,7 @@
 //! and which gives the errors of candidates. Every challenge draws others. A
 //! choice that did not hold is never taken again, so that the search ends.
 
+pub mod bound;
 pub mod challenge;
 pub mod confirm;
 mod format;
@@ -41,6 +43,7 @@ pub mod text;
 mod tolerance;
 mod variants;
 
+pub use bound::FitBound;
 pub use challenge::Challenge;
 pub use series::{SinePlace, SineTreatment};
 
@@ -157,6 +160,8 @@ pub struct FitOutcome {
     pub chosen: Option<usize>,
     /// What the chosen one was tried with, and held.
     pub challenge: Option<Challenge>,
+    /// What is proved of the chosen one; `None` where it has no bound.
+    pub bound: Option<FitBound>,
     /// Choices before it that did not hold when they were challenged.
     pub broken: u32,
 }
@@ -321,7 +326,13 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         broken: u32,
     ) -> FitOutcome {
         let (chosen, challenge) = held.unzip();
+        let bound = chosen.and_then(|chosen| {
+            let candidate = &candidates[chosen];
+            let program = &self.programs[candidate.program];
+            bound::bound(self.task, program, self.format_of(candidate))
+        });
         FitOutcome {
+            bound,
             programs: self.programs,
             candidates,
             chosen,

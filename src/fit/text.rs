@@ -168,8 +168,7 @@ fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> Stri
         "Held at {} fresh states (seed {}): with a confidence of 95 %, at {:.4} % of the states \
          in the ranges, or more\n  \
          fresh states     worst {} of the tolerance\n  \
-         directed search  {} more states, bred from the worst ones: {} of the tolerance\n  \
-         not established  for every state: no bound was computed\n",
+         directed search  {} more states, bred from the worst ones: {} of the tolerance\n",
         challenge.fresh,
         challenge.seed,
         (challenge.share() * 1e6).floor() / 1e4,
@@ -177,6 +176,27 @@ fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> Stri
         challenge.directed,
         percent(challenge.used),
     );
+    text += &match outcome.bound {
+        Some(bound) if bound.holds() => format!(
+            "  proved           for every state in the ranges: bounds of the rounding of all {} \
+             outputs, at most {} of the tolerance\n",
+            bound.outputs,
+            percent(bound.used)
+        ),
+        Some(bound) => format!(
+            "  not established  for every state: bounds of the rounding are within the tolerance \
+             for {} of {} outputs, the largest is {}\n",
+            bound.proved,
+            bound.outputs,
+            match bound.used.is_finite() {
+                true => format!("{} of it", percent(bound.used)),
+                false => "without end".to_owned(),
+            }
+        ),
+        None => "  not established  for every state: no bound was computed (the program is large, \
+                 has series, or reads inputs without a range)\n"
+            .to_owned(),
+    };
     if outcome.broken > 0 {
         let _ = writeln!(
             text,
