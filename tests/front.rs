@@ -2,6 +2,12 @@
 //! choose, and what a scene is given holds in simulation.
 
 use crate::support::programs::{robovec, said};
+use robovec::explore::program::{transformed_by, view};
+use robovec::explore::yardstick::{Yardstick, results};
+use robovec::generate::Formulation;
+use robovec::scene::SceneSubject;
+use robovec_framework::scene::{Allowed, ArraySizes};
+use robovec_ir::Machine;
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
@@ -132,4 +138,115 @@ fn a_scene_gets_the_order_and_the_format_that_its_tolerance_needs() {
     };
     assert!((4..=10).contains(&(tight - loose)), "{mantissas:?}");
     assert!(*loose < 24, "{mantissas:?}");
+}
+
+/// A scene beside what it is about, searched: the outcome as JSON, with the
+/// text that was told.
+fn searched(scene: &str, equations: Option<&str>) -> (Value, String) {
+    let folder = tempfile::tempdir().expect("there is room for a folder");
+    let path = folder.path().join("tried.scene.toml");
+    std::fs::write(&path, scene).expect("it can be written");
+    if let Some(equations) = equations {
+        std::fs::write(folder.path().join("f.rvir"), equations).expect("it can be written");
+    }
+    let output = folder.path().join("results").to_string_lossy().into_owned();
+    let path = path.to_string_lossy().into_owned();
+    let text = said(&robovec(&["fit", &path, "--states=32", "-o", &output]));
+    let result = read(Path::new(&output), "fit.json");
+    (serde_json::from_str(&result).expect("JSON"), text)
+}
+
+#[test]
+fn a_choice_holds_where_the_largest_element_vanishes() {
+    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models/double-pendulum.mbs");
+    let text = format!(
+        "name = \"whole turns\"\nmodel = \"{}\"\nfunction = \"dirdyna\"\n\
+         parameters = \"from-model\"\n\
+         [[output]]\nelements = [\"M\", \"c\"]\nerror = 1e-3\n\
+         [bind]\nfrc = 0.0\ntrq = 0.0\n[range]\nq = [-3.2, 3.2]\nqd = [-10, 10]\n",
+        model.display()
+    );
+    let (result, told) = searched(&text, None);
+    let challenge = &result["challenge"];
+    assert!(challenge["fresh"].as_u64().expect("a count") > 100_000);
+    let [fresh, used] =
+        ["fresh_used", "used"].map(|key| challenge[key].as_f64().expect("a number"));
+    // The directed search finds worse states than chance does.
+    assert!(0.0 < fresh && fresh <= used && used <= 1.0, "{challenge}");
+    assert!(told.contains("c 1."), "the size of c is told: {told}");
+    // Other states, drawn and measured here: the choice, in its format,
+    // against the general function in double-double numbers.
+    let scene = robovec::scene::read("tried", &text, Path::new("."));
+    let scene = scene.unwrap_or_else(|report| panic!("{}", report.render_plain()));
+    let general = scene.module().expect("the model gives it");
+    let chosen = &result["candidates"][result["chosen"].as_u64().expect("one holds") as usize];
+    let program = &result["programs"][chosen["program"].as_u64().expect("an index") as usize];
+    let formulation = program["formulation"]
+        .as_str()
+        .and_then(Formulation::from_name);
+    let SceneSubject::Model(subject) = &scene.subject else {
+        panic!("the scene is about a model");
+    };
+    let other = subject.equations(formulation.expect("a formulation"));
+    let made = transformed_by(
+        &other.expect("the model gives it"),
+        program["pipeline"].as_str().expect("a pipeline"),
+        &Machine::built_in("thesis").expect("it ships"),
+        Some(&scene.scene),
+    );
+    let made = made.expect("the pipeline was run before");
+    let format: robovec_ir::Format = (chosen["format"].as_str())
+        .and_then(|text| text.parse().ok())
+        .expect("a format");
+    let yardstick = Yardstick::new(view(&general), &scene.scene.states(4711), 20_000);
+    let inputs = yardstick.inputs(view(&made)).expect("the same inputs");
+    let sizes = ArraySizes::of(view(&general), Some(&scene.scene));
+    let allowed = Allowed::new(view(&made), Some(&scene.scene), f64::INFINITY, &sizes);
+    let computed = results(view(&made), format, &inputs);
+    let shares = yardstick.shares(view(&made), &computed, &allowed);
+    let worst = shares
+        .expect("the same outputs")
+        .into_iter()
+        .fold(0.0, f64::max);
+    assert!(0.01 < worst && worst <= 1.0, "{worst}");
+}
+
+#[test]
+fn an_output_that_is_always_zero_has_a_tolerance_like_others() {
+    let scene = "name = \"zero\"\nequations = \"f.rvir\"\n\
+                 [[output]]\nelements = [\"y\", \"z\"]\nerror = 1e-3\n\
+                 [range]\na = [-1.0, 1.0]\nb = [1.0, 2.0]\nc = [1.0, 2.0]\n";
+    let equations = "// robovec 1\nfunction f equations {\n  in a\n  in b\n  in c\n\
+                     \x20 out y[1..2]\n  out z\n  y[1] = a*b*c - c*b*a\n\
+                     \x20 y[2] = 0.3*a - a*0.3\n  z = a + b\n}\n";
+    let (result, told) = searched(scene, Some(equations));
+    let chosen = result["chosen"].as_u64().expect("one holds") as usize;
+    // Nothing narrower than z needs.
+    let format = result["candidates"][chosen]["format"].as_str();
+    let format: robovec_ir::Format = (format.and_then(|text| text.parse().ok())).expect("a format");
+    assert!((9..=16).contains(&format.significand()), "{format}");
+    // The zeros are proved; z is nearly: its bound takes the largest error and
+    // the least size at once.
+    assert!(told.contains("bounds of the rounding"), "{told}");
+    assert_eq!(result["bound"]["outputs"], 3);
+    assert!(result["bound"]["proved"].as_u64().expect("a count") >= 2);
+    assert!(result["bound"]["used"].as_f64().expect("a number") < 4.0);
+}
+
+#[test]
+fn what_no_machine_computes_is_told() {
+    let folder = tempfile::tempdir().expect("there is room for a folder");
+    let path = folder.path().join("root.scene.toml");
+    let scene = "name = \"root\"\nequations = \"f.rvir\"\n[range]\na = [1.0, 2.0]\n";
+    std::fs::write(&path, scene).expect("it can be written");
+    let equations = "// robovec 1\nfunction f equations {\n  in a\n  out y\n  y = sqrt(a)\n}\n";
+    std::fs::write(folder.path().join("f.rvir"), equations).expect("it can be written");
+    let output = robovec(&["fit", &path.to_string_lossy()]);
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success());
+    assert!(
+        told.contains("no program can be placed on the machine"),
+        "{told}"
+    );
+    assert!(told.contains("'--machine' chooses another one"), "{told}");
 }
