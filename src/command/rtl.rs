@@ -4,9 +4,13 @@ use super::flags::whole;
 use super::opt::select;
 use super::rtl_bench::{self, RtlBenchArguments};
 use super::{CommandFailure, input, output, placed};
+use crate::explore::device;
+use crate::explore::yardstick::Yardstick;
 use crate::files::sealed::check_folder;
 use crate::files::{Replace, limited};
+use crate::present::number::exponential;
 use clap::{Args, ValueEnum};
+use robovec_analysis::rounding::usual_states;
 use robovec_codegen::hardware::{self, MachineShape};
 use robovec_codegen::manifest::FileHash;
 use robovec_codegen::rtl::{
@@ -14,7 +18,8 @@ use robovec_codegen::rtl::{
 };
 use robovec_codegen::{Artifacts, quartus};
 use robovec_framework::manager::{self, Config};
-use robovec_ir::{Function, Machine, Module, View};
+use robovec_ir::states::States;
+use robovec_ir::{Format, Function, Machine, Module, View};
 use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -99,7 +104,8 @@ fn build(arguments: &RtlArguments) -> Result<String, CommandFailure> {
     let benches = rtl_bench::benches(&arguments.bench, view, &machine, &files.0)?;
     files.0.extend(benches);
     files.write(folder)?;
-    let mut text = summary(&hardware, function, folder);
+    let mut text = summary(&hardware, &shape, view);
+    let _ = writeln!(text, "written to {}", folder.display());
     text += "quartus/ has a project for the DE10-Nano; Quartus has not been run on it\n";
     text += &rtl_bench::checked(&arguments.bench, folder, folder)?;
     if arguments.synthesise {
@@ -363,7 +369,7 @@ impl CollectedFiles {
     }
 }
 
-fn summary(hardware: &Hardware, function: &Function, folder: &Path) -> String {
+fn summary(hardware: &Hardware, shape: &MachineShape, view: View<'_>) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
     let groups: Vec<String> = (hardware.elements.iter())
@@ -403,11 +409,32 @@ fn summary(hardware: &Hardware, function: &Function, folder: &Path) -> String {
         device.name,
         device.origin
     );
-    let cycles = function
-        .schedule
-        .as_ref()
-        .map_or(0, |schedule| schedule.cycles);
-    let _ = writeln!(text, "{}: {cycles} cycles", function.name);
-    let _ = writeln!(text, "written to {}", folder.display());
-    text
+    let function = view.function;
+    let schedule = function.schedule.as_ref();
+    let cycles = schedule.expect("hardware runs placed programs").cycles;
+    let time = clock.microseconds(cycles);
+    let share = 100.0 * device::taken_by(shape, device).share(device);
+    let _ = writeln!(
+        text,
+        "{}: {cycles} cycles, {time:.3} us; {share:.2} % of the device (estimated)",
+        function.name
+    );
+    text + &errors(view, hardware.machine.number)
 }
+
+/// The rounding errors of a program in the format of its machine.
+fn errors(view: View<'_>, number: Format) -> String {
+    let count = usual_states(view.function.nodes().len());
+    let yardstick = Yardstick::new(view, &States::new(STATE_SEED), count);
+    let errors = yardstick.errors(view, number);
+    let errors = errors.expect("a program is measured by itself");
+    format!(
+        "  rounding in {number}: median {} of an element, worst {} of the largest element of an \
+         array ({count} random states, against double-double)\n",
+        exponential(errors.relative.median),
+        exponential(errors.normwise.worst),
+    )
+}
+
+/// The seed of the states that errors are measured at.
+const STATE_SEED: u64 = 1;

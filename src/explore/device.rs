@@ -41,8 +41,14 @@ pub fn taken(machine: &Machine, format: Format, cycles: u32, words: u32) -> Devi
         number: format,
         ..machine.clone()
     };
-    let taken = hardware::resources(&MachineShape::of(&machine, cycles, words));
-    let capacity = &machine.device.device().capacity;
+    let shape = MachineShape::of(&machine, cycles, words);
+    taken_by(&shape, machine.device.device())
+}
+
+/// What hardware takes of a device, counted as [`taken`] does.
+pub fn taken_by(shape: &MachineShape, device: &Device) -> DeviceShare {
+    let taken = hardware::resources(shape);
+    let capacity = &device.capacity;
     DeviceShare {
         look_up_tables: capacity.tables_per_adaptive * taken.aluts
             + capacity.tables_per_memory * taken.lab_memories,
