@@ -32,8 +32,19 @@ struct Closed {
 impl LoopsSubject {
     /// Models, closed in their initial states.
     pub(super) fn new(models: impl IntoIterator<Item = Model>) -> LoopsSubject {
-        let closed = models.into_iter().map(|model| {
+        let models = models.into_iter();
+        LoopsSubject::in_states(models.map(|model| {
             let state = MotionState::initial(&model);
+            (model, state)
+        }))
+    }
+
+    /// Models with states that close their loops. The generator eliminates by
+    /// pivots that are good in the initial states of the models.
+    pub(super) fn in_states(
+        models: impl IntoIterator<Item = (Model, MotionState)>,
+    ) -> LoopsSubject {
+        let closed = models.into_iter().map(|(model, state)| {
             // Rounds the numbers of both.
             let mut shared = DynamicsSubject::new(model, vec![state], Metric::Accelerations);
             Closed {
