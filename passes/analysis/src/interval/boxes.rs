@@ -181,7 +181,11 @@ impl BoxSearch<'_> {
             let [lower, upper] = [(range.low, middle), (middle, range.high)].map(|(low, high)| {
                 let mut ranges = worst.ranges.clone();
                 ranges[leaf] = Interval::new(low, high);
-                self.leaf_box(ranges, worst.cuts + 1)
+                let mut half = self.leaf_box(ranges, worst.cuts + 1);
+                // What holds in the whole box holds in its halves, where
+                // enclosures need not be tighter.
+                half.error = half.error.min(worst.error);
+                half
             });
             let key = |[one, other]: &[LeafBox; 2]| {
                 let larger = one.error.max(other.error);
