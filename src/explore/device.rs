@@ -3,9 +3,11 @@
 //! The formulas are those of [`robovec_codegen::hardware`], for the
 //! hardware that `robovec rtl` writes. Nothing is synthesised.
 
+use super::placing::placed;
 use robovec_codegen::hardware::{self, MachineShape};
 use robovec_ir::machine::Device;
-use robovec_ir::{Format, Machine};
+use robovec_ir::{Format, Machine, Module};
+use robovec_schedule::PlaceOptions;
 use serde::Serialize;
 
 /// What a machine takes.
@@ -55,6 +57,16 @@ pub fn taken_by(shape: &MachineShape, device: &Device) -> DeviceShare {
         memory_blocks: taken.memory_blocks,
         multiplier_blocks: taken.multiplier_blocks,
     }
+}
+
+/// The schedule of the first function of a module, in cycles, and the share of
+/// the device that the machine takes with memories for it; `None` where the
+/// machine cannot hold it.
+pub fn placed_share(module: &Module, machine: &Machine) -> Option<(u32, f64)> {
+    let placed = placed(module, machine, PlaceOptions::default()).ok()?;
+    let cycles = placed.summary.cycles;
+    let taken = taken(machine, machine.number, cycles, placed.most_words(machine));
+    Some((cycles, taken.share(machine.device.device())))
 }
 
 #[cfg(test)]

@@ -3,7 +3,6 @@
 
 use super::{SceneFile, SceneSubject};
 use crate::explore::device;
-use crate::explore::placing::placed;
 use crate::explore::program::view;
 use crate::explore::yardstick::{ErrorSpread, Unmeasurable, Yardstick};
 use robovec_analysis::critical_path::critical_path;
@@ -14,7 +13,6 @@ use robovec_ir::count::Counts;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module};
 use robovec_passes::registry::REGISTRY;
-use robovec_schedule::PlaceOptions;
 use thiserror::Error;
 
 /// The function with a part of the scene used, after the usual pipeline.
@@ -118,7 +116,7 @@ fn effect(
         effect.sin_cos += counts.sin_cos;
         let path = critical_path(&function.functions[0], machine).asap_cycle;
         effect.path = effect.path.max(path);
-        let all = effect.placed.zip(on_machine(&function, machine));
+        let all = effect.placed.zip(device::placed_share(&function, machine));
         // One machine runs all functions, one after the other.
         effect.placed = all.map(|(all, one)| (all.0 + one.0, all.1.max(one.1)));
         let count = usual_states(Counts::of(&general.functions[0]).operations);
@@ -139,12 +137,4 @@ fn alone(module: &Module) -> Vec<Module> {
         functions: vec![function.clone()],
     };
     functions.map(one).collect()
-}
-
-/// The schedule of a function, in cycles, and the share of the device.
-fn on_machine(module: &Module, machine: &Machine) -> Option<(u32, f64)> {
-    let placed = placed(module, machine, PlaceOptions::default()).ok()?;
-    let cycles = placed.summary.cycles;
-    let taken = device::taken(machine, machine.number, cycles, placed.most_words(machine));
-    Some((cycles, taken.share(machine.device.device())))
 }

@@ -4,6 +4,7 @@ use super::OptimiseArguments;
 use super::given::GivenStarts;
 use crate::command::CommandFailure;
 use crate::command::output::{self, result_files};
+use crate::explore::device;
 use crate::explore::program::{transformed_by, view};
 use crate::files::Replace;
 use crate::optimise::{OptimisationQuestion, OptimisationTarget, Optimised, page, text};
@@ -98,6 +99,10 @@ fn facts(given: &GivenStarts, question: &OptimisationQuestion<'_>, found: &Optim
             elements(machine),
             clock.text()
         ));
+        if let Some((_, share)) = device::placed_share(&found.program, machine) {
+            let device = &machine.device.device().name;
+            line(format!("{:.2} % of {device} (estimated)", 100.0 * share));
+        }
         line(match cycles == bound {
             true => "no schedule of these operations on this machine is shorter".to_owned(),
             false => format!(
