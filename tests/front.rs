@@ -250,3 +250,18 @@ fn what_no_machine_computes_is_told() {
     );
     assert!(told.contains("'--machine' chooses another one"), "{told}");
 }
+
+#[test]
+fn a_formulation_that_reads_more_than_the_function_is_left_out() {
+    let folder = tempfile::tempdir().expect("there is room for a folder");
+    let model = folder.path().join("random.mbs");
+    let model = model.to_string_lossy();
+    let random = ["--joints=4", "--seed=3010", "-o", &model];
+    said(&robovec(&[&["model", "random"][..], &random].concat()));
+    let text = said(&robovec(&["front", &model, "--states=4", "--elements=4"]));
+    assert!(
+        text.contains("was left out: the program reads 'dpt["),
+        "{text}"
+    );
+    assert!(text.contains("choices of the thesis"), "{text}");
+}

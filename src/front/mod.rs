@@ -54,6 +54,8 @@ pub struct Front {
     pub elements: Vec<u32>,
     /// States measured at.
     pub states: u32,
+    /// Formulations that were left out, with the reason.
+    pub left: Vec<(String, String)>,
     /// All points.
     pub points: Vec<FrontPoint>,
     /// For every choice of the thesis and every number of elements the best
@@ -92,6 +94,7 @@ pub fn front(
     let view = view(module);
     let operations = robovec_ir::count::Counts::of(view.function).operations;
     let yardstick = Yardstick::new(view, question.states, question.count);
+    let (others, left) = measurable(&yardstick, others);
     let mut workshop = ProgramWorkshop::new(question.machine, module.clone());
     let formulations: Vec<Formulation> =
         others.iter().map(|(formulation, _)| *formulation).collect();
@@ -118,9 +121,28 @@ pub fn front(
         operations,
         elements: question.elements.to_vec(),
         states: question.count,
+        left,
         points,
         verdicts,
     })
+}
+
+/// The formulations that read what the function reads, and why others are left
+/// out: one may read a length that the result does not depend on, of which the
+/// states say nothing.
+fn measurable(
+    yardstick: &Yardstick,
+    others: Vec<(Formulation, Module)>,
+) -> (Vec<(Formulation, Module)>, Vec<(String, String)>) {
+    let mut left = Vec::new();
+    let mut kept = Vec::new();
+    for (formulation, module) in others {
+        match yardstick.inputs(view(&module)) {
+            Ok(_) => kept.push((formulation, module)),
+            Err(error) => left.push((formulation.name().to_owned(), error.to_string())),
+        }
+    }
+    (kept, left)
 }
 
 /// What the search of `robovec optimise` finds for the numbers of elements.

@@ -40,6 +40,10 @@ pub fn text(front: &Front) -> String {
         "{}: {} operations as they came, {} states\n",
         front.name, front.operations, front.states
     );
+    for (name, reason) in &front.left {
+        // Writing to a string cannot fail, here and below.
+        let _ = writeln!(text, "formulation {name} was left out: {reason}");
+    }
     for (place, count) in front.elements.iter().enumerate() {
         let undominated = front.undominated(place);
         // What another one of ours beats is in the files.
@@ -71,7 +75,6 @@ pub fn text(front: &Front) -> String {
             .collect();
         let head = "by | choice | format | >operations | >path | >cycles | >us | >CPU ns | >of device | >median | \
          >99 % | >worst normwise | ";
-        // Writing to a string cannot fail.
         let _ = writeln!(
             text,
             "\n{count}+{count} elements\n{}",
