@@ -87,14 +87,14 @@ pub struct FrontVerdict {
 pub fn front(
     name: &str,
     module: &Module,
-    others: Vec<(Formulation, Module)>,
+    mut others: Vec<(Formulation, Module)>,
     question: &FrontQuestion<'_>,
     progress: ExplorationProgress<'_>,
 ) -> Result<Front, ExplorationError> {
     let view = view(module);
     let operations = robovec_ir::count::Counts::of(view.function).operations;
     let yardstick = Yardstick::new(view, question.states, question.count);
-    let (others, left) = measurable(&yardstick, others);
+    let left = leave_out(&yardstick, &mut others);
     let mut workshop = ProgramWorkshop::new(question.machine, module.clone());
     let formulations: Vec<Formulation> =
         others.iter().map(|(formulation, _)| *formulation).collect();
@@ -127,22 +127,22 @@ pub fn front(
     })
 }
 
-/// The formulations that read what the function reads, and why others are left
-/// out: one may read a length that the result does not depend on, of which the
+/// Leaves out formulations that read what the function does not, with the
+/// reason: one may read a length that the result does not depend on, of which the
 /// states say nothing.
-fn measurable(
+fn leave_out(
     yardstick: &Yardstick,
-    others: Vec<(Formulation, Module)>,
-) -> (Vec<(Formulation, Module)>, Vec<(String, String)>) {
+    others: &mut Vec<(Formulation, Module)>,
+) -> Vec<(String, String)> {
     let mut left = Vec::new();
-    let mut kept = Vec::new();
-    for (formulation, module) in others {
-        match yardstick.inputs(view(&module)) {
-            Ok(_) => kept.push((formulation, module)),
-            Err(error) => left.push((formulation.name().to_owned(), error.to_string())),
+    others.retain(|(formulation, module)| {
+        let inputs = yardstick.inputs(view(module));
+        if let Err(error) = &inputs {
+            left.push((formulation.name().to_owned(), error.to_string()));
         }
-    }
-    (kept, left)
+        inputs.is_ok()
+    });
+    left
 }
 
 /// What the search of `robovec optimise` finds for the numbers of elements.
