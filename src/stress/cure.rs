@@ -151,6 +151,23 @@ impl Attempts<'_> {
         Ok(self.trials.len() - 1)
     }
 
+    /// Tries a program in a format of so many bits: its index among the trials.
+    fn in_format(
+        &mut self,
+        program: &ProgramTreatment,
+        exponent: u32,
+        mantissa: u32,
+    ) -> Result<usize, StressError> {
+        self.attempt(ProgramTreatment {
+            format: Format::Float(NumberFormat {
+                exponent,
+                mantissa,
+                subnormals: true,
+            }),
+            ..program.clone()
+        })
+    }
+
     /// As [`Attempts::attempt`]; what a pass refuses is no cure, and that is
     /// its right.
     fn allowed(&mut self, treatment: ProgramTreatment) -> Result<(), StressError> {
@@ -186,15 +203,7 @@ impl Attempts<'_> {
         programs.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (_, program) in programs {
             for mantissa in NARROWEST..=Format::WIDEST.mantissa {
-                let format = NumberFormat {
-                    exponent,
-                    mantissa,
-                    subnormals: true,
-                };
-                let tried = self.attempt(ProgramTreatment {
-                    format: Format::Float(format),
-                    ..program.clone()
-                })?;
+                let tried = self.in_format(&program, exponent, mantissa)?;
                 // A trial that is good enough ends this, since it is known itself.
                 let known = cheapest(&self.trials, goal).map(|best| self.trials[best].cost);
                 if known.is_some_and(|known| known <= self.trials[tried].cost) {
@@ -227,15 +236,7 @@ impl Attempts<'_> {
         let (mut short, mut enough) = (24, Format::WIDEST.mantissa);
         while short < enough {
             let mantissa = (short + enough) / 2;
-            let format = NumberFormat {
-                exponent,
-                mantissa,
-                subnormals: true,
-            };
-            let tried = self.attempt(ProgramTreatment {
-                format: Format::Float(format),
-                ..program.clone()
-            })?;
+            let tried = self.in_format(program, exponent, mantissa)?;
             if self.trials[tried].measured.error <= goal {
                 enough = mantissa;
             } else {
