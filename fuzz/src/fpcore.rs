@@ -2,6 +2,7 @@
 //! and what it reads must be a sound function that is written and read again
 //! as it is.
 
+use crate::robotran::text_of_pieces;
 use arbitrary::{Result, Unstructured};
 use robovec::fpcore::{names, read};
 use robovec_codegen::c::Real;
@@ -71,25 +72,12 @@ pub fn read_fpcore(data: &[u8]) {
         read_text(text);
     }
     // Too few bytes for a choice are no finding.
-    if let Ok(text) = text_of_pieces(&mut Unstructured::new(data)) {
+    if let Ok(text) = text_of_pieces(&mut Unstructured::new(data), &PIECES) {
         read_text(&text);
     }
     if let Ok(text) = core(&mut Unstructured::new(data)) {
         read_text(&text);
     }
-}
-
-/// A text of pieces and, now and then, any character.
-fn text_of_pieces(bytes: &mut Unstructured<'_>) -> Result<String> {
-    let mut text = String::new();
-    while !bytes.is_empty() {
-        let choice = usize::from(bytes.arbitrary::<u8>()?);
-        match PIECES.get(choice % (PIECES.len() + 1)) {
-            Some(piece) => text.push_str(piece),
-            None => text.push(bytes.arbitrary()?),
-        }
-    }
-    Ok(text)
 }
 
 /// A core in which every operation has its operands.

@@ -130,17 +130,17 @@ pub fn read_robotran(data: &[u8]) {
     let language = Language::ALL.get(usize::from(first & 3)).copied();
     read_bytes(rest, language);
     // Too few bytes for a choice are no finding.
-    if let Ok(text) = text_of_pieces(&mut Unstructured::new(rest)) {
+    if let Ok(text) = text_of_pieces(&mut Unstructured::new(rest), &PIECES) {
         read_bytes(text.as_bytes(), language);
     }
 }
 
 /// A text of pieces and, now and then, any character.
-fn text_of_pieces(bytes: &mut Unstructured<'_>) -> Result<String> {
+pub(crate) fn text_of_pieces(bytes: &mut Unstructured<'_>, pieces: &[&str]) -> Result<String> {
     let mut text = String::new();
     while !bytes.is_empty() {
         let choice = usize::from(bytes.arbitrary::<u8>()?);
-        match PIECES.get(choice % (PIECES.len() + 1)) {
+        match pieces.get(choice % (pieces.len() + 1)) {
             Some(piece) => text.push_str(piece),
             None => text.push(bytes.arbitrary()?),
         }
