@@ -16,6 +16,7 @@ pub mod hexadecimal;
 pub mod kinematics;
 pub mod model;
 pub mod motion;
+pub mod neglect;
 pub mod optimise;
 pub mod present;
 pub mod process;

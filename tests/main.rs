@@ -31,6 +31,7 @@ mod generate_cli;
 mod library;
 mod limits;
 mod models;
+mod neglect;
 mod operations;
 mod optimise;
 mod packages;

@@ -89,6 +89,7 @@ impl GenArguments {
             leading_signs: self.leading_signs,
             expanded: self.expanded,
             true_angles: !self.any_angles,
+            small_angles: Vec::new(),
             multipliers: self.multipliers,
         }
     }

@@ -22,6 +22,7 @@ pub mod limits;
 mod listing;
 mod model;
 mod names;
+mod neglect;
 pub mod opt;
 mod optimise;
 mod output;

@@ -111,6 +111,7 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, CommandFailure> {
         passes: arguments.passes.is_some().then_some((&pipeline, &machine)),
         format: arguments.number,
         accelerations: arguments.accelred,
+        scene: None,
     };
     let (mut system, initial) = MultibodySystem::new(model, laws, &setting).map_err(failure)?;
     let remark = roles(model, &system);

@@ -11,6 +11,7 @@ use super::flags::{NUMBER, whole};
 use super::front::{self, FrontArguments};
 use super::generation::{self, GenArguments};
 use super::model::{self, ModelArguments};
+use super::neglect::{self, NeglectArguments};
 use super::optimise::{self, OptimiseArguments};
 use super::scene::{self, SceneArguments};
 use super::sim::{self, SimArguments};
@@ -59,6 +60,7 @@ enum ToolCommand {
     Gen(GenArguments),
     /// Summarise a model, or write one of a family
     Model(ModelArguments),
+    Neglect(NeglectArguments),
     /// Check a scene and tell what it means
     Scene(SceneArguments),
     /// Integrate a model in time
@@ -120,6 +122,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         ToolCommand::Front(arguments) => front::run(arguments),
         ToolCommand::Gen(arguments) => generation::run(arguments),
         ToolCommand::Model(arguments) => model::run(arguments),
+        ToolCommand::Neglect(arguments) => neglect::run(arguments),
         ToolCommand::Scene(arguments) => scene::run(arguments),
         ToolCommand::Sim(arguments) => sim::run(arguments),
         ToolCommand::Simulate {

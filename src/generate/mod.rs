@@ -90,6 +90,9 @@ pub struct Options {
     /// Use that `sin^2 + cos^2 = 1`. Without it the equations hold for any
     /// substitute of sine and cosine.
     pub true_angles: bool,
+    /// Joints, by index, whose angles are small: their sine is the angle and
+    /// their cosine one, in the equations of motion.
+    pub small_angles: Vec<usize>,
     /// Give the multipliers `Lambda` of the loops beside accelerations, with
     /// `M qdd + c = Qq + Jac^T Lambda`; zero for redundant rows.
     pub multipliers: bool,
@@ -105,6 +108,7 @@ impl Default for Options {
             leading_signs: false,
             expanded: false,
             true_angles: true,
+            small_angles: Vec::new(),
             multipliers: false,
         }
     }

@@ -69,7 +69,10 @@ impl<'m> ModelParameters<'m> {
                 false => Scalar::ZERO,
             })
             .collect();
-        let turns = joints.map(|i| turn(model, equations, i, q[i])).collect();
+        let small = |joint: usize| options.small_angles.contains(&joint);
+        let turns = joints
+            .map(|i| turn(model, equations, i, (q[i], small(i))))
+            .collect();
         ModelParameters {
             model,
             gravity,
@@ -255,11 +258,24 @@ impl ParameterSource<'_> {
     }
 }
 
-/// The rotation of a joint by its position; the sine and the cosine get names.
-fn turn(model: &Model, equations: &mut Equations, joint: usize, position: Scalar) -> AxisRotation {
+/// The rotation of a joint by its position; the sine and the cosine get names,
+/// unless the angle is small.
+fn turn(
+    model: &Model,
+    equations: &mut Equations,
+    joint: usize,
+    (position, small): (Scalar, bool),
+) -> AxisRotation {
     let kind = model.joints[joint].kind;
     if !kind.is_revolute() {
         return AxisRotation::NONE;
+    }
+    if small {
+        return AxisRotation {
+            axis: kind.axis().index(),
+            cos: Scalar::ONE,
+            sin: position,
+        };
     }
     AxisRotation {
         axis: kind.axis().index(),

@@ -49,11 +49,15 @@ pub enum ModelFamily {
     SliderCrank,
     /// A quarter of a car on double wishbones.
     QuarterCar,
+    /// A car on four trailing arms.
+    Car,
+    /// The leg of a humanoid robot.
+    Leg,
 }
 
 impl ModelFamily {
     /// All families.
-    pub const ALL: [ModelFamily; 11] = [
+    pub const ALL: [ModelFamily; 13] = [
         ModelFamily::Serial,
         ModelFamily::SemiSerial,
         ModelFamily::Parallel,
@@ -65,6 +69,8 @@ impl ModelFamily {
         ModelFamily::FourBar,
         ModelFamily::SliderCrank,
         ModelFamily::QuarterCar,
+        ModelFamily::Car,
+        ModelFamily::Leg,
     ];
 
     /// The family's name.
@@ -81,6 +87,8 @@ impl ModelFamily {
             ModelFamily::FourBar => "four-bar",
             ModelFamily::SliderCrank => "slider-crank",
             ModelFamily::QuarterCar => "quarter-car",
+            ModelFamily::Car => "car",
+            ModelFamily::Leg => "leg",
         }
     }
 
@@ -103,6 +111,8 @@ impl ModelFamily {
             ModelFamily::DoublePendulum | ModelFamily::SliderCrank => Some(2),
             ModelFamily::FourBar => Some(3),
             ModelFamily::QuarterCar => Some(5),
+            ModelFamily::Car => Some(18),
+            ModelFamily::Leg => Some(9),
         }
     }
 
@@ -136,6 +146,8 @@ impl ModelFamily {
             ModelFamily::FourBar => systems::four_bar(),
             ModelFamily::SliderCrank => systems::slider_crank(),
             ModelFamily::QuarterCar => systems::quarter_car(),
+            ModelFamily::Car => systems::car(),
+            ModelFamily::Leg => systems::leg(),
         }
     }
 }

@@ -9,6 +9,7 @@ use crate::model::Model;
 use crate::robotran::FunctionKind;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
+use robovec_framework::scene::Scene;
 use robovec_ir::{Format, Machine, Module};
 
 /// How equations are made and evaluated.
@@ -25,6 +26,10 @@ pub struct EquationSetting<'a> {
     /// `M qdd + c = Qq`. Formulations that give nothing else are taken so
     /// whatever is asked.
     pub accelerations: bool,
+    /// A scene that the passes use in the equations of motion (`dirdyna`,
+    /// `accelred`), and how these are generated for it. Positions, loops and
+    /// links stay those of the model.
+    pub scene: Option<(&'a Scene, &'a Options)>,
 }
 
 impl Default for EquationSetting<'_> {
@@ -34,6 +39,7 @@ impl Default for EquationSetting<'_> {
             passes: None,
             format: Format::BINARY64,
             accelerations: false,
+            scene: None,
         }
     }
 }
@@ -187,16 +193,22 @@ fn compile(
     kind: FunctionKind,
     setting: &EquationSetting<'_>,
 ) -> Result<CompiledFunction, MotionError> {
+    let moves = matches!(kind, FunctionKind::Dirdyna | FunctionKind::Accelred);
+    let scene = setting.scene.filter(|_| moves);
     let request = GenerationRequest {
         function: kind,
         formulation: setting.formulation,
-        options: Options::default(),
+        options: scene.map_or_else(Options::default, |(_, options)| options.clone()),
     };
     let mut module = generate(model, &request)?;
     if let Some((pipeline, machine)) = setting.passes {
         // Remarks of passes are of no interest here.
         let mut log = std::io::sink();
-        manager::run(&mut module, pipeline, Config::new(machine, &mut log))
+        let config = Config {
+            scene: scene.map(|(scene, _)| scene),
+            ..Config::new(machine, &mut log)
+        };
+        manager::run(&mut module, pipeline, config)
             .map_err(|error| MotionError::Passes(error.to_string()))?;
     }
     let Module {

@@ -24,6 +24,10 @@
 //! torque = [0, 0, 0]   # constant, N m
 //! stiffness = [0, 0, 2e5]  # against the way from the initial place, N/m
 //! damping = [0, 0, 5e2]    # against the velocity, N s/m
+//! place = [1.2, 0, 0.3]    # where the springs hold it; default: initial place
+//! amplitude = [0, 0, 0.01] # that place moves: amplitude sin(frequency t + phase), m
+//! frequency = 6.28         # rad/s
+//! phase = 0.0              # rad
 //!
 //! [[driven]]
 //! name = "steering"    # position = offset + amplitude sin(frequency t + phase)
@@ -55,6 +59,7 @@ pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
     ("neutral", LAW, "initial"),
     ("force", LAW, "0"),
     ("torque", LAW, "0"),
+    ("place", LAW, "initial"),
     ("offset", LAW, "initial"),
     ("amplitude", LAW, "0"),
     ("frequency", LAW, "0"),
@@ -78,7 +83,7 @@ pub struct Spring {
 }
 
 /// An external force on a point, along the axes of the base: constant, and
-/// springs and dampers that hold the point where it starts.
+/// springs and dampers between the point and a place, at rest or moving.
 #[derive(Clone, Copy, PartialEq, Default, Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Support {
@@ -90,6 +95,40 @@ pub struct Support {
     pub stiffness: [f64; 3],
     /// Force per velocity, N s/m.
     pub damping: [f64; 3],
+    /// Where the springs hold the point, m; `None`: where it starts.
+    pub place: Option<[f64; 3]>,
+    /// How far that place moves to both sides, m: a road, a rail, a shaker.
+    pub amplitude: [f64; 3],
+    /// The angular frequency of its motion, rad/s.
+    pub frequency: f64,
+    /// Its phase, rad.
+    pub phase: f64,
+}
+
+impl Spring {
+    /// True where it can give a force.
+    pub fn acts(&self) -> bool {
+        self.stiffness != 0.0 || self.damping != 0.0 || self.force != 0.0
+    }
+}
+
+impl Support {
+    /// True where it can give a force or a torque.
+    pub fn acts(&self) -> bool {
+        let parts = [self.force, self.torque, self.stiffness, self.damping];
+        parts.concat().iter().any(|&number| number != 0.0)
+    }
+
+    /// How far the place is from its mean at a time, m, and its velocity,
+    /// m/s.
+    pub fn ground(&self, time: f64) -> [[f64; 3]; 2] {
+        let (sine, cosine) = (self.frequency * time + self.phase).sin_cos();
+        let rate = self.frequency * cosine;
+        [
+            self.amplitude.map(|length| length * sine),
+            self.amplitude.map(|length| length * rate),
+        ]
+    }
 }
 
 /// The motion of a driven joint.

@@ -14,6 +14,7 @@ pub mod laws;
 pub mod plot;
 mod simulation;
 mod system;
+mod write_laws;
 
 pub use equations::{EquationSetting, MotionEquations};
 pub use error::MotionError;

@@ -21,7 +21,7 @@ pub struct MultibodySystem<'m> {
     /// The lengths of links there, as the equations give them. Along one axis
     /// of the common frame they have the axis' sign, and keep it.
     lengths: Vec<f64>,
-    /// Where the points of external forces start.
+    /// Where springs hold the points of external forces.
     places: Vec<[f64; 3]>,
     partition: Partition,
 }
@@ -78,9 +78,31 @@ impl<'m> MultibodySystem<'m> {
         system.partition = system.loops().start(&mut state)?;
         system.initial.clone_from(&state.q);
         system.places = energy::force_points(model, &state);
+        for (place, law) in system.places.iter_mut().zip(&system.laws.forces) {
+            *place = law.place.unwrap_or(*place);
+        }
         let lengths = system.equations.link_lengths(&state);
         system.lengths = lengths.into_iter().map(|[length, _]| length).collect();
         Ok((system, state))
+    }
+
+    /// The laws with every place that is by default the initial one as a
+    /// number, so that they stay the same for another initial state.
+    pub fn settled_laws(&self) -> Laws {
+        let mut laws = self.laws.clone();
+        for (law, &initial) in laws.joints.iter_mut().zip(&self.initial) {
+            law.neutral.get_or_insert(initial);
+        }
+        for (law, length) in laws.links.iter_mut().zip(&self.lengths) {
+            law.neutral.get_or_insert(length.abs());
+        }
+        for (law, &place) in laws.forces.iter_mut().zip(&self.places) {
+            law.place.get_or_insert(place);
+        }
+        for (law, &initial) in laws.drives.iter_mut().zip(&self.initial) {
+            law.offset.get_or_insert(initial);
+        }
+        laws
     }
 
     /// The roles of the joints.
@@ -123,15 +145,10 @@ impl<'m> MultibodySystem<'m> {
                 power += outside * state.qd[index];
             }
         }
-        if self.laws.links.iter().any(|law| *law != Spring::default()) {
+        if self.laws.links.iter().any(Spring::acts) {
             power += self.load_links(state);
         }
-        if self
-            .laws
-            .forces
-            .iter()
-            .any(|law| *law != Support::default())
-        {
+        if self.laws.forces.iter().any(Support::acts) {
             power += self.load_points(state);
         }
         power
@@ -159,10 +176,14 @@ impl<'m> MultibodySystem<'m> {
         for (index, (motion, law)) in motions.iter().zip(&self.laws.forces).enumerate() {
             let point = &self.model.points[self.model.forces[index].point];
             let [place, velocity, spin] = motion;
+            let [ground, rate] = law.ground(state.time);
             let mut outside = [0.0; 3];
             for k in 0..3 {
-                outside[k] = law.force[k] - law.damping[k] * velocity[k];
-                let spring = law.stiffness[k] * (place[k] - self.places[index][k]);
+                outside[k] = law.force[k] - law.damping[k] * (velocity[k] - rate[k]);
+                let held = self.places[index][k] + ground[k];
+                let spring = law.stiffness[k] * (place[k] - held);
+                // What moves the place works on the spring.
+                power -= spring * rate[k];
                 state.external[index][k] = outside[k] - spring;
                 state.external[index][3 + k] = law.torque[k];
                 state.external[index][6 + k] = point.coordinates[k];
@@ -175,6 +196,13 @@ impl<'m> MultibodySystem<'m> {
         power
     }
 
+    /// The state with every force that the laws give in it.
+    pub fn loaded(&self, state: &MotionState) -> MotionState {
+        let mut loaded = state.clone();
+        self.load(&mut loaded);
+        loaded
+    }
+
     /// Accelerations, and the power of what is not conservative.
     fn motion(&self, state: &mut MotionState) -> Result<SystemMotion, MotionError> {
         let mut power = self.load(state);
@@ -185,7 +213,9 @@ impl<'m> MultibodySystem<'m> {
         if !largest(&accelerations).is_finite() {
             return Err(not_finite("an acceleration", state.time));
         }
-        if !self.partition.driven.is_empty() {
+        // A joint that is held takes no power.
+        let moves = |&joint: &usize| self.model.joints[joint].has_velocity;
+        if self.partition.driven.iter().any(moves) {
             power += self.drive_power(state, &accelerations);
         }
         Ok(SystemMotion {
@@ -372,9 +402,10 @@ impl<'m> MultibodySystem<'m> {
         }
         let places = energy::force_points(self.model, state);
         for (index, law) in self.laws.forces.iter().enumerate() {
-            let ways = places[index].iter().zip(&self.places[index]);
-            for (stiffness, (now, start)) in law.stiffness.iter().zip(ways) {
-                springs += of(*stiffness, now - start);
+            let [ground, _] = law.ground(state.time);
+            for k in 0..3 {
+                let held = self.places[index][k] + ground[k];
+                springs += of(law.stiffness[k], places[index][k] - held);
             }
         }
         Energy {

@@ -12,6 +12,8 @@
 //! free = ["m[Frame]"]             # but these stay inputs
 //! driven = ["T1_Frame"]           # joints whose motion is prescribed
 //!
+//! small = ["R1_Frame"]             # joints with sin q = q and cos q = 1
+//!
 //! [locked]                        # joints that do not move
 //! R3_Frame = 0.0                  # m or rad, or "initial"
 //!
@@ -27,6 +29,12 @@
 //!
 //! [range]                         # how large the others are
 //! q = { all = [-0.05, 0.05], T1_Frame = [-100, 100] }
+//!
+//! [neglect]                       # what may be left out (`robovec neglect`)
+//! laws = "../laws/bogie.toml"     # the forces of the motion it is judged by
+//! time = 10.0                     # s
+//! error = 0.01                    # of the largest displacement of …
+//! watch = ["T3_Frame"]            # … these joints
 //! ```
 //!
 //! The scene itself is [`robovec_framework::scene::Scene`]; here it is read,
@@ -38,10 +46,12 @@ mod document;
 mod effect;
 mod inputs;
 mod known;
+mod neglect;
 mod read;
 mod subject;
 
 pub use effect::{EffectError, PIPELINE, SceneEffect, USUAL, effects};
+pub use neglect::{NeglectKind, NeglectWish};
 pub use read::read;
 pub use subject::{ModelSubject, SceneSubject};
 
@@ -91,6 +101,9 @@ pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
     ("bind", INPUT, ""),
     ("range", INPUT, ""),
     ("locked", INPUT, ""),
+    ("neglect.time", neglect::TIME, "10"),
+    ("neglect.error", ERROR, "0.01"),
+    ("neglect.start", INPUT, "the model's"),
 ];
 
 /// A scene with what it is about.
@@ -102,6 +115,8 @@ pub struct SceneFile {
     pub subject: SceneSubject,
     /// What the user should know of the model.
     pub warnings: Report,
+    /// What it may leave out, and the motion that this is judged by.
+    pub neglect: Option<NeglectWish>,
 }
 
 impl SceneFile {

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use toml::de::DeValue;
 
 /// The keys of a scene file.
-const KEYS: [&str; 16] = [
+const KEYS: [&str; 18] = [
     "name",
     "description",
     "model",
@@ -32,9 +32,11 @@ const KEYS: [&str; 16] = [
     "free",
     "driven",
     "locked",
+    "small",
     "output",
     "bind",
     "range",
+    "neglect",
 ];
 
 /// Reads the text of a scene; the files it names are looked for in a folder.
@@ -68,10 +70,14 @@ pub fn read(name: &str, text: &str, folder: &Path) -> Result<SceneFile, Report> 
         problems: &mut problems,
     };
     scene.joints = reader.read(file);
+    scene.small = reader.small(file);
+    let neglect = get(file, "neglect").and_then(|value| reader.neglect(value));
     let words = reader.words;
     if let SceneSubject::Model(subject) = &mut subject {
         subject.hold(&scene.joints);
         subject.keep_needed_symbols(&words);
+        let small = scene.small.iter().map(|&number| number as usize - 1);
+        subject.options.small_angles = small.collect();
     } else if let Some(joint) = scene.joints.iter().find(|joint| joint.hold == Hold::Driven) {
         let message = format!(
             "the equations of the joint '{}' are made already: only a model's joints can be driven",
@@ -88,6 +94,7 @@ pub fn read(name: &str, text: &str, folder: &Path) -> Result<SceneFile, Report> 
         scene,
         subject,
         warnings,
+        neglect,
     };
     let module = complete.module().map_err(|error| {
         let key = get(file, "function").or_else(|| get(file, "model"));

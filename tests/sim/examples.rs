@@ -5,7 +5,7 @@ use robovec::motion::{
     EquationSetting, IntegrationMethod, Laws, MultibodySystem, SimulationPlan, simulate,
 };
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 fn models() -> Vec<(String, Model)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models");
@@ -53,18 +53,35 @@ fn all_example_models_keep_their_energy() {
     }
 }
 
-/// Every file of laws fits the model of its name; its bodies come to rest, and
-/// their energy changes by the work of dampers and weights alone.
+fn sorted(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).expect("example laws");
+    let mut paths: Vec<PathBuf> = entries
+        .map(|entry| entry.expect("readable").path())
+        .collect();
+    paths.sort();
+    paths
+}
+
+/// Every file of laws fits the model whose name it begins with; energy changes
+/// by the work of dampers, weights and drives alone, and where nothing moves
+/// them the bodies come to rest.
 #[test]
 fn example_laws_bring_their_models_to_rest() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/laws");
     let models = models();
     let mut tried = 0;
-    for (name, model) in &models {
-        let path = folder.join(name.replace(".mbs", ".toml"));
-        let Ok(text) = fs::read_to_string(&path) else {
-            continue;
-        };
+    for path in sorted(&folder) {
+        let text = fs::read_to_string(&path).expect("it is readable");
+        let stem = path
+            .file_stem()
+            .expect("a name")
+            .to_string_lossy()
+            .into_owned();
+        let own = |name: &str| stem.starts_with(name.trim_end_matches(".mbs"));
+        let of = models.iter().filter(|(name, _)| own(name));
+        let (name, model) = of
+            .max_by_key(|(name, _)| name.len())
+            .unwrap_or_else(|| panic!("{stem}: no model has this name"));
         tried += 1;
         let laws = Laws::parse(model, &text).unwrap_or_else(|errors| panic!("{errors:?}"));
         let plan = SimulationPlan {
@@ -81,11 +98,14 @@ fn example_laws_bring_their_models_to_rest() {
             .unwrap_or_else(|error| panic!("{name}: {error}"));
         let last = run.samples.last().expect("samples");
         let most = run.energy_scale();
-        assert!(last.energy.kinetic < 0.01 * most, "{name} still moves");
+        let moved = text.contains("amplitude");
+        assert!(
+            moved || last.energy.kinetic < 0.01 * most,
+            "{name} still moves"
+        );
         assert!(last.work.abs() > 0.1 * most, "{name}: {} J", last.work);
         let drift = run.energy_drift();
         assert!(drift < 1e-3 * most, "{name}: {drift:e} of {most:e}");
     }
-    let files = fs::read_dir(folder).expect("example laws").count();
-    assert_eq!(tried, files, "every file of laws has a model");
+    assert!(tried >= 5, "the laws that ship");
 }

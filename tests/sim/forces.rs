@@ -4,7 +4,7 @@ use super::models::{
     Builder, Solid, double_pendulum, four_bar, run_with, runge_kutta, spring_mechanism,
 };
 use robovec::kinematics::MotionState;
-use robovec::model::{Model, Nature};
+use robovec::model::{Asks, Model, Nature, Sensor};
 use robovec::motion::{EquationSetting, IntegrationMethod, Laws, MotionEquations, SimulationRun};
 
 const FINE: IntegrationMethod = IntegrationMethod::DormandPrince {
@@ -151,5 +151,43 @@ fn gravity_along_an_axis_leaves_the_momentum_about_it() {
     let start = momentum(&run.samples[0].state);
     for sample in &run.samples {
         assert!((momentum(&sample.state) - start).abs() < 1e-9);
+    }
+}
+
+/// A mass on a spring whose other end moves: the forced oscillation in closed
+/// form, and energy by the work of what moves it.
+#[test]
+fn a_moving_place_forces_an_oscillation() {
+    let mut builder = Builder::new(&[]);
+    let base = builder.anchor(None, 0);
+    let solid = Solid {
+        mass: 2.0,
+        center: [0.0; 3],
+        inertia: [0.0; 3],
+        points: &[[0.0; 3]],
+    };
+    let cart = builder.body(base, &[("T1", Nature::Independent, 0.0)], &solid);
+    let point = builder.anchor(Some(cart), 0).point.expect("it is there");
+    let mut model = builder.model;
+    let name = "shaker";
+    model.forces.push(Sensor {
+        name: name.to_owned(),
+        point,
+        asks: Asks::default(),
+    });
+    let (stiffness, frequency, amplitude) = (18.0_f64, 5.0_f64, 0.25);
+    let text = format!(
+        "[[force]]\nname = '{name}'\nstiffness = [{stiffness:?}, 0, 0]\n\
+         amplitude = [{amplitude:?}, 0, 0]\nfrequency = {frequency:?}\n"
+    );
+    let run = run(&model, &text);
+    assert_balance(&run);
+    // x'' + w^2 (x - a sin f t) = 0 from rest.
+    let own = (stiffness / 2.0).sqrt();
+    let gain = own * own * amplitude / (own * own - frequency * frequency);
+    for sample in &run.samples {
+        let time = sample.state.time;
+        let expected = gain * ((frequency * time).sin() - frequency / own * (own * time).sin());
+        assert!((sample.state.q[0] - expected).abs() < 1e-8);
     }
 }

@@ -5,10 +5,14 @@
 //! is written with its meaning where it is given.
 
 mod bogie;
+mod car;
+mod leg;
 mod small;
 mod train;
 
 pub use bogie::bogie;
+pub use car::car;
+pub use leg::leg;
 pub use small::{double_pendulum, four_bar, quarter_car, slider_crank};
 pub use train::train;
 

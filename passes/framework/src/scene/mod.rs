@@ -41,6 +41,9 @@ pub struct Scene {
     pub bound: Bindings,
     /// Joints that are no degrees of freedom here.
     pub joints: Vec<HeldJoint>,
+    /// Joints whose angles are small, by number from 1: in the equations their
+    /// sine is the angle and their cosine one.
+    pub small: Vec<u32>,
     /// The ranges of the other inputs; those it does not name are free.
     pub ranges: Ranges,
     /// Sines and cosines are computed by the elements, as series; otherwise a

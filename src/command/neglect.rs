@@ -1,0 +1,104 @@
+//! `robovec neglect`: what a scene need not model.
+
+use super::{CommandFailure, input, output, progress};
+use crate::files::limited;
+use crate::motion::Laws;
+use crate::neglect::{self, NeglectError, NeglectTask};
+use crate::present::plot;
+use crate::scene::{SceneFile, SceneSubject};
+use clap::Args;
+use robovec_ir::diagnostic::Report;
+use std::path::{Path, PathBuf};
+
+/// Find the joints, bodies, forces and terms that a scene need not model
+#[derive(Args, Debug)]
+pub(super) struct NeglectArguments {
+    /// The scene (.scene.toml), with a section [neglect]
+    scene: PathBuf,
+    /// Machine that speed and cost are told of; by default the scene's, else thesis, or solver
+    /// for equations that divide
+    #[arg(long, value_name = "MACHINE")]
+    machine: Option<String>,
+    /// Folder for the reduced scene, its model and laws, the report and the motions (SVG)
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &NeglectArguments) -> Result<String, CommandFailure> {
+    let path = &arguments.scene;
+    let file = input::scene(path)?;
+    let source = input::text(path, &limited::SCENE)?;
+    let fail = |error: NeglectError| {
+        let notes = error.advice().map(str::to_owned).into_iter().collect();
+        CommandFailure::advised(format!("{}: {error}", path.display()), notes)
+    };
+    let wish = file
+        .neglect
+        .as_ref()
+        .ok_or(NeglectError::NoWish)
+        .map_err(fail)?;
+    let name = path
+        .file_name()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy();
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let module = file.module().map_err(|error| fail(error.into()))?;
+    let named = arguments.machine.as_ref().or(file.scene.machine.as_ref());
+    let machine = input::machine(match named {
+        Some(name) => name,
+        None => input::usual_machine(&module.functions[0])?,
+    })?;
+    let task = NeglectTask {
+        file: &file,
+        name: &name,
+        text: &source,
+        folder,
+        laws: laws(&file, folder)?,
+        machine: &machine,
+    };
+    let bar = progress::spinner();
+    let findings = neglect::neglect(&task, &|what| bar.set_message(what.to_owned()));
+    bar.finish_and_clear();
+    let findings = findings.map_err(fail)?;
+    let report = neglect::text(&findings, wish.error, wish.time, &machine);
+    let text = format!("{}\n\n{report}", file.scene.name);
+    if let Some(folder) = &arguments.output {
+        let stem = name.strip_suffix(".toml").unwrap_or(&name);
+        let stem = format!("{}-reduced", stem.strip_suffix(".scene").unwrap_or(stem));
+        let own_machine = file.scene.machine.as_ref().filter(|name| {
+            // A built-in machine goes by its name wherever the scene is.
+            robovec_ir::Machine::built_in(name).is_none()
+        });
+        let own_machine = own_machine.map(|_| "machine.toml");
+        let mut files = neglect::files(&findings, &stem, own_machine);
+        if let Some(name) = own_machine {
+            let machine = toml::to_string(&machine)
+                .expect("a machine that was read is one that can be written");
+            files.push((name.to_owned(), machine));
+        }
+        files.push(("neglect.txt".to_owned(), text.clone()));
+        files.push((
+            "neglect.svg".to_owned(),
+            plot::draw(&neglect::figure(&findings)),
+        ));
+        output::write_files(folder, &files)?;
+    }
+    Ok(text)
+}
+
+/// The laws the scene names, for its model with joints held.
+fn laws(file: &SceneFile, folder: &Path) -> Result<Laws, CommandFailure> {
+    let SceneSubject::Model(subject) = &file.subject else {
+        unreachable!("the reader of scenes refuses [neglect] without a model");
+    };
+    let named = file.neglect.as_ref().and_then(|wish| wish.laws.as_ref());
+    let Some(named) = named else {
+        return Ok(Laws::none(&subject.model));
+    };
+    let path = folder.join(named);
+    let text = input::text(&path, &limited::LAWS)?;
+    Laws::parse(&subject.model, &text).map_err(|diagnostics| {
+        CommandFailure(Report::of(&path.display().to_string(), text, diagnostics))
+    })
+}

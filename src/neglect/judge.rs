@@ -1,0 +1,294 @@
+//! A scene with things left out: its equations counted, its motion simulated
+//! and compared with that of the full model.
+
+use super::NeglectError;
+use super::document::SceneTable;
+use super::omission::{Omission, without_forces};
+use crate::explore::program::{transformed_by, view};
+use crate::generate::{GenerationRequest, generate};
+use crate::kinematics::MotionState;
+use crate::model::{Model, Nature};
+use crate::motion::{
+    EquationSetting, IntegrationMethod, Laws, MotionError, MultibodySystem, SimulationPlan,
+    SimulationRun, simulate,
+};
+use crate::robotran::FunctionKind;
+use crate::scene::{self, ModelSubject, NeglectWish, PIPELINE, SceneFile, SceneSubject, USUAL};
+use robovec_framework::scene::Scene;
+use robovec_ir::count::Counts;
+use robovec_ir::{Format, Machine};
+use robovec_passes::registry::REGISTRY;
+use std::path::Path;
+
+/// Samples of a motion that are compared.
+const SAMPLES: u32 = 500;
+
+/// Steps a motion may take, as a multiple of those of the full model: what
+/// takes more has become stiff and cheapens nothing.
+const STEP_FACTOR: u64 = 20;
+
+/// The tolerance of a step of the integrator, in parts of the error allowed of
+/// the motion.
+const TOLERANCE: f64 = 1e-5;
+
+/// A scene in which things are left out.
+pub(super) struct ReducedScene {
+    /// The scene, as its file is read.
+    pub(super) file: SceneFile,
+    /// The laws of the links and external forces that remain.
+    pub(super) laws: Laws,
+    /// The file.
+    pub(super) table: SceneTable,
+}
+
+impl ReducedScene {
+    /// The model and the function.
+    pub(super) fn subject(&self) -> &ModelSubject {
+        match &self.file.subject {
+            SceneSubject::Model(subject) => subject,
+            SceneSubject::Equations(_) => unreachable!("a scene of equations leaves nothing out"),
+        }
+    }
+}
+
+/// Operations of a scene.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct SceneOperations {
+    /// Of its function, without sines and cosines.
+    pub function: usize,
+    /// Sines and cosines of its function.
+    pub sin_cos: usize,
+    /// Of the functions `link` and `extforces`, which turn lengths and places
+    /// into forces.
+    pub forces: usize,
+}
+
+impl SceneOperations {
+    /// All of them; a sine or a cosine counts as one.
+    pub fn total(&self) -> usize {
+        self.function + self.sin_cos + self.forces
+    }
+}
+
+/// Positions at the start that differ from those of the model.
+pub(super) type Start = Vec<(usize, f64)>;
+
+/// What every candidate is judged by.
+pub(super) struct NeglectJudge<'a> {
+    pub(super) name: &'a str,
+    pub(super) folder: &'a Path,
+    /// The scene as it is written, without its section `[neglect]`.
+    pub(super) own: SceneTable,
+    pub(super) wish: &'a NeglectWish,
+    /// The laws of the full model, every default a number.
+    pub(super) laws: Laws,
+    pub(super) machine: &'a Machine,
+    pub(super) watched: Vec<usize>,
+    /// Where joints are locked: the means of their motions.
+    pub(super) means: Vec<f64>,
+    /// The steps of the full model, for [`STEP_FACTOR`].
+    pub(super) steps: u64,
+}
+
+impl NeglectJudge<'_> {
+    /// A scene with things left out, beside what its file says.
+    ///
+    /// # Errors
+    ///
+    /// When the scene contradicts what is left out, or gives no equations.
+    pub(super) fn build(
+        &self,
+        table: &SceneTable,
+        model: &Model,
+        omitted: &[Omission],
+    ) -> Result<ReducedScene, NeglectError> {
+        let mut table = table.clone();
+        let locked = |joint: usize| omitted.contains(&Omission::Joint(joint));
+        for &one in omitted {
+            let body_names = |body: usize| {
+                let joint = model.bodies[body].joints.end - 1;
+                let names = [&*model.joints[joint].name, &*model.bodies[body].name];
+                (joint, names)
+            };
+            match one {
+                Omission::Joint(joint) => table.lock(model, joint, self.means[joint]),
+                Omission::Velocity(joint) if !locked(joint) => {
+                    table.clear("qd", false, joint, &[&model.joints[joint].name]);
+                }
+                Omission::Angle(joint) if !locked(joint) => table.small(model, joint),
+                Omission::Inertia(body) => {
+                    let (joint, names) = body_names(body);
+                    table.clear("In", true, joint, &names);
+                }
+                Omission::Mass(body) => {
+                    let (joint, names) = body_names(body);
+                    table.clear("In", true, joint, &names);
+                    table.clear("m", false, joint, &names);
+                }
+                Omission::Gravity => table.clear_all("g"),
+                _ => {}
+            }
+        }
+        let laws = without_forces(&self.laws, omitted);
+        table.clear_loads(model, &laws);
+        let file = scene::read(self.name, &table.text(), self.folder)
+            .map_err(|report| NeglectError::Scene(report.render_plain()))?;
+        let mut reduced = ReducedScene { file, laws, table };
+        reduced.drop_forces();
+        Ok(reduced)
+    }
+
+    /// The operations of a scene after the usual pipeline.
+    ///
+    /// # Errors
+    ///
+    /// Those of the generator and of passes.
+    pub(super) fn operations(
+        &self,
+        reduced: &ReducedScene,
+    ) -> Result<SceneOperations, NeglectError> {
+        let subject = reduced.subject();
+        let module = reduced.file.module()?;
+        let scene = Some(&reduced.file.scene);
+        let program = transformed_by(&module, PIPELINE, self.machine, scene)?;
+        let counts = Counts::of(view(&program).function);
+        let mut operations = SceneOperations {
+            function: counts.operations,
+            sin_cos: counts.sin_cos,
+            forces: 0,
+        };
+        let model = &subject.model;
+        let kinds = [
+            (FunctionKind::Link, model.links.is_empty()),
+            (FunctionKind::Extforces, model.forces.is_empty()),
+        ];
+        for (kind, none) in kinds {
+            if !none {
+                let module = generate(model, &GenerationRequest::new(kind))?;
+                let program = transformed_by(&module, USUAL, self.machine, None)?;
+                let counts = Counts::of(view(&program).function);
+                operations.forces += counts.operations + counts.sin_cos;
+            }
+        }
+        Ok(operations)
+    }
+
+    /// The tolerance of a step of the integrator, absolute and relative.
+    pub(super) fn tolerance(&self) -> f64 {
+        (TOLERANCE * self.wish.error).clamp(1e-10, 1e-6)
+    }
+
+    /// The motion of a scene from a start.
+    ///
+    /// # Errors
+    ///
+    /// See [`MotionError`].
+    pub(super) fn motion(
+        &self,
+        reduced: &ReducedScene,
+        start: &Start,
+        tolerance: f64,
+    ) -> Result<SimulationRun, MotionError> {
+        self.moved(reduced, start, |system, initial| {
+            let plan = self.plan(tolerance);
+            simulate(system, initial, &plan, &mut |_| ())
+        })
+    }
+
+    fn plan(&self, tolerance: f64) -> SimulationPlan {
+        SimulationPlan {
+            duration: self.wish.time,
+            samples: SAMPLES,
+            method: IntegrationMethod::DormandPrince {
+                relative: tolerance,
+                absolute: tolerance,
+            },
+            step_limit: match self.steps {
+                0 => 10_000_000,
+                steps => STEP_FACTOR * steps + 1000,
+            },
+        }
+    }
+
+    /// Does something with the system of a scene at a start.
+    ///
+    /// # Errors
+    ///
+    /// See [`MotionError`].
+    pub(super) fn moved<T>(
+        &self,
+        reduced: &ReducedScene,
+        start: &Start,
+        action: impl FnOnce(&mut MultibodySystem<'_>, &MotionState) -> Result<T, MotionError>,
+    ) -> Result<T, MotionError> {
+        let subject = reduced.subject();
+        let mut model = subject.model.clone();
+        for &(joint, position) in start {
+            if model.joints[joint].nature != Nature::Driven {
+                model.joints[joint].initial[0] = position;
+            }
+        }
+        // The integrator needs every acceleration, not those of the scene only.
+        let scene = Scene {
+            outputs: Vec::new(),
+            ..reduced.file.scene.clone()
+        };
+        let pipeline = REGISTRY
+            .pipeline(PIPELINE)
+            .expect("the usual pipeline is well formed");
+        let setting = EquationSetting {
+            formulation: reduced.file.formulation(),
+            passes: Some((&pipeline, self.machine)),
+            format: Format::BINARY64,
+            accelerations: subject.function == FunctionKind::Accelred,
+            scene: Some((&scene, &subject.options)),
+        };
+        let (mut system, initial) = MultibodySystem::new(&model, reduced.laws.clone(), &setting)?;
+        action(&mut system, &initial)
+    }
+
+    /// The largest distance of every watched joint from its motion in the full
+    /// model, m or rad.
+    pub(super) fn distances(&self, full: &SimulationRun, other: &SimulationRun) -> Vec<f64> {
+        let distance = |&joint: &usize| {
+            let pairs = full.samples.iter().zip(&other.samples);
+            let apart = pairs.map(|(a, b)| (a.state.q[joint] - b.state.q[joint]).abs());
+            apart.fold(0.0, f64::max)
+        };
+        self.watched.iter().map(distance).collect()
+    }
+
+    /// Positions at the start: every joint somewhere in its range. The draws
+    /// are those of a sequence of Weyl, so that no two are near each other;
+    /// draw 0 is the high end of every range.
+    pub(super) fn start(&self, draw: u32) -> Start {
+        let place = |&(joint, [low, high]): &(usize, [f64; 2])| {
+            let turn = f64::from(draw) * (0.618_033_988_75 + 0.754_877_666_25 * joint as f64);
+            (joint, high - (high - low) * turn.fract())
+        };
+        self.wish.start.iter().map(place).collect()
+    }
+}
+
+impl ReducedScene {
+    /// Takes links and external forces without a law out of the model: nothing
+    /// computes their lengths and places.
+    fn drop_forces(&mut self) {
+        let SceneSubject::Model(subject) = &mut self.file.subject else {
+            return;
+        };
+        let keep_links: Vec<bool> = self.laws.links.iter().map(|law| law.acts()).collect();
+        let keep_forces: Vec<bool> = self.laws.forces.iter().map(|law| law.acts()).collect();
+        for model in [&mut subject.general, &mut subject.model] {
+            retain(&mut model.links, &keep_links);
+            retain(&mut model.forces, &keep_forces);
+        }
+        retain(&mut self.laws.links, &keep_links);
+        retain(&mut self.laws.forces, &keep_forces);
+    }
+}
+
+fn retain<T>(list: &mut Vec<T>, keep: &[bool]) {
+    let mut keep = keep.iter();
+    list.retain(|_| *keep.next().expect("one law for each"));
+}

@@ -1,0 +1,252 @@
+//! The section `[neglect]` of a scene file: what a program may leave out, and
+//! the motion that this is judged by.
+
+use super::document::{
+    DocumentProblems, DocumentRange, DocumentValue, array, get, limited, only_keys, string,
+    strings, table,
+};
+use super::inputs::InputReader;
+use super::{ERROR, INPUT};
+use robovec_num::limits::NumberLimit;
+use std::path::PathBuf;
+use toml::de::DeValue;
+
+/// How long the motion lasts, in seconds.
+pub(super) const TIME: NumberLimit =
+    NumberLimit::real(1e-6, 1e4, "every candidate is simulated that long");
+
+/// A kind of thing that can be left out.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum NeglectKind {
+    /// The velocity of a joint in the equations of motion: what it does to
+    /// centrifugal, Coriolis and gyroscopic forces.
+    Velocities,
+    /// The curvature of sine and cosine of a joint's angle.
+    Angles,
+    /// The moments of inertia of a body.
+    Inertias,
+    /// The mass and the moments of inertia of a body.
+    Masses,
+    /// The law of forces of a joint.
+    JointForces,
+    /// A link.
+    Links,
+    /// An external force.
+    ExternalForces,
+    /// Gravity.
+    Gravity,
+    /// A joint, which is locked at its mean position.
+    Joints,
+}
+
+impl NeglectKind {
+    /// All kinds.
+    pub const ALL: [NeglectKind; 9] = [
+        NeglectKind::Velocities,
+        NeglectKind::Angles,
+        NeglectKind::Inertias,
+        NeglectKind::Masses,
+        NeglectKind::JointForces,
+        NeglectKind::Links,
+        NeglectKind::ExternalForces,
+        NeglectKind::Gravity,
+        NeglectKind::Joints,
+    ];
+
+    /// Its name in scene files.
+    pub fn name(self) -> &'static str {
+        match self {
+            NeglectKind::Velocities => "velocities",
+            NeglectKind::Angles => "angles",
+            NeglectKind::Inertias => "inertias",
+            NeglectKind::Masses => "masses",
+            NeglectKind::JointForces => "joint-forces",
+            NeglectKind::Links => "links",
+            NeglectKind::ExternalForces => "external-forces",
+            NeglectKind::Gravity => "gravity",
+            NeglectKind::Joints => "joints",
+        }
+    }
+}
+
+/// What a scene may leave out, as its file says.
+#[derive(Clone, PartialEq, Debug)]
+pub struct NeglectWish {
+    /// The file of laws that make the motion, as it is written; without one,
+    /// gravity alone does.
+    pub laws: Option<PathBuf>,
+    /// How long the motion lasts, s.
+    pub time: f64,
+    /// The error allowed of every watched joint, in parts of its largest
+    /// displacement.
+    pub error: f64,
+    /// The joints whose motion is watched, by index; empty: those whose
+    /// accelerations the scene needs.
+    pub watch: Vec<usize>,
+    /// Joints, by index, with the range their position at the start is drawn
+    /// from, m or rad; the others start as in the model.
+    pub start: Vec<(usize, [f64; 2])>,
+    /// The kinds of things that may be left out; empty: all.
+    pub kinds: Vec<NeglectKind>,
+    /// The names of what must not be left out.
+    pub keep: Vec<String>,
+}
+
+/// The keys of the section.
+const KEYS: [&str; 7] = ["laws", "time", "error", "watch", "start", "kinds", "keep"];
+
+impl InputReader<'_> {
+    /// The numbers, from 1, of the joints listed under `small`.
+    pub(super) fn small(&mut self, file: &super::document::DocumentTable<'_>) -> Vec<u32> {
+        let Some(value) = get(file, "small") else {
+            return Vec::new();
+        };
+        let Some(model) = self.model else {
+            let message = "the equations have their sines and cosines already: only a model's \
+                           angles can be taken as small";
+            self.problems.add(value.span(), message);
+            return Vec::new();
+        };
+        let mut small: Vec<u32> = Vec::new();
+        for (name, span) in strings(value, self.problems) {
+            let Some(number) = self.arrays.joint(name, &span, self.problems) else {
+                continue;
+            };
+            if !model.joints[number as usize - 1].kind.is_revolute() {
+                let message = format!("the joint '{name}' slides: it has no angle");
+                self.problems.add(span, message);
+            } else if small.contains(&number) {
+                let message = format!("the joint '{name}' is listed already");
+                self.problems.add(span, message);
+            } else {
+                small.push(number);
+            }
+        }
+        small.sort_unstable();
+        small
+    }
+
+    /// What the section says.
+    pub(super) fn neglect(&mut self, value: &DocumentValue<'_>) -> Option<NeglectWish> {
+        let section = table(value, self.problems)?;
+        only_keys(section, &KEYS, self.problems);
+        if self.model.is_none() {
+            let message = "only of a model something can be left out, not of equations";
+            self.problems.add(value.span(), message);
+            return None;
+        }
+        let laws = get(section, "laws").and_then(|value| string(value, self.problems));
+        let watch = get(section, "watch").map_or(Vec::new(), |value| self.watched(value));
+        let start = get(section, "start").map_or(Vec::new(), |value| self.starts(value));
+        let kinds = get(section, "kinds").map_or(Vec::new(), |value| self.kinds(value));
+        let keep = get(section, "keep").map_or(Vec::new(), |value| self.kept(value));
+        let number = |key: &str, limit, default: f64, problems: &mut DocumentProblems| {
+            let value = get(section, key);
+            value.map_or(Some(default), |value| {
+                limited(value, (key, limit), problems)
+            })
+        };
+        let time = number("time", TIME, 10.0, self.problems)?;
+        let error = number("error", ERROR, 0.01, self.problems)?;
+        Some(NeglectWish {
+            laws: laws.map(PathBuf::from),
+            time,
+            error,
+            watch,
+            start,
+            kinds,
+            keep,
+        })
+    }
+
+    fn kinds(&mut self, value: &DocumentValue<'_>) -> Vec<NeglectKind> {
+        let mut kinds = Vec::new();
+        for (word, span) in strings(value, self.problems) {
+            let mut all = NeglectKind::ALL.into_iter();
+            match all.find(|kind| kind.name() == word) {
+                Some(kind) => kinds.push(kind),
+                None => {
+                    let names = NeglectKind::ALL.map(NeglectKind::name);
+                    let what = "there is no kind of things to leave out";
+                    self.problems.unknown(span, what, word, &names);
+                }
+            }
+        }
+        kinds.sort_unstable();
+        kinds.dedup();
+        kinds
+    }
+
+    /// Names of joints, bodies, links and external forces.
+    fn kept(&mut self, value: &DocumentValue<'_>) -> Vec<String> {
+        let model = self.model.expect("a model was asked for");
+        let mut names: Vec<&str> = model.joints.iter().map(|joint| &*joint.name).collect();
+        names.extend(model.bodies.iter().map(|body| &*body.name));
+        names.extend(model.links.iter().map(|link| &*link.name));
+        names.extend(model.forces.iter().map(|force| &*force.name));
+        let mut kept = Vec::new();
+        for (word, span) in strings(value, self.problems) {
+            if names.contains(&word) {
+                kept.push(word.to_owned());
+            } else {
+                let what = "the model has no joint, body, link or external force";
+                self.problems.unknown(span, what, word, &names);
+            }
+        }
+        kept
+    }
+
+    fn watched(&mut self, value: &DocumentValue<'_>) -> Vec<usize> {
+        let mut watched = Vec::new();
+        for (name, span) in strings(value, self.problems) {
+            if let Some(joint) = self.index(name, &span) {
+                watched.push(joint);
+            }
+        }
+        watched.sort_unstable();
+        watched.dedup();
+        watched
+    }
+
+    fn starts(&mut self, value: &DocumentValue<'_>) -> Vec<(usize, [f64; 2])> {
+        let mut starts = Vec::new();
+        for (word, value) in table(value, self.problems).into_iter().flatten() {
+            let Some(joint) = self.index(word.get_ref(), &word.span()) else {
+                continue;
+            };
+            if let Some(range) = self.start(value) {
+                starts.push((joint, range));
+            }
+        }
+        starts.sort_by_key(|&(joint, _)| joint);
+        starts
+    }
+
+    /// A position, or the two ends of a range of positions.
+    fn start(&mut self, value: &DocumentValue<'_>) -> Option<[f64; 2]> {
+        let limit = ("neglect.start", INPUT);
+        if !matches!(value.get_ref(), DeValue::Array(_)) {
+            return limited(value, limit, self.problems).map(|number| [number; 2]);
+        }
+        let list = array(value, self.problems)?;
+        let [low, high] = list.as_ref() else {
+            let message = "a range has two ends: [low, high]";
+            self.problems.add(value.span(), message);
+            return None;
+        };
+        let low = limited(low, limit, self.problems)?;
+        let high = limited(high, limit, self.problems)?;
+        if low > high {
+            let message = "the low end of the range is above the high end";
+            self.problems.add(value.span(), message);
+            return None;
+        }
+        Some([low, high])
+    }
+
+    /// The index of a joint by name or number.
+    fn index(&mut self, name: &str, span: &DocumentRange) -> Option<usize> {
+        let number = self.arrays.joint(name, span, self.problems)?;
+        Some(number as usize - 1)
+    }
+}

@@ -1,0 +1,266 @@
+//! What scenes leave out: measured against mechanics, written as it was
+//! judged, refused where it says nothing.
+
+use crate::support::programs::{robovec, stderr};
+use robovec::explore::program::{transformed_by, view};
+use robovec::generate::{GenerationRequest, generate};
+use robovec::model::Model;
+use robovec::model::build::{BASE, ModelBuilder};
+use robovec::model::mbs::{read_mbs, write_mbs};
+use robovec::model::{Axis, JointKind};
+use robovec::motion::Laws;
+use robovec::neglect::{self, NeglectFindings, NeglectTask};
+use robovec::robotran::FunctionKind;
+use robovec::scene::{PIPELINE, SceneFile, read};
+use robovec_ir::Machine;
+use robovec_ir::count::Counts;
+use robovec_ir::evaluate::evaluate;
+use robovec_num::arithmetic::Binary64;
+use std::fs;
+use std::path::Path;
+
+/// A scene file in a folder, searched.
+fn searched(folder: &Path, name: &str) -> NeglectFindings {
+    let text = fs::read_to_string(folder.join(name)).expect("it was written");
+    let file =
+        read(name, &text, folder).unwrap_or_else(|report| panic!("{}", report.render_plain()));
+    let wish = file.neglect.clone().expect("it has the section");
+    let laws = wish.laws.expect("it has laws");
+    let laws = fs::read_to_string(folder.join(laws)).expect("they were written");
+    let robovec::scene::SceneSubject::Model(subject) = &file.subject else {
+        panic!("a scene of a model");
+    };
+    let task = NeglectTask {
+        file: &file,
+        name,
+        text: &text,
+        folder,
+        laws: Laws::parse(&subject.model, &laws).expect("laws"),
+        machine: &Machine::built_in("solver").expect("it ships"),
+    };
+    neglect::neglect(&task, &|_| ()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Two carts in line, the second on the first.
+const CARTS: [f64; 2] = [1.0, 0.15];
+const SPRINGS: [f64; 2] = [10.0, 300.0];
+
+fn carts() -> Model {
+    let mut builder = ModelBuilder::new("carts");
+    let slide = [JointKind::Prismatic(Axis::X)];
+    let first = builder.body("First", BASE.origin(), &slide);
+    builder.mass(first, CARTS[0], [0.0; 3], [0.0; 6]);
+    let second = builder.body("Second", first.origin(), &slide);
+    builder.mass(second, CARTS[1], [0.0; 3], [0.0; 6]);
+    builder.finish()
+}
+
+/// The position of the first cart, which starts at `start` and at rest, by the
+/// two modes of `M x'' + K x = 0` with `M = [m1 + m2, m2; m2, m2]` and
+/// `K = diag(k1, k2)`.
+fn first_cart(start: f64, time: f64) -> f64 {
+    let ([m1, m2], [k1, k2]) = (CARTS, SPRINGS);
+    // det(K - w^2 M) = m1 m2 w^4 - (k1 m2 + k2 (m1 + m2)) w^2 + k1 k2.
+    let (a, b, c) = (m1 * m2, -(k1 * m2 + k2 * (m1 + m2)), k1 * k2);
+    let root = (b * b - 4.0 * a * c).sqrt();
+    let squares = [(-b - root) / (2.0 * a), (-b + root) / (2.0 * a)];
+    // The second row gives x2 = r x1 in each mode.
+    let ratios = squares.map(|square| square * m2 / (k2 - square * m2));
+    // Amplitudes p, q with p + q = start and r1 p + r2 q = 0.
+    let q = start * ratios[0] / (ratios[0] - ratios[1]);
+    let p = start - q;
+    p * (squares[0].sqrt() * time).cos() + q * (squares[1].sqrt() * time).cos()
+}
+
+/// Locking the second cart makes the first a mass of both on its spring: the
+/// error over time is that between two solutions in closed form.
+#[test]
+fn a_locked_joint_costs_what_mechanics_says() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scene = "model = 'carts.mbs'\nfunction = 'accelred'\nparameters = 'from-model'\n\
+                 [[output]]\nelements = 'qdd[T1_First]'\n\
+                 [neglect]\nlaws = 'laws.toml'\ntime = 4.0\nerror = 0.5\nkinds = ['joints']\n\
+                 start = { T1_First = 0.1 }\n";
+    let laws = format!(
+        "[[joint]]\nname = 'T1_First'\nstiffness = {:?}\nneutral = 0.0\n\
+         [[joint]]\nname = 'T1_Second'\nstiffness = {:?}\n",
+        SPRINGS[0], SPRINGS[1]
+    );
+    for (name, text) in [
+        ("carts.mbs", write_mbs(&carts())),
+        ("carts.scene.toml", scene.to_owned()),
+        ("laws.toml", laws),
+    ] {
+        fs::write(folder.path().join(name), text).expect("writable");
+    }
+    let findings = searched(folder.path(), "carts.scene.toml");
+    let samples = (0..=500).map(|sample| 4.0 * f64::from(sample) / 500.0);
+    let full: Vec<f64> = samples.clone().map(|time| first_cart(0.1, time)).collect();
+    let mean = full.iter().sum::<f64>() / full.len() as f64;
+    let scale = full.iter().map(|x| (x - mean).abs()).fold(0.0, f64::max);
+    let slow = (SPRINGS[0] / (CARTS[0] + CARTS[1])).sqrt();
+    let locked = samples.map(|time| 0.1 * (slow * time).cos());
+    let apart = locked.zip(&full).map(|(a, b)| (a - b).abs());
+    let expected = apart.fold(0.0, f64::max) / scale;
+    assert!(expected > 1e-3, "the second cart matters: {expected}");
+    let [(name, found_scale)] = findings.watched.as_slice() else {
+        panic!("one joint is watched");
+    };
+    assert_eq!(name, "T1_First");
+    assert!((found_scale / scale - 1.0).abs() < 1e-4);
+    let alone = findings
+        .findings
+        .iter()
+        .find(|one| one.what == "joint T1_Second");
+    let found = alone
+        .expect("it was tried")
+        .alone
+        .clone()
+        .expect("it moves");
+    assert!(
+        (found / expected - 1.0).abs() < 0.01,
+        "{found} for {expected}"
+    );
+}
+
+/// The example of the leg, for a short motion and few kinds.
+const SHORT: [(&str, &str); 2] = [
+    (
+        "time = 10.0",
+        "time = 0.4\nkinds = ['joints', 'angles', 'links']",
+    ),
+    ("../", "EXAMPLES/"),
+];
+
+/// The files that are written say what was judged: the scene read from them
+/// has the operations of the report, its laws read back, and it stays within
+/// its error in a motion made by `robovec sim` from the written model.
+#[test]
+fn what_is_written_is_what_was_judged() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let examples = root.join("examples");
+    let mut text =
+        fs::read_to_string(examples.join("scenes/leg-swing.scene.toml")).expect("it ships");
+    for (from, to) in SHORT {
+        text = text.replace(from, to);
+    }
+    let text = text.replace("EXAMPLES", &examples.to_string_lossy());
+    let scene = folder.path().join("leg.scene.toml");
+    fs::write(&scene, text).expect("writable");
+    let out = folder.path().join("out");
+    let told = robovec(&[
+        "neglect",
+        &scene.to_string_lossy(),
+        "-o",
+        &out.to_string_lossy(),
+    ]);
+    assert!(told.status.success(), "{}", stderr(&told));
+    let report = String::from_utf8_lossy(&told.stdout).into_owned();
+    assert_eq!(
+        fs::read_to_string(out.join("neglect.txt")).expect("written"),
+        report
+    );
+    assert!(
+        fs::read_to_string(out.join("neglect.svg"))
+            .expect("written")
+            .contains("R2_Thigh")
+    );
+    let reduced = SceneFile::load(&out.join("leg-reduced.scene.toml"))
+        .unwrap_or_else(|report| panic!("{}", report.render_plain()));
+    assert!(
+        !reduced.scene.joints.is_empty(),
+        "joints are locked: {report}"
+    );
+    let module = reduced.module().expect("equations");
+    let machine = Machine::built_in("solver").expect("it ships");
+    let program =
+        transformed_by(&module, PIPELINE, &machine, Some(&reduced.scene)).expect("passes");
+    let counts = Counts::of(view(&program).function);
+    let line = report
+        .lines()
+        .find(|line| line.starts_with("with things left out"));
+    let line = line.expect("the report has it");
+    let told: Vec<&str> = line["with things left out".len()..]
+        .split_whitespace()
+        .collect();
+    assert_eq!(told[0], (counts.operations + counts.sin_cos).to_string());
+    let model = fs::read(out.join("leg-reduced.mbs")).expect("written");
+    let model = read_mbs("leg-reduced.mbs", &model).expect("a model").model;
+    let laws = fs::read_to_string(out.join("leg-reduced.laws.toml")).expect("written");
+    let robovec::scene::SceneSubject::Model(subject) = &reduced.subject else {
+        panic!("a scene of a model");
+    };
+    assert_eq!(subject.general, model);
+    let laws = Laws::parse(&subject.model, &laws).expect("laws");
+    assert_eq!(Laws::parse(&subject.model, &laws.to_text(&model)), Ok(laws));
+}
+
+/// The largest difference that taking an angle as small makes to M and c of
+/// the double pendulum in a state.
+fn small_difference(model: &Model, angle: f64) -> f64 {
+    let mut request = GenerationRequest::new(FunctionKind::Dirdyna);
+    let exact = generate(model, &request).expect("equations");
+    request.options.small_angles = vec![1];
+    let small = generate(model, &request).expect("equations");
+    let results = [&exact, &small].map(|module| {
+        let function = view(module).function;
+        let sines = function
+            .nodes()
+            .iter()
+            .filter(|node| node.operation.is_trigonometric());
+        let inputs: Vec<f64> = (0..function.input_len())
+            .map(|place| {
+                let (array, indices, _) = function.input_element(robovec_ir::Input(place as u32));
+                match (module.tables.symbols.text(array.name), indices[0]) {
+                    ("q", 2) => angle,
+                    ("q", _) => 0.3,
+                    ("qd", _) => 0.7,
+                    ("frc" | "trq", _) => 0.0,
+                    _ => 1.0 + 0.1 * f64::from(indices[0]),
+                }
+            })
+            .collect();
+        (sines.count(), evaluate(function, &Binary64, &inputs))
+    });
+    let [(exact_sines, exact), (small_sines, small)] = results;
+    assert_eq!(exact_sines, small_sines + 2, "one sine and one cosine less");
+    let apart = exact.iter().zip(&small).map(|(a, b)| (a - b).abs());
+    apart.fold(0.0, f64::max)
+}
+
+/// Small angles leave out what is of second order.
+#[test]
+fn small_angles_err_by_their_square() {
+    let model = robovec::model::systems::double_pendulum();
+    let ratio = small_difference(&model, 0.02) / small_difference(&model, 0.01);
+    assert!((ratio - 4.0).abs() < 0.1, "{ratio}");
+}
+
+/// A scene without the section, and one whose watched joint rests.
+#[test]
+fn what_cannot_be_judged_is_told() {
+    let refused = |scene: &str, words: &[&str]| {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        fs::write(folder.path().join("carts.mbs"), write_mbs(&carts())).expect("writable");
+        let path = folder.path().join("carts.scene.toml");
+        let text = format!("model = 'carts.mbs'\nfunction = 'accelred'\n{scene}");
+        fs::write(&path, text).expect("writable");
+        let output = robovec(&["neglect", &path.to_string_lossy()]);
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{message}");
+        for word in words {
+            assert!(message.contains(word), "no '{word}' in\n{message}");
+        }
+    };
+    refused("", &["no section [neglect]", "see docs/scenes.md"]);
+    refused(
+        "[[output]]\nelements = 'qdd[1]'\n[neglect]\n",
+        &["'T1_First' does not move", "start = {"],
+    );
+    refused(
+        "[neglect]\nwatch = 'T1_Frist'\n",
+        &["did you mean 'T1_First'"],
+    );
+    refused("[neglect]\nkinds = 'joint'\n", &["did you mean 'joints'"]);
+}
