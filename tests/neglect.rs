@@ -24,7 +24,7 @@ fn searched(folder: &Path, name: &str) -> NeglectFindings {
     let text = fs::read_to_string(folder.join(name)).expect("it was written");
     let file =
         read(name, &text, folder).unwrap_or_else(|report| panic!("{}", report.render_plain()));
-    let wish = file.neglect.clone().expect("it has the section");
+    let wish = file.motion.clone().expect("it has the section");
     let laws = wish.laws.expect("it has laws");
     let laws = fs::read_to_string(folder.join(laws)).expect("they were written");
     let robovec::scene::SceneSubject::Model(subject) = &file.subject else {
@@ -79,8 +79,8 @@ fn a_locked_joint_costs_what_mechanics_says() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let scene = "model = 'carts.mbs'\nfunction = 'accelred'\nparameters = 'from-model'\n\
                  [[output]]\nelements = 'qdd[T1_First]'\n\
-                 [neglect]\nlaws = 'laws.toml'\ntime = 4.0\nerror = 0.5\nkinds = ['joints']\n\
-                 start = { T1_First = 0.1 }\n";
+                 [motion]\nlaws = 'laws.toml'\ntime = 4.0\nerror = 0.5\n\
+                 start = { T1_First = 0.1 }\n[neglect]\nkinds = ['joints']\n";
     let laws = format!(
         "[[joint]]\nname = 'T1_First'\nstiffness = {:?}\nneutral = 0.0\n\
          [[joint]]\nname = 'T1_Second'\nstiffness = {:?}\n",
@@ -124,11 +124,12 @@ fn a_locked_joint_costs_what_mechanics_says() {
 }
 
 /// The example of the leg, for a short motion and few kinds.
-const SHORT: [(&str, &str); 2] = [
+const SHORT: [(&str, &str); 3] = [
     (
-        "time = 10.0",
-        "time = 0.4\nkinds = ['joints', 'angles', 'links']",
+        "[motion]",
+        "[neglect]\nkinds = ['joints', 'angles', 'links']\n\n[motion]",
     ),
+    ("time = 10.0", "time = 0.4"),
     ("../", "EXAMPLES/"),
 ];
 
@@ -253,14 +254,54 @@ fn what_cannot_be_judged_is_told() {
             assert!(message.contains(word), "no '{word}' in\n{message}");
         }
     };
-    refused("", &["no section [neglect]", "see docs/scenes.md"]);
+    refused("", &["no section [motion]", "see docs/scenes.md"]);
     refused(
-        "[[output]]\nelements = 'qdd[1]'\n[neglect]\n",
+        "[[output]]\nelements = 'qdd[1]'\n[motion]\n",
         &["'T1_First' does not move", "start = {"],
     );
     refused(
-        "[neglect]\nwatch = 'T1_Frist'\n",
+        "[motion]\nwatch = 'T1_Frist'\n",
         &["did you mean 'T1_First'"],
     );
     refused("[neglect]\nkinds = 'joint'\n", &["did you mean 'joints'"]);
+}
+
+/// A scene whose only limit is an error over time gets the narrowest mantissa
+/// in steps of two that keeps it: with two bits less the motion errs more than
+/// is allowed.
+#[test]
+fn an_error_over_time_chooses_a_format() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let scene = format!(
+        "model = '{}/models/double-pendulum.mbs'\nfunction = 'accelred'\n\
+         parameters = 'from-model'\n\
+         [[output]]\nelements = 'qdd'\n\
+         [bind]\nQq = 0.0\nfrc = 0.0\ntrq = 0.0\n\
+         [range]\nq = [-1.0, 1.0]\nqd = [-5.0, 5.0]\n\
+         [motion]\ntime = 1.0\nerror = 1e-4\n",
+        examples.display()
+    );
+    let path = folder.path().join("swing.scene.toml");
+    fs::write(&path, scene).expect("writable");
+    let out = folder.path().join("out");
+    let words = ["--formulation=recursive", "--states=64"];
+    let path = path.to_string_lossy().into_owned();
+    let out_word = out.to_string_lossy().into_owned();
+    let told = robovec(&[&["fit", &path, "-o", &out_word], &words[..]].concat());
+    assert!(told.status.success(), "{}", stderr(&told));
+    let text = String::from_utf8_lossy(&told.stdout).into_owned();
+    assert!(
+        text.contains("over time        1 s of the scene's motion"),
+        "{text}"
+    );
+    let json = fs::read_to_string(out.join("fit.json")).expect("written");
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let error = json["motion"]["error"].as_f64().expect("an error");
+    assert!(error <= 1e-4, "{error}");
+    assert!(error > 1e-6, "a wider format than needed: {error}");
+    assert!(
+        json["broken"].as_u64().expect("a number") > 0,
+        "narrower ones were tried"
+    );
 }

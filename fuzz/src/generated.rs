@@ -46,6 +46,7 @@ fn input(bytes: &mut Unstructured<'_>) -> Result<(Model, GenerationRequest, Lang
             leading_signs: bytes.arbitrary()?,
             expanded: bytes.arbitrary()?,
             true_angles: bytes.arbitrary()?,
+            small_angles: Vec::new(),
             multipliers: false,
         },
     };

@@ -5,11 +5,12 @@ use super::output::result_files;
 use super::{CommandFailure, input, output, progress};
 use crate::explore::program::view;
 use crate::fit::confirm::{self, Confirmation};
-use crate::fit::{self, FitError, FitOutcome, FitTask, SinePlace};
+use crate::fit::{self, FitError, FitOutcome, FitTask, MotionTolerance, SinePlace};
 use crate::generate::Formulation;
 use crate::present::json::json_text;
 use crate::scene::{SceneFile, SceneSubject};
 use clap::{Args, ValueEnum};
+use indicatif::ProgressBar;
 use robovec_analysis::rounding::usual_states;
 use robovec_framework::scene::ArraySizes;
 use robovec_ir::{Machine, Module, print};
@@ -68,6 +69,8 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
         0 => usual_states(operations),
         count => count,
     };
+    let bar = progress::spinner();
+    let motion = motion(&file, arguments, &machine, &bar)?;
     let task = FitTask {
         scene: &file.scene,
         general: &general,
@@ -78,8 +81,8 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
         states,
         seed: arguments.seed,
         effort: arguments.effort,
+        motion: motion.as_ref(),
     };
-    let bar = progress::spinner();
     let progress = |what: &str| bar.set_message(what.to_owned());
     let outcome = fit::fit(&task, &progress).map_err(|error| {
         let message = format!("{}: {error}", arguments.scene.display());
@@ -115,6 +118,25 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
     };
     let advice = "allow a larger error, a later deadline, or a machine with more to offer";
     Err(CommandFailure::advised(message, vec![advice.to_owned()]))
+}
+
+/// The motion whose error the scene limits.
+fn motion<'a>(
+    file: &'a SceneFile,
+    arguments: &FitArguments,
+    machine: &'a Machine,
+    bar: &ProgressBar,
+) -> Result<Option<MotionTolerance<'a>>, CommandFailure> {
+    if file.motion.is_none() {
+        return Ok(None);
+    }
+    bar.set_message("the motion in binary64");
+    let folder = arguments.scene.parent().unwrap_or(Path::new(""));
+    let laws = input::laws_of(file, folder)?;
+    MotionTolerance::new(file, laws, machine).map_err(|error| {
+        let notes = error.advice().map(str::to_owned).into_iter().collect();
+        CommandFailure::advised(format!("{}: {error}", arguments.scene.display()), notes)
+    })
 }
 
 fn place(arguments: &FitArguments, file: &SceneFile) -> SinePlace {
@@ -194,6 +216,7 @@ fn write(
         "chosen": outcome.chosen,
         "challenge": outcome.challenge,
         "bound": outcome.bound,
+        "motion": outcome.motion,
         "broken": outcome.broken,
         "confirmation": confirmation,
         "front": outcome.front(),

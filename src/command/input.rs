@@ -7,10 +7,12 @@ use super::CommandFailure;
 use super::arguments::InputLanguage;
 use crate::files::limited::{self, FileLimit};
 use crate::generate::{GenerationRequest, generate};
+use crate::model::Model;
 use crate::model::mbs::ReadModel;
+use crate::motion::Laws;
 use crate::robotran::FunctionKind;
 use crate::robotran::Language;
-use crate::scene::SceneFile;
+use crate::scene::{SceneFile, SceneSubject};
 use crate::sources::{self, EquationLanguage, display_name};
 use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;
@@ -155,6 +157,27 @@ pub(crate) fn scene(path: &Path) -> Result<SceneFile, CommandFailure> {
     let file = SceneFile::load(path).map_err(CommandFailure)?;
     tell(&file.warnings);
     Ok(file)
+}
+
+/// The laws of a scene's motion, for its model with joints held; none where it
+/// names none.
+pub(crate) fn laws_of(file: &SceneFile, folder: &Path) -> Result<Laws, CommandFailure> {
+    let SceneSubject::Model(subject) = &file.subject else {
+        unreachable!("the reader of scenes refuses [motion] without a model");
+    };
+    let named = file.motion.as_ref().and_then(|motion| motion.laws.as_ref());
+    match named {
+        None => Ok(Laws::none(&subject.model)),
+        Some(named) => laws(&subject.model, &folder.join(named)),
+    }
+}
+
+/// Laws of forces and driven motions of a model.
+pub(crate) fn laws(model: &Model, path: &Path) -> Result<Laws, CommandFailure> {
+    let text = text(path, &limited::LAWS)?;
+    Laws::parse(model, &text).map_err(|diagnostics| {
+        CommandFailure(Report::of(&path.display().to_string(), text, diagnostics))
+    })
 }
 
 /// Prints what a reader remarked.

@@ -2,18 +2,15 @@
 
 use super::{CommandFailure, input, output, progress};
 use crate::files::limited;
-use crate::motion::Laws;
 use crate::neglect::{self, NeglectError, NeglectTask};
 use crate::present::plot;
-use crate::scene::{SceneFile, SceneSubject};
 use clap::Args;
-use robovec_ir::diagnostic::Report;
 use std::path::{Path, PathBuf};
 
 /// Find the joints, bodies, forces and terms that a scene need not model
 #[derive(Args, Debug)]
 pub(super) struct NeglectArguments {
-    /// The scene (.scene.toml), with a section [neglect]
+    /// The scene (.scene.toml), with a section [motion]
     scene: PathBuf,
     /// Machine that speed and cost are told of; by default the scene's, else thesis, or solver
     /// for equations that divide
@@ -33,10 +30,10 @@ pub(super) fn run(arguments: &NeglectArguments) -> Result<String, CommandFailure
         let notes = error.advice().map(str::to_owned).into_iter().collect();
         CommandFailure::advised(format!("{}: {error}", path.display()), notes)
     };
-    let wish = file
-        .neglect
+    let motion = file
+        .motion
         .as_ref()
-        .ok_or(NeglectError::NoWish)
+        .ok_or(NeglectError::NoMotion)
         .map_err(fail)?;
     let name = path
         .file_name()
@@ -54,14 +51,14 @@ pub(super) fn run(arguments: &NeglectArguments) -> Result<String, CommandFailure
         name: &name,
         text: &source,
         folder,
-        laws: laws(&file, folder)?,
+        laws: input::laws_of(&file, folder)?,
         machine: &machine,
     };
     let bar = progress::spinner();
     let findings = neglect::neglect(&task, &|what| bar.set_message(what.to_owned()));
     bar.finish_and_clear();
     let findings = findings.map_err(fail)?;
-    let report = neglect::text(&findings, wish.error, wish.time, &machine);
+    let report = neglect::text(&findings, motion.error, motion.time, &machine);
     let text = format!("{}\n\n{report}", file.scene.name);
     if let Some(folder) = &arguments.output {
         let stem = name.strip_suffix(".toml").unwrap_or(&name);
@@ -85,20 +82,4 @@ pub(super) fn run(arguments: &NeglectArguments) -> Result<String, CommandFailure
         output::write_files(folder, &files)?;
     }
     Ok(text)
-}
-
-/// The laws the scene names, for its model with joints held.
-fn laws(file: &SceneFile, folder: &Path) -> Result<Laws, CommandFailure> {
-    let SceneSubject::Model(subject) = &file.subject else {
-        unreachable!("the reader of scenes refuses [neglect] without a model");
-    };
-    let named = file.neglect.as_ref().and_then(|wish| wish.laws.as_ref());
-    let Some(named) = named else {
-        return Ok(Laws::none(&subject.model));
-    };
-    let path = folder.join(named);
-    let text = input::text(&path, &limited::LAWS)?;
-    Laws::parse(&subject.model, &text).map_err(|diagnostics| {
-        CommandFailure(Report::of(&path.display().to_string(), text, diagnostics))
-    })
 }

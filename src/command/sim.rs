@@ -2,7 +2,6 @@
 
 use super::flags::{real, whole};
 use super::{CommandFailure, input, output, progress};
-use crate::files::limited;
 use crate::model::mbs::ReadModel;
 use crate::model::{Model, Nature};
 use crate::motion::{
@@ -15,7 +14,7 @@ use robovec_ir::Format;
 use robovec_ir::diagnostic::{Report, Severity, clip, did_you_mean};
 use std::fmt::Write as _;
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Steps of the progress bar.
 const BAR_LENGTH: f64 = 1000.0;
@@ -104,7 +103,7 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, CommandFailure> {
     let model = &read.model;
     let laws = match &arguments.laws {
         None => Laws::none(model),
-        Some(path) => laws(model, path)?,
+        Some(path) => input::laws(model, path)?,
     };
     let setting = EquationSetting {
         formulation: super::generation::formulation(&arguments.formulation),
@@ -112,6 +111,7 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, CommandFailure> {
         format: arguments.number,
         accelerations: arguments.accelred,
         scene: None,
+        program: None,
     };
     let (mut system, initial) = MultibodySystem::new(model, laws, &setting).map_err(failure)?;
     let remark = roles(model, &system);
@@ -172,13 +172,6 @@ fn hold(model: &mut Model, names: &[String]) -> Result<(), CommandFailure> {
         joint.nature = Nature::Driven;
     }
     Ok(())
-}
-
-fn laws(model: &Model, path: &Path) -> Result<Laws, CommandFailure> {
-    let text = input::text(path, &limited::LAWS)?;
-    Laws::parse(model, &text).map_err(|diagnostics| {
-        CommandFailure(Report::of(&path.display().to_string(), text, diagnostics))
-    })
 }
 
 fn plan(arguments: &SimArguments) -> SimulationPlan {

@@ -25,6 +25,9 @@
 //! the cheapest is taken anew, until one holds. Of small programs a bound over
 //! the ranges may prove the rest ([`bound`]).
 //!
+//! Where the scene has a motion ([`motion`]), the choice has to stay within the
+//! error that is allowed over time as well, else its mantissa is widened.
+//!
 //! **Invariants.** Two seeds draw the states that candidates are chosen by:
 //! few for the *search*, which orders of series and mantissas are tried at;
 //! four times as many for the *validation*, which mantissas must hold at too
@@ -35,6 +38,7 @@ pub mod bound;
 pub mod challenge;
 pub mod confirm;
 mod format;
+pub mod motion;
 pub mod page;
 mod ranges;
 mod series;
@@ -45,6 +49,7 @@ mod variants;
 
 pub use bound::FitBound;
 pub use challenge::Challenge;
+pub use motion::{MotionShare, MotionTolerance};
 pub use series::{SinePlace, SineTreatment};
 
 use crate::explore::ExplorationProgress;
@@ -58,6 +63,7 @@ use robovec_codegen::hardware::{self, MachineClock};
 use robovec_framework::scene::{ArraySizes, Scene};
 use robovec_ir::count::Counts;
 use robovec_ir::{Format, Machine, Module};
+use robovec_num::NumberFormat;
 use robovec_schedule::PlaceError;
 use serde::Serialize;
 use std::sync::Arc;
@@ -66,6 +72,9 @@ use tolerance::FormatErrors;
 /// How many times as many states as the search has the validation has: a
 /// search measures often and can afford few.
 const VALIDATION_FACTOR: u32 = 4;
+
+/// By how many bits a mantissa is widened that errs too much over time.
+const WIDER: u32 = 2;
 
 /// What is searched for, and where.
 pub struct FitTask<'a> {
@@ -91,6 +100,8 @@ pub struct FitTask<'a> {
     pub seed: u64,
     /// How many times the usual number of states a choice is challenged with.
     pub effort: u32,
+    /// The motion whose error over time the scene limits.
+    pub motion: Option<&'a MotionTolerance<'a>>,
 }
 
 /// A program made for the scene.
@@ -160,6 +171,8 @@ pub struct FitOutcome {
     pub chosen: Option<usize>,
     /// What the chosen one was tried with, and held.
     pub challenge: Option<Challenge>,
+    /// Its error over time; `None` where the scene has no motion.
+    pub motion: Option<MotionShare>,
     /// What is proved of the chosen one; `None` where it has no bound.
     pub bound: Option<FitBound>,
     /// Choices before it that did not hold when they were challenged.
@@ -203,11 +216,23 @@ pub fn fit(task: &FitTask<'_>, progress: ExplorationProgress<'_>) -> Result<FitO
         ));
         let attempt = (&search.programs[program], format);
         let challenge = challenge::challenge(task, attempt, broken)?;
-        if challenge.holds() {
-            return Ok(search.outcome(candidates, Some((chosen, challenge)), broken));
-        }
         broken += 1;
-        search.learn(program, challenge.worst)?;
+        if !challenge.holds() {
+            search.learn(program, challenge.worst)?;
+            continue;
+        }
+        let name = &search.programs[program].name;
+        progress(&format!("{name} in {format}: the error over time"));
+        let motion = task.motion.map(|motion| {
+            let module = &search.programs[program].module;
+            motion.of(module, format)
+        });
+        if motion.as_ref().is_none_or(MotionShare::holds) {
+            let mut outcome = search.outcome(candidates, Some((chosen, challenge)), broken - 1);
+            outcome.motion = motion;
+            return Ok(outcome);
+        }
+        search.widen(program, format)?;
     }
 }
 
@@ -319,6 +344,34 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         Ok(())
     }
 
+    /// Refuses a format of a program, and all that are no wider, for its error
+    /// over time; the next wider mantissa is tried instead.
+    fn widen(&mut self, program: usize, refused: Format) -> Result<(), FitError> {
+        let bits = |format: Format| match format {
+            Format::Float(float) => float.mantissa,
+            Format::Fixed(fixed) => fixed.fraction,
+        };
+        for (format, errors) in &mut self.formats[program] {
+            if bits(*format) <= bits(refused) {
+                errors.shares.push(f64::INFINITY);
+            }
+        }
+        let Format::Float(float) = refused else {
+            return Ok(());
+        };
+        let wider = Format::Float(NumberFormat {
+            mantissa: float.mantissa + WIDER,
+            ..float
+        });
+        let known = |(format, _): &(Format, FormatErrors)| *format == wider;
+        if float.mantissa + WIDER <= 52 && !self.formats[program].iter().any(known) {
+            let one = &self.programs[program];
+            let errors = FormatErrors::at(self.task, one, wider, &self.validation)?;
+            self.formats[program].push((wider, errors));
+        }
+        Ok(())
+    }
+
     fn outcome(
         self,
         candidates: Vec<FitCandidate>,
@@ -333,6 +386,7 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         });
         FitOutcome {
             bound,
+            motion: None,
             programs: self.programs,
             candidates,
             chosen,

@@ -2,6 +2,7 @@
 
 use super::confirm::Confirmation;
 use super::{Challenge, FitCandidate, FitOutcome, FitTask};
+use crate::present::number::exponential;
 use crate::present::{
     AxisScale, Curve, DataCell, DataTable, Figure, Mark, Panel, PlotAxis, text_table,
 };
@@ -36,6 +37,15 @@ pub fn text(
     }
     if let Some(challenge) = &outcome.challenge {
         text += &held(task, outcome, challenge);
+        if let Some(motion) = &outcome.motion {
+            text += &format!(
+                "  over time        {} s of the scene's motion: {} of the largest displacement of \
+                 a watched joint, {} allowed\n",
+                motion.time,
+                exponential(motion.error),
+                exponential(motion.allowed)
+            );
+        }
     }
     text += &confirmation.map_or_else(String::new, run);
     let front = outcome.front();

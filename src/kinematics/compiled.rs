@@ -138,6 +138,25 @@ impl EvaluatedOutputs<'_> {
         true
     }
 
+    /// Takes over the entries of an array of rows and columns that the function
+    /// sets.
+    pub fn take_entries(&self, name: &str, matrix: &mut DenseMatrix) {
+        let mut outputs = self.compiled.outputs.iter();
+        let Some(&(_, first, Shape::Matrix(_, columns))) = outputs.find(|array| array.0 == name)
+        else {
+            return;
+        };
+        for assignment in &self.compiled.function.assignments {
+            let place = assignment.output.index();
+            if let Some(offset) = place.checked_sub(first) {
+                let (row, column) = (offset / columns as usize, offset % columns as usize);
+                if row < matrix.rows() && column < matrix.columns() {
+                    matrix[(row, column)] = self.flat[place];
+                }
+            }
+        }
+    }
+
     /// Takes over the columns of `frc` and `trq` that the function sets.
     pub fn take_loads(&self, state: &mut MotionState) {
         let arrays = [("frc", &mut state.frc), ("trq", &mut state.trq)];

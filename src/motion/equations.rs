@@ -30,6 +30,9 @@ pub struct EquationSetting<'a> {
     /// `accelred`), and how these are generated for it. Positions, loops and
     /// links stay those of the model.
     pub scene: Option<(&'a Scene, &'a Options)>,
+    /// A program that gives some of the outputs of the equations of motion in
+    /// numbers of its own; the others stay as they are.
+    pub program: Option<(&'a Module, Format)>,
 }
 
 impl Default for EquationSetting<'_> {
@@ -40,6 +43,7 @@ impl Default for EquationSetting<'_> {
             format: Format::BINARY64,
             accelerations: false,
             scene: None,
+            program: None,
         }
     }
 }
@@ -51,6 +55,7 @@ pub struct MotionEquations {
     dynamics: CompiledFunction,
     acceleration: Option<CompiledFunction>,
     solved: Option<CompiledFunction>,
+    program: Option<CompiledFunction>,
     links: Option<CompiledFunction>,
     forces: Option<CompiledFunction>,
 }
@@ -95,6 +100,10 @@ impl MotionEquations {
             joints: model.joints.len(),
             dynamics: compile(model, FunctionKind::Dirdyna, &dynamics)?,
             solved: optional(setting.accelerations || !given, FunctionKind::Accelred)?,
+            program: setting
+                .program
+                .map(|given| program(model, given))
+                .transpose()?,
             constraints,
             acceleration,
         })
@@ -114,10 +123,14 @@ impl MotionEquations {
     /// `M` and `c` of `M qdd + c = Qq`.
     pub fn dynamics(&self, state: &MotionState) -> (DenseMatrix, Vec<f64>) {
         let outputs = self.dynamics.evaluate(state);
-        (
-            outputs.matrix("M", self.joints, self.joints),
-            outputs.vector("c", self.joints),
-        )
+        let mut matrix = outputs.matrix("M", self.joints, self.joints);
+        let mut bias = outputs.vector("c", self.joints);
+        if let Some(program) = &self.program {
+            let outputs = program.evaluate(state);
+            outputs.take_entries("M", &mut matrix);
+            outputs.take_joints("c", &mut bias);
+        }
+        (matrix, bias)
     }
 
     /// The accelerations of all joints but the driven ones, which keep those
@@ -126,6 +139,11 @@ impl MotionEquations {
         let outputs = self.solved.as_ref()?.evaluate(state);
         let mut accelerations = state.qdd.clone();
         let given = outputs.take_joints("qdd", &mut accelerations);
+        if let Some(program) = &self.program {
+            program
+                .evaluate(state)
+                .take_joints("qdd", &mut accelerations);
+        }
         given.then_some(accelerations)
     }
 
@@ -186,6 +204,17 @@ impl MotionEquations {
             outputs.take_loads(state);
         }
     }
+}
+
+/// A program as it is evaluated in its own numbers.
+fn program(
+    model: &Model,
+    (module, format): (&Module, Format),
+) -> Result<CompiledFunction, MotionError> {
+    let function = module.functions[0].clone();
+    let name = function.name.clone();
+    let compiled = CompiledFunction::new(model, &name, &module.tables, function, format)?;
+    Ok(compiled)
 }
 
 fn compile(

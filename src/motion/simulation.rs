@@ -52,7 +52,7 @@ pub struct MotionSample {
 }
 
 /// A run.
-#[derive(Clone, PartialEq, Debug)]
+#[derive(Clone, PartialEq, Default, Debug)]
 pub struct SimulationRun {
     /// The samples, at equal intervals.
     pub samples: Vec<MotionSample>,
@@ -76,6 +76,14 @@ impl SimulationRun {
     pub fn energy_scale(&self) -> f64 {
         let kinetic = self.samples.iter().map(|sample| sample.energy.kinetic);
         kinetic.fold(0.0, f64::max)
+    }
+
+    /// The largest distance between the positions of a joint, by index, in this
+    /// run and another with samples at the same times, m or rad.
+    pub fn distance(&self, other: &SimulationRun, joint: usize) -> f64 {
+        let pairs = self.samples.iter().zip(&other.samples);
+        let apart = pairs.map(|(a, b)| (a.state.q[joint] - b.state.q[joint]).abs());
+        apart.fold(0.0, f64::max)
     }
 
     /// The largest residual of the constraints.

@@ -19,6 +19,7 @@ impl SceneTable {
     /// The table of a scene that was read already.
     pub(super) fn of(text: &str) -> SceneTable {
         let mut table: Table = toml::from_str(text).expect("the scene was read already");
+        table.remove("motion");
         table.remove("neglect");
         SceneTable(table)
     }

@@ -13,7 +13,7 @@ use crate::motion::{
     SimulationRun, simulate,
 };
 use crate::robotran::FunctionKind;
-use crate::scene::{self, ModelSubject, NeglectWish, PIPELINE, SceneFile, SceneSubject, USUAL};
+use crate::scene::{self, ModelSubject, PIPELINE, SceneFile, SceneMotion, SceneSubject, USUAL};
 use robovec_framework::scene::Scene;
 use robovec_ir::count::Counts;
 use robovec_ir::{Format, Machine};
@@ -26,10 +26,6 @@ const SAMPLES: u32 = 500;
 /// Steps a motion may take, as a multiple of those of the full model: what
 /// takes more has become stiff and cheapens nothing.
 const STEP_FACTOR: u64 = 20;
-
-/// The tolerance of a step of the integrator, in parts of the error allowed of
-/// the motion.
-const TOLERANCE: f64 = 1e-5;
 
 /// A scene in which things are left out.
 pub(super) struct ReducedScene {
@@ -79,11 +75,10 @@ pub(super) struct NeglectJudge<'a> {
     pub(super) folder: &'a Path,
     /// The scene as it is written, without its section `[neglect]`.
     pub(super) own: SceneTable,
-    pub(super) wish: &'a NeglectWish,
+    pub(super) wish: &'a SceneMotion,
     /// The laws of the full model, every default a number.
     pub(super) laws: Laws,
     pub(super) machine: &'a Machine,
-    pub(super) watched: Vec<usize>,
     /// Where joints are locked: the means of their motions.
     pub(super) means: Vec<f64>,
     /// The steps of the full model, for [`STEP_FACTOR`].
@@ -173,11 +168,6 @@ impl NeglectJudge<'_> {
         Ok(operations)
     }
 
-    /// The tolerance of a step of the integrator, absolute and relative.
-    pub(super) fn tolerance(&self) -> f64 {
-        (TOLERANCE * self.wish.error).clamp(1e-10, 1e-6)
-    }
-
     /// The motion of a scene from a start.
     ///
     /// # Errors
@@ -204,7 +194,7 @@ impl NeglectJudge<'_> {
                 absolute: tolerance,
             },
             step_limit: match self.steps {
-                0 => 10_000_000,
+                0 => 1_000_000,
                 steps => STEP_FACTOR * steps + 1000,
             },
         }
@@ -242,31 +232,10 @@ impl NeglectJudge<'_> {
             format: Format::BINARY64,
             accelerations: subject.function == FunctionKind::Accelred,
             scene: Some((&scene, &subject.options)),
+            program: None,
         };
         let (mut system, initial) = MultibodySystem::new(&model, reduced.laws.clone(), &setting)?;
         action(&mut system, &initial)
-    }
-
-    /// The largest distance of every watched joint from its motion in the full
-    /// model, m or rad.
-    pub(super) fn distances(&self, full: &SimulationRun, other: &SimulationRun) -> Vec<f64> {
-        let distance = |&joint: &usize| {
-            let pairs = full.samples.iter().zip(&other.samples);
-            let apart = pairs.map(|(a, b)| (a.state.q[joint] - b.state.q[joint]).abs());
-            apart.fold(0.0, f64::max)
-        };
-        self.watched.iter().map(distance).collect()
-    }
-
-    /// Positions at the start: every joint somewhere in its range. The draws
-    /// are those of a sequence of Weyl, so that no two are near each other;
-    /// draw 0 is the high end of every range.
-    pub(super) fn start(&self, draw: u32) -> Start {
-        let place = |&(joint, [low, high]): &(usize, [f64; 2])| {
-            let turn = f64::from(draw) * (0.618_033_988_75 + 0.754_877_666_25 * joint as f64);
-            (joint, high - (high - low) * turn.fract())
-        };
-        self.wish.start.iter().map(place).collect()
     }
 }
 

@@ -36,9 +36,9 @@ use crate::scene::EffectError;
 /// Why nothing could be judged.
 #[derive(Debug, thiserror::Error)]
 pub enum NeglectError {
-    /// The scene has no section `[neglect]`.
-    #[error("the scene has no section [neglect]")]
-    NoWish,
+    /// The scene has no section `[motion]`.
+    #[error("the scene has no section [motion]")]
+    NoMotion,
     /// No joint is watched.
     #[error("no joint is watched: the scene needs no acceleration 'qdd[…]'")]
     NothingWatched,
@@ -66,11 +66,11 @@ impl NeglectError {
     /// What a user can do, if anything.
     pub fn advice(&self) -> Option<&'static str> {
         match self {
-            NeglectError::NoWish => {
-                Some("write [neglect] with laws, time and error; see docs/scenes.md")
+            NeglectError::NoMotion => {
+                Some("write [motion] with laws, time and error; see docs/scenes.md")
             }
             NeglectError::NothingWatched => {
-                Some("name joints: watch = [\"…\"], in the section [neglect]")
+                Some("name joints: watch = [\"…\"], in the section [motion]")
             }
             NeglectError::Still(_) => {
                 Some("give it a start elsewhere (start = { NAME = … }) or a law that moves it")

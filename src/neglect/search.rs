@@ -9,9 +9,7 @@ use crate::explore::yardstick::{ErrorSpread, Yardstick};
 use crate::kinematics::{InputSources, MotionState, StateError};
 use crate::model::Model;
 use crate::motion::{EquationSetting, Laws, MotionError, MultibodySystem, SimulationRun};
-use crate::scene::{
-    EffectError, NeglectWish, PIPELINE, SceneEffect, SceneFile, SceneSubject, effects,
-};
+use crate::scene::{EffectError, PIPELINE, SceneEffect, SceneFile, SceneSubject, effects};
 use rayon::prelude::*;
 use robovec_ir::{Format, Machine, View};
 use std::collections::VecDeque;
@@ -130,9 +128,12 @@ pub fn neglect(
     task: &NeglectTask<'_>,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<NeglectFindings, NeglectError> {
-    let wish = task.file.neglect.as_ref().ok_or(NeglectError::NoWish)?;
+    let wish = task.file.motion.as_ref().ok_or(NeglectError::NoMotion)?;
+    if wish.watch.is_empty() {
+        return Err(NeglectError::NothingWatched);
+    }
     let SceneSubject::Model(subject) = &task.file.subject else {
-        return Err(NeglectError::NoWish);
+        return Err(NeglectError::NoMotion);
     };
     let own = SceneTable::of(task.text);
     let mut judge = NeglectJudge {
@@ -141,7 +142,6 @@ pub fn neglect(
         wish,
         laws: settled(task, &own)?,
         machine: task.machine,
-        watched: watched(task.file, wish, &subject.general)?,
         means: Vec::new(),
         steps: 0,
         own,
@@ -151,7 +151,7 @@ pub fn neglect(
     let model = full.scene.subject().model.clone();
     let own = judge.build(&judge.own, &subject.general, &[])?;
     let own_model = own.subject().model.clone();
-    let all = candidates(&own_model, &judge.laws, wish, &judge.watched);
+    let all = candidates(&own_model, &judge.laws, &task.file.neglect, &wish.watch);
     let operations = judge.operations(&own)?;
     progress("every omission alone");
     let mut tried: Vec<(Omission, NeglectFinding)> = all
@@ -169,7 +169,7 @@ pub fn neglect(
     let reduced = judge.build(&judge.own, &subject.general, &taken)?;
     progress("the reduced scene from fresh starts");
     let fresh = fresh(&judge, &full, &reduced)?;
-    let fine = judge.motion(&full.scene, &full.runs[0].0, judge.tolerance() / 100.0)?;
+    let fine = judge.motion(&full.scene, &full.runs[0].0, judge.wish.tolerance() / 100.0)?;
     let integration = share(&judge, &full, (&full.runs[0].1, &fine));
     let mut figures = Vec::new();
     let scenes = [
@@ -182,7 +182,8 @@ pub fn neglect(
     }
     let curves = curves(&judge, &full, &reduced)?;
     let names = judge
-        .watched
+        .wish
+        .watch
         .iter()
         .map(|&joint| model.joints[joint].name.clone());
     Ok(NeglectFindings {
@@ -198,33 +199,12 @@ pub fn neglect(
     })
 }
 
-/// The joints that are watched: those the scene names, else those whose
-/// accelerations it needs.
-fn watched(
-    file: &SceneFile,
-    wish: &NeglectWish,
-    model: &Model,
-) -> Result<Vec<usize>, NeglectError> {
-    if !wish.watch.is_empty() {
-        return Ok(wish.watch.clone());
-    }
-    let needed = |joint: &usize| {
-        let mut outputs = file.scene.outputs.iter();
-        outputs.any(|need| need.pattern.matches("qdd", &[*joint as u32 + 1]))
-    };
-    let watched: Vec<usize> = (0..model.joints.len()).filter(needed).collect();
-    if watched.is_empty() {
-        return Err(NeglectError::NothingWatched);
-    }
-    Ok(watched)
-}
-
 /// The laws with every default a number, as the full model starts.
 fn settled(task: &NeglectTask<'_>, own: &SceneTable) -> Result<Laws, NeglectError> {
     let full = crate::scene::read(task.name, &own.full().text(), task.folder)
         .map_err(|report| NeglectError::Scene(report.render_plain()))?;
     let SceneSubject::Model(subject) = &full.subject else {
-        return Err(NeglectError::NoWish);
+        return Err(NeglectError::NoMotion);
     };
     let setting = EquationSetting::default();
     let (system, _) = MultibodySystem::new(&subject.model, task.laws.clone(), &setting)?;
@@ -234,12 +214,11 @@ fn settled(task: &NeglectTask<'_>, own: &SceneTable) -> Result<Laws, NeglectErro
 /// The full model from every start; sets the judge's means and steps.
 fn full_motion(judge: &mut NeglectJudge<'_>, model: &Model) -> Result<FullMotion, NeglectError> {
     let scene = judge.build(&judge.own.full(), model, &[])?;
-    let varied = judge.wish.start.iter().any(|(_, [low, high])| low < high);
-    let draws = if varied { SEARCHED } else { 1 };
-    let starts: Vec<Start> = (0..draws).map(|draw| judge.start(draw)).collect();
+    let draws = if judge.wish.varies() { SEARCHED } else { 1 };
+    let starts: Vec<Start> = (0..draws).map(|draw| judge.wish.start(draw)).collect();
     let runs: Result<Vec<SimulationRun>, MotionError> = starts
         .par_iter()
-        .map(|start| judge.motion(&scene, start, judge.tolerance()))
+        .map(|start| judge.motion(&scene, start, judge.wish.tolerance()))
         .collect();
     let runs = runs?;
     let states = || {
@@ -265,9 +244,9 @@ fn full_motion(judge: &mut NeglectJudge<'_>, model: &Model) -> Result<FullMotion
         let away = states().map(|state| (state.q[joint] - judge.means[joint]).abs());
         away.fold(0.0, f64::max)
     };
-    let scales: Vec<f64> = judge.watched.iter().map(scale).collect();
+    let scales: Vec<f64> = judge.wish.watch.iter().map(scale).collect();
     if let Some(still) = scales.iter().position(|&scale| scale < 1e-9) {
-        let joint = judge.watched[still];
+        let joint = judge.wish.watch[still];
         return Err(NeglectError::Still(model.joints[joint].name.clone()));
     }
     Ok(FullMotion {
@@ -284,11 +263,8 @@ fn share(
     full: &FullMotion,
     (one, other): (&SimulationRun, &SimulationRun),
 ) -> f64 {
-    let distances = judge.distances(one, other);
-    let parts = distances
-        .iter()
-        .zip(&full.scales)
-        .map(|(distance, scale)| distance / scale);
+    let watched = judge.wish.watch.iter().zip(&full.scales);
+    let parts = watched.map(|(&joint, scale)| one.distance(other, joint) / scale);
     parts.fold(0.0, f64::max)
 }
 
@@ -301,7 +277,7 @@ fn error(
 ) -> Result<f64, MotionError> {
     let mut worst: f64 = 0.0;
     for (start, run) in full.runs.iter().take(motions) {
-        let other = judge.motion(scene, start, judge.tolerance())?;
+        let other = judge.motion(scene, start, judge.wish.tolerance())?;
         worst = worst.max(share(judge, full, (run, &other)));
     }
     Ok(worst)
@@ -447,9 +423,9 @@ fn fresh(
     let shares: Result<Vec<f64>, MotionError> = (SEARCHED..SEARCHED + FRESH)
         .into_par_iter()
         .map(|draw| {
-            let start = judge.start(draw);
-            let run = judge.motion(&full.scene, &start, judge.tolerance())?;
-            let other = judge.motion(reduced, &start, judge.tolerance())?;
+            let start = judge.wish.start(draw);
+            let run = judge.motion(&full.scene, &start, judge.wish.tolerance())?;
+            let other = judge.motion(reduced, &start, judge.wish.tolerance())?;
             Ok(share(judge, full, (&run, &other)))
         })
         .collect();
@@ -511,14 +487,14 @@ fn curves(
     reduced: &ReducedScene,
 ) -> Result<Vec<WatchedCurve>, NeglectError> {
     let (start, run) = &full.runs[0];
-    let other = judge.motion(reduced, start, judge.tolerance())?;
+    let other = judge.motion(reduced, start, judge.wish.tolerance())?;
     let curve = |run: &SimulationRun, joint: usize| {
         let samples = run.samples.iter();
         samples
             .map(|sample| (sample.state.time, sample.state.q[joint]))
             .collect()
     };
-    let watched = judge.watched.iter();
+    let watched = judge.wish.watch.iter();
     Ok(watched
         .map(|&joint| WatchedCurve {
             full: curve(run, joint),

@@ -30,11 +30,15 @@
 //! [range]                         # how large the others are
 //! q = { all = [-0.05, 0.05], T1_Frame = [-100, 100] }
 //!
-//! [neglect]                       # what may be left out (`robovec neglect`)
-//! laws = "../laws/bogie.toml"     # the forces of the motion it is judged by
+//! [motion]                        # a motion that programs are judged by
+//! laws = "../laws/bogie.toml"     # its forces
 //! time = 10.0                     # s
 //! error = 0.01                    # of the largest displacement of …
 //! watch = ["T3_Frame"]            # … these joints
+//!
+//! [neglect]                       # what may be left out (`robovec neglect`)
+//! kinds = ["joints", "angles"]    # by default all
+//! keep = ["Motor"]
 //! ```
 //!
 //! The scene itself is [`robovec_framework::scene::Scene`]; here it is read,
@@ -46,12 +50,12 @@ mod document;
 mod effect;
 mod inputs;
 mod known;
-mod neglect;
+mod motion;
 mod read;
 mod subject;
 
 pub use effect::{EffectError, PIPELINE, SceneEffect, USUAL, effects};
-pub use neglect::{NeglectKind, NeglectWish};
+pub use motion::{NeglectKind, NeglectWish, SceneMotion};
 pub use read::read;
 pub use subject::{ModelSubject, SceneSubject};
 
@@ -101,9 +105,9 @@ pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
     ("bind", INPUT, ""),
     ("range", INPUT, ""),
     ("locked", INPUT, ""),
-    ("neglect.time", neglect::TIME, "10"),
-    ("neglect.error", ERROR, "0.01"),
-    ("neglect.start", INPUT, "the model's"),
+    ("motion.time", motion::TIME, "10"),
+    ("motion.error", ERROR, "0.01"),
+    ("motion.start", INPUT, "the model's"),
 ];
 
 /// A scene with what it is about.
@@ -115,8 +119,10 @@ pub struct SceneFile {
     pub subject: SceneSubject,
     /// What the user should know of the model.
     pub warnings: Report,
-    /// What it may leave out, and the motion that this is judged by.
-    pub neglect: Option<NeglectWish>,
+    /// The motion that programs are judged by.
+    pub motion: Option<SceneMotion>,
+    /// What may be left out.
+    pub neglect: NeglectWish,
 }
 
 impl SceneFile {
@@ -155,6 +161,21 @@ impl SceneFile {
         match &self.subject {
             SceneSubject::Equations(module) => Ok((**module).clone()),
             SceneSubject::Model(subject) => subject.general_equations(self.formulation()),
+        }
+    }
+
+    /// Where no joint is watched: watches those whose accelerations are needed.
+    fn watch_what_is_needed(&mut self) {
+        let (Some(motion), SceneSubject::Model(subject)) = (&mut self.motion, &self.subject) else {
+            return;
+        };
+        if motion.watch.is_empty() {
+            let needed = |joint: &usize| {
+                let mut outputs = self.scene.outputs.iter();
+                outputs.any(|need| need.pattern.matches("qdd", &[*joint as u32 + 1]))
+            };
+            let joints = 0..subject.general.joints.len();
+            motion.watch = joints.filter(needed).collect();
         }
     }
 

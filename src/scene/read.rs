@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use toml::de::DeValue;
 
 /// The keys of a scene file.
-const KEYS: [&str; 18] = [
+const KEYS: [&str; 19] = [
     "name",
     "description",
     "model",
@@ -36,6 +36,7 @@ const KEYS: [&str; 18] = [
     "output",
     "bind",
     "range",
+    "motion",
     "neglect",
 ];
 
@@ -71,6 +72,7 @@ pub fn read(name: &str, text: &str, folder: &Path) -> Result<SceneFile, Report> 
     };
     scene.joints = reader.read(file);
     scene.small = reader.small(file);
+    let motion = get(file, "motion").and_then(|value| reader.motion(value));
     let neglect = get(file, "neglect").and_then(|value| reader.neglect(value));
     let words = reader.words;
     if let SceneSubject::Model(subject) = &mut subject {
@@ -94,7 +96,8 @@ pub fn read(name: &str, text: &str, folder: &Path) -> Result<SceneFile, Report> 
         scene,
         subject,
         warnings,
-        neglect,
+        motion,
+        neglect: neglect.unwrap_or_default(),
     };
     let module = complete.module().map_err(|error| {
         let key = get(file, "function").or_else(|| get(file, "model"));
@@ -102,6 +105,7 @@ pub fn read(name: &str, text: &str, folder: &Path) -> Result<SceneFile, Report> 
         failed(std::mem::take(&mut problems))
     })?;
     complete.scene.outputs = outputs(file, &arrays, &module, &mut problems);
+    complete.watch_what_is_needed();
     if problems.is_empty() {
         Ok(complete)
     } else {

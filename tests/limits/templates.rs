@@ -250,11 +250,18 @@ fn scene_text(head: &str, tail: &str) -> String {
     )
 }
 
+fn motion(words: &str) -> String {
+    format!("model = \"p.mbs\"\nfunction = \"accelred\"\n\n[motion]\nwatch = [\"1\"]\n{words}\n")
+}
+
 fn scene(row: &LimitRow, value: &str, folder: &Path) -> Vec<Invocation> {
     let text = match row.name.as_str() {
         "deadline" => scene_text(&format!("deadline = {value}"), ""),
         "output.error" => scene_text("", &format!("error = {value}\n")),
         "output.scale" => scene_text("", &format!("error = 1e-3\nscale = {value}\n")),
+        "motion.time" => motion(&format!("time = {value}")),
+        "motion.error" => motion(&format!("time = 0.1\nerror = {value}")),
+        "motion.start" => motion(&format!("time = 0.1\nstart = {{ R1_Upper = {value} }}")),
         "bind" => scene_text("", &format!("\n[bind]\n\"q[1]\" = {value}\n")),
         "range" => scene_text("", &format!("\n[range]\nq = [{value}, {value}]\n")),
         _ => format!(

@@ -1,9 +1,9 @@
-//! The section `[neglect]` of a scene file: what a program may leave out, and
-//! the motion that this is judged by.
+//! The sections `[motion]` and `[neglect]` of a scene file: the motion that a
+//! program is judged by, and what it may leave out.
 
 use super::document::{
-    DocumentProblems, DocumentRange, DocumentValue, array, get, limited, only_keys, string,
-    strings, table,
+    DocumentProblems, DocumentRange, DocumentTable, DocumentValue, array, get, limited, only_keys,
+    string, strings, table,
 };
 use super::inputs::InputReader;
 use super::{ERROR, INPUT};
@@ -13,7 +13,7 @@ use toml::de::DeValue;
 
 /// How long the motion lasts, in seconds.
 pub(super) const TIME: NumberLimit =
-    NumberLimit::real(1e-6, 1e4, "every candidate is simulated that long");
+    NumberLimit::real(1e-6, 1e3, "every candidate is simulated that long");
 
 /// A kind of thing that can be left out.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
@@ -69,35 +69,65 @@ impl NeglectKind {
     }
 }
 
-/// What a scene may leave out, as its file says.
+/// The motion a scene is judged by, as its file says.
 #[derive(Clone, PartialEq, Debug)]
-pub struct NeglectWish {
+pub struct SceneMotion {
     /// The file of laws that make the motion, as it is written; without one,
     /// gravity alone does.
     pub laws: Option<PathBuf>,
     /// How long the motion lasts, s.
     pub time: f64,
     /// The error allowed of every watched joint, in parts of its largest
-    /// displacement.
+    /// displacement from its mean.
     pub error: f64,
-    /// The joints whose motion is watched, by index; empty: those whose
-    /// accelerations the scene needs.
+    /// The joints whose motion is watched, by index: those that the file
+    /// names, else those whose accelerations the scene needs.
     pub watch: Vec<usize>,
     /// Joints, by index, with the range their position at the start is drawn
     /// from, m or rad; the others start as in the model.
     pub start: Vec<(usize, [f64; 2])>,
+}
+
+impl SceneMotion {
+    /// Positions at the start: every joint that has a range somewhere in it.
+    /// The draws are those of a sequence of Weyl, so that no two are near each
+    /// other; draw 0 is the high end of every range.
+    pub fn start(&self, draw: u32) -> Vec<(usize, f64)> {
+        let place = |&(joint, [low, high]): &(usize, [f64; 2])| {
+            let turn = f64::from(draw) * (0.618_033_988_75 + 0.754_877_666_25 * joint as f64);
+            (joint, high - (high - low) * turn.fract())
+        };
+        self.start.iter().map(place).collect()
+    }
+
+    /// True when starts differ from each other.
+    pub fn varies(&self) -> bool {
+        self.start.iter().any(|(_, [low, high])| low < high)
+    }
+
+    /// The tolerance of a step of an integrator, absolute and relative, that
+    /// adds next to nothing to the error allowed.
+    pub fn tolerance(&self) -> f64 {
+        (1e-5 * self.error).clamp(1e-10, 1e-6)
+    }
+}
+
+/// What a scene may leave out, as its file says.
+#[derive(Clone, PartialEq, Default, Debug)]
+pub struct NeglectWish {
     /// The kinds of things that may be left out; empty: all.
     pub kinds: Vec<NeglectKind>,
     /// The names of what must not be left out.
     pub keep: Vec<String>,
 }
 
-/// The keys of the section.
-const KEYS: [&str; 7] = ["laws", "time", "error", "watch", "start", "kinds", "keep"];
+/// The keys of the sections.
+const MOTION_KEYS: [&str; 5] = ["laws", "time", "error", "watch", "start"];
+const NEGLECT_KEYS: [&str; 2] = ["kinds", "keep"];
 
 impl InputReader<'_> {
     /// The numbers, from 1, of the joints listed under `small`.
-    pub(super) fn small(&mut self, file: &super::document::DocumentTable<'_>) -> Vec<u32> {
+    pub(super) fn small(&mut self, file: &DocumentTable<'_>) -> Vec<u32> {
         let Some(value) = get(file, "small") else {
             return Vec::new();
         };
@@ -126,20 +156,12 @@ impl InputReader<'_> {
         small
     }
 
-    /// What the section says.
-    pub(super) fn neglect(&mut self, value: &DocumentValue<'_>) -> Option<NeglectWish> {
-        let section = table(value, self.problems)?;
-        only_keys(section, &KEYS, self.problems);
-        if self.model.is_none() {
-            let message = "only of a model something can be left out, not of equations";
-            self.problems.add(value.span(), message);
-            return None;
-        }
+    /// What the section `[motion]` says.
+    pub(super) fn motion(&mut self, value: &DocumentValue<'_>) -> Option<SceneMotion> {
+        let section = self.section(value, &MOTION_KEYS)?;
         let laws = get(section, "laws").and_then(|value| string(value, self.problems));
         let watch = get(section, "watch").map_or(Vec::new(), |value| self.watched(value));
         let start = get(section, "start").map_or(Vec::new(), |value| self.starts(value));
-        let kinds = get(section, "kinds").map_or(Vec::new(), |value| self.kinds(value));
-        let keep = get(section, "keep").map_or(Vec::new(), |value| self.kept(value));
         let number = |key: &str, limit, default: f64, problems: &mut DocumentProblems| {
             let value = get(section, key);
             value.map_or(Some(default), |value| {
@@ -148,15 +170,38 @@ impl InputReader<'_> {
         };
         let time = number("time", TIME, 10.0, self.problems)?;
         let error = number("error", ERROR, 0.01, self.problems)?;
-        Some(NeglectWish {
+        Some(SceneMotion {
             laws: laws.map(PathBuf::from),
             time,
             error,
             watch,
             start,
-            kinds,
-            keep,
         })
+    }
+
+    /// What the section `[neglect]` says.
+    pub(super) fn neglect(&mut self, value: &DocumentValue<'_>) -> Option<NeglectWish> {
+        let section = self.section(value, &NEGLECT_KEYS)?;
+        Some(NeglectWish {
+            kinds: get(section, "kinds").map_or(Vec::new(), |value| self.kinds(value)),
+            keep: get(section, "keep").map_or(Vec::new(), |value| self.kept(value)),
+        })
+    }
+
+    /// A section about a model that moves.
+    fn section<'a, 't>(
+        &mut self,
+        value: &'a DocumentValue<'t>,
+        keys: &[&str],
+    ) -> Option<&'a DocumentTable<'t>> {
+        let section = table(value, self.problems)?;
+        only_keys(section, keys, self.problems);
+        if self.model.is_none() {
+            let message = "only a model moves and can leave something out, equations do not";
+            self.problems.add(value.span(), message);
+            return None;
+        }
+        Some(section)
     }
 
     fn kinds(&mut self, value: &DocumentValue<'_>) -> Vec<NeglectKind> {
@@ -224,7 +269,7 @@ impl InputReader<'_> {
 
     /// A position, or the two ends of a range of positions.
     fn start(&mut self, value: &DocumentValue<'_>) -> Option<[f64; 2]> {
-        let limit = ("neglect.start", INPUT);
+        let limit = ("motion.start", INPUT);
         if !matches!(value.get_ref(), DeValue::Array(_)) {
             return limited(value, limit, self.problems).map(|number| [number; 2]);
         }
