@@ -76,10 +76,11 @@ pub(super) fn run(arguments: &StressArguments) -> Result<String, CommandFailure>
     if !arguments.verdicts {
         text.push('\n');
         text += &stress::classes(&findings);
-        let steps = stress::steps(&findings);
-        if !steps.is_empty() {
-            text.push('\n');
-            text += &steps;
+        for more in [stress::steps(&findings), stress::gaps(&findings)] {
+            if !more.is_empty() {
+                text.push('\n');
+                text += &more;
+            }
         }
     }
     let complaints = complaints(arguments, &findings);

@@ -20,17 +20,25 @@ pub enum CaseClass {
     Pose,
     /// Sums whose terms cancel.
     Cancellation,
+    /// Springs so stiff that their stretch is lost in lengths.
+    Spring,
+    /// Penetrations and slips that are differences of large numbers.
+    Contact,
+    /// Sensors far from the origin.
+    Far,
     /// Closed loops near dead points, and with redundant constraints.
     Loop,
     /// Series in place of sine and cosine.
     Series,
     /// Long simulations.
     Motion,
+    /// Closed loops in time, which open.
+    Drift,
 }
 
 impl CaseClass {
     /// All classes, in the order of reports.
-    pub const ALL: [CaseClass; 10] = [
+    pub const ALL: [CaseClass; 14] = [
         CaseClass::Base,
         CaseClass::Chain,
         CaseClass::Ratio,
@@ -38,9 +46,13 @@ impl CaseClass {
         CaseClass::Scale,
         CaseClass::Pose,
         CaseClass::Cancellation,
+        CaseClass::Spring,
+        CaseClass::Contact,
+        CaseClass::Far,
         CaseClass::Loop,
         CaseClass::Series,
         CaseClass::Motion,
+        CaseClass::Drift,
     ];
 
     /// The name on the command line.
@@ -53,9 +65,13 @@ impl CaseClass {
             CaseClass::Scale => "scale",
             CaseClass::Pose => "pose",
             CaseClass::Cancellation => "cancellation",
+            CaseClass::Spring => "spring",
+            CaseClass::Contact => "contact",
+            CaseClass::Far => "far",
             CaseClass::Loop => "loop",
             CaseClass::Series => "series",
             CaseClass::Motion => "motion",
+            CaseClass::Drift => "drift",
         }
     }
 
@@ -76,9 +92,13 @@ impl CaseClass {
             CaseClass::Scale => "sizes at the ends of the range of a format",
             CaseClass::Pose => "poses near a singular one",
             CaseClass::Cancellation => "sums whose terms cancel",
+            CaseClass::Spring => "springs so stiff that lengths hide their stretch",
+            CaseClass::Contact => "penetrations and slips: small differences of large numbers",
+            CaseClass::Far => "sensors far from the origin",
             CaseClass::Loop => "closed loops near dead points, and with redundant constraints",
             CaseClass::Series => "series in place of sine and cosine",
             CaseClass::Motion => "long simulations, step after step in one format",
+            CaseClass::Drift => "closed loops in time, which open step by step",
         }
     }
 }
@@ -138,6 +158,12 @@ pub(super) trait StressSubject: Send + Sync {
         false
     }
 
+    /// True when values can have formats of their own: the program is one
+    /// function, whose errors the pass `mixed` can weigh.
+    fn mixes(&self) -> bool {
+        false
+    }
+
     /// True when the error is that of rounding, which wider formats reduce.
     fn rounds(&self) -> bool {
         true
@@ -156,6 +182,12 @@ pub(super) trait StressBench: Sync {
     /// The error that rounding the data once to a format makes: what nobody
     /// can do better than from rounded data.
     fn floor(&self, format: Format) -> f64;
+
+    /// The largest number that a program has to hold, for fixed point; `None`
+    /// where that is no candidate.
+    fn largest(&self, _treatment: &ProgramTreatment) -> Option<f64> {
+        None
+    }
 
     /// Carries out a treatment.
     fn measure(&self, treatment: &ProgramTreatment) -> Result<Measured, StressError>;

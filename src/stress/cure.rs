@@ -3,7 +3,7 @@
 use super::case::{StressBench, StressCase};
 use super::{Measured, ProgramTreatment, StressError, StressVerdict, verdict};
 use robovec_ir::Format;
-use robovec_num::NumberFormat;
+use robovec_num::{FixedFormat, NumberFormat};
 
 /// A treatment that was tried.
 #[derive(Clone, PartialEq, Debug)]
@@ -61,6 +61,13 @@ const ONE_DIGIT: f64 = 0.1;
 /// times the rounding of binary32.
 const NARROWEST: u32 = 18;
 
+/// How many times what is wanted the error in the widest format may be for
+/// shorter ones to be tried: luck brings a bit or two.
+const HOPELESS: f64 = 100.0;
+
+/// The most bits of fixed point.
+const MOST_FIXED: u32 = 53;
+
 impl Findings {
     /// The cure.
     pub fn cure(&self) -> Option<&TreatmentTrial> {
@@ -110,6 +117,9 @@ pub fn examine(case: &StressCase) -> Result<Findings, StressError> {
         for goal in [readable, close] {
             if case.subject.is_small() {
                 attempts.exhaust(exponent, goal)?;
+                if case.subject.mixes() {
+                    attempts.mix(goal)?;
+                }
                 continue;
             }
             // The program as it is, and the one with the least operations.
@@ -187,28 +197,85 @@ impl Attempts<'_> {
         errors.any(|other| other * BETTER < error && other <= ONE_DIGIT)
     }
 
-    /// Tries every program with every mantissa from the narrowest on, until its
-    /// error is small enough or it costs more than what is known to do.
-    fn exhaust(&mut self, exponent: u32, goal: f64) -> Result<(), StressError> {
-        let untreated = self.untreated.clone();
+    /// The untreated program and the others in its format with their costs,
+    /// the shortest first: what it reaches spares the others most trials.
+    fn programs(&self) -> Vec<ProgramTreatment> {
+        let untreated = &self.untreated;
         let is_program = |trial: &&TreatmentTrial| {
-            trial.treatment == untreated || trial.treatment.is_another_program(&untreated)
+            trial.treatment == *untreated || trial.treatment.is_another_program(untreated)
         };
         let programs = self.trials.iter().filter(is_program);
         let mut programs: Vec<(f64, ProgramTreatment)> = programs
             .map(|trial| (trial.cost, trial.treatment.clone()))
             .collect();
         programs.push((1.0, untreated.clone()));
-        // The shortest first: what it reaches spares the others most trials.
         programs.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for (_, program) in programs {
-            for mantissa in NARROWEST..=Format::WIDEST.mantissa {
-                let tried = self.in_format(&program, exponent, mantissa)?;
-                // A trial that is good enough ends this, since it is known itself.
-                let known = cheapest(&self.trials, goal).map(|best| self.trials[best].cost);
-                if known.is_some_and(|known| known <= self.trials[tried].cost) {
-                    break;
-                }
+        programs.into_iter().map(|(_, program)| program).collect()
+    }
+
+    /// Tries every program with every mantissa from the narrowest on, and in
+    /// fixed point with every number of bits behind the point, until its error
+    /// is small enough or it costs more than what is known to do.
+    fn exhaust(&mut self, exponent: u32, goal: f64) -> Result<(), StressError> {
+        for program in self.programs() {
+            let floats = (NARROWEST..=Format::WIDEST.mantissa).map(|mantissa| {
+                Format::Float(NumberFormat {
+                    exponent,
+                    mantissa,
+                    subnormals: true,
+                })
+            });
+            self.widen(&program, floats, goal)?;
+            if let Some(largest) = self.bench.largest(&program) {
+                self.widen(&program, fixed_formats(largest), goal)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Tries a program in one format after the other until its error is small
+    /// enough or it costs more than what is known to do; not at all when even
+    /// the last, the widest, is far from that.
+    fn widen(
+        &mut self,
+        program: &ProgramTreatment,
+        formats: impl Iterator<Item = Format> + Clone,
+        goal: f64,
+    ) -> Result<(), StressError> {
+        let within = |format: Format| ProgramTreatment {
+            format,
+            ..program.clone()
+        };
+        if let Some(widest) = formats.clone().last() {
+            let tried = self.attempt(within(widest))?;
+            let error = self.trials[tried].measured.error;
+            if error.is_nan() || error > HOPELESS * goal {
+                return Ok(());
+            }
+        }
+        for format in formats {
+            let tried = self.attempt(within(format))?;
+            // A trial that is good enough ends this, since it is known itself.
+            let known = cheapest(&self.trials, goal).map(|best| self.trials[best].cost);
+            if known.is_some_and(|known| known <= self.trials[tried].cost) {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Tries every program with a format for every value. The pass asks for
+    /// less than the error of the whole array at random states, so that it is
+    /// asked for more when that does not do here.
+    fn mix(&mut self, goal: f64) -> Result<(), StressError> {
+        for program in self.programs() {
+            for part in [1.0, 0.03] {
+                // What is not a value (inputs, a state) stays in binary64.
+                self.allowed(ProgramTreatment {
+                    mixed: Some(goal * part),
+                    format: Format::BINARY64,
+                    ..program.clone()
+                })?;
             }
         }
         Ok(())
@@ -245,6 +312,16 @@ impl Attempts<'_> {
         }
         Ok(())
     }
+}
+
+/// The formats of fixed point that hold a number, from the least bits that
+/// make sense on.
+fn fixed_formats(largest: f64) -> impl Iterator<Item = Format> + Clone {
+    let holds = |integer: &u32| largest < 2f64.powi(*integer as i32);
+    let integer = (0..MOST_FIXED).find(holds).unwrap_or(MOST_FIXED);
+    let first = (NARROWEST + 1).saturating_sub(integer).max(1);
+    (first..=MOST_FIXED - integer)
+        .map(move |fraction| Format::Fixed(FixedFormat { integer, fraction }))
 }
 
 /// The cheapest trial with an error that is small enough; the first of those

@@ -65,16 +65,23 @@ pub(super) fn solve(size: usize, matrix: &[Double], right: &[Double]) -> Option<
     let mut factor = matrix.to_vec();
     match factorise(&DoubleDouble, size, &mut factor) {
         Ok(()) => Some(substitute(&DoubleDouble, &factor, right)),
-        Err(_) => eliminate(size, matrix.to_vec(), right.to_vec()),
+        Err(_) => eliminate(&DoubleDouble, size, matrix.to_vec(), right.to_vec()),
     }
 }
 
-/// Gaussian elimination with partial pivoting; `None` when a pivot vanishes.
-fn eliminate(size: usize, mut matrix: Vec<Double>, mut right: Vec<Double>) -> Option<Vec<Double>> {
+/// Gaussian elimination with partial pivoting in any arithmetic; `None` when a
+/// pivot vanishes.
+pub(super) fn eliminate<A: Arithmetic<Number: Wide>>(
+    a: &A,
+    size: usize,
+    mut matrix: Vec<A::Number>,
+    mut right: Vec<A::Number>,
+) -> Option<Vec<A::Number>> {
     for k in 0..size {
-        let height = |row: usize| matrix[row * size + k].high.abs();
-        let pivot = (k..size).max_by(|&a, &b| height(a).total_cmp(&height(b)))?;
-        if height(pivot) == 0.0 || !height(pivot).is_finite() {
+        let height = |matrix: &[A::Number], row: usize| matrix[row * size + k].wide().high.abs();
+        let order = |&a: &usize, &b: &usize| height(&matrix, a).total_cmp(&height(&matrix, b));
+        let pivot = (k..size).max_by(order)?;
+        if height(&matrix, pivot) == 0.0 || !height(&matrix, pivot).is_finite() {
             return None;
         }
         for column in 0..size {
@@ -82,22 +89,22 @@ fn eliminate(size: usize, mut matrix: Vec<Double>, mut right: Vec<Double>) -> Op
         }
         right.swap(k, pivot);
         for row in k + 1..size {
-            let factor = matrix[row * size + k] / matrix[k * size + k];
-            if factor.high == 0.0 {
+            let factor = a.div(matrix[row * size + k], matrix[k * size + k]);
+            if factor.wide().high == 0.0 {
                 continue;
             }
             for column in k..size {
-                let known = factor * matrix[k * size + column];
-                matrix[row * size + column] = matrix[row * size + column] - known;
+                let known = a.mul(factor, matrix[k * size + column]);
+                matrix[row * size + column] = a.sub(matrix[row * size + column], known);
             }
-            right[row] = right[row] - factor * right[k];
+            right[row] = a.sub(right[row], a.mul(factor, right[k]));
         }
     }
     for row in (0..size).rev() {
         for k in row + 1..size {
-            right[row] = right[row] - matrix[row * size + k] * right[k];
+            right[row] = a.sub(right[row], a.mul(matrix[row * size + k], right[k]));
         }
-        right[row] = right[row] / matrix[row * size + row];
+        right[row] = a.div(right[row], matrix[row * size + row]);
     }
     Some(right)
 }

@@ -3,6 +3,7 @@
 use super::case::{Measured, StressBench, StressSubject};
 use super::dynamics::{DynamicsSubject, Metric};
 use super::numbers::{Wide, Work, WorkingPrecision};
+use super::steps::change_work;
 use super::{ProgramTreatment, StressError};
 use crate::generate::{Formulation, GenerationRequest, generate};
 use crate::kinematics::MotionState;
@@ -197,12 +198,9 @@ impl StressBench for LongBench<'_> {
             .subject
             .steps(treatment.step.unwrap_or(self.subject.step)) as f64;
         let state = treatment.state.unwrap_or(treatment.format);
-        // Four stages of a product and a sum, four more sums and two products
-        // for the change; three sums more to compensate.
-        let sums = if treatment.compensated { 11.0 } else { 8.0 };
-        let numbers = 2.0 * self.subject.model.joints.len() as f64;
+        let numbers = 2 * self.subject.model.joints.len();
         let slopes = (self.work * 4.0).cost(treatment.format);
-        let change = (OperationWork::new(6.0, sums) * numbers).cost(state);
+        let change = change_work(numbers, treatment.compensated).cost(state);
         Ok(Measured {
             error,
             others: vec![(name, other)],

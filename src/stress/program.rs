@@ -1,8 +1,8 @@
 //! A function of a model, compiled and ready to be evaluated in any numbers.
 
-use super::StressError;
 use super::numbers::{Evaluation, WorkingPrecision, rounded};
 use super::units::{Dimension, Units};
+use super::{ProgramTreatment, StressError};
 use crate::generate::{Formulation, GenerationRequest, Options, generate};
 use crate::kinematics::{InputSources, MotionState};
 use crate::model::Model;
@@ -11,6 +11,8 @@ use robovec_framework::manager::{self, Config};
 use robovec_framework::scene::Scene;
 use robovec_ir::cost::OperationWork;
 use robovec_ir::evaluate::evaluate_nodes;
+use robovec_ir::parse::parse_module;
+use robovec_ir::states::Ranges;
 use robovec_ir::{Format, Function, Input, Machine, Module, Operand, Output, View};
 use robovec_num::NumberFormat;
 use robovec_num::arithmetic::Binary64;
@@ -204,6 +206,64 @@ pub(super) fn run_passes(
     };
     manager::run(module, &pipeline, config).map_err(|error| failed(error.to_string()))?;
     Ok(())
+}
+
+/// Cells of the operations, each in the format of its value.
+pub(super) fn function_cost(function: &Function, format: Format) -> f64 {
+    let Some(formats) = &function.formats else {
+        return OperationWork::of(function).cost(format);
+    };
+    let nodes = function.values().map(|(value, node)| {
+        let format = formats.get(value).unwrap_or(format);
+        OperationWork::of_operation(node.operation).cost(format)
+    });
+    nodes.sum()
+}
+
+/// The formats that the pass `mixed` chooses from: mantissas of 18 to 52 bits,
+/// three or four apart.
+const MIXED: &str = "narrow=\"float(11,18)\" between=10";
+
+/// Equations as text with the passes of a treatment run over them. Passes that
+/// look at states see those between the given sets of inputs.
+pub(super) fn text_program(
+    text: &str,
+    treatment: &ProgramTreatment,
+    inputs: &[Vec<f64>],
+) -> Result<Module, StressError> {
+    let mut module =
+        parse_module("case", text).map_err(|report| StressError::Passes(format!("{report:?}")))?;
+    let mut passes = treatment.passes.to_owned();
+    if let Some(error) = treatment.mixed {
+        let first = if passes.is_empty() {
+            "atomise"
+        } else {
+            &passes
+        };
+        passes = format!("{first},mixed{{error={error:e} {MIXED}}}");
+    }
+    if !passes.is_empty() {
+        let scene = scene_between(&module, inputs);
+        run_passes(&mut module, &passes, Some(&scene))?;
+    }
+    Ok(module)
+}
+
+/// The scene of states between given ones.
+fn scene_between(module: &Module, inputs: &[Vec<f64>]) -> Scene {
+    let mut ranges = Ranges::default();
+    let function = &module.functions[0];
+    for place in 0..function.input_len() {
+        let (array, indices, _) = function.input_element(Input(place as u32));
+        let numbers = inputs.iter().map(|inputs| inputs[place]);
+        let start = [f64::INFINITY, f64::NEG_INFINITY];
+        let [low, high] = numbers.fold(start, |[low, high], x| [low.min(x), high.max(x)]);
+        ranges.set(module.tables.symbols.text(array.name), indices, low, high);
+    }
+    Scene {
+        ranges,
+        ..Scene::default()
+    }
 }
 
 /// The binary32 number next to a number, or the number itself where binary32

@@ -20,6 +20,28 @@ pub(super) const PASSES: [&str; 7] = [
     "atomise,accurate{growth=1000 slack=1000}",
 ];
 
+/// What keeps the loops of a model closed in time.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum LoopStabilisation {
+    /// Nothing: accelerations agree with the loops, positions need not.
+    #[default]
+    None,
+    /// What is open is led back by the accelerations, as a critically damped
+    /// oscillator would (Baumgarte 1972).
+    Baumgarte,
+    /// After every step the dependent joints are put back onto the loops.
+    Projection,
+}
+
+impl LoopStabilisation {
+    /// All of them.
+    pub const ALL: [LoopStabilisation; 3] = [
+        LoopStabilisation::None,
+        LoopStabilisation::Baumgarte,
+        LoopStabilisation::Projection,
+    ];
+}
+
 /// How a program is made and run. The default is what one gets without
 /// asking: the recursion Robotran prints, in binary32.
 #[derive(Clone, PartialEq, Debug)]
@@ -31,8 +53,16 @@ pub struct ProgramTreatment {
     /// The joints that are independent in the loops; those of the model when
     /// empty.
     pub independent: Vec<String>,
+    /// Another way to write the same equations, by name; the one that is the
+    /// case when empty.
+    pub form: &'static str,
     /// What is computed in.
     pub format: Format,
+    /// Every value in the narrowest format with which the outputs keep this
+    /// error, up to binary64: the pass `mixed`.
+    pub mixed: Option<f64>,
+    /// What keeps loops closed.
+    pub stabilisation: LoopStabilisation,
     /// What forces (`c`, `Qq`, residuals) are computed in, where that is not
     /// what masses are computed in.
     pub forces: Option<Format>,
@@ -59,7 +89,10 @@ impl Default for ProgramTreatment {
             formulation: Formulation::default(),
             passes: "",
             independent: Vec::new(),
+            form: "",
             format: Format::BINARY32,
+            mixed: None,
+            stabilisation: LoopStabilisation::None,
             forces: None,
             refinements: 0,
             units: false,
@@ -86,6 +119,8 @@ impl ProgramTreatment {
             formulation: untreated.formulation,
             passes: untreated.passes,
             independent: untreated.independent.clone(),
+            form: untreated.form,
+            stabilisation: untreated.stabilisation,
             ..self.clone()
         };
         same == *untreated && self != untreated
@@ -97,6 +132,9 @@ impl ProgramTreatment {
         if self.formulation != untreated.formulation {
             words.push(self.formulation.name().to_owned());
         }
+        if self.form != untreated.form {
+            words.push(self.form.to_owned());
+        }
         if self.passes != untreated.passes {
             words.push(match self.passes {
                 BALANCED => "balanced".to_owned(),
@@ -106,6 +144,11 @@ impl ProgramTreatment {
         }
         if self.independent != untreated.independent {
             words.push(format!("independent {}", self.independent.join(" ")));
+        }
+        match self.stabilisation {
+            LoopStabilisation::None => {}
+            LoopStabilisation::Baumgarte => words.push("stabilised".to_owned()),
+            LoopStabilisation::Projection => words.push("projected".to_owned()),
         }
         if self.series != untreated.series {
             words.push(match self.series {
@@ -119,7 +162,9 @@ impl ProgramTreatment {
                 Some(step) => format!("dt {step:?} s"),
             });
         }
-        if self.format != untreated.format {
+        if let Some(error) = self.mixed {
+            words.push(format!("mixed within {error:.0e}"));
+        } else if self.format != untreated.format {
             words.push(self.format.to_string());
         }
         if let Some(format) = self.forces {

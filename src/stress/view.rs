@@ -1,6 +1,6 @@
 //! What was found, as text, table, figure and page.
 
-use super::{CaseClass, Findings, ProgramTreatment, StressCase};
+use super::{CaseClass, Findings, LoopStabilisation, ProgramTreatment, StressCase};
 use crate::present::number::or_dash;
 use crate::present::{DataCell, DataTable, text_lines};
 use robovec_ir::Format;
@@ -100,6 +100,39 @@ pub fn steps(findings: &[CaseFinding<'_>]) -> String {
         }
     }
     text
+}
+
+/// How far the loops of each case open, by what keeps them closed; empty
+/// without such cases.
+pub fn gaps(findings: &[CaseFinding<'_>]) -> String {
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for (case, found) in findings {
+        if case.class != CaseClass::Drift || found.trials.is_empty() {
+            continue;
+        }
+        let mut row = vec![case.name.clone()];
+        for stabilisation in LoopStabilisation::ALL {
+            for format in [Format::BINARY32, Format::BINARY64] {
+                let wanted = ProgramTreatment {
+                    stabilisation,
+                    format,
+                    ..found.untreated.clone()
+                };
+                let mut trials = found.trials.iter();
+                let trial = trials.find(|trial| trial.treatment == wanted);
+                let untreated = (wanted == found.untreated).then_some(found.short.error);
+                let error = trial.map(|trial| trial.measured.error).or(untreated);
+                row.push(or_dash(error, short));
+            }
+        }
+        rows.push(row);
+    }
+    if rows.is_empty() {
+        return String::new();
+    }
+    let head = "case | >f32 | >f64 | >stabilised f32 | >f64 | >projected f32 | >f64";
+    let text = "Gap of the loop, relative to the longest bar:\n".to_owned();
+    text + &text_lines(head, &rows)
 }
 
 /// Two digits.

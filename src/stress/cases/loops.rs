@@ -122,7 +122,7 @@ fn parallelogram(angle: f64, slope: f64, third: bool) -> Model {
 /// A crank of 0.3 m, a coupler of 0.8 m and a rocker of 0.6 m on pivots 0.9 m
 /// apart; crank and coupler are so far from one line, rad, where the rocker
 /// turns round.
-fn four_bar(bend: f64) -> Model {
+pub(super) fn four_bar(bend: f64) -> Model {
     let mut builder = ModelBuilder::new("four_bar");
     let pivot = builder.point(BASE, "Pivot", [0.9, 0.0, 0.0]);
     let rod = |length: f64| [length / 2.0, 0.0, 0.0];

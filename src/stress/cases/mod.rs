@@ -2,12 +2,16 @@
 
 mod cancellation;
 mod chains;
+mod contact;
+mod drift;
+mod far;
 mod long;
 mod loops;
 mod models;
 mod ratios;
 mod scales;
 mod series;
+mod springs;
 
 use super::case::StressCase;
 
@@ -17,9 +21,13 @@ pub fn cases() -> Vec<StressCase> {
     cases.extend(ratios::cases());
     cases.extend(scales::cases());
     cases.extend(cancellation::cases());
+    cases.extend(springs::cases());
+    cases.extend(contact::cases());
+    cases.extend(far::cases());
     cases.extend(loops::cases());
     cases.extend(series::cases());
     cases.extend(long::cases());
+    cases.extend(drift::cases());
     // A stable sort keeps the order within a class.
     cases.sort_by_key(|case| case.class);
     cases
