@@ -65,6 +65,9 @@ const NARROWEST: u32 = 18;
 /// shorter ones to be tried: luck brings a bit or two.
 const HOPELESS: f64 = 100.0;
 
+/// The programs that get a format for every value.
+const MOST_MIXED: usize = 24;
+
 /// The most bits of fixed point.
 const MOST_FIXED: u32 = 53;
 
@@ -264,11 +267,11 @@ impl Attempts<'_> {
         Ok(())
     }
 
-    /// Tries every program with a format for every value. The pass asks for
+    /// Tries the shortest programs with a format for every value. The pass asks for
     /// less than the error of the whole array at random states, so that it is
     /// asked for more when that does not do here.
     fn mix(&mut self, goal: f64) -> Result<(), StressError> {
-        for program in self.programs() {
+        for program in self.programs().into_iter().take(MOST_MIXED) {
             for part in [1.0, 0.03] {
                 // What is not a value (inputs, a state) stays in binary64.
                 self.allowed(ProgramTreatment {

@@ -15,7 +15,7 @@ use super::steps::change_work;
 use super::treatment::LoopStabilisation;
 use super::units::Units;
 use super::{ProgramTreatment, StressError};
-use crate::generate::{Formulation, cuts_of_rows};
+use crate::generate::cuts_of_rows;
 use crate::kinematics::MotionState;
 use crate::model::Model;
 use crate::robotran::FunctionKind;
@@ -117,11 +117,7 @@ impl StressSubject for DriftSubject {
 
     fn prepare(&self) -> Result<Box<dyn StressBench + '_>, StressError> {
         let program = |kind| {
-            let recipe = ProgramRecipe {
-                formulation: Formulation::default(),
-                passes: "",
-                only: None,
-            };
+            let recipe = ProgramRecipe::default();
             ModelProgram::new(&self.model, kind, recipe)
         };
         Ok(Box::new(DriftBench {

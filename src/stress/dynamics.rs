@@ -8,12 +8,13 @@
 //! the error of the equations.
 
 mod errors;
+mod solution;
 
 pub(super) use errors::{componentwise, normwise, perturb, worst};
 
 use super::case::{Measured, StressBench, StressSubject};
-use super::linear::{factorise, solve, substitute};
-use super::numbers::{Wide, Work, WorkingPrecision, rounded};
+use super::linear::solve;
+use super::numbers::{WorkingPrecision, rounded};
 use super::program::{ModelProgram, ProgramRecipe, shared};
 use super::treatment::{BALANCED, PASSES};
 use super::units::Units;
@@ -25,9 +26,8 @@ use crate::robotran::FunctionKind;
 use errors::DynamicsErrors;
 use robovec_ir::Format;
 use robovec_ir::cost::OperationWork;
-use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::Double;
-use robovec_num::power::times_power_of_two;
+use solution::Solution;
 use std::sync::{Arc, Mutex};
 
 /// Which error verdicts are about.
@@ -109,6 +109,7 @@ struct ProgramKey {
     kind: FunctionKind,
     formulation: Formulation,
     passes: &'static str,
+    mixed: Option<f64>,
     only: Option<&'static str>,
 }
 
@@ -204,6 +205,12 @@ impl StressSubject for DynamicsSubject {
         self.model.joints.len() <= SMALL
     }
 
+    /// Accelerations are no function alone: the pass cannot weigh what the
+    /// solution makes of errors.
+    fn mixes(&self) -> bool {
+        self.is_small() && self.metric != Metric::Accelerations
+    }
+
     fn prepare(&self) -> Result<Box<dyn StressBench + '_>, StressError> {
         let mut bench = DynamicsBench {
             subject: self,
@@ -249,6 +256,7 @@ impl DynamicsBench<'_> {
             kind,
             formulation,
             passes,
+            mixed: treatment.mixed,
             only,
         };
         let found = |programs: &Vec<(ProgramKey, Arc<ModelProgram>)>| {
@@ -267,6 +275,9 @@ impl DynamicsBench<'_> {
         let recipe = ProgramRecipe {
             formulation,
             passes,
+            mixed: treatment
+                .mixed
+                .map(|error| (error, &self.subject.states[..])),
             only,
         };
         let program = Arc::new(ModelProgram::new(&self.subject.model, kind, recipe)?);
@@ -407,7 +418,7 @@ impl DynamicsBench<'_> {
     fn cost(&self, treatment: &ProgramTreatment) -> Result<f64, StressError> {
         let joints = self.joints() as f64;
         let cost = |kind, only, format: Format| -> Result<f64, StressError> {
-            Ok(self.program(kind, treatment, only)?.work.cost(format))
+            Ok(self.program(kind, treatment, only)?.cost(format))
         };
         let outer = treatment.forces.unwrap_or(treatment.format);
         if self.subject.metric == Metric::Forces {
@@ -456,48 +467,6 @@ impl DynamicsBench<'_> {
     }
 }
 
-/// A solution by Cholesky's factorisation in some arithmetic; nothing when the
-/// matrix is not positive definite in it.
-///
-/// Rows and columns are scaled by powers of two that bring the diagonal to the
-/// order of one (van der Sluis 1969): exact, and out of reach of the ends of
-/// the format's range.
-struct Solution<'a> {
-    size: usize,
-    mass: &'a [Double],
-    right: &'a [f64],
-}
-
-impl Work for Solution<'_> {
-    type Result = Option<Vec<f64>>;
-
-    fn run<A: Arithmetic<Number: Wide>>(self, arithmetic: &A) -> Option<Vec<f64>> {
-        let size = self.size;
-        let scale: Vec<i32> = (0..size)
-            .map(|i| -exponent(self.mass[i * size + i].high).div_euclid(2))
-            .collect();
-        let entry = |(place, number): (usize, &Double)| {
-            let power = scale[place / size] + scale[place % size];
-            arithmetic.literal(times_power_of_two(number.high, power))
-        };
-        let mut factor: Vec<A::Number> = self.mass.iter().enumerate().map(entry).collect();
-        factorise(arithmetic, size, &mut factor).ok()?;
-        let right = || self.right.iter().zip(&scale);
-        let largest = right().map(|(x, &power)| exponent(times_power_of_two(*x, power)));
-        let largest = largest.max().unwrap_or(0);
-        let right: Vec<A::Number> = right()
-            .map(|(x, power)| arithmetic.literal(times_power_of_two(*x, power - largest)))
-            .collect();
-        let solution = substitute(arithmetic, &factor, &right);
-        let solution = solution.iter().zip(&scale);
-        Some(
-            solution
-                .map(|(x, power)| times_power_of_two(x.wide().high, power + largest))
-                .collect(),
-        )
-    }
-}
-
 impl StressBench for DynamicsBench<'_> {
     fn condition(&self) -> f64 {
         match self.subject.metric {
@@ -536,14 +505,6 @@ impl StressBench for DynamicsBench<'_> {
             consistent: !most.indefinite,
             cost: self.cost(treatment)?,
         })
-    }
-}
-
-/// The exponent of a number, from its bits; 0 for zero.
-fn exponent(number: f64) -> i32 {
-    match (number.to_bits() >> 52) & 0x7ff {
-        0 => 0,
-        biased => biased as i32 - 1023,
     }
 }
 

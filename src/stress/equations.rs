@@ -3,11 +3,11 @@
 use super::case::{Measured, StressBench, StressSubject};
 use super::dynamics::{componentwise, normwise, perturb, worst};
 use super::numbers::{Evaluation, WorkingPrecision};
-use super::program::{function_cost, is_normal, shared, text_program};
+use super::program::{evaluate_mixture, function_cost, is_normal, shared, text_program};
 use super::treatment::PASSES;
 use super::{ProgramTreatment, StressError};
-use robovec_ir::evaluate::{evaluate_mixed, evaluate_nodes};
-use robovec_ir::{Format, Function, Module};
+use robovec_ir::evaluate::evaluate_nodes;
+use robovec_ir::{Format, Module};
 use robovec_num::arithmetic::Binary64;
 use robovec_num::double_double::Double;
 use std::sync::{Arc, Mutex};
@@ -163,16 +163,6 @@ impl StressSubject for EquationsSubject {
 fn evaluate(module: &Module, numbers: WorkingPrecision, inputs: &[f64]) -> Vec<Double> {
     let function = &module.functions[0];
     numbers.work(Evaluation { function, inputs })
-}
-
-/// The flattened outputs of a function whose values have formats of their own.
-fn evaluate_mixture(function: &Function, inputs: &[f64]) -> Vec<Double> {
-    let mut flat = vec![Double::from(0.0); function.output_len()];
-    let results = evaluate_mixed(function, Format::BINARY64, inputs);
-    for (assignment, number) in function.assignments.iter().zip(results) {
-        flat[assignment.output.index()] = Double::from(number);
-    }
-    flat
 }
 
 impl EquationsBench<'_> {

@@ -77,6 +77,9 @@ impl Closed {
         let recipe = ProgramRecipe {
             formulation: treatment.formulation,
             passes: treatment.passes,
+            mixed: treatment
+                .mixed
+                .map(|error| (error, std::slice::from_ref(&self.state))),
             only: None,
         };
         ModelProgram::new(&self.model, FunctionKind::Accelred, recipe)
@@ -181,6 +184,10 @@ impl StressSubject for LoopsSubject {
     fn is_small(&self) -> bool {
         let joints = self.closed.iter().map(|closed| closed.model.joints.len());
         joints.max().is_none_or(|most| most <= SMALL)
+    }
+
+    fn mixes(&self) -> bool {
+        self.is_small()
     }
 
     fn prepare(&self) -> Result<Box<dyn StressBench + '_>, StressError> {
@@ -318,7 +325,7 @@ impl<'a> PreparedLoop<'a> {
             others: vec![("J qdd + Jdqd", worst(residuals) / size)],
             outside: outside as f64 / all.max(1) as f64,
             consistent: true,
-            cost: program.work.cost(treatment.format),
+            cost: program.cost(treatment.format),
         })
     }
 }

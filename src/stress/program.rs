@@ -10,7 +10,7 @@ use crate::robotran::FunctionKind;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::scene::Scene;
 use robovec_ir::cost::OperationWork;
-use robovec_ir::evaluate::evaluate_nodes;
+use robovec_ir::evaluate::{evaluate_mixed, evaluate_nodes};
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::Ranges;
 use robovec_ir::{Format, Function, Input, Machine, Module, Operand, Output, View};
@@ -20,7 +20,7 @@ use robovec_num::double_double::Double;
 use robovec_passes::registry::REGISTRY;
 
 /// How a program is made.
-#[derive(Clone, Copy, PartialEq, Debug)]
+#[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub(super) struct ProgramRecipe<'a> {
     /// The recursion.
     pub(super) formulation: Formulation,
@@ -28,6 +28,9 @@ pub(super) struct ProgramRecipe<'a> {
     pub(super) passes: &'a str,
     /// Only the outputs of this array.
     pub(super) only: Option<&'a str>,
+    /// A format for every value, by the error that outputs may have and the
+    /// states that are looked at.
+    pub(super) mixed: Option<(f64, &'a [MotionState])>,
 }
 
 /// A function of a model.
@@ -63,6 +66,31 @@ impl ModelProgram {
         if !recipe.passes.is_empty() {
             run_passes(&mut module, recipe.passes, None)?;
         }
+        let sources = |module: &Module| {
+            let Some(function) = module.functions.last() else {
+                return Err(StressError::Passes("no function was left".to_owned()));
+            };
+            let view = View {
+                tables: &module.tables,
+                function,
+            };
+            InputSources::new(model, view).map_err(StressError::Passes)
+        };
+        let inputs = sources(&module)?;
+        if let Some((error, states)) = recipe.mixed {
+            let first = if recipe.passes.is_empty() {
+                "atomise,"
+            } else {
+                ""
+            };
+            let numbers: Vec<Vec<f64>> = states.iter().map(|state| inputs.gather(state)).collect();
+            let scene = scene_between(&module, &numbers);
+            run_passes(
+                &mut module,
+                &format!("{first}{}", mixed(error)),
+                Some(&scene),
+            )?;
+        }
         let Module {
             tables,
             mut functions,
@@ -70,11 +98,6 @@ impl ModelProgram {
         let Some(function) = functions.pop() else {
             return Err(StressError::Passes("no function was left".to_owned()));
         };
-        let view = View {
-            tables: &tables,
-            function: &function,
-        };
-        let inputs = InputSources::new(model, view).map_err(StressError::Passes)?;
         let dimension = |(array, indices, rank): (&robovec_ir::Array, [u32; 2], usize)| {
             Dimension::of(model, tables.symbols.text(array.name), &indices[..rank])
         };
@@ -112,8 +135,11 @@ impl ModelProgram {
         units: Units,
         inputs: &[f64],
     ) -> Vec<Double> {
+        let function = &self.function;
+        if function.formats.is_some() {
+            return evaluate_mixture(function, inputs);
+        }
         if units == Units::SI {
-            let function = &self.function;
             return numbers.work(Evaluation { function, inputs });
         }
         let scaled: Vec<f64> = inputs
@@ -133,6 +159,12 @@ impl ModelProgram {
                 low: units.meant(number.low, dimension),
             })
             .collect()
+    }
+
+    /// Cells of its operations, each in the format of its value where it has
+    /// one.
+    pub(super) fn cost(&self, format: Format) -> f64 {
+        function_cost(&self.function, format)
     }
 
     /// An output array within what [`ModelProgram::evaluate`] gave; zeros where
@@ -220,9 +252,21 @@ pub(super) fn function_cost(function: &Function, format: Format) -> f64 {
     nodes.sum()
 }
 
-/// The formats that the pass `mixed` chooses from: mantissas of 18 to 52 bits,
-/// three or four apart.
-const MIXED: &str = "narrow=\"float(11,18)\" between=10";
+/// The pass `mixed` for an error, with mantissas of 18 to 52 bits, three or
+/// four apart.
+fn mixed(error: f64) -> String {
+    format!("mixed{{error={error:e} narrow=\"float(11,18)\" between=10}}")
+}
+
+/// The flattened outputs of a function whose values have formats of their own.
+pub(super) fn evaluate_mixture(function: &Function, inputs: &[f64]) -> Vec<Double> {
+    let mut flat = vec![Double::from(0.0); function.output_len()];
+    let results = evaluate_mixed(function, Format::BINARY64, inputs);
+    for (assignment, number) in function.assignments.iter().zip(results) {
+        flat[assignment.output.index()] = Double::from(number);
+    }
+    flat
+}
 
 /// Equations as text with the passes of a treatment run over them. Passes that
 /// look at states see those between the given sets of inputs.
@@ -240,7 +284,7 @@ pub(super) fn text_program(
         } else {
             &passes
         };
-        passes = format!("{first},mixed{{error={error:e} {MIXED}}}");
+        passes = format!("{first},{}", mixed(error));
     }
     if !passes.is_empty() {
         let scene = scene_between(&module, inputs);

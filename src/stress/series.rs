@@ -6,7 +6,6 @@ use super::numbers::{Evaluation, Wide, Work, WorkingPrecision};
 use super::program::{ModelProgram, ProgramRecipe};
 use super::units::Units;
 use super::{ProgramTreatment, StressError};
-use crate::generate::Formulation;
 use crate::kinematics::MotionState;
 use crate::model::Model;
 use crate::robotran::FunctionKind;
@@ -165,11 +164,7 @@ impl StressSubject for AnglesSubject {
 
     fn prepare(&self) -> Result<Box<dyn StressBench + '_>, StressError> {
         let dynamics = &self.dynamics;
-        let recipe = ProgramRecipe {
-            formulation: Formulation::default(),
-            passes: "",
-            only: None,
-        };
+        let recipe = ProgramRecipe::default();
         let program = ModelProgram::new(&dynamics.model, FunctionKind::Invdyna, recipe)?;
         let forces = |state: &MotionState| {
             let flat = program.evaluate(

@@ -165,11 +165,7 @@ impl DynamicsBench<'_> {
         let size = self.joints();
         let mut model = self.subject.model.clone();
         model.gravity = [0.0; 3];
-        let recipe = ProgramRecipe {
-            formulation: Formulation::default(),
-            passes: "",
-            only: None,
-        };
+        let recipe = ProgramRecipe::default();
         let program = ModelProgram::new(&model, FunctionKind::Invdyna, recipe)?;
         let mut entries = vec![0.0; size * size];
         let mut state = state.clone();
