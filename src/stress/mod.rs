@@ -5,8 +5,9 @@
 //! reference in double-double numbers. Beside its error stand the condition of
 //! the problem and the error that rounding the data once would make; from
 //! these follows the [`StressVerdict`], whose fault the error is. Then candidates
-//! for cures are tried (other recursions, passes, units, formats, refinement,
-//! compensated sums, steps), and the cheapest that comes close to binary64 is
+//! for cures are tried (other recursions, passes, coordinates, units, formats
+//! of all values or of each, refinement, compensated sums, steps, loops kept
+//! closed), and the cheapest that comes close to binary64 is
 //! told. The constructions are described in `docs/stress.md`.
 //!
 //! **Invariant.** Nothing depends on clocks, threads or the order of work.
