@@ -32,5 +32,6 @@ pub mod study;
 pub mod sweep;
 pub mod synthesis;
 pub mod trigonometry;
+pub mod yardstick;
 
 pub use command::limits;

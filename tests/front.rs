@@ -3,9 +3,9 @@
 
 use crate::support::programs::{robovec, said};
 use robovec::explore::program::{transformed_by, view};
-use robovec::explore::yardstick::{Yardstick, results};
 use robovec::generate::Formulation;
 use robovec::scene::SceneSubject;
+use robovec::yardstick::{Yardstick, results};
 use robovec_framework::scene::{Allowed, ArraySizes};
 use robovec_ir::Machine;
 use serde_json::Value;

@@ -52,6 +52,7 @@ mod stress;
 mod study;
 mod suspension;
 mod text;
+mod told;
 mod trigonometry;
 mod vendors;
 mod write;

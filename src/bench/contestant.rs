@@ -59,6 +59,17 @@ pub(super) struct Built {
     pub(super) code_bytes: Option<u64>,
 }
 
+/// What a run told of time.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct RunTime {
+    /// The least processor time per state, ns.
+    pub least: f64,
+    /// The 99.9th percentile of the times of single calls less their median,
+    /// ns, by the clock on the wall: interrupts and other programs count.
+    /// `None` where a run is too short for a thousand calls.
+    pub jitter: Option<f64>,
+}
+
 /// The name of the file of results.
 pub(super) const RESULTS: &str = "results.bin";
 
@@ -110,7 +121,7 @@ impl Contestant {
     pub fn time(&self, folder: &Path, milliseconds: u32) -> Result<f64, String> {
         self.write(folder).map_err(|error| error.to_string())?;
         self.build(folder)?;
-        self.run(folder, milliseconds)
+        Ok(self.run(folder, milliseconds)?.least)
     }
 
     pub(super) fn build(&self, place: &Path) -> Result<Built, String> {
@@ -154,14 +165,19 @@ impl Contestant {
         hash.text()
     }
 
-    /// Runs the program; its least time per state, ns.
-    pub(super) fn run(&self, place: &Path, milliseconds: u32) -> Result<f64, String> {
+    /// Runs the program.
+    pub(super) fn run(&self, place: &Path, milliseconds: u32) -> Result<RunTime, String> {
         let mut arguments = self.arguments.clone();
         arguments.push(milliseconds.to_string());
         let text = tools::output(place, "./program", &arguments)?;
-        let time = text.split_whitespace().next();
-        time.and_then(|word| word.parse().ok())
-            .ok_or_else(|| "the program did not print its time".to_owned())
+        let mut words = text.split_whitespace().map(str::parse);
+        let Some(Ok(least)) = words.next() else {
+            return Err("the program did not print its time".to_owned());
+        };
+        Ok(RunTime {
+            least,
+            jitter: words.next().and_then(Result::ok),
+        })
     }
 
     /// The results of the last run: for each state one number per output.

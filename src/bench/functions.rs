@@ -2,6 +2,7 @@
 
 use super::BenchQuestion;
 use crate::model::Model;
+use crate::yardstick::{ErrorSpread, Yardstick};
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{Input, View};
 use robovec_num::arithmetic::Binary64;
@@ -86,23 +87,59 @@ pub(super) fn outputs(view: View<'_>) -> Vec<OutputKey> {
 }
 
 /// What the results must be.
-pub(super) struct ReferenceResults {
+pub(super) struct ReferenceResults<'a> {
+    view: View<'a>,
     keys: Vec<OutputKey>,
     states: Vec<Vec<f64>>,
+    /// The exact results at the same states.
+    yardstick: Yardstick,
 }
 
-impl ReferenceResults {
-    /// Evaluates the function as it came, in binary64.
-    pub(super) fn new(question: &BenchQuestion<'_>) -> ReferenceResults {
+impl<'a> ReferenceResults<'a> {
+    /// Evaluates the function as it came, in binary64 and exactly.
+    pub(super) fn new(question: &BenchQuestion<'a>) -> ReferenceResults<'a> {
         let view = question.view;
-        let states = (0..question.count).map(|state| {
-            let inputs = inputs(question, view, state);
-            evaluate(view.function, &Binary64, &inputs)
-        });
+        let drawn: Vec<Vec<f64>> = (0..question.count)
+            .map(|state| inputs(question, view, state))
+            .collect();
+        let evaluated = |inputs: &Vec<f64>| evaluate(view.function, &Binary64, inputs);
         ReferenceResults {
+            view,
             keys: outputs(view),
-            states: states.collect(),
+            states: drawn.iter().map(evaluated).collect(),
+            yardstick: Yardstick::at(view, drawn),
         }
+    }
+
+    /// The errors of some results against the exact ones, in parts of the
+    /// largest element of an array.
+    pub(super) fn errors(&self, keys: &[OutputKey], results: &[Vec<f64>]) -> ErrorSpread {
+        let places = self.places(keys);
+        let rows = results.iter().map(|found| {
+            let places = places.iter();
+            let results = places.map(|place| place.map_or(0.0, |place| found[place]));
+            results.collect()
+        });
+        let rows: Vec<Vec<f64>> = rows.collect();
+        let measured = self.yardstick.judge(self.view, &rows);
+        let measured = measured.expect("the yardstick is of this function");
+        measured.normwise
+    }
+
+    /// Where every output stands in the results of somebody who sets these: a
+    /// symmetric element may stand in the other half of its matrix.
+    fn places(&self, keys: &[OutputKey]) -> Vec<Option<usize>> {
+        let places: BTreeMap<&OutputKey, usize> = keys.iter().zip(0..).collect();
+        let find = |key: &OutputKey| {
+            let [row, column] = key.indices;
+            let turned = OutputKey {
+                array: key.array.clone(),
+                indices: [column, row],
+            };
+            let other = || places.get(&turned).filter(|_| column != 0).copied();
+            places.get(key).copied().or_else(other)
+        };
+        self.keys.iter().map(find).collect()
     }
 
     pub(super) fn states(&self) -> usize {
@@ -117,17 +154,7 @@ impl ReferenceResults {
         keys: &[OutputKey],
         results: &[Vec<f64>],
     ) -> Result<(f64, Option<OutputKey>), String> {
-        let places: BTreeMap<&OutputKey, usize> = keys.iter().zip(0..).collect();
-        let find = |key: &OutputKey| {
-            let [row, column] = key.indices;
-            let turned = OutputKey {
-                array: key.array.clone(),
-                indices: [column, row],
-            };
-            let other = || places.get(&turned).filter(|_| column != 0).copied();
-            places.get(key).copied().or_else(other)
-        };
-        let places: Vec<Option<usize>> = self.keys.iter().map(find).collect();
+        let places = self.places(keys);
         if !self.keys.is_empty() && places.iter().all(Option::is_none) {
             return Err("it sets none of the outputs".to_owned());
         }

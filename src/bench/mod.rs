@@ -24,6 +24,7 @@ pub mod text;
 mod tools;
 mod tree;
 
+use crate::yardstick::ErrorSpread;
 use contestant::{Contestant, ContestantFamily};
 use functions::{OutputKey, ReferenceResults};
 use robovec_ir::View;
@@ -75,8 +76,14 @@ pub struct BenchOutcome {
     /// The largest difference from the reference, relative to the largest
     /// element of the output array in its state.
     pub difference: Option<f64>,
+    /// Errors against exact results, in parts of the largest element of an
+    /// array.
+    pub errors: Option<ErrorSpread>,
     /// Least processor time per state, ns.
     pub nanoseconds: Option<f64>,
+    /// How much longer one call in a thousand takes than the median one, ns:
+    /// see [`RunTime::jitter`].
+    pub jitter: Option<f64>,
     /// Why there is no time.
     pub failure: Option<String>,
     /// True when it could take part, and failed.
@@ -123,7 +130,9 @@ pub fn bench(
             compile_seconds: None,
             code_bytes: None,
             difference: None,
+            errors: None,
             nanoseconds: None,
+            jitter: None,
             failure: contestant.missing.clone(),
             is_broken: false,
         };
@@ -148,8 +157,10 @@ pub fn bench(
             ));
             match contestant.run(place, milliseconds) {
                 Ok(time) => {
-                    let least = outcome.nanoseconds.map_or(time, |known| known.min(time));
-                    outcome.nanoseconds = Some(least);
+                    let known = outcome.nanoseconds.unwrap_or(f64::INFINITY);
+                    outcome.nanoseconds = Some(known.min(time.least));
+                    let jitters = outcome.jitter.into_iter().chain(time.jitter);
+                    outcome.jitter = jitters.max_by(f64::total_cmp);
                 }
                 Err(message) => {
                     outcome.failure = Some(message);
@@ -165,7 +176,7 @@ pub fn bench(
 fn first_run(
     contestant: &Contestant,
     place: &Path,
-    reference: &ReferenceResults,
+    reference: &ReferenceResults<'_>,
     outcome: &mut BenchOutcome,
 ) -> Result<(), String> {
     let built = contestant.build(place)?;
@@ -175,6 +186,7 @@ fn first_run(
     let results = contestant.results(place, reference.states())?;
     let (difference, key) = reference.difference(&contestant.outputs, &results)?;
     outcome.difference = Some(difference);
+    outcome.errors = Some(reference.errors(&contestant.outputs, &results));
     if difference <= contestant.tolerance {
         return Ok(());
     }

@@ -68,6 +68,10 @@ pub(crate) struct OptimiserArguments {
     #[arg(long, value_name = "FILE")]
     pub(crate) report: Option<PathBuf>,
 
+    /// Tell nothing of speed, error and cost after the run
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+
     /// Print the function before these passes (all without names)
     #[arg(long, value_name = "PASSES", num_args = 0..=1, default_missing_value = "*",
           require_equals = true)]

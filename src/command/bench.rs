@@ -8,6 +8,7 @@ use crate::bench::{self, BenchOutcome, BenchQuestion, Compiler, own, peers, robo
 use crate::files::TemporaryFolder;
 use crate::generate::{Formulation, GenerationRequest, Options, generate};
 use crate::model::Model;
+use crate::yardstick::account::random_states;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use robovec_ir::states::States;
@@ -95,7 +96,8 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<String, CommandFailure> 
             &mut |what| bar.set_message(format!("{}: {what}", loaded.name)),
         )
         .map_err(|error| CommandFailure::plain(format!("{}: {error}", folder.display())))?;
-        text += &text::text(&loaded.name, &outcomes);
+        let drawn = random_states(question.count as usize, arguments.seed, false);
+        text += &text::text(&loaded.name, &drawn, &outcomes);
         text.push('\n');
         results.push((loaded.name, outcomes));
     }

@@ -40,6 +40,7 @@ mod simulation;
 mod stress;
 mod study;
 mod subjects;
+mod summary;
 mod sweep;
 mod synthesise;
 mod tables;

@@ -3,6 +3,7 @@
 use super::arguments::{self, OptimiserArguments, USUAL_MACHINE};
 use super::dump::DumpFolder;
 use super::input::{self, InputModule};
+use super::summary::RunSummary;
 use super::tables::{self, MeasuredStage};
 use super::{
     CommandFailure, explain, listing, names, output, placed, reduction, reproducer, rules,
@@ -161,6 +162,8 @@ fn run(arguments: &OptimiserArguments) -> Result<(), CommandFailure> {
     let read: Vec<ReadCounts> = input.module.functions.iter().map(ReadCounts::of).collect();
     let mut trail = arguments.explain.is_some().then(Trail::new);
     let target = (&machine, &rules, scene);
+    let drawn = (states(arguments, scene), scene.is_some());
+    let summary = RunSummary::begin(arguments, &pipeline, &input.module, &machine, drawn);
     let kept = reduction::keep(arguments, &input.module);
     let outcome = transform(arguments, &pipeline, target, &mut input, trail.as_mut());
     let outcome = outcome.map_err(|failure| {
@@ -179,6 +182,9 @@ fn run(arguments: &OptimiserArguments) -> Result<(), CommandFailure> {
     }
     let stages = [stage, stage_since("(write)", start)];
     let mut text = told;
+    if let Some(summary) = summary {
+        text += &summary.text(&input.module);
+    }
     if let Some(format) = arguments.stats {
         text += &tables::statistics(&outcome.records, format);
     }

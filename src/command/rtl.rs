@@ -5,10 +5,10 @@ use super::opt::select;
 use super::rtl_bench::{self, RtlBenchArguments};
 use super::{CommandFailure, input, output, placed};
 use crate::explore::device;
-use crate::explore::yardstick::Yardstick;
 use crate::files::sealed::check_folder;
 use crate::files::{Replace, limited};
-use crate::present::number::exponential;
+use crate::yardstick::Yardstick;
+use crate::yardstick::account::{ErrorAccount, random_states};
 use clap::{Args, ValueEnum};
 use robovec_analysis::rounding::usual_states;
 use robovec_codegen::hardware::{self, MachineShape};
@@ -109,10 +109,15 @@ fn build(arguments: &RtlArguments) -> Result<String, CommandFailure> {
     text += "quartus/ has a project for the DE10-Nano; Quartus has not been run on it\n";
     text += &rtl_bench::checked(&arguments.bench, folder, folder)?;
     if arguments.synthesise {
-        text += &super::synthesise::machine(&shape, &files.verilog())?;
+        text += &super::synthesise::machine(&shape, &files.verilog(), cycles(function))?;
     }
     if let Some(seeds) = &arguments.place_and_route {
-        text += &super::synthesise::routed(&hardware.machine, &shape, &files.verilog(), seeds)?;
+        text += &super::synthesise::routed(
+            (&hardware.machine, &shape),
+            &files.verilog(),
+            seeds,
+            cycles(function),
+        )?;
     }
     Ok(text)
 }
@@ -410,8 +415,7 @@ fn summary(hardware: &Hardware, shape: &MachineShape, view: View<'_>) -> String 
         device.origin
     );
     let function = view.function;
-    let schedule = function.schedule.as_ref();
-    let cycles = schedule.expect("hardware runs placed programs").cycles;
+    let cycles = cycles(function);
     let time = clock.microseconds(cycles);
     let share = 100.0 * device::taken_by(shape, device).share(device);
     let _ = writeln!(
@@ -422,18 +426,20 @@ fn summary(hardware: &Hardware, shape: &MachineShape, view: View<'_>) -> String 
     text + &errors(view, hardware.machine.number)
 }
 
+/// The length of a program's schedule.
+fn cycles(function: &Function) -> u32 {
+    let schedule = function.schedule.as_ref();
+    schedule.expect("hardware runs placed programs").cycles
+}
+
 /// The rounding errors of a program in the format of its machine.
 fn errors(view: View<'_>, number: Format) -> String {
     let count = usual_states(view.function.nodes().len());
     let yardstick = Yardstick::new(view, &States::new(STATE_SEED), count);
-    let errors = yardstick.errors(view, number);
-    let errors = errors.expect("a program is measured by itself");
-    format!(
-        "  rounding in {number}: median {} of an element, worst {} of the largest element of an \
-         array ({count} random states, against double-double)\n",
-        exponential(errors.relative.median),
-        exponential(errors.normwise.worst),
-    )
+    let states = random_states(yardstick.len(), STATE_SEED, false);
+    let account = ErrorAccount::measured(view, &yardstick, number, states);
+    let account = account.expect("a program is measured by itself");
+    format!("  {}\n", account.text())
 }
 
 /// The seed of the states that errors are measured at.

@@ -13,6 +13,7 @@ use crate::study::cpu::{self, CpuTime, Job};
 use crate::study::plan::{self, Selection, StudyPlan};
 use crate::study::program::StudyEquations;
 use crate::study::results::Results;
+use crate::study::verdict::verdicts;
 use crate::study::{figures, page, run, tables};
 use robovec_ir::Module;
 use std::collections::HashMap;
@@ -247,6 +248,15 @@ fn summary(results: &Results, folder: &Path) -> String {
             results.plan.machines[request.machine].name,
             request.n_add,
             request.n_multi,
+        );
+    }
+    let headline = results.plan.models.get(results.plan.headline);
+    let verdicts = verdicts(results).into_iter();
+    let own = verdicts.filter(|own| headline.is_some_and(|model| model.name == own.model));
+    for verdict in own {
+        text += &format!(
+            "{}: {} {}\n",
+            verdict.pipeline, verdict.answer, verdict.cost
         );
     }
     text

@@ -6,13 +6,14 @@ use super::output::result_files;
 use super::{CommandFailure, input, output, progress};
 use crate::explore::operators::{Couple, couples};
 use crate::explore::program::{ExplorationError, transformed_by, view};
-use crate::explore::yardstick::Yardstick;
 use crate::generate::Formulation;
 use crate::optimise::found::found;
 use crate::optimise::start::starts;
 use crate::present::json::json_text;
 use crate::sweep::design::{DesignSpace, interconnect_names};
 use crate::sweep::{FunctionSweep, SweptProgram, page, sweep, text};
+use crate::yardstick::Yardstick;
+use crate::yardstick::account::random_states;
 use clap::{Args, ValueEnum};
 use robovec_analysis::rounding::usual_states;
 use robovec_ir::count::Counts;
@@ -116,7 +117,8 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> 
             true => Some(made("$cpu")?),
             false => None,
         };
-        let result = sweep(&name, swept, &space, compiled.as_ref().map(view))
+        let drawn = random_states(yardstick.len(), STATE_SEED, false);
+        let result = sweep(&name, swept, &drawn, &space, compiled.as_ref().map(view))
             .map_err(|error| failure(error.to_string()))?;
         report += &text::text(&result);
         report.push('\n');

@@ -2,11 +2,16 @@
 
 use super::CommandFailure;
 use super::flags::whole;
+use crate::explore::device;
 use crate::explore::operators::{ADDERS, MULTIPLIERS, Operator};
+use crate::present::number::{exponential, percent};
 use crate::present::text_table;
 use crate::process::ToolError;
 use crate::synthesis::cores::{self, Mapped};
+use crate::synthesis::rounding::operator_error;
+use crate::synthesis::timing::Path;
 use crate::synthesis::{SynthesisError, Yosys, machine, page, place};
+use crate::yardstick::account::{ERROR_HEADS, measure_text, share_cell};
 use clap::Args;
 use robovec_codegen::hardware::{MachineShape, estimate_of};
 use robovec_codegen::rtl::cores::OperatorCore;
@@ -63,7 +68,7 @@ pub(super) fn run(arguments: &SynthesiseArguments) -> Result<String, CommandFail
          not placed, not routed, not calibrated against Quartus.\n\n",
         tool.program, tool.version, arguments.number
     );
-    text += &operators(&mapped);
+    text += &operators(&mapped, arguments.number)?;
     if arguments.paths {
         for one in &mapped {
             let _ = writeln!(text, "\n{} of {} stages:", one.core.module(), one.stages);
@@ -73,22 +78,39 @@ pub(super) fn run(arguments: &SynthesiseArguments) -> Result<String, CommandFail
     Ok(text)
 }
 
-/// A machine mapped part by part, as a page.
+/// A machine mapped part by part, as a page, with what its program of so many
+/// cycles takes there.
 pub(super) fn machine(
     shape: &MachineShape,
     files: &[(String, String)],
+    cycles: u32,
 ) -> Result<String, CommandFailure> {
     let tool = Yosys::find().map_err(failure)?;
     let mapped = machine::map(&tool, shape, files).map_err(failure)?;
-    Ok(format!("\n{}", page::page(&mapped, &tool)))
+    let share = device::taken_in_all(&mapped.total(), shape.device).share(shape.device);
+    let mut text = format!("\n{}", page::page(&mapped, &tool));
+    if let (Some(quick), Some(slow)) = (&mapped.quick, &mapped.slow) {
+        let clocks = f64::from(cycles) * f64::from(mapped.phases);
+        let time = |path: &Path| clocks / path.megahertz();
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "\n{cycles} cycles take {:.3} to {:.3} us at this clock; {} of the device (as mapped)",
+            time(quick),
+            time(slow),
+            percent(share)
+        );
+    }
+    Ok(text)
 }
 
-/// The clock of a machine, placed and routed, beside its estimate.
+/// The clock of a machine, placed and routed, beside its estimate, and the
+/// time of its program of so many cycles.
 pub(super) fn routed(
-    machine: &Machine,
-    shape: &MachineShape,
+    (machine, shape): (&Machine, &MachineShape),
     files: &[(String, String)],
     seeds: &[u32],
+    cycles: u32,
 ) -> Result<String, CommandFailure> {
     if machine.device != DeviceFamily::Ecp5 {
         return Err(CommandFailure::advised(
@@ -123,6 +145,11 @@ pub(super) fn routed(
         estimate.high,
         100.0 * (estimate.mid / median - 1.0)
     );
+    let _ = writeln!(
+        text,
+        "{cycles} cycles take {:.3} us at the median clock",
+        f64::from(cycles) / median
+    );
     let used = routed.used.iter();
     let used: Vec<String> = used
         .map(|(name, count)| format!("{count} {name}"))
@@ -141,9 +168,14 @@ pub(super) fn failure(error: SynthesisError) -> CommandFailure {
 }
 
 /// One row per operator and latency.
-fn operators(mapped: &[Mapped]) -> String {
+fn operators(mapped: &[Mapped], number: Format) -> Result<String, CommandFailure> {
     let mut rows = Vec::new();
+    let mut states = String::new();
+    let device = DeviceFamily::CycloneV.device();
     for one in mapped {
+        let error = operator_error(one.core, number);
+        let error = error.map_err(|error| CommandFailure::plain(error.to_string()))?;
+        let share = device::taken_in_all(&one.counted, device).share(device);
         let printed = printed(one);
         let (counted, estimated) = (&one.counted, &one.estimated);
         let megahertz = |period: u32| format!("{:.0}", 1e6 / f64::from(period.max(1)));
@@ -156,16 +188,28 @@ fn operators(mapped: &[Mapped]) -> String {
             format!("{:.0}", counted.registers),
             format!("{:.0}", estimated.registers),
             format!("{:.1}", counted.multiplier_blocks),
+            share_cell(Some(share)),
+            exponential(error.normwise.median),
+            exponential(error.normwise.worst),
+            format!("{:.1}", 1e-3 * f64::from(one.stages * middle)),
             megahertz(one.slow.enclosed),
             megahertz(middle),
             megahertz(one.quick.enclosed),
             printed.map_or(String::new(), |operator| operator.mhz.to_string()),
             printed.map_or(String::new(), |operator| operator.luts.to_string()),
         ]);
+        states = error.states;
     }
-    let head = "operator | >stages | >ALUT | >formula | >registers | >formula | >DSP | >MHz low | \
-         >mid | >high | >thesis MHz | >thesis LUT";
-    text_table(head, &rows)
+    let head = format!(
+        "operator | >stages | >ALUT | >formula | >registers | >formula | >DSP | >of device | \
+         {ERROR_HEADS} | >ns | >MHz low | >mid | >high | >thesis MHz | >thesis LUT"
+    );
+    Ok(format!(
+        "{}\nns: from operands to result, at the clock between\nerrors of one operation in \
+         {number}, in parts {}\n",
+        text_table(&head, &rows),
+        measure_text(&states)
+    ))
 }
 
 /// The row of Tables 1.1 and 1.2.

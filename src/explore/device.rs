@@ -3,11 +3,11 @@
 //! The formulas are those of [`robovec_codegen::hardware`], for the
 //! hardware that `robovec rtl` writes. Nothing is synthesised.
 
-use super::placing::placed;
-use robovec_codegen::hardware::{self, MachineShape};
+use super::placing::{most_words, placed};
+use robovec_codegen::hardware::{self, MachineShape, ResourceUse};
 use robovec_ir::machine::Device;
-use robovec_ir::{Format, Machine, Module};
-use robovec_schedule::PlaceOptions;
+use robovec_ir::{Format, Function, Machine, Module};
+use robovec_schedule::{PlaceOptions, placement_statistics};
 use serde::Serialize;
 
 /// What a machine takes.
@@ -49,7 +49,11 @@ pub fn taken(machine: &Machine, format: Format, cycles: u32, words: u32) -> Devi
 
 /// What hardware takes of a device, counted as [`taken`] does.
 pub fn taken_by(shape: &MachineShape, device: &Device) -> DeviceShare {
-    let taken = hardware::resources(shape);
+    taken_in_all(&hardware::resources(shape), device)
+}
+
+/// Resources of a machine, counted as [`taken`] does.
+pub fn taken_in_all(taken: &ResourceUse, device: &Device) -> DeviceShare {
     let capacity = &device.capacity;
     DeviceShare {
         look_up_tables: capacity.tables_per_adaptive * taken.aluts
@@ -67,6 +71,16 @@ pub fn placed_share(module: &Module, machine: &Machine) -> Option<(u32, f64)> {
     let cycles = placed.summary.cycles;
     let taken = taken(machine, machine.number, cycles, placed.most_words(machine));
     Some((cycles, taken.share(machine.device.device())))
+}
+
+/// The share of the device that a machine takes with memories for a function
+/// that is placed on it; `None` for one that is not.
+pub fn share_of_placed(function: &Function, machine: &Machine) -> Option<f64> {
+    let statistics = placement_statistics(function, machine)?;
+    let cycles = function.schedule.as_ref()?.cycles;
+    let words = most_words(&statistics, machine);
+    let taken = taken(machine, machine.number, cycles, words);
+    Some(taken.share(machine.device.device()))
 }
 
 #[cfg(test)]

@@ -25,7 +25,8 @@ pub mod placing;
 pub mod processor;
 pub mod program;
 pub mod store;
-pub mod yardstick;
+
+pub use crate::yardstick;
 
 /// Told of what is measured next, or of what was measured.
 pub type ExplorationProgress<'a> = &'a (dyn Fn(&str) + Sync);

@@ -1,5 +1,6 @@
 //! Placing one program on machines with other numbers of elements.
 
+use robovec_ir::placement::Schedule;
 use robovec_ir::{Function, Machine, Module, Operation, View, verify};
 use robovec_schedule::{
     PlaceError, PlaceOptions, PlaceSummary, PlacementStatistics, place, placement_statistics,
@@ -70,11 +71,33 @@ impl PlacedFunction {
         placement_statistics(&self.function, machine).expect("what is placed has a placement")
     }
 
-    /// The most words of memory of one element, both sides of a split one
-    /// together.
+    /// The most words of one memory: see [`most_words`].
     pub fn most_words(&self, machine: &Machine) -> u32 {
-        let kinds = self.statistics(machine).kinds.into_iter();
-        let words = kinds.map(|kind| kind.memory.max).max();
-        words.expect("a machine has elements")
+        most_words(&self.statistics(machine), machine)
     }
+}
+
+/// The most words of one operand memory of an element. What the statistics
+/// count together lies in as many memories as the element has sides.
+pub fn most_words(statistics: &PlacementStatistics, machine: &Machine) -> u32 {
+    let kinds = statistics.kinds.iter();
+    let words = kinds.map(|kind| kind.memory.max).max().unwrap_or(0);
+    words_of_a_side(words, machine)
+}
+
+/// The words of one memory of an element whose memories hold so many together.
+pub fn words_of_a_side(words: u32, machine: &Machine) -> u32 {
+    words.div_ceil(machine.memory.style.banks() as u32)
+}
+
+/// A machine with the numbers of elements that a schedule was made for.
+pub fn scheduled_machine(machine: &Machine, schedule: &Schedule) -> Machine {
+    let mut machine = machine.clone();
+    for element in &mut machine.elements {
+        let mut kinds = schedule.kinds.iter();
+        if let Some(kind) = kinds.find(|kind| kind.name == element.kind) {
+            element.count = kind.count;
+        }
+    }
+    machine
 }

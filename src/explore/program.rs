@@ -1,7 +1,7 @@
 //! Programs: what pipelines make of equations.
 
-use super::yardstick::Unmeasurable;
 use crate::generate::Formulation;
+use crate::yardstick::Unmeasurable;
 use robovec_framework::manager::{self, Config, RunError};
 use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;

@@ -16,7 +16,7 @@
 use super::tolerance::shares;
 use super::{FitError, FitProgram, FitTask};
 use crate::explore::program::{ExplorationError, view};
-use crate::explore::yardstick::{Yardstick, results};
+use crate::yardstick::{Yardstick, results};
 use rayon::prelude::*;
 use robovec_ir::count::Counts;
 use robovec_ir::states::States;

@@ -9,8 +9,8 @@
 use super::{Challenge, FitCandidate, FitError, FitProgram, FitTask, size, tolerance};
 use crate::explore::placing::placed;
 use crate::explore::program::{ExplorationError, view};
-use crate::explore::yardstick::{Yardstick, results};
 use crate::simulate;
+use crate::yardstick::{Yardstick, results};
 use robovec_codegen::write_images;
 use robovec_ir::{Machine, Module, View};
 use robovec_schedule::PlaceOptions;

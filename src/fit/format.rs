@@ -4,7 +4,7 @@ use super::ranges::{exponent_bits, largest_exponent};
 use super::tolerance::FormatErrors;
 use super::{FitError, FitProgram, FitTask};
 use crate::explore::program::ExplorationError;
-use crate::explore::yardstick::Yardstick;
+use crate::yardstick::Yardstick;
 use robovec_ir::Format;
 use robovec_num::NumberFormat;
 

@@ -2,7 +2,7 @@
 
 use super::FitProgram;
 use crate::explore::program::view;
-use crate::explore::yardstick::{Unmeasurable, Yardstick};
+use crate::yardstick::{Unmeasurable, Yardstick};
 use robovec_ir::evaluate::evaluate_nodes;
 use robovec_num::NumberFormat;
 use robovec_num::arithmetic::Binary64;

@@ -5,7 +5,7 @@ use super::tolerance::FormatErrors;
 use super::{FitError, FitProgram, FitTask};
 use crate::explore::ExplorationProgress;
 use crate::explore::program::transformed_by;
-use crate::explore::yardstick::Yardstick;
+use crate::yardstick::Yardstick;
 use robovec_ir::Format;
 use serde::Serialize;
 use std::fmt;

@@ -1,11 +1,12 @@
 //! What a search found, as text, table and figure.
 
 use super::confirm::Confirmation;
-use super::{Challenge, FitCandidate, FitOutcome, FitTask};
+use super::{Challenge, FitCandidate, FitOutcome, FitTask, VALIDATION_FACTOR};
 use crate::present::number::exponential;
 use crate::present::{
     AxisScale, Curve, DataCell, DataTable, Figure, Mark, Panel, PlotAxis, text_table,
 };
+use crate::yardstick::account::measure_text;
 use robovec_framework::scene::{Measure, OutputTolerance};
 use std::fmt::Write;
 
@@ -32,7 +33,7 @@ pub fn text(
         task.states
     );
     match outcome.chosen {
-        Some(chosen) => text += &choice(outcome, chosen),
+        Some(chosen) => text += &choice(task, outcome, chosen),
         None => text += &refusal(task, outcome),
     }
     if let Some(challenge) = &outcome.challenge {
@@ -55,7 +56,7 @@ pub fn text(
         .map(|&index| row(outcome, index))
         .collect();
     let head = " | program | sin, cos | format | elements | >operations | >cycles | >us | \
-         >worst normwise | >of tolerance | >of device";
+         >median error | >worst error | >of tolerance | >of device";
     let _ = writeln!(
         text,
         "\nFront of time, error and share of the device, {}: {} of {} shown\n{}",
@@ -88,7 +89,8 @@ fn row(outcome: &FitOutcome, index: usize) -> Vec<String> {
         candidate.operations.to_string(),
         candidate.cycles.to_string(),
         format!("{:.3}", candidate.microseconds),
-        format!("{:.1e}", candidate.normwise.worst),
+        exponential(candidate.normwise.median),
+        exponential(candidate.normwise.worst),
         percent(candidate.used),
         percent(candidate.share),
     ]
@@ -101,7 +103,8 @@ fn percent(share: f64) -> String {
     }
 }
 
-fn choice(outcome: &FitOutcome, chosen: usize) -> String {
+fn choice(task: &FitTask<'_>, outcome: &FitOutcome, chosen: usize) -> String {
+    let validated = task.states * VALIDATION_FACTOR;
     let candidate = &outcome.candidates[chosen];
     let program = &outcome.programs[candidate.program];
     let [add, multi] = candidate.elements;
@@ -113,7 +116,7 @@ fn choice(outcome: &FitOutcome, chosen: usize) -> String {
          elements   {add} that add, {multi} that multiply\n  \
          operations {}, longest chain {} cycles\n  \
          schedule   {} cycles, {:.3} us\n  \
-         error      worst {:.2e} of the largest element; {} of the tolerance\n  \
+         error      median {}, worst {} {}; {} of the tolerance\n  \
          device     {} ({:.0} look-up tables, {:.0} memory blocks, {} multiplier blocks: estimates)\n  \
          pipeline   {}\n",
         program.name,
@@ -124,7 +127,9 @@ fn choice(outcome: &FitOutcome, chosen: usize) -> String {
         candidate.path,
         candidate.cycles,
         candidate.microseconds,
-        candidate.normwise.worst,
+        exponential(candidate.normwise.median),
+        exponential(candidate.normwise.worst),
+        measure_text(&format!("at least {validated} states of the scene")),
         percent(candidate.used),
         percent(candidate.share),
         candidate.resources.look_up_tables,

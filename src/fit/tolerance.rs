@@ -2,7 +2,7 @@
 
 use super::{FitError, FitProgram, FitTask};
 use crate::explore::program::{ExplorationError, view};
-use crate::explore::yardstick::{MeasuredErrors, Yardstick, results};
+use crate::yardstick::{MeasuredErrors, Yardstick, results};
 use robovec_framework::scene::Allowed;
 use robovec_ir::Format;
 

@@ -5,7 +5,7 @@ use crate::explore::device;
 use crate::explore::placing::{placed, with_counts};
 use crate::explore::processor;
 use crate::explore::program::{ExplorationError, view};
-use crate::explore::yardstick::{ErrorSpread, LargestErrors, MeasuredErrors, Yardstick};
+use crate::yardstick::{ErrorSpread, LargestErrors, MeasuredErrors, Yardstick};
 use robovec_analysis::critical_path::critical_path;
 use robovec_codegen::c::Real;
 use robovec_codegen::hardware;

@@ -15,11 +15,11 @@ pub mod text;
 
 use crate::explore::pareto::{self, EqualPoints};
 use crate::explore::program::{ExplorationError, ProgramWorkshop, view};
-use crate::explore::yardstick::Yardstick;
 use crate::explore::{ExplorationProgress, processor};
 use crate::generate::Formulation;
 use crate::optimise::found::found;
 use crate::optimise::start::starts;
+use crate::yardstick::Yardstick;
 use choice::FrontChoice;
 use measure::{FrontPoint, measure};
 use robovec_ir::states::States;
@@ -54,6 +54,8 @@ pub struct Front {
     pub elements: Vec<u32>,
     /// States measured at.
     pub states: u32,
+    /// The seed they come from.
+    pub seed: u64,
     /// Formulations that were left out, with the reason.
     pub left: Vec<(String, String)>,
     /// All points.
@@ -121,6 +123,7 @@ pub fn front(
         operations,
         elements: question.elements.to_vec(),
         states: question.count,
+        seed: question.states.seed(),
         left,
         points,
         verdicts,

@@ -6,6 +6,7 @@ use crate::present::number::{exponential, or_dash};
 use crate::present::{
     AxisScale, Curve, DataCell, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, text_table,
 };
+use crate::yardstick::account::{measure_text, random_states};
 use std::fmt::Write;
 
 /// The unit of errors in figures: the rounding of one operation in binary32.
@@ -68,19 +69,26 @@ pub fn text(front: &Front) -> String {
                     }),
                     exponential(point.relative.median),
                     exponential(point.relative.percentile_99),
+                    exponential(point.normwise.median),
                     exponential(point.normwise.worst),
                     standing(front, index, place, &undominated),
                 ]
             })
             .collect();
-        let head = "by | choice | format | >operations | >path | >cycles | >us | >CPU ns | >of device | >median | \
-         >99 % | >worst normwise | ";
+        let head = "by | choice | format | >operations | >path | >cycles | >us | >CPU ns | >of device | \
+         >relative median | >99 % | >median error | >worst error | ";
         let _ = writeln!(
             text,
             "\n{count}+{count} elements\n{}",
             text_table(head, &rows)
         );
     }
+    let drawn = random_states(front.states as usize, front.seed, false);
+    let _ = writeln!(
+        text,
+        "\nmedian and worst error in parts {}; relative errors in parts of the element",
+        measure_text(&drawn)
+    );
     let count = |by: fn(&FrontVerdict) -> Option<usize>| {
         let verdicts = front.verdicts.iter();
         verdicts.filter(|verdict| by(verdict).is_some()).count()

@@ -14,8 +14,8 @@ use robovec_ir::parse::parse_module;
 use robovec_ir::print::print_module;
 use robovec_ir::{Function, Machine, Module};
 use robovec_passes::optimise::search::{
-    ProgramMaker, SearchJob, SearchOutcome, SearchQuestion, SearchStart, schedule_length, search,
-    usual_unit,
+    ProgramMaker, ScheduleSize, SearchJob, SearchOutcome, SearchQuestion, SearchStart,
+    schedule_size, search, usual_unit,
 };
 use robovec_passes::optimise::trial::VariantTrial;
 use robovec_passes::registry::REGISTRY;
@@ -201,11 +201,11 @@ impl ProgramMaker for ParallelMaker<'_> {
         &mut self,
         functions: &[&Function],
         machine: &Machine,
-    ) -> Vec<Result<u32, PlaceError>> {
+    ) -> Vec<Result<ScheduleSize, PlaceError>> {
         (self.progress)("placing");
         let functions = functions.par_iter();
         functions
-            .map(|function| schedule_length(function, machine))
+            .map(|function| schedule_size(function, machine))
             .collect()
     }
 }

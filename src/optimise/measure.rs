@@ -6,7 +6,7 @@ use super::start::PreparedStarts;
 use super::{OptimisationError, OptimisationQuestion, OptimisationTarget};
 use crate::explore::ExplorationProgress;
 use crate::explore::program::{ExplorationError, view};
-use crate::explore::yardstick::{MeasuredErrors, Unmeasurable, Yardstick};
+use crate::yardstick::{MeasuredErrors, Unmeasurable, Yardstick};
 use rayon::prelude::*;
 use robovec_ir::Format;
 use robovec_passes::optimise::search::SearchOutcome;
@@ -16,7 +16,8 @@ use robovec_passes::optimise::search::SearchOutcome;
 pub(super) struct ProgramFigures {
     /// The time of one state in C, ns.
     pub(super) nanoseconds: Option<f64>,
-    /// Median of the relative errors, worst normwise error.
+    /// Of every array its largest error over its largest element: median and
+    /// worst.
     pub(super) errors: Option<[f64; 2]>,
     /// Why there is no time.
     pub(super) remark: String,
@@ -81,7 +82,7 @@ pub(super) fn measure(
     let errors = errors.map_err(ExplorationError::from)?;
     let mut of_best = MeasuredErrors::default();
     for (index, errors) in errors {
-        figures[index].errors = Some([errors.relative.median, errors.normwise.worst]);
+        figures[index].errors = Some([errors.normwise.median, errors.normwise.worst]);
         if index == best {
             of_best = errors;
         }

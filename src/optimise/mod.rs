@@ -22,13 +22,17 @@ pub mod start;
 pub mod text;
 
 use crate::bench::Compiler;
+use crate::explore::device;
+use crate::explore::placing::words_of_a_side;
 use crate::explore::program::ExplorationError;
 use crate::explore::store::PointStore;
-use crate::explore::yardstick::MeasuredErrors;
+use crate::yardstick::account::{ErrorAccount, random_states};
+use maker::MadeProgram;
 use robovec_codegen::hardware;
 use robovec_framework::scene::Scene;
 use robovec_ir::states::States;
 use robovec_ir::{Machine, Module};
+use robovec_passes::optimise::trial::VariantTrial;
 use robovec_passes::optimise::{Goal, VariantClass};
 use serde::Serialize;
 use start::OptimisationStart;
@@ -103,8 +107,12 @@ pub struct OptimisationPoint {
     pub microseconds: Option<f64>,
     /// The time of one state in C, ns.
     pub nanoseconds: Option<f64>,
-    /// The errors of its results, where it was a candidate: median of the
-    /// relative errors, worst normwise error.
+    /// The share of the device that the machine takes with memories for it,
+    /// where it was placed.
+    pub share: Option<f64>,
+    /// The errors of its results, where it was a candidate: of every array in
+    /// every state its largest error over its largest element, the median and
+    /// the worst.
     pub errors: Option<[f64; 2]>,
     /// Why it was not measured.
     pub remark: String,
@@ -128,10 +136,8 @@ pub struct Optimised {
     pub start: usize,
     /// What was established about it.
     pub proof: String,
-    /// Its errors in detail.
-    pub errors: MeasuredErrors,
-    /// The number format errors are of.
-    pub format: robovec_ir::Format,
+    /// Its errors.
+    pub errors: ErrorAccount,
 }
 
 /// Why nothing was found.
@@ -181,6 +187,7 @@ pub fn optimise(
             microseconds: (trial.cycles)
                 .map(|cycles| hardware::clock(question.machine).microseconds(cycles)),
             nanoseconds: figures.nanoseconds,
+            share: share(trial, question.machine),
             errors: figures.errors,
             remark: match figures.remark.is_empty() {
                 true => trial.remark.to_owned(),
@@ -200,7 +207,22 @@ pub fn optimise(
         program: trial.program.module.clone(),
         start: trial.start,
         proof,
-        errors: measured.errors,
-        format: measure::format(question),
+        errors: ErrorAccount {
+            format: measure::format(question),
+            normwise: measured.errors.normwise,
+            states: random_states(
+                question.count as usize,
+                question.states.seed(),
+                question.scene.is_some(),
+            ),
+        },
     })
+}
+
+/// The share of the device that a machine takes for a program that was placed.
+fn share(trial: &VariantTrial<MadeProgram>, machine: &Machine) -> Option<f64> {
+    let (cycles, words) = trial.cycles.zip(trial.words)?;
+    let words = words_of_a_side(words, machine);
+    let taken = device::taken(machine, machine.number, cycles, words);
+    Some(taken.share(machine.device.device()))
 }

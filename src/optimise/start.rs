@@ -4,12 +4,12 @@
 use super::OptimisationQuestion;
 use crate::align;
 use crate::explore::program::{ExplorationError, transformed_by, view};
-use crate::explore::yardstick::input_names;
 use crate::generate::{
     Formulation, GenerationRequest, MomentOrigin, Options, PrefixNetwork, generate,
 };
 use crate::model::Model;
 use crate::robotran::FunctionKind;
+use crate::yardstick::input_names;
 use robovec_analysis::class::NumericClass;
 use robovec_framework::check::check;
 use robovec_framework::rewrite::remove_dead;

@@ -3,6 +3,7 @@
 use super::{OptimisationPoint, Optimised};
 use crate::present::{AxisScale, Curve, Mark, Paint, Panel, PlotAxis, Stroke};
 use crate::present::{DataCell, DataTable, Figure, text_table};
+use crate::yardstick::account::{ERROR_COLUMNS, ERROR_HEADS, measure_text, share_cell};
 use std::fmt::Write;
 
 /// The rows of a table from the best on: measured ones, then the others.
@@ -54,6 +55,7 @@ pub fn table(found: &Optimised) -> String {
                 point.operations.to_string(),
                 second,
                 or_dash(time),
+                share_cell(point.share),
                 error(point, 0),
                 error(point, 1),
                 match point.taken {
@@ -63,13 +65,20 @@ pub fn table(found: &Optimised) -> String {
             ]
         })
         .collect();
-    let head = match is_timed {
-        true => "program | >operations | >path | >ns/state | >median error | >worst | ",
-        false => "program | >operations | >bound | >cycles | >median error | >worst | ",
+    let speed = match is_timed {
+        true => ">path | >ns/state",
+        false => ">bound | >cycles",
     };
-    let mut text = text_table(head, &rows);
+    let head = format!("program | >operations | {speed} | >of device | {ERROR_HEADS} | ");
+    let mut text = text_table(&head, &rows);
+    // Writing to a string cannot fail, here and below.
+    let _ = write!(
+        text,
+        "\nerrors in {}, in parts {}",
+        found.errors.format,
+        measure_text(&found.errors.states)
+    );
     if !found.skipped.is_empty() || found.alike > 0 {
-        // Writing to a string cannot fail.
         let _ = write!(
             text,
             "\n{} more looked like one of these; {} were not made",
@@ -102,6 +111,7 @@ pub fn points_table(found: &Optimised) -> DataTable {
             count(point.cycles),
             number(point.microseconds, 3),
             number(point.nanoseconds, 1),
+            number(point.share, 4),
             error(0),
             error(1),
             DataCell::text(match point.taken {
@@ -115,10 +125,13 @@ pub fn points_table(found: &Optimised) -> DataTable {
         "optimise",
         "What was tried",
         "Every program that was made: operations, the longest path, the proved bound of its \
-         schedules, what was measured, and the errors of its results against double-double \
-         arithmetic in the number format of the target.",
-        "program | starts from | passes | operations | path (cycles) | bound (cycles) | cycles | \
-         time (us) | C (ns per state) | relative median | normwise worst | standing",
+         schedules, what was measured, the share of the device that the machine takes for it, and \
+         the errors of its results in the number format of the target, in parts of the largest \
+         element of an array, against double-double arithmetic.",
+        &format!(
+            "program | starts from | passes | operations | path (cycles) | bound (cycles) | \
+             cycles | time (us) | C (ns per state) | share of device | {ERROR_COLUMNS} | standing"
+        ),
         rows,
     )
 }
@@ -150,7 +163,7 @@ pub fn figure(found: &Optimised) -> Figure {
     let panel = Panel::curves(
         "",
         PlotAxis::new(axis, AxisScale::Decades),
-        PlotAxis::new("worst normwise error", AxisScale::Decades),
+        PlotAxis::new("worst error", AxisScale::Decades),
         curves,
     );
     Figure::new(

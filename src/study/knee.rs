@@ -1,6 +1,7 @@
 //! How many elements a program is worth: the knee, the zones around it, and
 //! what limits each (thesis 3.3).
 
+use super::cost;
 use super::results::{Results, StudyPlacement};
 use super::zone::{Zone, is_saturated, zone};
 use serde::Serialize;
@@ -41,15 +42,18 @@ pub struct Split {
     pub cycles: u32,
     /// Operations per element and cycle.
     pub rate: f64,
+    /// The share of the device that the machine takes.
+    pub share: f64,
 }
 
 impl Split {
-    fn of(placed: StudyPlacement<'_>) -> Split {
+    fn of(results: &Results, placed: StudyPlacement<'_>) -> Split {
         Split {
             n_add: placed.request.n_add,
             n_multi: placed.request.n_multi,
             cycles: placed.point.cycles,
             rate: placed.point.rate,
+            share: cost::share(results, placed),
         }
     }
 
@@ -82,7 +86,8 @@ pub fn knee(results: &Results, model: usize, pipeline: usize, machine: usize) ->
         count => short(count - 1),
     });
     let busy = |placed: &&StudyPlacement<'_>| zone(facts, **placed) == Zone::Parallelisation;
-    let split = |placed: Option<&StudyPlacement<'_>>| placed.copied().map(Split::of);
+    let split =
+        |placed: Option<&StudyPlacement<'_>>| placed.map(|placed| Split::of(results, *placed));
     Some(Knee {
         chain: facts.asap_cycle,
         number_y: facts.number_y(),

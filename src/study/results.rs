@@ -1,5 +1,6 @@
 //! A plan and what it gave, with the questions that tables and figures ask.
 
+use super::cost;
 use super::plan::{PlacementRequest, Printed, StudyPlan};
 use super::point::PlacedPoint;
 use super::printed::{self, PrintedRow, PrintedSystem};
@@ -103,6 +104,14 @@ impl Results {
         let programs = self.outcome.programs.values().map(|facts| {
             let mut value = json!(facts);
             value["number_y"] = json!(facts.number_y());
+            let [median, worst] = cost::errors(facts);
+            value["errors"] = json!({
+                "format": "binary32",
+                "median": median,
+                "worst": worst,
+                "states": facts.rounding[1].states,
+                "seed": facts.rounding[1].seed,
+            });
             value
         });
         let all = self.outcome.points.iter();
@@ -124,6 +133,9 @@ impl Results {
                     "time_us".to_owned(),
                     json!(time_us(point, machine.clock().mhz)),
                 );
+                let placed = StudyPlacement { request, point };
+                let share = point.failure.is_none().then(|| cost::share(self, placed));
+                into.insert("share".to_owned(), json!(share));
             }
             value
         });

@@ -1,10 +1,13 @@
 //! What the study means, in plain words, computed from its points.
 
+use super::cost;
 use super::knee::{Knee, Split, knee};
 use super::program::ProgramFacts;
 use super::results::Results;
 use super::variants;
 use super::zone::{BUSY, SATURATED};
+use crate::present::number::{exponential, percent};
+use crate::yardstick::account::measure_text;
 use serde::Serialize;
 
 /// The verdict about one program.
@@ -20,6 +23,8 @@ pub struct StudyVerdict {
     pub pipeline: String,
     /// The answer in one sentence.
     pub answer: String,
+    /// What that takes of the device, and how wrong it is.
+    pub cost: String,
     /// Why, sentence by sentence.
     pub reasons: Vec<String>,
     /// The three zones: name, range of elements, what limits them.
@@ -60,6 +65,7 @@ fn verdict(
         formulation: variants::label(subject),
         pipeline: facts.pipeline.clone(),
         answer: answer(facts, &knee, mhz),
+        cost: cost(facts, &knee),
         reasons: reasons(facts, &knee, mhz),
         zones: zones(facts, &knee),
         knee,
@@ -121,6 +127,21 @@ fn answer(facts: &ProgramFacts, knee: &Knee, mhz: f64) -> String {
         ),
         (None, None) => format!("{model} could not be placed."),
     }
+}
+
+/// The share of the device and the errors of what the answer is about.
+fn cost(facts: &ProgramFacts, knee: &Knee) -> String {
+    let Some(best) = knee.cheapest.or(knee.fastest) else {
+        return String::new();
+    };
+    let [median, worst] = cost::errors(facts);
+    format!(
+        "They take {} of the device (estimated). Errors in binary32: median {}, worst {} {}.",
+        percent(best.share),
+        exponential(median),
+        exponential(worst),
+        measure_text(&cost::states(facts)),
+    )
 }
 
 fn reasons(facts: &ProgramFacts, knee: &Knee, mhz: f64) -> Vec<String> {

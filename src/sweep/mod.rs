@@ -20,7 +20,7 @@ use crate::explore::pareto::{self, EqualPoints};
 use crate::explore::placing::verified;
 use crate::explore::processor;
 use crate::explore::program::{ExplorationError, transformed_by, view};
-use crate::explore::yardstick::{ErrorSpread, Yardstick};
+use crate::yardstick::{ErrorSpread, Yardstick};
 use design::{DesignSpace, MachineDesign};
 use rayon::prelude::*;
 use robovec_analysis::critical_path::critical_path;
@@ -88,6 +88,10 @@ pub struct FunctionSweep {
     pub name: String,
     /// The programs that were placed.
     pub programs: Vec<SweptProgram>,
+    /// The number format of their errors.
+    pub number: String,
+    /// The states of their errors, in words.
+    pub states: String,
     /// The points, by design.
     pub points: Vec<SweepPoint>,
     /// Designs the program could not be placed on, and why.
@@ -97,6 +101,9 @@ pub struct FunctionSweep {
     pub cpu_us: Option<f64>,
     /// The same per evaluation when eight are made at once.
     pub cpu_batch_us: Option<f64>,
+    /// How much longer one evaluation in a thousand takes there than the
+    /// median one, µs. A design takes the same cycles every time.
+    pub cpu_jitter_us: Option<f64>,
     /// Why there is no such time, if it was asked for.
     pub cpu_remark: String,
 }
@@ -146,7 +153,8 @@ impl SweptProgram {
     }
 }
 
-/// Places programs of one function on every design of a space, of which each
+/// Places programs of one function, whose errors were measured at these
+/// states (in words), on every design of a space, of which each
 /// takes the one with the shortest schedule, and times what a processor would
 /// run in its place.
 ///
@@ -157,6 +165,7 @@ impl SweptProgram {
 pub fn sweep(
     name: &str,
     programs: Vec<SweptProgram>,
+    states: &str,
     space: &DesignSpace,
     processor: Option<View<'_>>,
 ) -> Result<FunctionSweep, SweepError> {
@@ -198,10 +207,13 @@ pub fn sweep(
     Ok(FunctionSweep {
         name: name.to_owned(),
         programs,
+        number: thesis().number.to_string(),
+        states: states.to_owned(),
         points,
         failures,
         cpu_us: times.single().map(|time| time * 1e-3),
         cpu_batch_us: times.batch.map(|time| time * 1e-3),
+        cpu_jitter_us: times.jitter.map(|time| time * 1e-3),
         cpu_remark: cpu.and_then(Result::err).unwrap_or_default(),
     })
 }
@@ -270,9 +282,7 @@ fn placed(
     (design, machine): (&MachineDesign, &Machine),
 ) -> Result<SweepPoint, String> {
     let placed = verified(&programs[index], machine, PlaceOptions::default())?;
-    // What the statistics count together lies in as many memories.
     let words = placed.most_words(machine);
-    let words = words.div_ceil(machine.memory.style.banks() as u32);
     let summary = placed.summary;
     let taken = device::taken(machine, machine.number, summary.cycles, words);
     let clock = hardware::clock(machine);
@@ -345,7 +355,7 @@ mod tests {
             instances: vec![1, 4],
             ..DesignSpace::default()
         };
-        let sweep = sweep("f", programs(), &space, None).expect("it is small");
+        let sweep = sweep("f", programs(), "8 random states", &space, None).expect("it is small");
         assert_eq!(sweep.failures, []);
         assert_eq!(sweep.points.len(), space.designs().len());
         let front = sweep.front();
@@ -361,7 +371,8 @@ mod tests {
         let mut is_short_taken = false;
         for index in 0..2 {
             let alone = vec![programs().swap_remove(index)];
-            let alone = super::sweep("f", alone, &space, None).expect("it is small");
+            let alone =
+                super::sweep("f", alone, "8 random states", &space, None).expect("it is small");
             for (point, own) in sweep.points.iter().zip(&alone.points) {
                 assert!(point.cycles <= own.cycles);
                 is_short_taken |= point.program == 1;
@@ -380,7 +391,8 @@ mod tests {
             multipliers: (1..=4096).collect(),
             ..DesignSpace::default()
         };
-        let error = sweep("f", programs(), &space, None).expect_err("it is too much");
+        let error =
+            sweep("f", programs(), "8 random states", &space, None).expect_err("it is too much");
         assert!(matches!(error, SweepError::TooMuch { .. }), "{error}");
     }
 }

@@ -5,6 +5,7 @@ use crate::present::number::{exponential, or_dash};
 use crate::present::{
     AxisScale, Curve, DataCell, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, text_table,
 };
+use crate::yardstick::account::{ERROR_COLUMNS, ERROR_HEADS, measure_text};
 use robovec_ir::machine::MemoryStyle;
 
 /// The front with the processor's time beside it, and what did not work.
@@ -22,8 +23,13 @@ pub fn text(sweep: &FunctionSweep) -> String {
         sweep.name,
         sweep.points.len(),
         rows.len(),
-        text_table(PROGRAMS, &programs(sweep)),
+        text_table(&programs_head(), &programs(sweep)),
         text_table(head, &rows)
+    );
+    text += &format!(
+        "errors of the programs in {}, in parts {}\n",
+        sweep.number,
+        measure_text(&sweep.states)
     );
     text += &verdict(sweep);
     if let Some((_, reason)) = sweep.failures.first() {
@@ -34,12 +40,12 @@ pub fn text(sweep: &FunctionSweep) -> String {
 }
 
 /// Heads of the table of programs.
-const PROGRAMS: &str =
-    ">program | >operations | >longest chain | >median error | >worst error | made by";
+fn programs_head() -> String {
+    format!(">program | >operations | >longest chain | {ERROR_HEADS} | made by")
+}
 
 /// The programs: number, operations, longest chain on the thesis' machine,
-/// the median of the relative errors, the worst error over the largest element
-/// of its array, and what made them.
+/// the median and the worst error, and what made them.
 fn programs(sweep: &FunctionSweep) -> Vec<Vec<String>> {
     let programs = sweep.programs.iter().enumerate();
     let rows = programs.map(|(index, program)| {
@@ -47,7 +53,7 @@ fn programs(sweep: &FunctionSweep) -> Vec<Vec<String>> {
             (index + 1).to_string(),
             program.operations.to_string(),
             program.path.to_string(),
-            exponential(program.relative.median),
+            exponential(program.normwise.median),
             exponential(program.normwise.worst),
             program.name.clone(),
         ]
@@ -106,7 +112,20 @@ fn verdict(sweep: &FunctionSweep) -> String {
         }
         None => {}
     }
-    text + "\n"
+    format!("{text}\n{}\n", jitter(sweep))
+}
+
+/// How much times differ from one evaluation to the next.
+fn jitter(sweep: &FunctionSweep) -> String {
+    let design = "jitter: a design takes the same cycles for every evaluation, 0 us (loading and \
+                  reading by the host not counted)";
+    match sweep.cpu_jitter_us {
+        Some(jitter) => format!(
+            "{design}; on this core one evaluation in a thousand takes {jitter:.3} us longer than \
+             the median one"
+        ),
+        None => design.to_owned(),
+    }
 }
 
 fn memory_name(style: MemoryStyle) -> &'static str {
@@ -150,7 +169,7 @@ pub fn points_table(sweeps: &[FunctionSweep]) -> DataTable {
                 sweep
                     .cpu_us
                     .map_or(DataCell::Empty, |time| DataCell::number(time, 4)),
-                DataCell::text(exponential(sweep.programs[point.program].relative.median)),
+                DataCell::text(exponential(sweep.programs[point.program].normwise.median)),
                 DataCell::text(exponential(sweep.programs[point.program].normwise.worst)),
                 DataCell::text(if point.on_front { "yes" } else { "" }),
             ]
@@ -162,12 +181,14 @@ pub fn points_table(sweeps: &[FunctionSweep]) -> DataTable {
         "Every design. The share is the largest of those of look-up tables, memory \
                   blocks and multiplier blocks of the device, by formulas; nothing is \
                   synthesised. The clock is that which the model of the device estimates, as \
-                  in every other command. Errors are those of the program in binary32 at random \
-                  states against double-double arithmetic.",
-        "function | adders | multipliers | adder stages | multiplier stages | estimated clock (MHz) | \
+                  in every other command. Errors are those of the program in binary32, in \
+                  parts of the largest element of an array, at random states against \
+                  double-double arithmetic.",
+        &format!(
+            "function | adders | multipliers | adder stages | multiplier stages | estimated clock (MHz) | \
          memory | buffer words | instances | interconnect | program | cycles | lower bound | \
-         latency (us) | us per evaluation | ALUT | M10K | DSP | share | CPU (us) | median error | \
-         worst normwise error | on front",
+         latency (us) | us per evaluation | ALUT | M10K | DSP | share | CPU (us) | {ERROR_COLUMNS} | on front"
+        ),
         rows,
     )
 }

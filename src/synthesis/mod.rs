@@ -18,6 +18,7 @@ pub mod machine;
 pub mod netlist;
 pub mod page;
 pub mod place;
+pub mod rounding;
 pub mod script;
 pub mod timing;
 pub mod tool;

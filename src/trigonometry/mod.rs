@@ -12,9 +12,9 @@ mod view;
 pub use view::{figure, table, text};
 
 use crate::explore::program::transformed;
-use crate::explore::yardstick::{ErrorSpread, Unmeasurable, Yardstick};
 use crate::kinematics::{InputSources, MotionState};
 use crate::model::Model;
+use crate::yardstick::{ErrorSpread, Unmeasurable, Yardstick};
 use robovec_analysis::critical_path::critical_path;
 use robovec_framework::manager::RunError;
 use robovec_framework::options::OptionValue;

@@ -23,7 +23,8 @@ use robovec_ir::{Function, Level, Machine};
 use robovec_num::limits::NumberLimit;
 use robovec_schedule::{PlaceError, element_counts, explain, with_counts};
 use search::{
-    ProgramMaker, SearchJob, SearchQuestion, SearchStart, schedule_length, search, usual_unit,
+    ProgramMaker, ScheduleSize, SearchJob, SearchQuestion, SearchStart, schedule_size, search,
+    usual_unit,
 };
 use steps::StartForm;
 
@@ -228,10 +229,10 @@ impl ProgramMaker for NestedPasses<'_, '_> {
         &mut self,
         functions: &[&Function],
         machine: &Machine,
-    ) -> Vec<Result<u32, PlaceError>> {
+    ) -> Vec<Result<ScheduleSize, PlaceError>> {
         let functions = functions.iter();
         functions
-            .map(|function| schedule_length(function, machine))
+            .map(|function| schedule_size(function, machine))
             .collect()
     }
 }

@@ -23,7 +23,7 @@ use robovec_analysis::class::NumericClass;
 use robovec_framework::pass::{PassError, Registry};
 use robovec_framework::pipeline::Pipeline;
 use robovec_ir::{Function, Machine, Operation};
-use robovec_schedule::{PlaceError, PlaceOptions, place};
+use robovec_schedule::{PlaceError, PlaceOptions, place, placement_statistics};
 
 /// What is searched for, and how far.
 #[derive(Clone, Copy, Debug)]
@@ -82,12 +82,22 @@ pub trait ProgramMaker {
     /// The function of a program.
     fn function(program: &Self::Program) -> &Function;
 
-    /// The lengths of the schedules of functions on a machine, in cycles.
+    /// The schedules of functions on a machine.
     fn schedules(
         &mut self,
         functions: &[&Function],
         machine: &Machine,
-    ) -> Vec<Result<u32, PlaceError>>;
+    ) -> Vec<Result<ScheduleSize, PlaceError>>;
+}
+
+/// What a schedule takes.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ScheduleSize {
+    /// Its length.
+    pub cycles: u32,
+    /// The most words of memory of an element, both sides of a split one
+    /// together.
+    pub words: u32,
 }
 
 /// A program that was not made.
@@ -122,15 +132,20 @@ pub fn usual_unit(operations: usize) -> u64 {
     (operations as u64 * PER_OPERATION).clamp(LEAST, MOST)
 }
 
-/// The length of the schedule that `place` makes of a function, in cycles.
+/// What the schedule takes that `place` makes of a function.
 ///
 /// # Errors
 ///
 /// Those of [`place`].
-pub fn schedule_length(function: &Function, machine: &Machine) -> Result<u32, PlaceError> {
+pub fn schedule_size(function: &Function, machine: &Machine) -> Result<ScheduleSize, PlaceError> {
     let mut function = function.clone();
     let summary = place(&mut function, machine, PlaceOptions::default())?;
-    Ok(summary.cycles)
+    let statistics = placement_statistics(&function, machine);
+    let kinds = statistics.iter().flat_map(|statistics| &statistics.kinds);
+    Ok(ScheduleSize {
+        cycles: summary.cycles,
+        words: kinds.map(|kind| kind.memory.max).max().unwrap_or(0),
+    })
 }
 
 /// Searches. The first preparation of the first start is always made.
@@ -408,11 +423,13 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
             let functions: Vec<&Function> = (hopeful.iter())
                 .map(|entry| M::function(&self.trials[entry.2].program))
                 .collect();
-            let lengths = self.maker.schedules(&functions, self.question.machine);
-            for (&(_, _, index), length) in hopeful.into_iter().zip(lengths) {
+            let sizes = self.maker.schedules(&functions, self.question.machine);
+            for (&(_, _, index), size) in hopeful.into_iter().zip(sizes) {
                 let trial = &mut self.trials[index];
-                match length {
-                    Ok(cycles) => trial.cycles = Some(cycles),
+                match size {
+                    Ok(ScheduleSize { cycles, words }) => {
+                        (trial.cycles, trial.words) = (Some(cycles), Some(words));
+                    }
                     Err(error) => {
                         trial.remark = "cannot be placed";
                         trial.bound = Err(error);

@@ -24,6 +24,9 @@ pub struct VariantTrial<P> {
     pub bound: Result<u32, PlaceError>,
     /// The schedule, where one was made.
     pub cycles: Option<u32>,
+    /// The most words of memory that it needs in one element, both sides of a
+    /// split one together.
+    pub words: Option<u32>,
     /// The reason why it was not placed.
     pub remark: &'static str,
     /// True when it comes from a start by a preparation alone.
@@ -59,6 +62,7 @@ impl<P> VariantTrial<P> {
             },
             bound,
             cycles: None,
+            words: None,
             is_prepared: false,
             shared,
             is_expanded: false,

@@ -4,12 +4,12 @@ use super::OptimiseArguments;
 use super::given::GivenStarts;
 use crate::command::CommandFailure;
 use crate::command::output::{self, result_files};
-use crate::explore::device;
 use crate::explore::program::{transformed_by, view};
 use crate::files::Replace;
 use crate::optimise::{OptimisationQuestion, OptimisationTarget, Optimised, page, text};
 use crate::present::json::json_text;
 use crate::robotran::drop_in::{DropInOptions, drop_in};
+use crate::yardstick::account::share_cell;
 use robovec_codegen::c;
 use robovec_codegen::hardware;
 use robovec_framework::manager::{self, Config};
@@ -99,9 +99,12 @@ fn facts(given: &GivenStarts, question: &OptimisationQuestion<'_>, found: &Optim
             elements(machine),
             clock.text()
         ));
-        if let Some((_, share)) = device::placed_share(&found.program, machine) {
+        if best.share.is_some() {
             let device = &machine.device.device().name;
-            line(format!("{:.2} % of {device} (estimated)", 100.0 * share));
+            line(format!(
+                "{} of {device} (estimated)",
+                share_cell(best.share)
+            ));
         }
         line(match cycles == bound {
             true => "no schedule of these operations on this machine is shorter".to_owned(),
@@ -119,10 +122,8 @@ fn facts(given: &GivenStarts, question: &OptimisationQuestion<'_>, found: &Optim
             question.flags
         ));
     }
-    line(format!(
-        "errors in {}: median {:.1e}, worst normwise {:.1e} ({} states)",
-        found.format, found.errors.relative.median, found.errors.normwise.worst, question.count
-    ));
+    line(format!("{} operations", best.operations));
+    line(found.errors.text());
     line(format!("proved against the input: {}", found.proof));
     for (name, reason) in &given.left {
         line(format!("formulation {name} was left out: {reason}"));

@@ -1,5 +1,6 @@
 //! The array of elements and the processor side by side.
 
+use super::super::cost;
 use super::super::knee::{Split, knee};
 use super::super::plan::StudyPlan;
 use super::super::results::Results;
@@ -62,12 +63,17 @@ pub fn winners(results: &Results, cpu: &[CpuTime]) -> Option<DataTable> {
              neither. Beside it the fastest C on one core of {}, sines and cosines included, for one \
              evaluation and per state in batches of eight. Who wins is about one evaluation, the \
              range from the estimate's; many states at once are the processor's by its batch \
-             column.",
-            plan.machines[machine].name, first.processor
+             column. {}",
+            plan.machines[machine].name,
+            first.processor,
+            cost::CAPTION
         ),
-        "model | placed program | elements | cycles | FPGA as built (µs) | \
-         estimated clock (MHz) | FPGA estimated (µs) | C program | one core (µs) | \
-         one core, batch (µs) | who wins",
+        &format!(
+            "model | placed program | elements | cycles | FPGA as built (µs) | \
+             estimated clock (MHz) | FPGA estimated (µs) | {} | C program | one core (µs) | \
+             one core, batch (µs) | who wins",
+            cost::columns()
+        ),
         rows,
     ))
 }
@@ -82,7 +88,8 @@ fn row(results: &Results, model: usize, machine: usize, cpu: &[CpuTime]) -> Opti
     let batch = own().filter_map(|time| time.batch).min_by(f64::total_cmp);
     let clock = clock(plan, machine, &best);
     let time = |mhz: f64| f64::from(best.cycles) / mhz;
-    Some(vec![
+    let facts = results.program(model, pipeline, machine);
+    let mut row = vec![
         DataCell::text(name),
         DataCell::text(&plan.pipelines[pipeline].name),
         DataCell::text(best.text()),
@@ -94,7 +101,9 @@ fn row(results: &Results, model: usize, machine: usize, cpu: &[CpuTime]) -> Opti
         DataCell::number(single, 3),
         batch.map_or(DataCell::Empty, |batch| DataCell::number(batch, 3)),
         DataCell::text(winner([time(clock.high), time(clock.low)], single)),
-    ])
+    ];
+    row.splice(7..7, cost::cells(Some(best.share), facts));
+    Some(row)
 }
 
 /// The pipeline with the fewest cycles, and the elements it needs.

@@ -103,6 +103,7 @@ function showVerdicts(model) {
     return make("div", { class: "card" },
       make("h3", {}, `${verdict.model}, ${verdict.pipeline}: `, make("code", {}, data.pipelines[verdict.pipeline])),
       make("p", { class: "answer" }, verdict.answer),
+      make("p", {}, verdict.cost),
       make("ul", {}, ...verdict.reasons.map((reason) => make("li", {}, reason))),
       zones,
       make("p", { class: "cpu" }, cpuSentence(verdict)));

@@ -1,5 +1,6 @@
 //! Formulations of the same system, compared.
 
+use super::super::cost;
 use super::super::knee::knee;
 use super::super::results::Results;
 use super::super::variants;
@@ -23,7 +24,7 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
                     first.map_or(DataCell::Empty, |first| DataCell::number(own / first, 3))
                 };
                 let time = |cycles: u32| DataCell::number(f64::from(cycles) / mhz, 2);
-                rows.push(vec![
+                let mut row = vec![
                     DataCell::text(&subject.source),
                     DataCell::text(variants::label(subject)),
                     DataCell::text(&facts.pipeline),
@@ -42,7 +43,12 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
                     worth.map_or(DataCell::Empty, |split| time(split.cycles)),
                     knee.and_then(|knee| knee.single)
                         .map_or(DataCell::Empty, |single| time(single.cycles)),
-                ]);
+                ];
+                row.splice(
+                    10..10,
+                    cost::cells(worth.map(|split| split.share), Some(facts)),
+                );
+                rows.push(row);
             }
         }
     }
@@ -50,11 +56,17 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
         DataTable::new(
             "formulations",
             "Formulations of the same systems",
-            "Other recursions for the same function. Ratios are to the first formulation of \
+            format!(
+                "Other recursions for the same function. Ratios are to the first formulation of \
             each system and pipeline. All but the first use that sin^2 + cos^2 = 1, which the \
-            thesis' machine with sin x = x does not keep.",
-            "system | formulation | pipeline | operations | ASAPCycle | number Y | \
-         ratio operations | ratio ASAPCycle | worth | time there (µs) | time with 1+1 (µs)",
+            thesis' machine with sin x = x does not keep. {}",
+                cost::CAPTION
+            ),
+            &format!(
+                "system | formulation | pipeline | operations | ASAPCycle | number Y | \
+         ratio operations | ratio ASAPCycle | worth | time there (µs) | {} | time with 1+1 (µs)",
+                cost::columns()
+            ),
             rows,
         )
     })

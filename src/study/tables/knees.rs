@@ -1,5 +1,6 @@
 //! How many elements each program is worth.
 
+use super::super::cost;
 use super::super::figures::{best_splits, grid, ladder};
 use super::super::knee::{Split, knee};
 use super::super::results::Results;
@@ -9,6 +10,7 @@ use crate::present::{DataCell, DataTable};
 /// The knee of every program.
 pub(super) fn table(results: &Results) -> Option<DataTable> {
     let machine = results.main_machine()?;
+    let mhz = results.plan.machines[machine].clock().mhz;
     let mut rows = Vec::new();
     for model in 0..results.plan.models.len() {
         for pipeline in 0..results.plan.pipelines.len() {
@@ -25,7 +27,8 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
             let number = |value: Option<f64>, decimals| {
                 value.map_or(DataCell::Empty, |value| DataCell::number(value, decimals))
             };
-            rows.push(vec![
+            let time = |split: Split| f64::from(split.cycles) / mhz;
+            let mut row = vec![
                 DataCell::text(&facts.model),
                 DataCell::text(&facts.pipeline),
                 DataCell::number(knee.number_y, 2),
@@ -35,6 +38,7 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
                 text(knee.cheapest),
                 knee.cheapest
                     .map_or(DataCell::Empty, |split| DataCell::count(split.cycles)),
+                number(knee.cheapest.map(time), 3),
                 number(knee.cheapest.map(|split| 100.0 * split.rate), 1),
                 number(
                     knee.single.zip(knee.cheapest).map(|(single, best)| {
@@ -42,19 +46,29 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
                     }),
                     1,
                 ),
-            ]);
+            ];
+            let share = knee.cheapest.map(|split| split.share);
+            row.splice(9..9, cost::cells(share, Some(facts)));
+            rows.push(row);
         }
     }
     (!rows.is_empty()).then(|| {
         DataTable::new(
             "knee",
             "How many elements each program is worth",
-            "Adders + multipliers (all). Busy: the largest equal numbers whose scarcer kind \
+            format!(
+                "Adders + multipliers (all). Busy: the largest equal numbers whose scarcer kind \
             starts an operation in nine of ten cycles. Knee: the smallest equal numbers within \
             2 % of the longest chain, exact where one of each kind less was placed too. Cheapest: \
-            the fewest elements within 2 %, unequal numbers included where they were placed.",
-            "model | pipeline | number Y | busy up to | knee | exact | cheapest | cycles there | \
-         parallelisation rate there (%) | times as fast as 1+1",
+            the fewest elements within 2 %, unequal numbers included where they were placed. {}",
+                cost::CAPTION
+            ),
+            &format!(
+                "model | pipeline | number Y | busy up to | knee | exact | cheapest | \
+                 cycles there | time there (µs) | {} | parallelisation rate there (%) | \
+                 times as fast as 1+1",
+                cost::columns()
+            ),
             rows,
         )
     })
@@ -92,6 +106,7 @@ pub(super) fn splits(results: &Results) -> Option<DataTable> {
                 DataCell::count(best.request.n_add),
                 DataCell::count(best.request.n_multi),
                 DataCell::count(best.point.cycles),
+                DataCell::number(100.0 * cost::share(results, best), 2),
                 cycles(equal),
                 gain,
             ]);
@@ -105,9 +120,9 @@ pub(super) fn splits(results: &Results) -> Option<DataTable> {
                 results.plan.models[model].name
             ),
             "For each total the numbers of adders and multipliers with the fewest cycles, \
-            and what equal numbers take.",
-            "pipeline | elements | adders | multipliers | cycles | cycles of equal numbers | \
-         saved (%)",
+            what that takes of the device (estimated), and what equal numbers take.",
+            "pipeline | elements | adders | multipliers | cycles | share of device (%) | \
+         cycles of equal numbers | saved (%)",
             rows,
         )
     })
@@ -140,7 +155,7 @@ pub(super) fn couples_table(results: &Results) -> Option<DataTable> {
             let capped = couple.mhz().min(MEMORY_CAP_MHZ);
             let time =
                 |cycles: u32, mhz: u32| DataCell::number(f64::from(cycles) / f64::from(mhz), 3);
-            rows.push(vec![
+            let mut row = vec![
                 DataCell::text(&results.plan.pipelines[pipeline].name),
                 DataCell::text(format!("{add}+{multi}")),
                 DataCell::count(couple.mhz()),
@@ -151,7 +166,9 @@ pub(super) fn couples_table(results: &Results) -> Option<DataTable> {
                 DataCell::text(format!("{}+{}", best.request.n_add, best.request.n_multi)),
                 time(best.point.cycles, couple.mhz()),
                 time(best.point.cycles, capped),
-            ]);
+            ];
+            row.extend(cost::cells(Some(cost::share(results, *best)), Some(facts)));
+            rows.push(row);
         }
     }
     (!rows.is_empty()).then(|| DataTable::new("couples",format!(
@@ -159,8 +176,8 @@ pub(super) fn couples_table(results: &Results) -> Option<DataTable> {
             results.plan.models[model].name
         ),format!(
             "The longest chain and the fastest placement tried, at the couple's own clock and at \
-             most at {MEMORY_CAP_MHZ} MHz, which double-pumped memories allow."
-        ),"pipeline | stages | clock (MHz) | ASAPCycle | longest chain (µs) | \
+             most at {MEMORY_CAP_MHZ} MHz, which double-pumped memories allow. {}", cost::CAPTION
+        ),&format!("pipeline | stages | clock (MHz) | ASAPCycle | longest chain (µs) | \
          longest chain, capped (µs) | number Y | fastest | fastest (µs) | \
-         fastest, capped (µs)",rows))
+         fastest, capped (µs) | {}", cost::columns()),rows))
 }

@@ -1,14 +1,16 @@
 //! All programs and all placements, as plain tables.
 
+use super::super::cost;
 use super::super::plan::{ChoiceKey, PriorityKey};
 use super::super::results::{Results, time_us};
 use super::super::zone::zone;
 use crate::present::{DataCell, DataTable};
+use crate::yardstick::account::ERROR_COLUMNS;
 
 /// Every program.
 pub(super) fn programs(results: &Results) -> DataTable {
     let rows = results.outcome.programs.values().map(|facts| {
-        vec![
+        let mut row = vec![
             DataCell::text(&facts.model),
             DataCell::text(&facts.pipeline),
             DataCell::text(&facts.machine),
@@ -21,15 +23,21 @@ pub(super) fn programs(results: &Results) -> DataTable {
             DataCell::count(facts.path_add),
             DataCell::count(facts.path_mul),
             DataCell::number(facts.number_y(), 2),
-        ]
+        ];
+        row.extend(cost::cells(None, Some(facts)).into_iter().skip(1));
+        row
     });
     DataTable::new(
         "programs",
         "All programs",
         "One row per model, pipeline and machine; sines and cosines come from the host \
-            and are not counted.",
-        "model | pipeline | machine | equations | operations | additions | multiplications | \
-         ASAP | ASAPCycle | additions on the chain | multiplications on the chain | number Y",
+            and are not counted. Errors are those in binary32, in parts of the largest element \
+            of an array, at random states against double-double arithmetic.",
+        &format!(
+            "model | pipeline | machine | equations | operations | additions | multiplications | \
+             ASAP | ASAPCycle | additions on the chain | multiplications on the chain | \
+             number Y | {ERROR_COLUMNS}"
+        ),
         rows,
     )
 }
@@ -46,7 +54,11 @@ pub(super) fn points(results: &Results) -> DataTable {
             .map(|facts| zone(facts, placed));
         let memory = |kind: usize| DataCell::number(point.kinds[kind].memory[2], 0);
         let buffer = |kind: usize| DataCell::number(point.kinds[kind].buffer[2], 0);
-        vec![
+        let share = point
+            .failure
+            .is_none()
+            .then(|| cost::share(results, placed));
+        let mut row = vec![
             DataCell::text(&results.plan.models[request.model].name),
             DataCell::text(&results.plan.pipelines[request.pipeline].name),
             DataCell::text(&machine.name),
@@ -74,16 +86,24 @@ pub(super) fn points(results: &Results) -> DataTable {
             DataCell::count(point.indirect_writes),
             DataCell::text(zone.map_or("", |zone| zone.name())),
             DataCell::text(point.failure.as_deref().unwrap_or_default()),
-        ]
+        ];
+        row.splice(10..10, cost::cells(share, facts));
+        row
     });
     DataTable::new(
         "points",
         "All placements",
-        "One row per placement; memory and buffer are the most words of an element.",
-        "model | pipeline | machine | adders | multipliers | order | choice | cycles | \
-         lower bound | time (µs) | parallelisation rate (%) | memory of adders (words) | \
+        format!(
+            "One row per placement; memory and buffer are the most words of an element. {}",
+            cost::CAPTION
+        ),
+        &format!(
+            "model | pipeline | machine | adders | multipliers | order | choice | cycles | \
+         lower bound | time (µs) | {} | parallelisation rate (%) | memory of adders (words) | \
          memory of multipliers (words) | buffer of adders (words) | \
          buffer of multipliers (words) | direct writes | indirect writes | zone | failure",
+            cost::columns()
+        ),
         rows,
     )
 }

@@ -6,9 +6,10 @@
 //! the machine it built. Parts do not match one to one: our instruction word
 //! has the selects of the crossbar and the addresses of the buffer too.
 
+use super::super::cost::shape;
 use super::super::plan::Printed;
 use super::super::printed::SystemTopology;
-use super::super::results::{Results, StudyPlacement};
+use super::super::results::Results;
 use crate::present::{DataCell, DataTable};
 use robovec_codegen::hardware::{MachinePart, MachineShape, PartKind, ResourceUse, parts};
 
@@ -50,7 +51,7 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
     let pipeline = results.pipeline(Printed::Original).unwrap_or(0);
     let mut usual = results.usual(model, pipeline, machine);
     let placed = usual.find(|placed| [placed.request.n_add, placed.request.n_multi] == BUILT)?;
-    let shape = shape(results, machine, placed);
+    let shape = shape(results, placed);
     let parts = parts(&shape);
     let is_bogie = results
         .system(model)
@@ -75,26 +76,6 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
          thesis: multiplier blocks | remark",
         rows,
     ))
-}
-
-/// The hardware for a placement: memories and buffers as large as the program
-/// needs, unless the machine says how large they are.
-fn shape(results: &Results, machine: usize, placed: StudyPlacement<'_>) -> MachineShape {
-    let most = |words: fn(usize, StudyPlacement<'_>) -> f64| {
-        let words = (0..2).map(|kind| words(kind, placed)).fold(0.0, f64::max);
-        words as u32
-    };
-    let memory = most(|kind, placed| placed.point.kinds[kind].memory[2]);
-    let buffer = most(|kind, placed| placed.point.kinds[kind].buffer[2]).max(1);
-    let description = &results.plan.machines[machine].machine;
-    let mut shape = MachineShape::of(description, placed.point.cycles, memory.max(1));
-    for (kind, count) in shape.kinds.iter_mut().zip(BUILT) {
-        kind.count = count;
-    }
-    if let (Some(own), Some(declared)) = (&mut shape.buffer, &description.buffer) {
-        own.0 = declared.words.unwrap_or(buffer);
-    }
-    shape
 }
 
 fn total(parts: &[MachinePart], is_bogie: bool) -> Vec<DataCell> {

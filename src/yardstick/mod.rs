@@ -5,7 +5,9 @@
 //! specialised one has lost inputs and outputs, one with series has other
 //! sines, one of another formulation other equations. Names are therefore
 //! what ties a program to its yardstick, and what is measured is everything
-//! at once: model, series and rounding.
+//! at once: model, series and rounding. [`account`] tells it in words.
+
+pub mod account;
 
 use robovec_analysis::reference::{ExactOutput, ReferenceEffort, ReferenceEvaluator};
 use robovec_framework::scene::Allowed;

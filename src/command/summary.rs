@@ -1,0 +1,187 @@
+//! What `robovec-opt` tells after a run without a report: speed, error and
+//! cost of every function, beside what came in.
+//!
+//! As compilers do, it tells people and not programs: only where the result
+//! goes to a file or to a terminal, and on the standard error. It has to cost
+//! next to nothing, so that errors are measured at few states, and at none
+//! where the functions are large: the work is counted in operations, so that
+//! the same run tells the same on every computer.
+
+use super::arguments::OptimiserArguments;
+use crate::explore::device;
+use crate::explore::placing::scheduled_machine;
+use crate::present::number::percent;
+use crate::yardstick::Yardstick;
+use crate::yardstick::account::{ErrorAccount, random_states};
+use robovec_analysis::critical_path::critical_path;
+use robovec_codegen::hardware;
+use robovec_framework::pipeline::Pipeline;
+use robovec_ir::count::Counts;
+use robovec_ir::states::States;
+use robovec_ir::{Format, Function, Machine, Module, View};
+use std::io::{self, IsTerminal};
+use std::path::Path;
+
+/// Operations that are evaluated exactly, over all functions and states.
+const EVALUATIONS: usize = 400_000;
+
+/// States are evaluated so many at a time.
+const LANES: usize = 4;
+
+/// Most states.
+const MOST_STATES: usize = 64;
+
+/// What is told when the run is over.
+pub(super) struct RunSummary<'a> {
+    machine: &'a Machine,
+    /// Where states come from, and whether a scene says how large they are.
+    states: (States, bool),
+    /// The format in which the pipeline's program computes.
+    format: Format,
+    /// The functions as they came.
+    before: Vec<FunctionBefore>,
+}
+
+/// A function as it came.
+struct FunctionBefore {
+    name: String,
+    operations: usize,
+    path: u32,
+    /// Its exact results; none where it is too large.
+    yardstick: Option<Yardstick>,
+}
+
+impl<'a> RunSummary<'a> {
+    /// Looks at the functions before the run; `None` when nothing will be
+    /// told.
+    pub(super) fn begin(
+        arguments: &OptimiserArguments,
+        pipeline: &Pipeline,
+        module: &Module,
+        machine: &'a Machine,
+        states: (States, bool),
+    ) -> Option<RunSummary<'a>> {
+        if !is_told(arguments, pipeline) {
+            return None;
+        }
+        let nodes: usize = module.functions.iter().map(|f| f.nodes().len()).sum();
+        let count = (EVALUATIONS / nodes.max(1)).min(MOST_STATES) / LANES * LANES;
+        let before = module.functions.iter().map(|function| {
+            let view = View {
+                tables: &module.tables,
+                function,
+            };
+            let exact = || Yardstick::new(view, &states.0, count as u32);
+            FunctionBefore {
+                name: function.name.clone(),
+                operations: Counts::of(function).operations,
+                path: critical_path(function, machine).asap_cycle,
+                yardstick: (count > 0).then(exact),
+            }
+        });
+        Some(RunSummary {
+            machine,
+            before: before.collect(),
+            format: format(pipeline, machine),
+            states,
+        })
+    }
+
+    /// One line for every function.
+    pub(super) fn text(&self, module: &Module) -> String {
+        let lines = module.functions.iter().filter_map(|function| {
+            let mut before = self.before.iter();
+            let before = before.find(|before| before.name == function.name)?;
+            let view = View {
+                tables: &module.tables,
+                function,
+            };
+            Some(format!(
+                "{}: {} -> {} operations, {}; {}\n",
+                function.name,
+                before.operations,
+                Counts::of(function).operations,
+                self.speed_and_cost(before, function),
+                self.error(before, view)
+            ))
+        });
+        lines.collect()
+    }
+
+    /// The longest path of a function, or its schedule and what the machine
+    /// takes of its device.
+    fn speed_and_cost(&self, before: &FunctionBefore, function: &Function) -> String {
+        let schedule = function.schedule.as_ref();
+        let own = schedule.filter(|schedule| schedule.check_machine(self.machine).is_ok());
+        let Some(schedule) = own else {
+            let path = critical_path(function, self.machine).asap_cycle;
+            let name = &self.machine.name;
+            return format!("longest path {} -> {path} cycles of {name}", before.path);
+        };
+        let machine = scheduled_machine(self.machine, schedule);
+        let clock = hardware::clock(&machine);
+        let kinds = schedule.kinds.iter();
+        let kinds: Vec<String> = kinds
+            .map(|kind| format!("{} {}", kind.count, kind.name))
+            .collect();
+        let mut text = format!(
+            "{} cycles, {:.3} us at {} on {}",
+            schedule.cycles,
+            clock.microseconds(schedule.cycles),
+            clock.text(),
+            kinds.join(" + ")
+        );
+        if let Some(share) = device::share_of_placed(function, &machine) {
+            let device = &machine.device.device().name;
+            text += &format!(", {} of {device} (estimated)", percent(share));
+        }
+        text
+    }
+
+    fn error(&self, before: &FunctionBefore, view: View<'_>) -> String {
+        let Some(yardstick) = &before.yardstick else {
+            return format!(
+                "error not measured here beyond {} operations (--report)",
+                EVALUATIONS / LANES
+            );
+        };
+        let (states, has_scene) = &self.states;
+        let words = random_states(yardstick.len(), states.seed(), *has_scene);
+        let measured = ErrorAccount::measured(view, yardstick, self.format, words);
+        match measured {
+            Ok(account) => account.text(),
+            Err(reason) => format!("error not measured: {reason}"),
+        }
+    }
+}
+
+/// True where somebody reads it: the result goes to a file or to a terminal,
+/// and nothing else was asked for that tells the same.
+fn is_told(arguments: &OptimiserArguments, pipeline: &Pipeline) -> bool {
+    let is_file = |path: &Path| path != Path::new("-");
+    let goes_to_people = match &arguments.output {
+        Some(path) if is_file(path) => true,
+        _ => io::stdout().is_terminal(),
+    };
+    let has_other = arguments.report.is_some() || arguments.explain.is_some();
+    goes_to_people && !arguments.quiet && !has_other && !pipeline.steps.is_empty()
+}
+
+/// The format that the result computes in: the machine's, or that of the C
+/// which is written last.
+fn format(pipeline: &Pipeline, machine: &Machine) -> Format {
+    let last = pipeline.passes().last();
+    let Some(codegen) = last.filter(|pass| pass.info.name == "codegen") else {
+        return machine.number;
+    };
+    let option = |name: &str| {
+        let mut options = codegen.options.iter();
+        let found = options.find(|(key, _)| key == name);
+        found.map(|(_, value)| value.as_str())
+    };
+    match (option("target"), option("number")) {
+        (None | Some("mif" | "rtl"), _) => machine.number,
+        (Some(_), Some("float")) => Format::BINARY32,
+        (Some(_), _) => Format::BINARY64,
+    }
+}
