@@ -78,7 +78,7 @@ const COMMANDS: &[Telling] = &[
         ..telling(
             "robovec optimise SUSPENSION --effort=1 --states=16 --for=cpu -o DIR",
             &["ns/state", " ns per state"],
-            &[">operations", " operations\n"],
+            &["code kB", ">operations", " operations\n"],
         )
     },
     Telling {

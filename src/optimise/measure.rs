@@ -16,6 +16,8 @@ use robovec_passes::optimise::search::SearchOutcome;
 pub(super) struct ProgramFigures {
     /// The time of one state in C, ns.
     pub(super) nanoseconds: Option<f64>,
+    /// Size of the compiled C, bytes.
+    pub(super) code_bytes: Option<u64>,
     /// Of every array its largest error over its largest element: median and
     /// worst.
     pub(super) errors: Option<[f64; 2]>,

@@ -110,6 +110,8 @@ pub struct OptimisationPoint {
     /// The share of the device that the machine takes with memories for it,
     /// where it was placed.
     pub share: Option<f64>,
+    /// Size of the compiled C, bytes, where it was timed.
+    pub code_bytes: Option<u64>,
     /// The errors of its results, where it was a candidate: of every array in
     /// every state its largest error over its largest element, the median and
     /// the worst.
@@ -188,6 +190,7 @@ pub fn optimise(
                 .map(|cycles| hardware::clock(question.machine).microseconds(cycles)),
             nanoseconds: figures.nanoseconds,
             share: share(trial, question.machine),
+            code_bytes: figures.code_bytes,
             errors: figures.errors,
             remark: match figures.remark.is_empty() {
                 true => trial.remark.to_owned(),

@@ -55,6 +55,7 @@ pub(super) fn choose(
     let mut best: Option<(f64, usize)> = None;
     for (&index, outcome) in candidates.iter().zip(times) {
         figures[index].nanoseconds = outcome.nanoseconds;
+        figures[index].code_bytes = outcome.code_bytes;
         figures[index].remark = outcome.failure.unwrap_or_default();
         let Some(time) = outcome.nanoseconds else {
             continue;

@@ -50,12 +50,17 @@ pub fn table(found: &Optimised) -> String {
                 true => point.path.to_string(),
                 false => or_dash(point.bound.map(|bound| bound.to_string())),
             };
+            let kilobytes = point.code_bytes.map(|bytes| bytes as f64 * 1e-3);
+            let cost = match is_timed {
+                true => or_dash(kilobytes.map(|size| format!("{size:.1}"))),
+                false => share_cell(point.share),
+            };
             vec![
                 name(point),
                 point.operations.to_string(),
                 second,
                 or_dash(time),
-                share_cell(point.share),
+                cost,
                 error(point, 0),
                 error(point, 1),
                 match point.taken {
@@ -65,11 +70,11 @@ pub fn table(found: &Optimised) -> String {
             ]
         })
         .collect();
-    let speed = match is_timed {
-        true => ">path | >ns/state",
-        false => ">bound | >cycles",
+    let speed_and_cost = match is_timed {
+        true => ">path | >ns/state | >code kB",
+        false => ">bound | >cycles | >of device",
     };
-    let head = format!("program | >operations | {speed} | >of device | {ERROR_HEADS} | ");
+    let head = format!("program | >operations | {speed_and_cost} | {ERROR_HEADS} | ");
     let mut text = text_table(&head, &rows);
     // Writing to a string cannot fail, here and below.
     let _ = write!(
@@ -96,7 +101,7 @@ pub fn points_table(found: &Optimised) -> DataTable {
         let number = |number: Option<f64>, decimals| {
             number.map_or(DataCell::Empty, |number| DataCell::number(number, decimals))
         };
-        let count = |count: Option<u32>| count.map_or(DataCell::Empty, DataCell::count);
+        let count = |count: Option<u64>| count.map_or(DataCell::Empty, DataCell::count);
         let error = |place: usize| match point.errors {
             Some(errors) => DataCell::text(format!("{:.3e}", errors[place])),
             None => DataCell::Empty,
@@ -107,11 +112,12 @@ pub fn points_table(found: &Optimised) -> DataTable {
             DataCell::text(&point.passes),
             DataCell::count(point.operations),
             DataCell::count(point.path),
-            count(point.bound),
-            count(point.cycles),
+            count(point.bound.map(u64::from)),
+            count(point.cycles.map(u64::from)),
             number(point.microseconds, 3),
             number(point.nanoseconds, 1),
             number(point.share, 4),
+            count(point.code_bytes),
             error(0),
             error(1),
             DataCell::text(match point.taken {
@@ -130,7 +136,7 @@ pub fn points_table(found: &Optimised) -> DataTable {
          element of an array, against double-double arithmetic.",
         &format!(
             "program | starts from | passes | operations | path (cycles) | bound (cycles) | \
-             cycles | time (us) | C (ns per state) | share of device | {ERROR_COLUMNS} | standing"
+             cycles | time (us) | C (ns per state) | share of device | code (bytes) | {ERROR_COLUMNS} | standing"
         ),
         rows,
     )
