@@ -82,7 +82,7 @@ pub struct BenchOutcome {
     /// Least processor time per state, ns.
     pub nanoseconds: Option<f64>,
     /// How much longer one call in a thousand takes than the median one, ns:
-    /// see [`RunTime::jitter`].
+    /// see [`contestant::RunTime::jitter`].
     pub jitter: Option<f64>,
     /// Why there is no time.
     pub failure: Option<String>,
