@@ -26,7 +26,5 @@ pub mod processor;
 pub mod program;
 pub mod store;
 
-pub use crate::yardstick;
-
 /// Told of what is measured next, or of what was measured.
 pub type ExplorationProgress<'a> = &'a (dyn Fn(&str) + Sync);

@@ -4,7 +4,7 @@
 use super::{SceneFile, SceneSubject};
 use crate::explore::device;
 use crate::explore::program::view;
-use crate::explore::yardstick::{ErrorSpread, Unmeasurable, Yardstick};
+use crate::yardstick::{ErrorSpread, Unmeasurable, Yardstick};
 use robovec_analysis::critical_path::critical_path;
 use robovec_analysis::rounding::usual_states;
 use robovec_framework::manager::{self, Config};
