@@ -210,29 +210,30 @@ pub fn fit(task: &FitTask<'_>, progress: ExplorationProgress<'_>) -> Result<FitO
         };
         let program = candidates[chosen].program;
         let format = search.format_of(&candidates[chosen]);
-        let name = &search.programs[program].name;
-        progress(&format!(
-            "{name} in {format}: searching for the worst state"
-        ));
-        let attempt = (&search.programs[program], format);
-        let challenge = challenge::challenge(task, attempt, broken)?;
-        broken += 1;
-        if !challenge.holds() {
-            search.learn(program, challenge.worst)?;
-            continue;
-        }
+        // A motion costs less than a challenge and is tried before it.
         let name = &search.programs[program].name;
         progress(&format!("{name} in {format}: the error over time"));
         let motion = task.motion.map(|motion| {
             let module = &search.programs[program].module;
             motion.of(module, format)
         });
-        if motion.as_ref().is_none_or(MotionShare::holds) {
-            let mut outcome = search.outcome(candidates, Some((chosen, challenge)), broken - 1);
+        if motion.as_ref().is_some_and(|motion| !motion.holds()) {
+            search.widen(program, format)?;
+            broken += 1;
+            continue;
+        }
+        progress(&format!(
+            "{name} in {format}: searching for the worst state"
+        ));
+        let attempt = (&search.programs[program], format);
+        let challenge = challenge::challenge(task, attempt, broken)?;
+        if challenge.holds() {
+            let mut outcome = search.outcome(candidates, Some((chosen, challenge)), broken);
             outcome.motion = motion;
             return Ok(outcome);
         }
-        search.widen(program, format)?;
+        broken += 1;
+        search.learn(program, challenge.worst)?;
     }
 }
 
