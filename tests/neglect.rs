@@ -173,6 +173,16 @@ fn what_is_written_is_what_was_judged() {
         !reduced.scene.joints.is_empty(),
         "joints are locked: {report}"
     );
+    let motion = reduced.motion.as_ref().expect("it keeps its motion");
+    assert_eq!(
+        motion.laws.as_deref(),
+        Some(Path::new("leg-reduced.laws.toml"))
+    );
+    assert!(
+        motion.error > 0.0 && motion.error < 0.02,
+        "{}",
+        motion.error
+    );
     let module = reduced.module().expect("equations");
     let machine = Machine::built_in("solver").expect("it ships");
     let program =

@@ -9,7 +9,11 @@ use toml::{Table, Value};
 
 /// A scene file as a table of TOML.
 #[derive(Clone, Debug)]
-pub(super) struct SceneTable(Table);
+pub(super) struct SceneTable {
+    table: Table,
+    /// Its section `[motion]`, which the search does without.
+    motion: Table,
+}
 
 /// What the states of the full model are free in, and what a scene may bind to
 /// leave something out.
@@ -19,18 +23,21 @@ impl SceneTable {
     /// The table of a scene that was read already.
     pub(super) fn of(text: &str) -> SceneTable {
         let mut table: Table = toml::from_str(text).expect("the scene was read already");
-        table.remove("motion");
+        let motion = match table.remove("motion") {
+            Some(Value::Table(motion)) => motion,
+            _ => Table::new(),
+        };
         table.remove("neglect");
-        SceneTable(table)
+        SceneTable { table, motion }
     }
 
     /// The scene without what it leaves out itself: no joint is locked, no
     /// angle small, no state and no force a number.
     pub(super) fn full(&self) -> SceneTable {
         let mut full = self.clone();
-        full.0.remove("locked");
-        full.0.remove("small");
-        if let Some(Value::Table(bound)) = full.0.get_mut("bind") {
+        full.table.remove("locked");
+        full.table.remove("small");
+        if let Some(Value::Table(bound)) = full.table.get_mut("bind") {
             let stated = |key: &str| STATE.contains(&key.split('[').next().unwrap_or(key).trim());
             let keys: Vec<String> = bound.keys().filter(|key| stated(key)).cloned().collect();
             for key in keys {
@@ -42,17 +49,30 @@ impl SceneTable {
 
     /// The text of the file.
     pub(super) fn text(&self) -> String {
-        toml::to_string(&self.0).expect("a table that was read can be written")
+        toml::to_string(&self.table).expect("a table that was read can be written")
     }
 
     /// Sets a key of the file to a text.
     pub(super) fn set(&mut self, key: &str, text: String) {
-        self.0.insert(key.to_owned(), Value::String(text));
+        self.table.insert(key.to_owned(), Value::String(text));
+    }
+
+    /// Gives the file its motion back: with laws of its own, with what is left
+    /// of the error allowed, and with the starts of joints that still move.
+    pub(super) fn set_motion(&mut self, laws: &str, error: f64) {
+        let mut motion = self.motion.clone();
+        motion.insert("laws".to_owned(), Value::String(laws.to_owned()));
+        motion.insert("error".to_owned(), Value::Float(error));
+        let locked = self.table.get("locked").and_then(Value::as_table);
+        if let (Some(Value::Table(start)), Some(locked)) = (motion.get_mut("start"), locked) {
+            start.retain(|name, _| !locked.contains_key(name));
+        }
+        self.table.insert("motion".to_owned(), Value::Table(motion));
     }
 
     fn section(&mut self, key: &str) -> &mut Table {
         let empty = || Value::Table(Table::new());
-        let section = self.0.entry(key.to_owned()).or_insert_with(empty);
+        let section = self.table.entry(key.to_owned()).or_insert_with(empty);
         section.as_table_mut().expect("sections are tables")
     }
 
@@ -69,7 +89,7 @@ impl SceneTable {
     pub(super) fn small(&mut self, model: &Model, joint: usize) {
         let name = Value::String(model.joints[joint].name.clone());
         let empty = || Value::Array(Vec::new());
-        let list = self.0.entry("small".to_owned()).or_insert_with(empty);
+        let list = self.table.entry("small".to_owned()).or_insert_with(empty);
         match list {
             Value::Array(list) if !list.contains(&name) => list.push(name),
             Value::Array(_) => {}
@@ -101,7 +121,7 @@ impl SceneTable {
     /// Takes back what was said of elements by these words.
     fn forget(&mut self, array: &str, words: &[&str]) {
         for section in ["bind", "range"] {
-            let Some(Value::Table(section)) = self.0.get_mut(section) else {
+            let Some(Value::Table(section)) = self.table.get_mut(section) else {
                 continue;
             };
             if let Some(Value::Table(exceptions)) = section.get_mut(array) {

@@ -90,6 +90,9 @@ pub struct NeglectFindings {
     /// The largest error of the reduced scene from starts that the search has
     /// not seen; `None` where every start is the same.
     pub fresh: Option<f64>,
+    /// The part of the error allowed that leaving things out does not use up,
+    /// of all motions that were compared.
+    pub rest: f64,
     /// What the integrator itself adds: the largest change of the full motion
     /// with a hundredth of the tolerance, in the same parts.
     pub integration: f64,
@@ -181,6 +184,8 @@ pub fn neglect(
         figures.push(figures_of(&judge, &full, what, scene)?);
     }
     let curves = curves(&judge, &full, &reduced)?;
+    let last = figures.last().expect("three scenes were measured");
+    let used = last.motion.max(fresh.unwrap_or(0.0));
     let names = judge
         .wish
         .watch
@@ -190,6 +195,7 @@ pub fn neglect(
         watched: names.zip(full.scales.iter().copied()).collect(),
         figures,
         findings: tried.into_iter().map(|(_, finding)| finding).collect(),
+        rest: wish.error - used,
         fresh,
         integration,
         curves,

@@ -118,6 +118,13 @@ fn verdict(findings: &NeglectFindings, allowed: f64) -> String {
             exponential(fresh)
         );
     }
+    if findings.rest > 0.0 {
+        let _ = writeln!(
+            text,
+            "{} is left for number formats and series: `robovec fit` of the reduced scene",
+            exponential(findings.rest)
+        );
+    }
     let _ = writeln!(
         text,
         "the integrator adds {}; what holds for these motions need not hold for others",

@@ -14,6 +14,9 @@ pub fn files(
 ) -> Vec<(String, String)> {
     let mut scene = findings.reduced.clone();
     scene.set("model", format!("{stem}.mbs"));
+    if findings.rest > 0.0 {
+        scene.set_motion(&format!("{stem}.laws.toml"), findings.rest);
+    }
     if let Some(machine) = machine {
         scene.set("machine", machine.to_owned());
     }
