@@ -41,7 +41,7 @@ pub fn text(
         if let Some(motion) = &outcome.motion {
             text += &format!(
                 "  over time        {} s of the scene's motion: {} of the largest displacement of \
-                 a watched joint, {} allowed\n",
+                 a watched joint, {} allowed; the other candidates were not tried over time\n",
                 motion.time,
                 exponential(motion.error),
                 exponential(motion.allowed)
