@@ -41,7 +41,7 @@ pub(super) struct FitArguments {
     seed: u64,
     /// How many times the usual number of states a choice is tried with before it is believed
     #[arg(long, default_value_t = 1,
-          add = whole(1, 1000, "the time grows with it"))]
+          add = whole(1, 16, "the time grows with it, and the share of states established hardly"))]
     effort: u32,
     /// Folder for the choice (program.rvir, machine.toml) and fit.html, fit.csv, fit.json, fit.svg
     #[arg(short, long, value_name = "FOLDER")]
