@@ -120,6 +120,11 @@ impl<'a> MotionTolerance<'a> {
             let fine = self.run(None);
             if let (Ok(coarse), Ok(fine)) = (&coarse, &fine) {
                 self.scales = self.scales_of(fine);
+                if let Some(still) = self.scales.iter().position(|&scale| scale < 1e-9) {
+                    let joint = self.wish.watch[still];
+                    let name = self.model.joints[joint].name.clone();
+                    return Err(MotionError::Still(name));
+                }
                 if self.share(coarse, fine) <= 0.1 * self.wish.error {
                     self.reference = fine.clone();
                     return Ok(());

@@ -38,6 +38,9 @@ pub enum MotionError {
     /// The limit of work.
     #[error("{0} steps did not reach the end")]
     TooManySteps(u64),
+    /// A joint whose motion is watched stays where it is.
+    #[error("the watched joint '{0}' does not move")]
+    Still(String),
 }
 
 impl MotionError {
@@ -51,6 +54,9 @@ impl MotionError {
             MotionError::State(error) => error.advice(),
             MotionError::StepTooSmall { .. } => {
                 Some("loosen the tolerance, or soften the laws of forces")
+            }
+            MotionError::Still(_) => {
+                Some("give it a start elsewhere (start = { NAME = … }) or a law that moves it")
             }
             MotionError::TooManySteps(_) => Some("take a larger step or a shorter time"),
             MotionError::Generate(_) | MotionError::Passes(_) => None,

@@ -42,9 +42,6 @@ pub enum NeglectError {
     /// No joint is watched.
     #[error("no joint is watched: the scene needs no acceleration 'qdd[…]'")]
     NothingWatched,
-    /// A watched joint stays where it is.
-    #[error("the watched joint '{0}' does not move")]
-    Still(String),
     /// The scene contradicts what is left out.
     #[error("{0}")]
     Scene(String),
@@ -71,9 +68,6 @@ impl NeglectError {
             }
             NeglectError::NothingWatched => {
                 Some("name joints: watch = [\"…\"], in the section [motion]")
-            }
-            NeglectError::Still(_) => {
-                Some("give it a start elsewhere (start = { NAME = … }) or a law that moves it")
             }
             NeglectError::Motion(error) => error.advice(),
             _ => None,

@@ -253,7 +253,7 @@ fn full_motion(judge: &mut NeglectJudge<'_>, model: &Model) -> Result<FullMotion
     let scales: Vec<f64> = judge.wish.watch.iter().map(scale).collect();
     if let Some(still) = scales.iter().position(|&scale| scale < 1e-9) {
         let joint = judge.wish.watch[still];
-        return Err(NeglectError::Still(model.joints[joint].name.clone()));
+        return Err(MotionError::Still(model.joints[joint].name.clone()).into());
     }
     Ok(FullMotion {
         scene,
