@@ -134,8 +134,8 @@ const SHORT: [(&str, &str); 3] = [
 ];
 
 /// The files that are written say what was judged: the scene read from them
-/// has the operations of the report, its laws read back, and it stays within
-/// its error in a motion made by `robovec sim` from the written model.
+/// has the operations of the report, the model without the forces left out and
+/// what is left of the error; its laws read back.
 #[test]
 fn what_is_written_is_what_was_judged() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -20,7 +20,9 @@ pub use equations::{EquationSetting, MotionEquations};
 pub use error::MotionError;
 pub use free::{Calculus, Drift, FreeMotion, Stepping};
 pub use laws::{Drive, Laws, Spring, Support};
-pub use simulation::{IntegrationMethod, MotionSample, SimulationPlan, SimulationRun, simulate};
+pub use simulation::{
+    IntegrationMethod, MotionSample, SimulationPlan, SimulationRun, mean_position, simulate,
+};
 pub use system::{Energy, MultibodySystem};
 
 #[cfg(test)]

@@ -93,6 +93,16 @@ impl SimulationRun {
     }
 }
 
+/// The mean position of a joint, by index, over the samples of some runs, m or
+/// rad.
+pub fn mean_position(runs: &[SimulationRun], joint: usize) -> f64 {
+    let positions = || {
+        let samples = runs.iter().flat_map(|run| &run.samples);
+        samples.map(|sample| sample.state.q[joint])
+    };
+    positions().sum::<f64>() / positions().count() as f64
+}
+
 /// Integrates a system from an initial state. `progress` is told the time
 /// after every step.
 ///

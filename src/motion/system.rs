@@ -86,6 +86,16 @@ impl<'m> MultibodySystem<'m> {
         Ok((system, state))
     }
 
+    /// The laws of a model as [`MultibodySystem::settled_laws`] has them.
+    ///
+    /// # Errors
+    ///
+    /// As [`MultibodySystem::new`].
+    pub fn settled(model: &'m Model, laws: Laws) -> Result<Laws, MotionError> {
+        let (system, _) = MultibodySystem::new(model, laws, &EquationSetting::default())?;
+        Ok(system.settled_laws())
+    }
+
     /// The laws with every place that is by default the initial one as a
     /// number, so that they stay the same for another initial state.
     pub fn settled_laws(&self) -> Laws {

@@ -7,17 +7,14 @@ use super::omission::{Omission, without_forces};
 use crate::explore::program::{transformed_by, view};
 use crate::generate::{GenerationRequest, generate};
 use crate::kinematics::MotionState;
-use crate::model::{Model, Nature};
+use crate::model::Model;
 use crate::motion::{
-    EquationSetting, IntegrationMethod, Laws, MotionError, MultibodySystem, SimulationPlan,
-    SimulationRun, simulate,
+    IntegrationMethod, Laws, MotionError, MultibodySystem, SimulationPlan, SimulationRun, simulate,
 };
 use crate::robotran::FunctionKind;
 use crate::scene::{self, ModelSubject, PIPELINE, SceneFile, SceneMotion, SceneSubject, USUAL};
-use robovec_framework::scene::Scene;
+use robovec_ir::Machine;
 use robovec_ir::count::Counts;
-use robovec_ir::{Format, Machine};
-use robovec_passes::registry::REGISTRY;
 use std::path::Path;
 
 /// Samples of a motion that are compared.
@@ -211,31 +208,8 @@ impl NeglectJudge<'_> {
         start: &Start,
         action: impl FnOnce(&mut MultibodySystem<'_>, &MotionState) -> Result<T, MotionError>,
     ) -> Result<T, MotionError> {
-        let subject = reduced.subject();
-        let mut model = subject.model.clone();
-        for &(joint, position) in start {
-            if model.joints[joint].nature != Nature::Driven {
-                model.joints[joint].initial[0] = position;
-            }
-        }
-        // The integrator needs every acceleration, not those of the scene only.
-        let scene = Scene {
-            outputs: Vec::new(),
-            ..reduced.file.scene.clone()
-        };
-        let pipeline = REGISTRY
-            .pipeline(PIPELINE)
-            .expect("the usual pipeline is well formed");
-        let setting = EquationSetting {
-            formulation: reduced.file.formulation(),
-            passes: Some((&pipeline, self.machine)),
-            format: Format::BINARY64,
-            accelerations: subject.function == FunctionKind::Accelred,
-            scene: Some((&scene, &subject.options)),
-            program: None,
-        };
-        let (mut system, initial) = MultibodySystem::new(&model, reduced.laws.clone(), &setting)?;
-        action(&mut system, &initial)
+        let forces = (&reduced.laws, self.machine);
+        reduced.file.moving(forces, start, None, action)
     }
 }
 

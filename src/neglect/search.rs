@@ -5,10 +5,12 @@ use super::document::SceneTable;
 use super::judge::{NeglectJudge, ReducedScene, SceneOperations, Start};
 use super::omission::{Omission, candidates};
 use crate::explore::program::{transformed_by, view};
-use crate::kinematics::{InputSources, MotionState, StateError};
+use crate::kinematics::{InputSources, StateError};
 use crate::model::Model;
-use crate::motion::{EquationSetting, Laws, MotionError, MultibodySystem, SimulationRun};
-use crate::scene::{EffectError, PIPELINE, SceneEffect, SceneFile, SceneSubject, effects};
+use crate::motion::{Laws, MotionError, MultibodySystem, SimulationRun, mean_position};
+use crate::scene::{
+    EffectError, PIPELINE, SceneEffect, SceneFile, SceneSubject, WatchedJoints, effects,
+};
 use crate::yardstick::{ErrorSpread, Yardstick};
 use rayon::prelude::*;
 use robovec_ir::{Format, Machine, View};
@@ -118,8 +120,7 @@ pub struct WatchedCurve {
 struct FullMotion {
     scene: ReducedScene,
     runs: Vec<(Start, SimulationRun)>,
-    /// The largest displacement of every watched joint from its mean.
-    scales: Vec<f64>,
+    watched: WatchedJoints,
 }
 
 /// Finds what a scene need not model. `progress` is told what is done.
@@ -173,7 +174,7 @@ pub fn neglect(
     progress("the reduced scene from fresh starts");
     let fresh = fresh(&judge, &full, &reduced)?;
     let fine = judge.motion(&full.scene, &full.runs[0].0, judge.wish.tolerance() / 100.0)?;
-    let integration = share(&judge, &full, (&full.runs[0].1, &fine));
+    let integration = full.watched.share(&full.runs[0].1, &fine);
     let mut figures = Vec::new();
     let scenes = [
         ("the full model", &full.scene),
@@ -192,7 +193,7 @@ pub fn neglect(
         .iter()
         .map(|&joint| model.joints[joint].name.clone());
     Ok(NeglectFindings {
-        watched: names.zip(full.scales.iter().copied()).collect(),
+        watched: names.zip(full.watched.scales.iter().copied()).collect(),
         figures,
         findings: tried.into_iter().map(|(_, finding)| finding).collect(),
         rest: wish.error - used,
@@ -212,9 +213,7 @@ fn settled(task: &NeglectTask<'_>, own: &SceneTable) -> Result<Laws, NeglectErro
     let SceneSubject::Model(subject) = &full.subject else {
         return Err(NeglectError::NoMotion);
     };
-    let setting = EquationSetting::default();
-    let (system, _) = MultibodySystem::new(&subject.model, task.laws.clone(), &setting)?;
-    Ok(system.settled_laws())
+    Ok(MultibodySystem::settled(&subject.model, task.laws.clone())?)
 }
 
 /// The full model from every start; sets the judge's means and steps.
@@ -227,51 +226,20 @@ fn full_motion(judge: &mut NeglectJudge<'_>, model: &Model) -> Result<FullMotion
         .map(|start| judge.motion(&scene, start, judge.wish.tolerance()))
         .collect();
     let runs = runs?;
-    let states = || {
-        runs.iter()
-            .flat_map(|run| &run.samples)
-            .map(|sample| &sample.state)
-    };
-    let count = states().count() as f64;
-    let mean = |joint: usize| {
-        states()
-            .map(|state: &MotionState| state.q[joint])
-            .sum::<f64>()
-    };
     judge.means = (0..model.joints.len())
-        .map(|joint| mean(joint) / count)
+        .map(|joint| mean_position(&runs, joint))
         .collect();
     judge.steps = runs
         .iter()
         .map(|run| run.steps + run.rejected)
         .max()
         .unwrap_or(0);
-    let scale = |&joint: &usize| {
-        let away = states().map(|state| (state.q[joint] - judge.means[joint]).abs());
-        away.fold(0.0, f64::max)
-    };
-    let scales: Vec<f64> = judge.wish.watch.iter().map(scale).collect();
-    if let Some(still) = scales.iter().position(|&scale| scale < 1e-9) {
-        let joint = judge.wish.watch[still];
-        return Err(MotionError::Still(model.joints[joint].name.clone()).into());
-    }
+    let watched = WatchedJoints::new(&judge.wish.watch, model, &runs)?;
     Ok(FullMotion {
         scene,
         runs: starts.into_iter().zip(runs).collect(),
-        scales,
+        watched,
     })
-}
-
-/// The largest distance of a watched joint between two motions, in parts of
-/// its largest displacement.
-fn share(
-    judge: &NeglectJudge<'_>,
-    full: &FullMotion,
-    (one, other): (&SimulationRun, &SimulationRun),
-) -> f64 {
-    let watched = judge.wish.watch.iter().zip(&full.scales);
-    let parts = watched.map(|(&joint, scale)| one.distance(other, joint) / scale);
-    parts.fold(0.0, f64::max)
 }
 
 /// The largest error of a scene over some of the searched motions.
@@ -284,7 +252,7 @@ fn error(
     let mut worst: f64 = 0.0;
     for (start, run) in full.runs.iter().take(motions) {
         let other = judge.motion(scene, start, judge.wish.tolerance())?;
-        worst = worst.max(share(judge, full, (run, &other)));
+        worst = worst.max(full.watched.share(run, &other));
     }
     Ok(worst)
 }
@@ -432,7 +400,7 @@ fn fresh(
             let start = judge.wish.start(draw);
             let run = judge.motion(&full.scene, &start, judge.wish.tolerance())?;
             let other = judge.motion(reduced, &start, judge.wish.tolerance())?;
-            Ok(share(judge, full, (&run, &other)))
+            Ok(full.watched.share(&run, &other))
         })
         .collect();
     Ok(Some(shares?.into_iter().fold(0.0, f64::max)))

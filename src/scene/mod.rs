@@ -51,11 +51,13 @@ mod effect;
 mod inputs;
 mod known;
 mod motion;
+mod moving;
 mod read;
 mod subject;
 
 pub use effect::{EffectError, PIPELINE, SceneEffect, USUAL, effects};
 pub use motion::{NeglectKind, NeglectWish, SceneMotion};
+pub use moving::WatchedJoints;
 pub use read::read;
 pub use subject::{ModelSubject, SceneSubject};
 

@@ -122,6 +122,27 @@ pub struct StressCase {
     pub(super) subject: Box<dyn StressSubject>,
 }
 
+impl StressCase {
+    /// A case of a class that does not take long.
+    pub(super) fn new(
+        class: CaseClass,
+        name: String,
+        (construction, breaks): (String, &'static str),
+        expected: StressVerdict,
+        subject: Box<dyn StressSubject>,
+    ) -> StressCase {
+        StressCase {
+            name,
+            class,
+            construction,
+            breaks,
+            expected,
+            long: false,
+            subject,
+        }
+    }
+}
+
 /// Something that can be computed with more or less error.
 pub(super) trait StressSubject: Send + Sync {
     /// The error that verdicts are about.

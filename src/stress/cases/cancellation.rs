@@ -69,15 +69,13 @@ fn case(
     expected: StressVerdict,
     subject: Box<dyn StressSubject>,
 ) -> StressCase {
-    StressCase {
+    StressCase::new(
+        CaseClass::Cancellation,
         name,
-        class: CaseClass::Cancellation,
-        construction,
-        breaks,
+        (construction, breaks),
         expected,
-        long: false,
         subject,
-    }
+    )
 }
 
 /// Pairs of a scalar product.

@@ -69,15 +69,13 @@ fn case(
     expected: StressVerdict,
     subject: Box<dyn StressSubject>,
 ) -> StressCase {
-    StressCase {
+    StressCase::new(
+        CaseClass::Contact,
         name,
-        class: CaseClass::Contact,
-        construction,
-        breaks,
+        (construction, breaks),
         expected,
-        long: false,
         subject,
-    }
+    )
 }
 
 const WHEEL: &str = "function wheel equations {

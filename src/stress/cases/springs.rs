@@ -45,15 +45,13 @@ fn case(
     expected: StressVerdict,
     subject: Box<dyn StressSubject>,
 ) -> StressCase {
-    StressCase {
+    StressCase::new(
+        CaseClass::Spring,
         name,
-        class: CaseClass::Spring,
-        construction,
-        breaks,
+        (construction, breaks),
         expected,
-        long: false,
         subject,
-    }
+    )
 }
 
 /// The forces on the two inner ones of four points with springs between them,
