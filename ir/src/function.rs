@@ -16,6 +16,15 @@ use robovec_num::operation::Operation;
 use rustc_hash::FxBuildHasher;
 use std::fmt;
 
+/// The most elements that all input arrays may have together: every
+/// evaluation, check and placement keeps hundreds of bytes for each. A model of
+/// 130 joints has a few thousand.
+pub const MAX_INPUT_ELEMENTS: u64 = 1 << 20;
+
+/// The most elements that all output arrays may have together: a mass matrix
+/// of 2000 joints has four million, most of them zeros that cost little.
+pub const MAX_OUTPUT_ELEMENTS: u64 = 1 << 22;
+
 /// The degree to which a function has been lowered; each level is a property
 /// that the verifier checks, not another data structure.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]

@@ -28,7 +28,10 @@ pub mod value_formats;
 pub mod verify;
 
 pub use entity::{Constant, Input, Operand, OperandKind, Output, Value};
-pub use function::{Array, Assignment, Boundary, Function, Level, Node, Shape, Timing};
+pub use function::{
+    Array, Assignment, Boundary, Function, Level, MAX_INPUT_ELEMENTS, MAX_OUTPUT_ELEMENTS, Node,
+    Shape, Timing,
+};
 pub use history::{Histories, History, HistoryStep};
 pub use machine::Machine;
 pub use module::{Module, Tables, View, same_equations};

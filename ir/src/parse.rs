@@ -46,11 +46,8 @@ use robovec_num::limits::NumberLimit;
 /// The limits of numbers in the text form: name, limit, and what it is when
 /// the text does not say.
 pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
-    (
-        "elements of all inputs, or of all outputs",
-        header::ELEMENTS,
-        "",
-    ),
+    ("elements of all inputs", header::INPUT_ELEMENTS, ""),
+    ("elements of all outputs", header::OUTPUT_ELEMENTS, ""),
     ("cycle", builder::CYCLE, ""),
     ("address", builder::ADDRESS, ""),
     ("elements of a kind in a schedule", builder::ELEMENT, ""),

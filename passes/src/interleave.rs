@@ -14,8 +14,8 @@ use robovec_framework::instances::{InstanceNames, Instances, KEY, MAX_INSTANCES,
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::lay_out;
 use robovec_ir::{
-    Array, Assignment, Boundary, Function, Input, Level, Name, Node, Operand, OperandKind, Output,
-    Symbol, Tables, Value, ValueFormats,
+    Array, Assignment, Boundary, Function, Input, Level, MAX_INPUT_ELEMENTS, MAX_OUTPUT_ELEMENTS,
+    Name, Node, Operand, OperandKind, Output, Symbol, Tables, Value, ValueFormats,
 };
 use robovec_num::limits::NumberLimit;
 
@@ -50,8 +50,9 @@ declare_pass! {
     destroys: [Timed, Shared],
 }
 
-/// The most nodes a function may get.
-const MAX_NODES: u64 = 1 << 28;
+/// The most operations a function may get: the text of more is larger than any
+/// file that is read.
+const MAX_OPERATIONS: u64 = 1 << 24;
 
 impl Pass for Interleave {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
@@ -110,17 +111,22 @@ impl Interleave {
             }
         }
         let sizes = [
-            function.nodes().len(),
-            function.input_len(),
-            function.output_len(),
+            ("operations", function.nodes().len(), MAX_OPERATIONS),
+            ("input elements", function.input_len(), MAX_INPUT_ELEMENTS),
+            (
+                "output elements",
+                function.output_len(),
+                MAX_OUTPUT_ELEMENTS,
+            ),
         ];
-        if sizes
-            .into_iter()
-            .any(|size| size as u64 * u64::from(count) > MAX_NODES)
-        {
-            return Err(PassError::new(format!(
-                "{count} instances have more than {MAX_NODES} operations or array elements"
-            )));
+        for (what, size, most) in sizes {
+            let needed = size as u64 * u64::from(count);
+            if needed > most {
+                return Err(PassError::new(format!(
+                    "{count} instances have {needed} {what}, and a function has at most {most}"
+                ))
+                .help(format!("at most {} instances fit", most / size as u64)));
+            }
         }
         Ok(Instances {
             count,

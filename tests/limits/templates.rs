@@ -386,8 +386,10 @@ fn text(row: &LimitRow, value: &str, folder: &Path) -> Vec<Invocation> {
     let name = row.name.as_str();
     if name.starts_with("elements of all") {
         let text = format!(
-            "// robovec 1\n\nfunction f equations {{\n  in q[1..{value}]\n  out c[1..1]\n\n  \
-             c[1] = q[1]*q[1]\n}}\n"
+            "// robovec 1\n\nfunction f equations {{\n  in q[1..{}]\n  out c[1..{}]\n\n  \
+             c[1] = q[1]*q[1]\n}}\n",
+            of("elements of all inputs", "1"),
+            of("elements of all outputs", "1"),
         );
         write(folder, "t.rvir", &text);
         return vec![

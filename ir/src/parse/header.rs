@@ -5,16 +5,23 @@ use super::builder::{ADDRESS, CYCLE, ELEMENT, Indices, ModuleBuilder, Open, Pend
 use super::problems::{also, error};
 use crate::diagnostic::{clip, did_you_mean};
 use crate::entity::Operand;
-use crate::function::{Boundary, Level, Shape};
+use crate::function::{Boundary, Level, MAX_INPUT_ELEMENTS, MAX_OUTPUT_ELEMENTS, Shape};
 use crate::history::{History, HistoryStep};
 use crate::placement::{Address, Bank, Element, ElementKind, Placement, Schedule, Word};
 use robovec_num::limits::{Amount, NumberLimit};
 
-/// The number of elements of all inputs or of all outputs.
-pub(super) const ELEMENTS: NumberLimit = NumberLimit::whole(
+/// The number of elements of all inputs.
+pub(super) const INPUT_ELEMENTS: NumberLimit = NumberLimit::whole(
     0,
-    1 << 22,
-    "every evaluation and every check keeps several numbers for each, half a gigabyte",
+    MAX_INPUT_ELEMENTS,
+    "every evaluation, check and placement keeps hundreds of bytes for each",
+);
+
+/// The number of elements of all outputs.
+pub(super) const OUTPUT_ELEMENTS: NumberLimit = NumberLimit::whole(
+    0,
+    MAX_OUTPUT_ELEMENTS,
+    "a mass matrix of 2000 joints has fewer",
 );
 
 impl ModuleBuilder<'_> {
@@ -130,12 +137,14 @@ impl ModuleBuilder<'_> {
         }
         let text = self.slice(name);
         let open = &mut self.open;
-        let (kind, table, spans, total) = if is_input {
+        let (kind, limit, table, spans, total) = if is_input {
             let total = open.function.input_len();
-            ("input", &mut open.inputs, &mut open.input_spans, total)
+            let spans = &mut open.input_spans;
+            ("input", INPUT_ELEMENTS, &mut open.inputs, spans, total)
         } else {
             let total = open.function.output_len();
-            ("output", &mut open.outputs, &mut open.output_spans, total)
+            let spans = &mut open.output_spans;
+            ("output", OUTPUT_ELEMENTS, &mut open.outputs, spans, total)
         };
         if let Some(&first) = table.get(text) {
             let first = spans[first];
@@ -144,7 +153,7 @@ impl ModuleBuilder<'_> {
             return self.next_statement();
         }
         let elements = (total as u64).saturating_add(shape.len() as u64);
-        if let Err(reason) = ELEMENTS.check(Amount::Whole(elements)) {
+        if let Err(reason) = limit.check(Amount::Whole(elements)) {
             let message = format!("elements of all {kind} arrays: {reason}");
             open.broken.insert(text, ());
             self.error(name, message);

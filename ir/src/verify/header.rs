@@ -2,12 +2,10 @@
 
 use super::{ViolationCollector, ViolationSubject, is_word};
 use crate::entity::Constant;
-use crate::function::Array;
+use crate::function::{Array, MAX_INPUT_ELEMENTS, MAX_OUTPUT_ELEMENTS};
 use hashbrown::HashSet;
 use robovec_num::trigonometry::host;
 use rustc_hash::FxBuildHasher;
-
-const MAX_ELEMENTS: u64 = 1 << 28;
 
 pub(super) fn check(collector: &mut ViolationCollector<'_>) {
     let function = collector.view.function;
@@ -30,13 +28,13 @@ pub(super) fn check(collector: &mut ViolationCollector<'_>) {
     arrays(
         collector,
         function.inputs(),
-        "input",
+        ("input", MAX_INPUT_ELEMENTS),
         ViolationSubject::Input,
     );
     arrays(
         collector,
         function.outputs(),
-        "output",
+        ("output", MAX_OUTPUT_ELEMENTS),
         ViolationSubject::Output,
     );
     for (index, &number) in function.constants().iter().enumerate() {
@@ -51,7 +49,7 @@ pub(super) fn check(collector: &mut ViolationCollector<'_>) {
 fn arrays(
     collector: &mut ViolationCollector<'_>,
     arrays: &[Array],
-    kind: &str,
+    (kind, most): (&str, u64),
     subject: impl Fn(usize) -> ViolationSubject,
 ) {
     let symbols = &collector.view.tables.symbols;
@@ -73,8 +71,8 @@ fn arrays(
         }
         let before = elements;
         elements = elements.saturating_add(array.shape.len() as u64);
-        if before <= MAX_ELEMENTS && elements > MAX_ELEMENTS {
-            let message = || format!("the {kind} arrays have more than {MAX_ELEMENTS} elements");
+        if before <= most && elements > most {
+            let message = || format!("the {kind} arrays have more than {most} elements");
             collector.add(subject(index), message);
         }
     }

@@ -10,12 +10,9 @@ use super::manifest::{
 use super::traffic::Traffic;
 use robovec_ir::placement::{Preload, Word};
 use robovec_ir::print::{print_operand, print_output};
-use robovec_ir::{Constant, Input, Operand, OperandKind, Value};
+use robovec_ir::{Constant, Input, MAX_INPUT_ELEMENTS, Operand, OperandKind, Value};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::soft_float::FormatArithmetic;
-
-/// Input elements a manifest can list.
-const MAX_INPUTS: usize = 1 << 22;
 
 /// The values known before the run and the words they are loaded into.
 pub(super) struct PreloadBinding<'a> {
@@ -32,10 +29,9 @@ impl<'a> PreloadBinding<'a> {
     /// Collects the initial data.
     pub(super) fn new(traffic: &'a Traffic<'a>) -> Result<PreloadBinding<'a>, ImageError> {
         let function = traffic.view.function;
-        if function.input_len() > MAX_INPUTS {
+        if function.input_len() as u64 > MAX_INPUT_ELEMENTS {
             return Err(ImageError::TooManyInputs {
                 count: function.input_len(),
-                most: MAX_INPUTS,
             });
         }
         let mut by_operand = traffic.placement.preloads.clone();

@@ -1,7 +1,7 @@
 //! The reasons why a function cannot be turned into memory images.
 
-use robovec_ir::Format;
 use robovec_ir::machine::MachineMismatch;
+use robovec_ir::{Format, MAX_INPUT_ELEMENTS};
 use std::io;
 
 /// The reason why a function has no memory images on a machine.
@@ -136,12 +136,12 @@ pub enum ImageError {
     #[error("{0}")]
     Number(String),
     /// More inputs than a manifest, which names each of them, can list.
-    #[error("the function has {count} input elements; a manifest lists at most {most}")]
+    #[error(
+        "the function has {count} input elements; a manifest lists at most {MAX_INPUT_ELEMENTS}"
+    )]
     TooManyInputs {
         /// Of the function.
         count: usize,
-        /// In a manifest.
-        most: usize,
     },
     /// A value has a number format of its own, which the elements lack.
     #[error(

@@ -5,7 +5,7 @@ use crate::robotran::Language;
 use crate::robotran::conventions::known_extent;
 use crate::robotran::token::RobotranName;
 use robovec_ir::diagnostic::Diagnostic;
-use robovec_ir::{Shape, Symbol};
+use robovec_ir::{MAX_INPUT_ELEMENTS, Shape, Symbol};
 
 /// True where one of Robotran's arrays has another number of indices: one
 /// index into a matrix means another element in Matlab and a row in Python.
@@ -50,7 +50,7 @@ impl StorageBuilder<'_> {
             });
             total = total.saturating_add(shape.len() as u64);
             if total > LARGEST_STORAGE {
-                self.too_large(name, used);
+                self.storage_too_large(name, used);
                 storage.len = 0;
                 return;
             }
@@ -104,6 +104,7 @@ impl StorageBuilder<'_> {
     }
 
     pub(super) fn find_input_shapes(&mut self, storage: &mut Storage, uses: &[ArrayUse]) {
+        let mut elements = 0;
         for (number, used) in uses.iter().enumerate() {
             let array = storage.arrays[number];
             let Initial::Input(name) = array.initial else {
@@ -112,7 +113,9 @@ impl StorageBuilder<'_> {
             if used.rank == 0 {
                 continue;
             }
-            let known = storage.input_shapes.entry(name).or_insert(array.shape);
+            let shapes = &mut storage.input_shapes;
+            let before = shapes.get(&name).map_or(0, |shape| shape.len() as u64);
+            let known = shapes.entry(name).or_insert(array.shape);
             *known = match (*known, array.shape) {
                 (Shape::Scalar, Shape::Scalar) => Shape::Scalar,
                 (Shape::Vector(a), Shape::Vector(b)) => Shape::Vector(a.max(b)),
@@ -125,6 +128,11 @@ impl StorageBuilder<'_> {
                     return;
                 }
             };
+            elements += known.len() as u64 - before;
+            if elements > MAX_INPUT_ELEMENTS {
+                self.inputs_too_large(number as u32, array.name);
+                return;
+            }
         }
     }
 }

@@ -4,6 +4,7 @@ use super::{ArrayUse, LARGEST_STORAGE, Storage, StorageBuilder};
 use crate::robotran::explain::refusal;
 use crate::robotran::syntax::{LeafKind, StatementKind, SyntaxTree};
 use crate::robotran::token::{RobotranName, SourceSpan};
+use robovec_ir::MAX_INPUT_ELEMENTS;
 use std::ops::Range;
 
 impl StorageBuilder<'_> {
@@ -17,21 +18,34 @@ impl StorageBuilder<'_> {
         ));
     }
 
-    pub(super) fn too_large(&mut self, name: RobotranName, used: &ArrayUse) {
+    /// The array that makes all of them larger than allowed, by its use.
+    pub(super) fn storage_too_large(&mut self, name: RobotranName, used: &ArrayUse) {
         let mut elements = self.elements.clone();
         let largest = elements.find(|&index| {
             let element = self.syntax.elements[index];
             let extreme = element.row == used.rows || element.column == used.columns;
             element.name.symbol() == name.symbol() && extreme
         });
-        let element = largest.unwrap_or(0) as u32;
-        let span = statement_of_element(self.syntax, self.statements.clone(), element);
+        self.too_large(name, largest.unwrap_or(0), LARGEST_STORAGE);
+    }
+
+    /// The array with this number that makes all inputs larger than allowed;
+    /// its elements have their offsets already.
+    pub(super) fn inputs_too_large(&mut self, number: u32, name: RobotranName) {
+        let elements = self.elements.clone();
+        let of_array = elements.filter(|&index| self.syntax.elements[index].column == number);
+        let farthest = of_array.max_by_key(|&index| self.syntax.elements[index].row);
+        self.too_large(name, farthest.unwrap_or(0), MAX_INPUT_ELEMENTS);
+    }
+
+    fn too_large(&mut self, name: RobotranName, element: usize, most: u64) {
+        let span = statement_of_element(self.syntax, self.statements.clone(), element as u32);
         let text = self.symbols.text(name.symbol());
         self.errors.push(refusal(
             &format!("`{text}` makes the arrays larger than any model needs"),
             span,
             "uses an extreme index",
-            &format!("together they may have {LARGEST_STORAGE} elements; correct the index"),
+            &format!("together they may have {most} elements; correct the index"),
         ));
     }
 
