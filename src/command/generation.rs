@@ -24,7 +24,7 @@ use std::path::PathBuf;
 pub(super) struct GenArguments {
     /// Model (.mbs)
     model: PathBuf,
-    /// Functions, separated by commas; 'all' for every one but accelred
+    /// Functions, separated by commas; 'all' for every one but those of the whole step
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "dirdyna",
           value_parser = PossibleValuesParser::new(function_names()))]
     function: Vec<String>,
@@ -102,11 +102,11 @@ fn function_names() -> Vec<&'static str> {
 
 /// The functions asked for, each once, in the order of Robotran's numbers.
 fn kinds(names: &[String]) -> Vec<FunctionKind> {
-    // Accelerations are generated on request only, as in Robotran.
+    // The parts of a whole step are generated on request only, as in Robotran.
     let asked = |kind: &FunctionKind| {
         names
             .iter()
-            .any(|name| name == kind.name() || name == "all" && *kind != FunctionKind::Accelred)
+            .any(|name| name == kind.name() || name == "all" && !kind.is_part_of_step())
     };
     FunctionKind::ALL.into_iter().filter(asked).collect()
 }

@@ -185,7 +185,7 @@ impl Formulation {
         Requirements {
             // The recursive family does with or without, see `Options`.
             true_sin_cos: self != Formulation::Recursive && dynamics,
-            division: matches!(function, FunctionKind::Accelred | FunctionKind::Link),
+            division: function.is_part_of_step() || function == FunctionKind::Link,
             square_root: function == FunctionKind::Link,
         }
     }

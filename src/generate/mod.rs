@@ -14,6 +14,7 @@ mod algebra;
 mod articulated;
 mod bias;
 mod chain;
+mod closing;
 mod columns;
 mod composite;
 mod composite_base;
@@ -306,6 +307,8 @@ fn write(
         FunctionKind::Sensor => sensor::sensor(equations, parameters, options, case),
         FunctionKind::Gensensor => sensor::frame(equations, parameters, case),
         FunctionKind::Accelred => formulation::accelerations(equations, parameters, request)?,
+        FunctionKind::LoopPositions => closing::positions(equations, parameters, options)?,
+        FunctionKind::LoopVelocities => closing::velocities(equations, parameters, options)?,
     }
     Ok(written)
 }

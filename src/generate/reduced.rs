@@ -17,6 +17,7 @@
 //! near states where these pivots vanish.
 
 use super::algebra::{Scalar, Sum};
+use super::closing::dependent_entries;
 use super::composite::MassAndBias;
 use super::constraints::{self, ConstraintPart};
 use super::equations::{Equations, QuantityLabel};
@@ -158,13 +159,11 @@ impl CoordinateReduction<'_, '_, '_> {
         let mut rows = Vec::with_capacity(v.len());
         for &number in &partition.rows {
             let constraint = &constraints[number];
-            let mut row = SparseRow::new();
+            let mut row = dependent_entries(constraint, v);
             let mut rest = Sum::of(constraint.jdqd);
             for &(joint, value) in &constraint.jacobian {
                 rest.add(&[value, self.given[joint]]);
-                if let Some(place) = v.iter().position(|&other| other == joint) {
-                    row.push((place, value));
-                } else if let Ok(place) = u.binary_search(&joint) {
+                if let Ok(place) = u.binary_search(&joint) {
                     row.push((v.len() + place, value));
                 }
             }

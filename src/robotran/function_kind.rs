@@ -21,11 +21,16 @@ pub enum FunctionKind {
     Gensensor,
     /// Accelerations `qdd` for given joint forces (F10).
     Accelred,
+    /// One round of Newton's method for the positions of dependent joints,
+    /// and the constraints `h` before it.
+    LoopPositions,
+    /// The velocities of dependent joints.
+    LoopVelocities,
 }
 
 impl FunctionKind {
     /// All functions.
-    pub const ALL: [FunctionKind; 9] = [
+    pub const ALL: [FunctionKind; 11] = [
         FunctionKind::Dirdyna,
         FunctionKind::Invdyna,
         FunctionKind::ConsHJ,
@@ -35,6 +40,8 @@ impl FunctionKind {
         FunctionKind::Sensor,
         FunctionKind::Gensensor,
         FunctionKind::Accelred,
+        FunctionKind::LoopPositions,
+        FunctionKind::LoopVelocities,
     ];
 
     /// Robotran's name, without `mbs_`.
@@ -49,6 +56,8 @@ impl FunctionKind {
             FunctionKind::Sensor => "sensor",
             FunctionKind::Gensensor => "gensensor",
             FunctionKind::Accelred => "accelred",
+            FunctionKind::LoopPositions => "loop_positions",
+            FunctionKind::LoopVelocities => "loop_velocities",
         }
     }
 
@@ -64,11 +73,23 @@ impl FunctionKind {
             | FunctionKind::ConsJdqd
             | FunctionKind::Extforces
             | FunctionKind::Sensor
-            | FunctionKind::Gensensor => false,
+            | FunctionKind::Gensensor
+            | FunctionKind::LoopPositions
+            | FunctionKind::LoopVelocities => false,
         }
     }
 
-    /// Robotran's number.
+    /// True for parts of the whole step that Robotran makes on request only,
+    /// or has no function of its own for.
+    pub fn is_part_of_step(self) -> bool {
+        matches!(
+            self,
+            FunctionKind::Accelred | FunctionKind::LoopPositions | FunctionKind::LoopVelocities
+        )
+    }
+
+    /// Robotran's number; that of the reduced accelerations for what they take
+    /// from loops.
     pub fn number(self) -> &'static str {
         match self {
             FunctionKind::Dirdyna => "F1",
@@ -78,7 +99,9 @@ impl FunctionKind {
             FunctionKind::Link => "F7",
             FunctionKind::Extforces => "F19",
             FunctionKind::Sensor | FunctionKind::Gensensor => "F6",
-            FunctionKind::Accelred => "F10",
+            FunctionKind::Accelred | FunctionKind::LoopPositions | FunctionKind::LoopVelocities => {
+                "F10"
+            }
         }
     }
 

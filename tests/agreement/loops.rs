@@ -24,7 +24,7 @@ fn changing(case: &Case) -> Vec<bool> {
 /// The rows that the equations hold, given what they found: all that change,
 /// and of the others those that are there with their residual and a row of
 /// zeros in the Jacobian.
-fn held(case: &Case, expected: &[Double], outputs: &Outputs) -> Vec<bool> {
+pub(super) fn held(case: &Case, expected: &[Double], outputs: &Outputs) -> Vec<bool> {
     let residuals = outputs.array("h").unwrap_or(&[]);
     let jacobian = outputs.array("Jac").unwrap_or(&[]);
     let rows = jacobian.chunks(case.model.joints.len());

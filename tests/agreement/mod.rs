@@ -5,6 +5,7 @@
 //! more trees.
 
 mod accelerations;
+mod closing;
 mod devices;
 mod dynamics;
 mod loops;

@@ -21,7 +21,7 @@ pub struct EquationKind {
 }
 
 /// All kinds.
-pub const KINDS: [EquationKind; 12] = [
+pub const KINDS: [EquationKind; 14] = [
     kind(
         "dirdyna",
         1,
@@ -59,6 +59,13 @@ pub const KINDS: [EquationKind; 12] = [
     kind("accelred", 10, "Direct Dynamics (explicit)", &[]),
     kind("invdynared", 11, "Inverse Dynamics (reduced)", &[]),
     kind("dirdyna_odn", 0, "Direct Dynamics (order N)", &[]),
+    kind(
+        "loop_positions",
+        0,
+        "Positions of Dependent Joints (one round of Newton's method)",
+        &[("h", 1)],
+    ),
+    kind("loop_velocities", 0, "Velocities of Dependent Joints", &[]),
 ];
 
 const fn kind(
