@@ -55,4 +55,5 @@ mod text;
 mod told;
 mod trigonometry;
 mod vendors;
+mod whole_step;
 mod write;

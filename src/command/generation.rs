@@ -1,6 +1,6 @@
 //! `robovec gen`: equations from a model.
 
-use super::write::{OutputLanguage, write_files};
+use super::write::{OutputLanguage, save, write_files};
 use super::{CommandFailure, input, names, output};
 use crate::files::Replace;
 use crate::generate::{
@@ -9,15 +9,17 @@ use crate::generate::{
 use crate::model::Model;
 use crate::robotran::FunctionKind;
 use crate::robotran::write::WriteOptions;
+use crate::whole_step;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
+use robovec_codegen::c;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
 use robovec_ir::count::Counts;
 use robovec_ir::{Module, print};
 use robovec_passes::registry::REGISTRY;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What is generated, and how.
 #[derive(Args, Debug)]
@@ -31,10 +33,15 @@ pub(super) struct GenArguments {
     /// Language of Robotran's to write files in, instead of robovec's text
     #[arg(long, value_enum)]
     language: Option<OutputLanguage>,
-    /// Recursion the equations come from; all but recursive need sin^2 + cos^2 = 1
-    #[arg(long, default_value = "recursive",
-          value_parser = formulations_or_fewest())]
-    formulation: String,
+    /// Write C that does the whole step of MBsysC: driven joints, closing of loops, forces,
+    /// accelerations; unless said otherwise in the formulation with the fewest operations,
+    /// after the preset $cpu
+    #[arg(long, requires = "output", conflicts_with_all = ["function", "language", "multipliers"])]
+    whole_step: bool,
+    /// Recursion the equations come from; all but recursive need sin^2 + cos^2 = 1 [default:
+    /// recursive]
+    #[arg(long, value_parser = formulations_or_fewest())]
+    formulation: Option<String>,
     /// Write what children carry before a body's own terms
     #[arg(long)]
     child_first: bool,
@@ -72,6 +79,14 @@ pub(super) struct GenArguments {
 }
 
 impl GenArguments {
+    /// The formulation asked for, or else one by name.
+    fn formulation(&self, model: &Model, function: FunctionKind, usual: &str) -> Formulation {
+        match self.formulation.as_deref().unwrap_or(usual) {
+            FEWEST => fewest(model, function, &self.options()),
+            name => formulation(name),
+        }
+    }
+
     fn options(&self) -> Options {
         Options {
             order: if self.child_first {
@@ -190,6 +205,9 @@ fn add(
 
 /// Runs the command.
 pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
+    if let (true, Some(folder)) = (arguments.whole_step, &arguments.output) {
+        return write_whole_step(arguments, folder);
+    }
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
     if let (None, Some(path)) = (arguments.language, &arguments.output) {
         names::refuse_wrong(path, true)?;
@@ -200,10 +218,7 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
     let options = arguments.options();
     let mut module = Module::new();
     for function in kinds {
-        let formulation = match arguments.formulation.as_str() {
-            FEWEST => fewest(&read.model, function, &options),
-            name => formulation(name),
-        };
+        let formulation = arguments.formulation(&read.model, function, "recursive");
         add(&mut module, &read.model, (function, formulation), &options)?;
     }
     transform(&mut module, &pipeline)?;
@@ -224,6 +239,20 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
             Ok(String::new())
         }
     }
+}
+
+/// Writes the C of the whole step; gives the names of the files.
+fn write_whole_step(arguments: &GenArguments, folder: &Path) -> Result<String, CommandFailure> {
+    let pipeline = input::passes(arguments.passes.as_deref().unwrap_or("$cpu"))?;
+    let model = input::model_for(&arguments.model, Some(FunctionKind::Accelred))?.model;
+    let formulation = arguments.formulation(&model, FunctionKind::Accelred, FEWEST);
+    let options = arguments.options();
+    let mut module = whole_step::generate_parts(&model, formulation, &options)
+        .map_err(|error| CommandFailure::plain(error.to_string()))?;
+    transform(&mut module, &pipeline)?;
+    let files = whole_step::files(&model, &module, &c::Options::default())
+        .map_err(|error| CommandFailure::plain(error.to_string()))?;
+    save(&files, folder, arguments.force)
 }
 
 /// Runs a pipeline over a module, for the machine of the thesis; what passes

@@ -199,7 +199,11 @@ pub(super) fn write_files(
     save(&files, folder, force)
 }
 
-fn save(files: &[(String, String)], folder: &Path, force: bool) -> Result<String, CommandFailure> {
+pub(super) fn save(
+    files: &[(String, String)],
+    folder: &Path,
+    force: bool,
+) -> Result<String, CommandFailure> {
     let texts: Vec<(&str, &str)> = files
         .iter()
         .map(|(name, text)| (&**name, &**text))

@@ -43,7 +43,7 @@ use self::equations::{EquationStyle, Equations};
 pub use self::formulation::{Formulation, MomentOrigin, PrefixNetwork, Requirements};
 use self::lower::Extents;
 use self::parameters::ModelParameters;
-pub use self::roles::cuts_of_rows;
+pub use self::roles::{cuts_of_rows, independent_joints};
 use crate::model::Model;
 use crate::robotran::FunctionKind;
 use robovec_ir::{Function, Level, Module};

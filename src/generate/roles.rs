@@ -73,6 +73,16 @@ fn constraints(model: &Model) -> Result<LoopConstraints, GenerateError> {
     Ok(LoopConstraints::new(model, format, position, row_cuts))
 }
 
+/// The independent joints, from 0, ascending: those whose accelerations the
+/// others follow from.
+///
+/// # Errors
+///
+/// See [`generate`].
+pub fn independent_joints(model: &Model) -> Result<Vec<usize>, GenerateError> {
+    Ok(JointRoles::new(model)?.independent)
+}
+
 /// The cut, from 0, of each row of the constraints. The equations leave out
 /// rows that no joint changes; how many a cut keeps is seen when it stands
 /// alone.

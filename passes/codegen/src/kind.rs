@@ -21,7 +21,7 @@ pub struct EquationKind {
 }
 
 /// All kinds.
-pub const KINDS: [EquationKind; 14] = [
+pub const KINDS: [EquationKind; 15] = [
     kind(
         "dirdyna",
         1,
@@ -66,6 +66,12 @@ pub const KINDS: [EquationKind; 14] = [
         &[("h", 1)],
     ),
     kind("loop_velocities", 0, "Velocities of Dependent Joints", &[]),
+    kind(
+        "accelerations",
+        0,
+        "Accelerations of Closed Loops under Given Forces",
+        &[],
+    ),
 ];
 
 const fn kind(

@@ -1,0 +1,42 @@
+/* Laws that suit any model: every joint has a spring and a damper, links too,
+   external forces hold their points back, and driven joints swing. */
+#include "mbs_project_interface.h"
+#include <math.h>
+
+void user_DrivenJoints(MbsData *s, double tsim)
+{
+    for (int i = 1; i <= s->nqc; i++) {
+        const int joint = s->qc[i];
+        const double speed = 1.5 + 0.25 * i;
+        s->q[joint] = 0.1 * sin(speed * tsim);
+        s->qd[joint] = 0.1 * speed * cos(speed * tsim);
+        s->qdd[joint] = -0.1 * speed * speed * sin(speed * tsim);
+    }
+}
+
+double *user_JointForces(MbsData *s, double tsim)
+{
+    (void)tsim;
+    for (int joint = 1; joint <= s->njoint; joint++)
+        s->Qq[joint] = -4.0 * s->q[joint] - 0.2 * s->qd[joint];
+    return s->Qq;
+}
+
+double user_LinkForces(double Z, double Zd, MbsData *s, double tsim, int ilnk)
+{
+    (void)s, (void)tsim, (void)ilnk;
+    return 2000.0 * (Z - 0.4) + 150.0 * Zd;
+}
+
+double *user_ExtForces(double PxF[4], double RxF[4][4], double VxF[4], double OMxF[4],
+                       double AxF[4], double OMPxF[4], MbsData *s, double tsim, int ixF)
+{
+    double *force = s->SWr[ixF];
+    (void)RxF, (void)AxF, (void)OMPxF, (void)tsim;
+    for (int axis = 1; axis <= 3; axis++) {
+        force[axis] = -300.0 * PxF[axis] - 40.0 * VxF[axis];
+        force[3 + axis] = -2.0 * OMxF[axis];
+        force[6 + axis] = s->dpt[axis][s->xfidpt[ixF]];
+    }
+    return force;
+}

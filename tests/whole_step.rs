@@ -1,0 +1,177 @@
+//! The whole step as a drop-in: a host that steps as MBsysC does, once with
+//! Robotran-style files and dense matrices and once with the generated
+//! `mbs_accelred`, over seconds of motion (tests/host).
+
+use crate::support::files::tree;
+use crate::support::programs::{model, robovec, said};
+use robovec::generate::{cuts_of_rows, independent_joints};
+use robovec::model::mbs::read_mbs;
+use robovec::model::{CutKind, Model, Nature};
+use std::fmt::Write;
+use std::path::Path;
+use std::process::Command;
+
+/// The numbers of a model as the host reads them.
+fn data(model: &Model) -> String {
+    let mut text = String::new();
+    let n = model.joints.len();
+    let independent = independent_joints(model).expect("the loops close");
+    let with = |wanted: &dyn Fn(usize) -> bool| (0..n).filter(|&joint| wanted(joint)).collect();
+    let is_driven = |joint: usize| model.joints[joint].nature == Nature::Driven;
+    let driven: Vec<usize> = with(&is_driven);
+    let dependent: Vec<usize> = with(&|joint| !is_driven(joint) && !independent.contains(&joint));
+    let rows = cuts_of_rows(model).expect("the loops have rows").len();
+    let _ = writeln!(text, "{n} {}", model.points.len());
+    for list in [&independent, &driven, &dependent] {
+        let numbers: Vec<String> = list.iter().map(|joint| (joint + 1).to_string()).collect();
+        let _ = writeln!(text, "{} {}", list.len(), numbers.join(" "));
+    }
+    let _ = writeln!(text, "{rows}");
+    let mut line = |numbers: Vec<f64>| {
+        let numbers: Vec<String> = numbers.iter().map(|number| format!("{number:e}")).collect();
+        let _ = writeln!(text, "{}", numbers.join(" "));
+    };
+    for kind in 0..2 {
+        line(
+            model
+                .joints
+                .iter()
+                .map(|joint| joint.initial[kind])
+                .collect(),
+        );
+    }
+    for axis in 0..3 {
+        line(
+            model
+                .points
+                .iter()
+                .map(|point| point.coordinates[axis])
+                .collect(),
+        );
+    }
+    // What a body has belongs to its last joint.
+    let of_bodies = |number: &dyn Fn(usize) -> f64| {
+        let mut numbers = vec![0.0; n];
+        for (index, body) in model.bodies.iter().enumerate() {
+            numbers[body.joints.end - 1] = number(index);
+        }
+        numbers
+    };
+    for axis in 0..3 {
+        line(of_bodies(&|body| model.bodies[body].center[axis]));
+    }
+    line(of_bodies(&|body| model.bodies[body].mass));
+    for entry in [0, 1, 2, 1, 3, 4, 2, 4, 5] {
+        line(of_bodies(&|body| model.bodies[body].inertia[entry]));
+    }
+    line(model.gravity.to_vec());
+    let rods = model.cuts.iter().filter_map(|cut| match cut.kind {
+        CutKind::Rod(length) => Some(length),
+        CutKind::Ball | CutKind::Solid => None,
+    });
+    let rods: Vec<f64> = rods.collect();
+    let _ = writeln!(text, "{}", rods.len());
+    let lengths: Vec<String> = rods.iter().map(|length| format!("{length:e}")).collect();
+    let _ = writeln!(text, "{}\n{}", lengths.join(" "), model.links.len());
+    let points: Vec<String> = model
+        .forces
+        .iter()
+        .map(|force| (force.point + 1).to_string())
+        .collect();
+    let _ = writeln!(text, "{} {}", points.len(), points.join(" "));
+    text
+}
+
+/// Builds the host for a model and runs it: how far the two ways are apart in
+/// parts of the largest position, that position, seconds of a step each way,
+/// and the most rounds of closing each way.
+fn simulated(path: &Path, seconds: f64, steps: u32, flags: &[&str]) -> Vec<f64> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let bytes = std::fs::read(path).expect("the model is there");
+    let model = read_mbs("model", &bytes).expect("a good model").model;
+    let name = path.to_str().expect("a plain path");
+    let output = folder.path().to_str().expect("a plain path");
+    let parts = "dirdyna,cons_hJ,cons_jdqd,link,extforces";
+    for arguments in [
+        vec![
+            "gen",
+            name,
+            "--function",
+            parts,
+            "--language",
+            "c",
+            "-o",
+            output,
+        ],
+        vec!["gen", name, "--whole-step", "-o", output],
+    ] {
+        let made = robovec(&arguments);
+        assert!(made.status.success(), "{}", said(&made));
+    }
+    std::fs::write(folder.path().join("data"), data(&model)).expect("a writable folder");
+    let host = tree("tests/host");
+    let mut sources: Vec<_> = std::fs::read_dir(folder.path())
+        .expect("a readable folder")
+        .map(|entry| entry.expect("a readable folder").path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "c"))
+        .collect();
+    sources.sort();
+    sources.extend(["host.c", "dense.c", "user.c"].map(|name| host.join(name)));
+    let compiled = Command::new("gcc")
+        .current_dir(folder.path())
+        // Robotran's style sets variables that a model does not need.
+        .args(["-std=gnu99", "-Wall", "-Werror", "-Wno-unused-variable"])
+        .args([
+            "-Wno-unused-but-set-variable",
+            "-Wno-unused-but-set-parameter",
+        ])
+        .args(flags)
+        .arg("-I")
+        .arg(&host)
+        .args(["-o", "host"])
+        .args(&sources)
+        .arg("-lm")
+        .output()
+        .expect("gcc is there");
+    assert!(compiled.status.success(), "{}", said(&compiled));
+    let run = Command::new(folder.path().join("host"))
+        .arg(folder.path().join("data"))
+        .args([seconds.to_string(), steps.to_string()])
+        .output()
+        .expect("it runs");
+    assert!(run.status.success(), "{name}: {}", said(&run));
+    let told = String::from_utf8_lossy(&run.stdout);
+    told.split_whitespace()
+        .map(|number| number.parse().expect("the host tells numbers"))
+        .collect()
+}
+
+fn has_gcc() -> bool {
+    let found = Command::new("gcc").arg("--version").output().is_ok();
+    if !found {
+        eprintln!("no gcc: the whole step is not compiled");
+    }
+    found
+}
+
+#[test]
+fn a_host_moves_the_same_with_the_whole_step() {
+    if !has_gcc() {
+        return;
+    }
+    for name in [
+        "double-pendulum",
+        "four-bar",
+        "slider-crank",
+        "quarter-car",
+        "bogie",
+        "leg",
+        "car",
+    ] {
+        let told = simulated(&model(&format!("{name}.mbs")), 3.0, 3000, &["-O1"]);
+        println!("{name}: {told:?}");
+        let (apart, largest) = (told[0], told[1]);
+        assert!(largest > 1e-3, "{name} does not move: {largest:e}");
+        assert!(apart < 1e-10, "{name}: {apart:e} apart after 3 s");
+    }
+}
