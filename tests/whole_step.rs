@@ -167,6 +167,7 @@ fn a_host_moves_the_same_with_the_whole_step() {
         "bogie",
         "leg",
         "car",
+        "wishbone-car",
     ] {
         let told = simulated(&model(&format!("{name}.mbs")), 3.0, 3000, &["-O1"]);
         println!("{name}: {told:?}");

@@ -51,13 +51,15 @@ pub enum ModelFamily {
     QuarterCar,
     /// A car on four trailing arms.
     Car,
+    /// A car on double wishbones, with ten loops.
+    WishboneCar,
     /// The leg of a humanoid robot.
     Leg,
 }
 
 impl ModelFamily {
     /// All families.
-    pub const ALL: [ModelFamily; 13] = [
+    pub const ALL: [ModelFamily; 14] = [
         ModelFamily::Serial,
         ModelFamily::SemiSerial,
         ModelFamily::Parallel,
@@ -70,6 +72,7 @@ impl ModelFamily {
         ModelFamily::SliderCrank,
         ModelFamily::QuarterCar,
         ModelFamily::Car,
+        ModelFamily::WishboneCar,
         ModelFamily::Leg,
     ];
 
@@ -88,6 +91,7 @@ impl ModelFamily {
             ModelFamily::SliderCrank => "slider-crank",
             ModelFamily::QuarterCar => "quarter-car",
             ModelFamily::Car => "car",
+            ModelFamily::WishboneCar => "wishbone-car",
             ModelFamily::Leg => "leg",
         }
     }
@@ -112,6 +116,7 @@ impl ModelFamily {
             ModelFamily::FourBar => Some(3),
             ModelFamily::QuarterCar => Some(5),
             ModelFamily::Car => Some(18),
+            ModelFamily::WishboneCar => Some(45),
             ModelFamily::Leg => Some(9),
         }
     }
@@ -147,6 +152,7 @@ impl ModelFamily {
             ModelFamily::SliderCrank => systems::slider_crank(),
             ModelFamily::QuarterCar => systems::quarter_car(),
             ModelFamily::Car => systems::car(),
+            ModelFamily::WishboneCar => systems::wishbone_car(),
             ModelFamily::Leg => systems::leg(),
         }
     }

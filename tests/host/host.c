@@ -123,8 +123,10 @@ static MbsData *load(const char *path)
     s->Fl = vector(s->Nlink);
     s->Z = vector(s->Nlink);
     s->Zd = vector(s->Nlink);
+    s->Z0 = vector(s->Nlink);
+    s->P0 = matrix(s->Nxfrc, 3);
     s->SWr = matrix(s->Nxfrc, 9);
-    s->NRerr = 1e-12;
+    s->NRerr = 1e-14;
     return s;
 }
 

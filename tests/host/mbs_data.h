@@ -21,6 +21,9 @@ typedef struct MbsData
     double NRerr;
     int Nlink, Nlink3D, Nxfrc;
     double *Fl, *Z, *Zd;
+    /* Of the user's laws: lengths that links began with, and the places of
+       external forces, whose element 0 tells that they are known. */
+    double *Z0, **P0;
     /* The point of each external force, and what its law returns. */
     int *xfidpt;
     double **SWr;

@@ -1,5 +1,6 @@
 /* Laws that suit any model: every joint has a spring and a damper, links too,
-   external forces hold their points back, and driven joints swing. */
+   which have no force at the length they begin with, external forces hold
+   their points where they began, and driven joints swing. */
 #include "mbs_project_interface.h"
 #include <math.h>
 
@@ -8,9 +9,9 @@ void user_DrivenJoints(MbsData *s, double tsim)
     for (int i = 1; i <= s->nqc; i++) {
         const int joint = s->qc[i];
         const double speed = 1.5 + 0.25 * i;
-        s->q[joint] = 0.1 * sin(speed * tsim);
-        s->qd[joint] = 0.1 * speed * cos(speed * tsim);
-        s->qdd[joint] = -0.1 * speed * speed * sin(speed * tsim);
+        s->q[joint] = 0.03 * sin(speed * tsim);
+        s->qd[joint] = 0.03 * speed * cos(speed * tsim);
+        s->qdd[joint] = -0.03 * speed * speed * sin(speed * tsim);
     }
 }
 
@@ -24,17 +25,23 @@ double *user_JointForces(MbsData *s, double tsim)
 
 double user_LinkForces(double Z, double Zd, MbsData *s, double tsim, int ilnk)
 {
-    (void)s, (void)tsim, (void)ilnk;
-    return 2000.0 * (Z - 0.4) + 150.0 * Zd;
+    (void)tsim;
+    if (s->Z0[ilnk] == 0)
+        s->Z0[ilnk] = Z;
+    return 100000.0 * (Z - s->Z0[ilnk]) + 5000.0 * Zd;
 }
 
 double *user_ExtForces(double PxF[4], double RxF[4][4], double VxF[4], double OMxF[4],
                        double AxF[4], double OMPxF[4], MbsData *s, double tsim, int ixF)
 {
     double *force = s->SWr[ixF];
+    double *start = s->P0[ixF];
     (void)RxF, (void)AxF, (void)OMPxF, (void)tsim;
+    if (start[0] == 0)
+        for (int axis = 0; axis <= 3; axis++)
+            start[axis] = axis == 0 ? 1 : PxF[axis];
     for (int axis = 1; axis <= 3; axis++) {
-        force[axis] = -300.0 * PxF[axis] - 40.0 * VxF[axis];
+        force[axis] = -30000.0 * (PxF[axis] - start[axis]) - 200.0 * VxF[axis];
         force[3 + axis] = -2.0 * OMxF[axis];
         force[6 + axis] = s->dpt[axis][s->xfidpt[ixF]];
     }

@@ -9,12 +9,14 @@ mod car;
 mod leg;
 mod small;
 mod train;
+mod wishbone_car;
 
 pub use bogie::bogie;
 pub use car::car;
 pub use leg::leg;
 pub use small::{double_pendulum, four_bar, quarter_car, slider_crank};
 pub use train::train;
+pub use wishbone_car::wishbone_car;
 
 use super::{Asks, Axis, JointKind};
 

@@ -31,7 +31,7 @@ fn position(model: &Model, anchor: Anchor) -> [f64; 3] {
 
 #[test]
 fn loops_are_closed_at_the_initial_positions() {
-    for model in [four_bar(), slider_crank(), quarter_car()] {
+    for model in [four_bar(), slider_crank(), quarter_car(), wishbone_car()] {
         for cut in &model.cuts {
             let [a, b] = cut.ends.map(|end| position(&model, end));
             let square: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
