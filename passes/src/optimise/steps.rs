@@ -134,6 +134,11 @@ pub const MOVES: &[SearchStep] = &[
         125,
     ),
     heavy("prefix", "recurrence,balance,cse,dce", 5, 140),
+    step("factored again", "factor-trig,balance,cse,dce"),
+    step(
+        "factored freely again",
+        "factor-trig{path=free},balance,cse,dce",
+    ),
     heavy(
         "far look-ahead 150 %",
         "lookahead{growth=150 width=24 grid=5 frontiers=80},balance,cse,dce",
