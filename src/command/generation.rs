@@ -213,6 +213,12 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
         names::refuse_wrong(path, true)?;
     }
     let kinds = kinds(&arguments.function);
+    if kinds.contains(&FunctionKind::Accelred) && arguments.language == Some(OutputLanguage::C) {
+        eprintln!(
+            "remark: accelred takes forces as given and loops as closed, and MBsysC asks more of \
+             mbs_accelred; --whole-step writes all of it"
+        );
+    }
     let forces = kinds.iter().find(|kind| kind.depends_on_link_forces());
     let read = input::model_for(&arguments.model, forces.copied())?;
     let options = arguments.options();
