@@ -6,7 +6,8 @@ use super::{CommandFailure, input, output, progress};
 use crate::explore::program::view;
 use crate::fit::confirm::{self, Confirmation};
 use crate::fit::{self, FitError, FitOutcome, FitTask, MotionTolerance, SinePlace};
-use crate::generate::Formulation;
+use crate::generate::{Formulation, MomentOrigin, PrefixNetwork};
+use crate::optimise::start::FORMULATIONS;
 use crate::present::json::json_text;
 use crate::scene::{SceneFile, SceneSubject};
 use clap::{Args, ValueEnum};
@@ -182,24 +183,25 @@ fn formulations(
         return vec![own];
     }
     if wanted.is_empty() {
-        wanted = TRIED.to_vec();
+        wanted = tried().collect();
     }
     let made = wanted.into_iter();
     made.filter_map(|one| Some((one, subject.equations(one).ok()?)))
         .collect()
 }
 
-/// Formulations that can be the best of a scene.
-const TRIED: [Formulation; 5] = [
-    Formulation::Recursive,
-    Formulation::Composite,
-    Formulation::CompositeBase,
-    Formulation::Prefix {
-        network: crate::generate::PrefixNetwork::Sklansky,
-        origin: crate::generate::MomentOrigin::Body,
-    },
-    Formulation::Articulated,
-];
+/// Formulations that can be the best of a scene: what came in, the starts of
+/// every search, of the two networks only the one with the shorter paths, and
+/// what gives accelerations of long chains alone.
+fn tried() -> impl Iterator<Item = Formulation> {
+    let shared = FORMULATIONS.into_iter();
+    let shared = shared
+        .filter(|&one| one != Formulation::prefix(PrefixNetwork::BrentKung, MomentOrigin::Body));
+    [Formulation::Recursive]
+        .into_iter()
+        .chain(shared)
+        .chain([Formulation::Articulated])
+}
 
 fn write(
     folder: &Path,

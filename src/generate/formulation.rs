@@ -94,7 +94,8 @@ impl Formulation {
         Formulation::Articulated,
     ];
 
-    const fn prefix(network: PrefixNetwork, origin: MomentOrigin) -> Formulation {
+    /// One common frame, with this order and this origin of moments.
+    pub const fn prefix(network: PrefixNetwork, origin: MomentOrigin) -> Formulation {
         Formulation::Prefix { network, origin }
     }
 

@@ -38,14 +38,8 @@ pub struct OptimisationStart {
 pub const FORMULATIONS: [Formulation; 4] = [
     Formulation::Composite,
     Formulation::CompositeBase,
-    Formulation::Prefix {
-        network: PrefixNetwork::BrentKung,
-        origin: MomentOrigin::Body,
-    },
-    Formulation::Prefix {
-        network: PrefixNetwork::Sklansky,
-        origin: MomentOrigin::Body,
-    },
+    Formulation::prefix(PrefixNetwork::BrentKung, MomentOrigin::Body),
+    Formulation::prefix(PrefixNetwork::Sklansky, MomentOrigin::Body),
 ];
 
 /// Points of the check whether a formulation is the function that came in.

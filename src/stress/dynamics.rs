@@ -19,7 +19,7 @@ use super::program::{ModelProgram, ProgramRecipe, shared};
 use super::treatment::{BALANCED, PASSES};
 use super::units::Units;
 use super::{ProgramTreatment, StressError};
-use crate::generate::Formulation;
+use crate::generate::{Formulation, MomentOrigin, PrefixNetwork};
 use crate::kinematics::MotionState;
 use crate::model::Model;
 use crate::robotran::FunctionKind;
@@ -142,8 +142,8 @@ impl StressSubject for DynamicsSubject {
             Formulation::Recursive,
             Formulation::Composite,
             Formulation::CompositeBase,
-            Formulation::ALL[3],
-            Formulation::ALL[6],
+            Formulation::prefix(PrefixNetwork::Serial, MomentOrigin::Body),
+            Formulation::prefix(PrefixNetwork::Serial, MomentOrigin::Base),
         ];
         if self.metric == Metric::Accelerations {
             formulations.push(Formulation::Articulated);

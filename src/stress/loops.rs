@@ -8,7 +8,7 @@ use super::program::{ModelProgram, ProgramRecipe};
 use super::treatment::PASSES;
 use super::units::Units;
 use super::{ProgramTreatment, StressError};
-use crate::generate::Formulation;
+use crate::generate::{Formulation, MomentOrigin, PrefixNetwork};
 use crate::kinematics::MotionState;
 use crate::kinematics::linear::{DenseMatrix, dot};
 use crate::model::{Model, Nature};
@@ -159,7 +159,7 @@ impl StressSubject for LoopsSubject {
             Formulation::Recursive,
             Formulation::Composite,
             Formulation::CompositeBase,
-            Formulation::ALL[3],
+            Formulation::prefix(PrefixNetwork::Serial, MomentOrigin::Body),
         ];
         // All models of a case have the same joints.
         let others = self.closed.first().map(|closed| partitions(&closed.model));
