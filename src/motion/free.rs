@@ -9,6 +9,7 @@
 
 use super::MotionError;
 use super::energy::{self, Momenta};
+use super::runge_kutta::{IntegratedState, TimeStep};
 use crate::generate::{Formulation, GenerationRequest, Options, generate};
 use crate::kinematics::{InputSources, MotionState, StateError};
 use crate::model::Model;
@@ -30,19 +31,15 @@ pub struct FreeMotion<'m> {
     joints: Vec<usize>,
 }
 
-/// How steps are made: classical Runge-Kutta of fourth order.
+/// How long steps are made.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Stepping {
-    /// The step, s.
-    pub step: f64,
+    /// How one is made.
+    pub how: TimeStep,
     /// How many.
     pub steps: u64,
     /// How often energies and momenta are looked at.
     pub samples: u64,
-    /// Keep for each number of the state what its last addition left out, and
-    /// add it to the next change (Kahan, "Further remarks on reducing
-    /// truncation errors", 1965).
-    pub compensated: bool,
 }
 
 /// How far what is to stay the same has moved.
@@ -128,27 +125,29 @@ impl<'m> FreeMotion<'m> {
         let inputs = self.inputs.gather(initial);
         let literal = |&number: &f64| slopes.arithmetic.literal(number);
         let start: Vec<f64> = initial.q.iter().chain(&initial.qd).copied().collect();
-        let own = |number: &f64| state.arithmetic.literal(*number);
-        let mut run = FreeRun {
+        let (kept, read) = (state.arithmetic, state.read);
+        let mut numbers = IntegratedState::new(kept, &start);
+        let mut run = FreeSlopes {
             motion: self,
             inputs: inputs.iter().map(literal).collect(),
-            numbers: start.iter().map(own).collect(),
-            rest: vec![state.arithmetic.literal(0.0); start.len()],
             slopes,
             state,
         };
+        let read = |numbers: &[S::Number]| -> Vec<f64> {
+            numbers.iter().map(|&number| read(number)).collect()
+        };
         let mut watch = EnergyMonitor::new(self.model, initial.clone());
-        watch.look(&run.read());
+        watch.look(&read(&numbers.numbers));
         let samples = stepping.samples.clamp(1, stepping.steps.max(1));
         let mut done = 0;
         for sample in 1..=samples {
             let until =
                 (u128::from(stepping.steps) * u128::from(sample) / u128::from(samples)) as u64;
             while done < until {
-                run.step(stepping);
+                numbers.step(kept, stepping.how, &mut |place| run.slope(place));
                 done += 1;
             }
-            if !watch.look(&run.read()) {
+            if !watch.look(&read(&numbers.numbers)) {
                 break;
             }
         }
@@ -156,26 +155,15 @@ impl<'m> FreeMotion<'m> {
     }
 }
 
-/// A run under way.
-struct FreeRun<'a, A: Arithmetic, S: Arithmetic> {
+/// The slopes of a run under way.
+struct FreeSlopes<'a, A: Arithmetic, S: Arithmetic> {
     motion: &'a FreeMotion<'a>,
     inputs: Vec<A::Number>,
-    /// Positions, then velocities.
-    numbers: Vec<S::Number>,
-    /// What additions to them left out so far.
-    rest: Vec<S::Number>,
     slopes: Calculus<'a, A>,
     state: Calculus<'a, S>,
 }
 
-impl<A: Arithmetic, S: Arithmetic> FreeRun<'_, A, S> {
-    fn read(&self) -> Vec<f64> {
-        self.numbers
-            .iter()
-            .map(|&number| (self.state.read)(number))
-            .collect()
-    }
-
+impl<A: Arithmetic, S: Arithmetic> FreeSlopes<'_, A, S> {
     /// The slopes at a place: the velocities there and the accelerations.
     fn slope(&mut self, place: &[S::Number]) -> Vec<S::Number> {
         let joints = place.len() / 2;
@@ -197,41 +185,6 @@ impl<A: Arithmetic, S: Arithmetic> FreeRun<'_, A, S> {
             slope[joints + joint] = self.state.arithmetic.literal((self.slopes.read)(number));
         }
         slope
-    }
-
-    /// The state moved along a slope.
-    fn moved(&self, slope: &[S::Number], factor: S::Number) -> Vec<S::Number> {
-        let a = self.state.arithmetic;
-        let pairs = self.numbers.iter().zip(slope);
-        pairs.map(|(&y, &k)| a.add(y, a.mul(factor, k))).collect()
-    }
-
-    fn step(&mut self, stepping: Stepping) {
-        let a = self.state.arithmetic;
-        let [half, whole, sixth, third] =
-            [0.5, 1.0, 1.0 / 6.0, 1.0 / 3.0].map(|part| a.literal(part * stepping.step));
-        let start = self.numbers.clone();
-        let first = self.slope(&start);
-        let place = self.moved(&first, half);
-        let second = self.slope(&place);
-        let place = self.moved(&second, half);
-        let third_slope = self.slope(&place);
-        let place = self.moved(&third_slope, whole);
-        let fourth = self.slope(&place);
-        for index in 0..start.len() {
-            let ends = a.mul(sixth, a.add(first[index], fourth[index]));
-            let middles = a.mul(third, a.add(second[index], third_slope[index]));
-            let change = a.add(ends, middles);
-            let old = self.numbers[index];
-            if stepping.compensated {
-                let change = a.sub(change, self.rest[index]);
-                let new = a.add(old, change);
-                self.rest[index] = a.sub(a.sub(new, old), change);
-                self.numbers[index] = new;
-            } else {
-                self.numbers[index] = a.add(old, change);
-            }
-        }
     }
 }
 
@@ -290,10 +243,12 @@ mod tests {
         let model = ModelFamily::DoublePendulum.build(2, 1);
         let motion = FreeMotion::new(&model, Formulation::Recursive).expect("it has equations");
         let stepping = Stepping {
-            step: 1e-4,
+            how: TimeStep {
+                step: 1e-4,
+                compensated,
+            },
             steps: 20_000,
             samples: 20,
-            compensated,
         };
         let initial = MotionState::initial(&model);
         let wide = || Calculus {

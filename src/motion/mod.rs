@@ -12,6 +12,7 @@ mod free;
 pub mod integrate;
 pub mod laws;
 pub mod plot;
+pub mod runge_kutta;
 mod simulation;
 mod system;
 mod write_laws;

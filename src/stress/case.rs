@@ -122,23 +122,25 @@ pub struct StressCase {
     pub(super) subject: Box<dyn StressSubject>,
 }
 
-impl StressCase {
-    /// A case of a class that does not take long.
-    pub(super) fn new(
-        class: CaseClass,
-        name: String,
-        (construction, breaks): (String, &'static str),
+impl CaseClass {
+    /// A case of the class that does not take long: its name, how it is built
+    /// and what it breaks.
+    pub(super) fn case(
+        self,
+        name: impl Into<String>,
+        construction: impl Into<String>,
+        breaks: &'static str,
         expected: StressVerdict,
-        subject: Box<dyn StressSubject>,
+        subject: impl StressSubject + 'static,
     ) -> StressCase {
         StressCase {
-            name,
-            class,
-            construction,
+            name: name.into(),
+            class: self,
+            construction: construction.into(),
             breaks,
             expected,
             long: false,
-            subject,
+            subject: Box::new(subject),
         }
     }
 }
@@ -198,7 +200,10 @@ pub(super) trait StressSubject: Send + Sync {
 pub(super) trait StressBench: Sync {
     /// How much the result changes, relatively, with the numbers it is
     /// computed from: of the mass matrix where accelerations are asked for.
-    fn condition(&self) -> f64;
+    fn condition(&self) -> f64 {
+        let format = Format::BINARY32;
+        self.floor(format) / format.unit_roundoff()
+    }
 
     /// The error that rounding the data once to a format makes: what nobody
     /// can do better than from rounded data.

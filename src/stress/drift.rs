@@ -8,21 +8,21 @@
 use super::case::{Measured, StressBench, StressSubject};
 use super::dynamics::{DynamicsSubject, Metric};
 use super::linear::eliminate;
+use super::memo::Memo;
 use super::numbers::{Evaluation, Wide, Work, WorkingPrecision};
 use super::program::{ModelProgram, ProgramRecipe};
-use super::runge_kutta::{IntegratedState, TimeStep};
-use super::steps::change_work;
 use super::treatment::LoopStabilisation;
 use super::units::Units;
 use super::{ProgramTreatment, StressError};
 use crate::generate::cuts_of_rows;
 use crate::kinematics::MotionState;
 use crate::model::Model;
+use crate::motion::runge_kutta::{IntegratedState, TimeStep, change_work};
 use crate::robotran::FunctionKind;
 use robovec_ir::Format;
 use robovec_ir::cost::OperationWork;
 use robovec_num::arithmetic::Arithmetic;
-use std::sync::Mutex;
+use std::convert::Infallible;
 
 /// More steps than this are not repeated for format after format.
 const FEW_STEPS: u64 = 500;
@@ -126,7 +126,7 @@ impl StressSubject for DriftSubject {
             position: program(FunctionKind::ConsHJ)?,
             acceleration: program(FunctionKind::ConsJdqd)?,
             rows: cuts_of_rows(&self.model)?.len(),
-            known: Mutex::default(),
+            known: Memo::default(),
         }))
     }
 }
@@ -139,7 +139,7 @@ struct DriftBench<'a> {
     /// Of the loops.
     rows: usize,
     /// Runs take long: none is made twice.
-    known: Mutex<Vec<(ProgramTreatment, f64)>>,
+    known: Memo<ProgramTreatment, f64>,
 }
 
 /// A run, for whatever its state is kept in.
@@ -217,21 +217,13 @@ impl DriftBench<'_> {
     }
 
     fn error(&self, treatment: &ProgramTreatment) -> f64 {
-        // A thread that panicked left nothing half done here.
-        let lock = || self.known.lock().unwrap_or_else(|error| error.into_inner());
-        let known = lock()
-            .iter()
-            .find(|(known, _)| known == treatment)
-            .map(|(_, error)| *error);
-        if let Some(error) = known {
-            return error;
-        }
         let kept = WorkingPrecision::In(treatment.state.unwrap_or(treatment.format));
-        let error = kept.work(DriftRun {
-            bench: self,
-            treatment,
+        let Ok(error) = self.known.get(treatment.clone(), || {
+            Ok::<f64, Infallible>(kept.work(DriftRun {
+                bench: self,
+                treatment,
+            }))
         });
-        lock().push((treatment.clone(), error));
         error
     }
 }

@@ -10,10 +10,11 @@
 mod errors;
 mod solution;
 
-pub(super) use errors::{componentwise, normwise, perturb, worst};
+pub(super) use errors::{componentwise, normwise, sensitivity, worst};
 
 use super::case::{Measured, StressBench, StressSubject};
 use super::linear::solve;
+use super::memo::Memo;
 use super::numbers::{WorkingPrecision, rounded};
 use super::program::{ModelProgram, ProgramRecipe, shared};
 use super::treatment::{BALANCED, PASSES};
@@ -28,7 +29,7 @@ use robovec_ir::Format;
 use robovec_ir::cost::OperationWork;
 use robovec_num::double_double::Double;
 use solution::Solution;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 /// Which error verdicts are about.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -101,7 +102,7 @@ struct ExactDynamics {
 struct DynamicsBench<'a> {
     subject: &'a DynamicsSubject,
     exact: Vec<ExactDynamics>,
-    programs: Mutex<Vec<(ProgramKey, Arc<ModelProgram>)>>,
+    programs: Memo<ProgramKey, Arc<ModelProgram>>,
 }
 
 #[derive(Clone, PartialEq)]
@@ -215,7 +216,7 @@ impl StressSubject for DynamicsSubject {
         let mut bench = DynamicsBench {
             subject: self,
             exact: Vec::new(),
-            programs: Mutex::new(Vec::new()),
+            programs: Memo::default(),
         };
         let plain = ProgramTreatment::default();
         for state in &self.states {
@@ -259,30 +260,17 @@ impl DynamicsBench<'_> {
             mixed: treatment.mixed,
             only,
         };
-        let found = |programs: &Vec<(ProgramKey, Arc<ModelProgram>)>| {
-            let known = programs.iter().find(|(known, _)| *known == key);
-            known.map(|(_, program)| program.clone())
-        };
-        // A thread that panicked left nothing half done here.
-        let lock = || {
-            self.programs
-                .lock()
-                .unwrap_or_else(|error| error.into_inner())
-        };
-        if let Some(program) = found(&lock()) {
-            return Ok(program);
-        }
-        let recipe = ProgramRecipe {
-            formulation,
-            passes,
-            mixed: treatment
-                .mixed
-                .map(|error| (error, &self.subject.states[..])),
-            only,
-        };
-        let program = Arc::new(ModelProgram::new(&self.subject.model, kind, recipe)?);
-        lock().push((key, program.clone()));
-        Ok(program)
+        self.programs.get(key, || {
+            let recipe = ProgramRecipe {
+                formulation,
+                passes,
+                mixed: treatment
+                    .mixed
+                    .map(|error| (error, &self.subject.states[..])),
+                only,
+            };
+            ModelProgram::new(&self.subject.model, kind, recipe).map(Arc::new)
+        })
     }
 
     fn units(&self, treatment: &ProgramTreatment) -> Units {
@@ -472,8 +460,8 @@ impl StressBench for DynamicsBench<'_> {
         match self.subject.metric {
             Metric::Accelerations => self.mass_condition(),
             Metric::Masses | Metric::Forces => {
-                let format = Format::BINARY32;
-                self.floor(format) / format.unit_roundoff()
+                let amount = Format::BINARY32.unit_roundoff();
+                self.perturbed(amount) / amount
             }
         }
     }

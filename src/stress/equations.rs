@@ -1,38 +1,24 @@
 //! Equations as text with given inputs.
 
 use super::case::{Measured, StressBench, StressSubject};
-use super::dynamics::{componentwise, normwise, perturb, worst};
+use super::dynamics::{componentwise, normwise, sensitivity, worst};
+use super::forms::{TextForm, TextForms};
+use super::memo::Memo;
 use super::numbers::{Evaluation, WorkingPrecision};
-use super::program::{evaluate_mixture, function_cost, is_normal, shared, text_program};
+use super::program::{evaluate_mixture, function_cost, is_normal, largest, shared, text_program};
 use super::treatment::PASSES;
 use super::{ProgramTreatment, StressError};
 use robovec_ir::evaluate::evaluate_nodes;
 use robovec_ir::{Format, Module};
 use robovec_num::arithmetic::Binary64;
 use robovec_num::double_double::Double;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
-/// Equations, and the inputs they are evaluated for.
+/// Equations, and the sets of inputs they are evaluated for.
 pub(super) struct EquationsSubject {
-    /// The equations that the case is about.
-    plain: EquationsForm,
-    /// Other ways to write them.
-    forms: Vec<EquationsForm>,
+    forms: TextForms<Vec<Vec<f64>>>,
     /// What they compute.
     result: &'static str,
-}
-
-/// One way to write equations.
-struct EquationsForm {
-    /// Its name; empty for the case itself.
-    name: &'static str,
-    /// A module of one function in the text form.
-    text: String,
-    /// Sets of inputs.
-    inputs: Vec<Vec<f64>>,
-    /// True when the inputs are others than those of the case: what the host
-    /// made of its own numbers.
-    prepared: bool,
 }
 
 impl EquationsSubject {
@@ -46,13 +32,7 @@ impl EquationsSubject {
     /// a format is part of the error.
     pub(super) fn of_host(text: String, inputs: Vec<Vec<f64>>) -> EquationsSubject {
         EquationsSubject {
-            plain: EquationsForm {
-                name: "",
-                text,
-                inputs,
-                prepared: false,
-            },
-            forms: Vec::new(),
+            forms: TextForms::new(text, inputs),
             result: "sum",
         }
     }
@@ -65,12 +45,8 @@ impl EquationsSubject {
 
     /// The same with another way to write the equations, for the same inputs.
     pub(super) fn or(mut self, name: &'static str, text: String) -> EquationsSubject {
-        self.forms.push(EquationsForm {
-            name,
-            text,
-            inputs: self.plain.inputs.clone(),
-            prepared: false,
-        });
+        let inputs = self.forms.plain.numbers.clone();
+        self.forms.push(TextForm::given(name, text, inputs));
         self
     }
 
@@ -81,48 +57,20 @@ impl EquationsSubject {
         text: String,
         inputs: Vec<Vec<f64>>,
     ) -> EquationsSubject {
-        self.forms.push(EquationsForm {
-            name,
-            text,
-            inputs,
-            prepared: true,
-        });
+        self.forms.push(TextForm::prepared(name, text, inputs));
         self
-    }
-
-    fn form(&self, name: &str) -> Result<&EquationsForm, StressError> {
-        let mut forms = std::iter::once(&self.plain).chain(&self.forms);
-        let found = forms.find(|form| form.name == name);
-        found.ok_or_else(|| StressError::Passes(format!("there is no form '{name}'")))
     }
 
     /// Every list of passes over the forms that are chosen.
     fn treatments(&self, prepared: bool) -> Vec<ProgramTreatment> {
-        let forms = std::iter::once(&self.plain).chain(&self.forms);
-        let forms = forms.filter(|form| form.prepared == prepared);
-        let treatments = forms.flat_map(|form| {
-            PASSES.map(|passes| ProgramTreatment {
-                passes,
-                form: form.name,
-                ..ProgramTreatment::default()
-            })
-        });
-        treatments.collect()
-    }
-}
-
-impl EquationsForm {
-    fn module(&self, treatment: &ProgramTreatment) -> Result<Module, StressError> {
-        text_program(&self.text, treatment, &self.inputs)
+        self.forms.treatments(prepared, &PASSES, &self.untreated())
     }
 }
 
 struct EquationsBench<'a> {
     subject: &'a EquationsSubject,
     exact: Vec<Vec<Double>>,
-    /// What was made, by the treatment that makes it in binary32: formats are
-    /// tried one after the other.
-    modules: Mutex<Vec<(ProgramTreatment, Arc<Module>)>>,
+    modules: Memo<ProgramTreatment, Arc<Module>>,
 }
 
 impl StressSubject for EquationsSubject {
@@ -150,10 +98,10 @@ impl StressSubject for EquationsSubject {
         let mut bench = EquationsBench {
             subject: self,
             exact: Vec::new(),
-            modules: Mutex::default(),
+            modules: Memo::default(),
         };
         let module = bench.module(&ProgramTreatment::default())?;
-        let inputs = self.plain.inputs.iter();
+        let inputs = self.forms.plain.numbers.iter();
         let exact = inputs.map(|inputs| evaluate(&module, WorkingPrecision::Reference, inputs));
         bench.exact = exact.collect();
         Ok(Box::new(bench))
@@ -168,67 +116,41 @@ fn evaluate(module: &Module, numbers: WorkingPrecision, inputs: &[f64]) -> Vec<D
 impl EquationsBench<'_> {
     /// The program for a treatment, made once for all formats.
     fn module(&self, treatment: &ProgramTreatment) -> Result<Arc<Module>, StressError> {
-        let key = ProgramTreatment {
-            format: Format::BINARY32,
-            ..treatment.clone()
-        };
-        // A thread that panicked left nothing half done here.
-        let mut modules = self
-            .modules
-            .lock()
-            .unwrap_or_else(|error| error.into_inner());
-        if let Some((_, module)) = modules.iter().find(|(known, _)| *known == key) {
-            return Ok(module.clone());
-        }
-        let module = Arc::new(self.subject.form(treatment.form)?.module(treatment)?);
-        modules.push((key, module.clone()));
-        Ok(module)
+        self.modules.get(treatment.in_binary32(), || {
+            let form = self.subject.forms.named(treatment.form)?;
+            text_program(&form.text, treatment, &form.numbers).map(Arc::new)
+        })
     }
 }
 
 impl StressBench for EquationsBench<'_> {
-    fn condition(&self) -> f64 {
-        let format = Format::BINARY32;
-        self.floor(format) / format.unit_roundoff()
-    }
-
     fn floor(&self, format: Format) -> f64 {
         const DRAWS: u64 = 8;
-        let amount = format.unit_roundoff();
-        let step = amount.max(2f64.powi(-30));
         let Ok(module) = self.module(&ProgramTreatment::default()) else {
             return f64::NAN;
         };
-        let cases = self.subject.plain.inputs.iter().zip(&self.exact);
-        let moved = cases.flat_map(|(inputs, exact)| {
-            let module = &module;
-            (0..DRAWS).map(move |draw| {
-                let inputs = perturb(inputs, step, draw);
-                let found = evaluate(module, WorkingPrecision::Reference, &inputs);
+        let cases = self.subject.forms.plain.numbers.iter().zip(&self.exact);
+        worst(cases.map(|(inputs, exact)| {
+            sensitivity(format.unit_roundoff(), DRAWS, inputs, |inputs| {
+                let found = evaluate(&module, WorkingPrecision::Reference, inputs);
                 componentwise(&found, exact)
             })
-        });
-        worst(moved) * amount / step
+        }))
     }
 
     fn largest(&self, treatment: &ProgramTreatment) -> Option<f64> {
         let module = self.module(treatment).ok()?;
-        let form = self.subject.form(treatment.form).ok()?;
-        let values = form.inputs.iter().flat_map(|inputs| {
-            let mut values = evaluate_nodes(&module.functions[0], &Binary64, inputs);
-            values.extend(inputs);
-            values
-        });
-        Some(values.fold(0.0, |most: f64, number| most.max(number.abs())))
+        let form = self.subject.forms.named(treatment.form).ok()?;
+        Some(largest(&module.functions[0], &form.numbers))
     }
 
     fn measure(&self, treatment: &ProgramTreatment) -> Result<Measured, StressError> {
         let module = self.module(treatment)?;
         let function = &module.functions[0];
-        let form = self.subject.form(treatment.form)?;
+        let form = self.subject.forms.named(treatment.form)?;
         let (mut outside, mut all) = (0u32, 0u32);
         let (mut worst_component, mut worst_norm) = (0.0, 0.0);
-        for (inputs, exact) in form.inputs.iter().zip(&self.exact) {
+        for (inputs, exact) in form.numbers.iter().zip(&self.exact) {
             let found = match function.formats {
                 None => evaluate(&module, WorkingPrecision::In(treatment.format), inputs),
                 Some(_) => evaluate_mixture(function, inputs),

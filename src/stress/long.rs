@@ -2,19 +2,20 @@
 
 use super::case::{Measured, StressBench, StressSubject};
 use super::dynamics::{DynamicsSubject, Metric};
+use super::memo::Memo;
 use super::numbers::{Wide, Work, WorkingPrecision};
-use super::steps::change_work;
 use super::{ProgramTreatment, StressError};
 use crate::generate::{Formulation, GenerationRequest, generate};
 use crate::kinematics::MotionState;
 use crate::model::Model;
+use crate::motion::runge_kutta::{TimeStep, change_work};
 use crate::motion::{Calculus, Drift, FreeMotion, Stepping};
 use crate::robotran::FunctionKind;
 use robovec_ir::Format;
 use robovec_ir::cost::OperationWork;
 use robovec_num::arithmetic::Arithmetic;
+use std::convert::Infallible;
 use std::ops::Add;
-use std::sync::Mutex;
 
 /// What is to stay the same.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -112,7 +113,7 @@ impl StressSubject for Long {
         let work = module.functions.iter().map(OperationWork::of);
         Ok(Box::new(LongBench {
             work: work.fold(OperationWork::default(), Add::add),
-            known: Mutex::new(Vec::new()),
+            known: Memo::default(),
             motion: FreeMotion::new(&self.model, Formulation::default())?,
             subject: self,
         }))
@@ -124,7 +125,7 @@ struct LongBench<'a> {
     motion: FreeMotion<'a>,
     work: OperationWork,
     /// Runs take long: none is made twice.
-    known: Mutex<Vec<(ProgramTreatment, Drift)>>,
+    known: Memo<ProgramTreatment, Drift>,
 }
 
 /// A run, for whatever arithmetic its slopes are computed in.
@@ -222,29 +223,23 @@ impl LongBench<'_> {
     }
 
     fn drift(&self, treatment: &ProgramTreatment) -> Drift {
-        // A thread that panicked left nothing half done here.
-        let lock = || self.known.lock().unwrap_or_else(|error| error.into_inner());
-        let known = lock()
-            .iter()
-            .find(|(known, _)| known == treatment)
-            .map(|(_, drift)| *drift);
-        if let Some(drift) = known {
-            return drift;
-        }
         let step = treatment.step.unwrap_or(self.subject.step);
         let stepping = Stepping {
-            step,
+            how: TimeStep {
+                step,
+                compensated: treatment.compensated,
+            },
             steps: self.subject.steps(step),
             samples: 200,
-            compensated: treatment.compensated,
         };
         let slopes = Slopes {
             bench: self,
             state: WorkingPrecision::In(treatment.state.unwrap_or(treatment.format)),
             stepping,
         };
-        let drift = WorkingPrecision::In(treatment.format).work(slopes);
-        lock().push((treatment.clone(), drift));
+        let Ok(drift) = self.known.get(treatment.clone(), || {
+            Ok::<Drift, Infallible>(WorkingPrecision::In(treatment.format).work(slopes))
+        });
         drift
     }
 }

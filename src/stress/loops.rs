@@ -1,8 +1,9 @@
 //! Accelerations of closed loops.
 
 use super::case::{Measured, StressBench, StressSubject};
-use super::dynamics::{DynamicsSubject, Metric, normwise, perturb, worst};
+use super::dynamics::{DynamicsSubject, Metric, normwise, sensitivity, worst};
 use super::linear::eigenvalues;
+use super::memo::Memo;
 use super::numbers::WorkingPrecision;
 use super::program::{ModelProgram, ProgramRecipe};
 use super::treatment::PASSES;
@@ -16,7 +17,7 @@ use crate::motion::{EquationSetting, MotionEquations};
 use crate::robotran::FunctionKind;
 use robovec_ir::Format;
 use robovec_num::double_double::Double;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 /// Models with closed loops.
 pub(super) struct LoopsSubject {
@@ -144,9 +145,7 @@ struct PreparedLoop<'a> {
     plain: ModelProgram,
     exact: Vec<Double>,
     equations: MotionEquations,
-    /// What was made, by the treatment that makes it in binary32: formats are
-    /// tried one after the other.
-    programs: Mutex<Vec<(ProgramTreatment, Arc<ModelProgram>)>>,
+    programs: Memo<ProgramTreatment, Arc<ModelProgram>>,
 }
 
 impl StressSubject for LoopsSubject {
@@ -243,27 +242,15 @@ impl<'a> PreparedLoop<'a> {
             equations: MotionEquations::new(&subject.model, &EquationSetting::default())?,
             subject,
             plain,
-            programs: Mutex::default(),
+            programs: Memo::default(),
         })
     }
 
     /// The program for a treatment, made once for all formats.
     fn program(&self, treatment: &ProgramTreatment) -> Result<Arc<ModelProgram>, StressError> {
-        let key = ProgramTreatment {
-            format: Format::BINARY32,
-            ..treatment.clone()
-        };
-        // A thread that panicked left nothing half done here.
-        let mut programs = self
-            .programs
-            .lock()
-            .unwrap_or_else(|error| error.into_inner());
-        if let Some((_, program)) = programs.iter().find(|(known, _)| *known == key) {
-            return Ok(program.clone());
-        }
-        let program = Arc::new(self.subject.program(treatment)?);
-        programs.push((key, program.clone()));
-        Ok(program)
+        self.programs.get(treatment.in_binary32(), || {
+            self.subject.program(treatment).map(Arc::new)
+        })
     }
 
     /// Of the matrix `[M J'; J 0]` of accelerations and multipliers, redundant
@@ -291,16 +278,12 @@ impl<'a> PreparedLoop<'a> {
 
     fn floor(&self, format: Format) -> f64 {
         const DRAWS: u64 = 8;
-        let amount = format.unit_roundoff();
-        let step = amount.max(2f64.powi(-30));
         let inputs = self.plain.inputs(&self.subject.state);
-        let moved = (0..DRAWS).map(|draw| {
-            let inputs = perturb(&inputs, step, draw);
+        sensitivity(format.unit_roundoff(), DRAWS, &inputs, |inputs| {
             let subject = self.subject;
-            let found = subject.accelerations(&self.plain, WorkingPrecision::Reference, &inputs);
+            let found = subject.accelerations(&self.plain, WorkingPrecision::Reference, inputs);
             normwise(&found, &self.exact)
-        });
-        worst(moved) * amount / step
+        })
     }
 
     fn measure(&self, treatment: &ProgramTreatment) -> Result<Measured, StressError> {

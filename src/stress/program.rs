@@ -258,6 +258,15 @@ fn mixed(error: f64) -> String {
     format!("mixed{{error={error:e} narrow=\"float(11,18)\" between=10}}")
 }
 
+/// The largest number among the inputs and values of a function.
+pub(super) fn largest(function: &Function, inputs: &[Vec<f64>]) -> f64 {
+    let numbers = inputs.iter().flat_map(|inputs| {
+        let values = evaluate_nodes(function, &Binary64, inputs);
+        values.into_iter().chain(inputs.iter().copied())
+    });
+    numbers.fold(0.0, |most, number| number.abs().max(most))
+}
+
 /// The flattened outputs of a function whose values have formats of their own.
 pub(super) fn evaluate_mixture(function: &Function, inputs: &[f64]) -> Vec<Double> {
     let mut flat = vec![Double::from(0.0); function.output_len()];

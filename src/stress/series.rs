@@ -201,11 +201,6 @@ impl AnglesBench<'_> {
 }
 
 impl StressBench for AnglesBench<'_> {
-    fn condition(&self) -> f64 {
-        let format = Format::BINARY32;
-        self.floor(format) / format.unit_roundoff()
-    }
-
     /// That of true functions.
     fn floor(&self, format: Format) -> f64 {
         let plain = ProgramTreatment::in_format(format);

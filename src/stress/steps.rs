@@ -4,58 +4,59 @@
 //! shows is rounding alone and not what the method leaves out.
 
 use super::case::{Measured, StressBench, StressSubject};
-use super::dynamics::{perturb, worst};
+use super::dynamics::{sensitivity, worst};
+use super::forms::{TextForm, TextForms};
+use super::memo::Memo;
 use super::numbers::{Wide, Work, WorkingPrecision};
-use super::program::{function_cost, shared, text_program};
-use super::runge_kutta::{IntegratedState, TimeStep};
+use super::program::{function_cost, largest, shared, text_program};
 use super::treatment::PASSES;
 use super::{ProgramTreatment, StressError};
-use robovec_ir::cost::OperationWork;
-use robovec_ir::evaluate::{evaluate, evaluate_mixed, evaluate_nodes};
+use crate::motion::runge_kutta::{IntegratedState, TimeStep, change_work};
+use robovec_ir::evaluate::{evaluate, evaluate_mixed};
 use robovec_ir::{Format, Function, Module};
-use robovec_num::arithmetic::{Arithmetic, Binary64};
+use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::Double;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
-/// Differential equations with their start.
+/// Differential equations with their start: functions of one array of state
+/// numbers and one of parameters, which give the slopes of the state and then
+/// what is watched.
 pub(super) struct StepsSubject {
-    /// The equations that the case is about.
-    plain: MotionForm,
-    /// The same motion in other coordinates.
-    forms: Vec<MotionForm>,
+    forms: TextForms<MotionStart>,
     /// s.
     step: f64,
     steps: u64,
 }
 
-/// One way to write the differential equations: a function of one array of
-/// state numbers and one of parameters, which gives the slopes of the state
-/// and then what is watched.
-pub(super) struct MotionForm {
-    /// Its name; empty for the case itself.
-    pub(super) name: &'static str,
-    /// A module of one function in the text form.
-    pub(super) text: String,
-    /// The state at the start.
-    pub(super) start: Vec<f64>,
+/// Where a motion starts.
+#[derive(Clone)]
+pub(super) struct MotionStart {
+    pub(super) state: Vec<f64>,
     pub(super) parameters: Vec<f64>,
-    /// True when the state is another one than that of the case: what the
-    /// host made of its own numbers.
-    pub(super) prepared: bool,
+}
+
+impl MotionStart {
+    /// What the function reads: the state, then the parameters.
+    fn inputs(&self) -> Vec<f64> {
+        [&self.state[..], &self.parameters].concat()
+    }
 }
 
 /// How often the watched numbers are looked at.
 const SAMPLES: u64 = 50;
 
 impl StepsSubject {
-    /// The motion of a form, in so many steps (s).
-    pub(super) fn new(mut plain: MotionForm, (step, steps): (f64, u64)) -> StepsSubject {
-        for numbers in [&mut plain.start, &mut plain.parameters] {
+    /// The motion of the equations, in so many steps (s).
+    pub(super) fn new(
+        text: String,
+        mut start: MotionStart,
+        (step, steps): (f64, u64),
+    ) -> StepsSubject {
+        for numbers in [&mut start.state, &mut start.parameters] {
             numbers.iter_mut().for_each(|x| *x = shared(*x));
         }
         StepsSubject {
-            plain,
-            forms: Vec::new(),
+            forms: TextForms::new(text, start),
             step,
             steps,
         }
@@ -63,30 +64,17 @@ impl StepsSubject {
 
     /// The same with another form; its parameters are shared, its start is
     /// the host's.
-    pub(super) fn or(mut self, mut form: MotionForm) -> StepsSubject {
-        form.parameters.iter_mut().for_each(|x| *x = shared(*x));
+    pub(super) fn or(mut self, mut form: TextForm<MotionStart>) -> StepsSubject {
+        let parameters = form.numbers.parameters.iter_mut();
+        parameters.for_each(|x| *x = shared(*x));
         self.forms.push(form);
         self
     }
 
-    fn form(&self, name: &str) -> Result<&MotionForm, StressError> {
-        let mut forms = std::iter::once(&self.plain).chain(&self.forms);
-        let found = forms.find(|form| form.name == name);
-        found.ok_or_else(|| StressError::Passes(format!("there is no form '{name}'")))
-    }
-
     /// The forms that are chosen, as they come and with what compensates.
     fn treatments(&self, prepared: bool) -> Vec<ProgramTreatment> {
-        let forms = std::iter::once(&self.plain).chain(&self.forms);
-        let forms = forms.filter(|form| form.prepared == prepared);
-        let treatments = forms.flat_map(|form| {
-            [PASSES[0], PASSES[1], PASSES[6]].map(|passes| ProgramTreatment {
-                passes,
-                form: form.name,
-                ..self.untreated()
-            })
-        });
-        treatments.collect()
+        let passes = [PASSES[0], PASSES[1], PASSES[6]];
+        self.forms.treatments(prepared, &passes, &self.untreated())
     }
 }
 
@@ -94,9 +82,7 @@ struct StepsBench<'a> {
     subject: &'a StepsSubject,
     /// What is watched, and the state, sample after sample.
     exact: Vec<Vec<Double>>,
-    /// What was made, by the treatment that makes it in binary32: formats are
-    /// tried one after the other.
-    modules: Mutex<Vec<(ProgramTreatment, Arc<Module>)>>,
+    modules: Memo<ProgramTreatment, Arc<Module>>,
 }
 
 impl StressSubject for StepsSubject {
@@ -117,7 +103,7 @@ impl StressSubject for StepsSubject {
 
     fn candidates(&self) -> Vec<ProgramTreatment> {
         let mut list = self.treatments(true);
-        for form in std::iter::once(&self.plain).chain(&self.forms) {
+        for form in self.forms.all() {
             let plain = ProgramTreatment {
                 form: form.name,
                 ..self.untreated()
@@ -146,10 +132,9 @@ impl StressSubject for StepsSubject {
         let mut bench = StepsBench {
             subject: self,
             exact: Vec::new(),
-            modules: Mutex::default(),
+            modules: Memo::default(),
         };
-        let start = [&self.plain.start[..], &self.plain.parameters].concat();
-        bench.exact = bench.exactly(&start)?;
+        bench.exact = bench.exactly(&self.forms.plain.numbers.inputs())?;
         Ok(Box::new(bench))
     }
 }
@@ -263,39 +248,32 @@ impl StepsBench<'_> {
             mixed: treatment.mixed,
             ..ProgramTreatment::default()
         };
-        // A thread that panicked left nothing half done here.
-        let lock = || {
-            self.modules
-                .lock()
-                .unwrap_or_else(|error| error.into_inner())
-        };
-        if let Some((_, module)) = lock().iter().find(|(known, _)| *known == key) {
-            return Ok(module.clone());
-        }
-        let form = self.subject.form(treatment.form)?;
-        // Only formats of values depend on states.
-        let states = match treatment.mixed {
-            Some(_) => self.visited(treatment.form)?,
-            None => vec![[&form.start[..], &form.parameters].concat()],
-        };
-        let module = Arc::new(text_program(&form.text, treatment, &states)?);
-        lock().push((key, module.clone()));
-        Ok(module)
+        self.modules.get(key, || {
+            let form = self.subject.forms.named(treatment.form)?;
+            // Only formats of values depend on states.
+            let states = match treatment.mixed {
+                Some(_) => self.visited(treatment.form)?,
+                None => vec![form.numbers.inputs()],
+            };
+            text_program(&form.text, treatment, &states).map(Arc::new)
+        })
     }
 
     /// The inputs of a form along its run in binary64.
     fn visited(&self, name: &'static str) -> Result<Vec<Vec<f64>>, StressError> {
-        let form = self.subject.form(name)?;
+        let form = self.subject.forms.named(name)?;
         let treatment = ProgramTreatment {
             form: name,
             ..self.subject.untreated()
         };
-        let numbers = [&form.start[..], &form.parameters].concat();
+        let numbers = form.numbers.inputs();
         let run = self.run(&treatment, &numbers, WorkingPrecision::In(Format::BINARY64))?;
         let inputs = run.iter().map(|sample| {
             let state = &sample[self.watched()..];
             let state = state.iter().map(|number| number.high);
-            state.chain(form.parameters.iter().copied()).collect()
+            state
+                .chain(form.numbers.parameters.iter().copied())
+                .collect()
         });
         Ok(inputs.collect())
     }
@@ -303,7 +281,7 @@ impl StepsBench<'_> {
     /// How many numbers are watched.
     fn watched(&self) -> usize {
         let all = self.exact.first().map_or(0, Vec::len);
-        all - self.subject.plain.start.len()
+        all - self.subject.forms.plain.numbers.state.len()
     }
 
     /// The run of a treatment from given numbers.
@@ -314,11 +292,11 @@ impl StepsBench<'_> {
         precision: WorkingPrecision,
     ) -> Result<Vec<Vec<Double>>, StressError> {
         let module = self.module(treatment)?;
-        let form = self.subject.form(treatment.form)?;
+        let form = self.subject.forms.named(treatment.form)?;
         Ok(precision.work(FormRun {
             function: &module.functions[0],
             numbers,
-            states: form.start.len(),
+            states: form.numbers.state.len(),
             how: TimeStep {
                 step: self.subject.step,
                 compensated: treatment.compensated,
@@ -347,47 +325,32 @@ impl StepsBench<'_> {
 }
 
 impl StressBench for StepsBench<'_> {
-    fn condition(&self) -> f64 {
-        let format = Format::BINARY32;
-        self.floor(format) / format.unit_roundoff()
-    }
-
     /// What moving the start and the parameters once does to the run.
     fn floor(&self, format: Format) -> f64 {
         const DRAWS: u64 = 3;
-        let amount = format.unit_roundoff();
-        let step = amount.max(2f64.powi(-30));
-        let form = &self.subject.plain;
-        let numbers = [&form.start[..], &form.parameters].concat();
-        let moved = (0..DRAWS).map(|draw| {
-            let numbers = perturb(&numbers, step, draw);
-            self.exactly(&numbers)
+        let numbers = self.subject.forms.plain.numbers.inputs();
+        sensitivity(format.unit_roundoff(), DRAWS, &numbers, |numbers| {
+            self.exactly(numbers)
                 .map_or(f64::NAN, |found| self.distance(&found))
-        });
-        worst(moved) * amount / step
+        })
     }
 
     fn largest(&self, treatment: &ProgramTreatment) -> Option<f64> {
         let module = self.module(treatment).ok()?;
         let visited = self.visited(treatment.form).ok()?;
-        let values = visited.into_iter().flat_map(|inputs| {
-            let mut values = evaluate_nodes(&module.functions[0], &Binary64, &inputs);
-            values.extend(inputs);
-            values
-        });
-        Some(values.fold(0.0, |most: f64, number| most.max(number.abs())))
+        Some(largest(&module.functions[0], &visited))
     }
 
     fn measure(&self, treatment: &ProgramTreatment) -> Result<Measured, StressError> {
-        let form = self.subject.form(treatment.form)?;
-        let numbers = [&form.start[..], &form.parameters].concat();
+        let form = self.subject.forms.named(treatment.form)?;
+        let numbers = form.numbers.inputs();
         let precision = WorkingPrecision::In(treatment.format);
         let found = self.run(treatment, &numbers, precision)?;
         let module = self.module(treatment)?;
         let steps = self.subject.steps as f64;
         let slopes = 4.0 * function_cost(&module.functions[0], treatment.format);
         let state = treatment.state.unwrap_or(treatment.format);
-        let change = change_work(form.start.len(), treatment.compensated).cost(state);
+        let change = change_work(form.numbers.state.len(), treatment.compensated).cost(state);
         Ok(Measured {
             error: self.distance(&found),
             others: Vec::new(),
@@ -396,12 +359,4 @@ impl StressBench for StepsBench<'_> {
             cost: steps * (slopes + change),
         })
     }
-}
-
-/// The operations of one step of Runge-Kutta besides its slopes: four stages
-/// of a product and a sum, four more sums and two products for the change;
-/// three sums more to compensate.
-pub(super) fn change_work(numbers: usize, compensated: bool) -> OperationWork {
-    let sums = if compensated { 11.0 } else { 8.0 };
-    OperationWork::new(6.0, sums) * numbers as f64
 }

@@ -113,6 +113,15 @@ impl ProgramTreatment {
         }
     }
 
+    /// The same in binary32: treatments that differ in their format alone
+    /// share one program.
+    pub(super) fn in_binary32(&self) -> ProgramTreatment {
+        ProgramTreatment {
+            format: Format::BINARY32,
+            ..self.clone()
+        }
+    }
+
     /// True when it is another program in the same format, and nothing else.
     pub(super) fn is_another_program(&self, untreated: &ProgramTreatment) -> bool {
         let same = ProgramTreatment {

@@ -1,6 +1,6 @@
 //! Sums whose terms cancel.
 
-use super::super::case::{CaseClass, StressCase, StressSubject};
+use super::super::case::{CaseClass, StressCase};
 use super::super::draw::Draw;
 use super::super::dynamics::{DynamicsSubject, Metric};
 use super::super::equations::EquationsSubject;
@@ -20,27 +20,27 @@ pub(super) fn cases() -> Vec<StressCase> {
         (8, StressVerdict::BadCode),
         (10, StressVerdict::BadCode),
     ] {
-        cases.push(case(
+        cases.push(CaseClass::Cancellation.case(
             format!("dot-1e{power}"),
             format!("scalar products of 32 pairs with the condition 1e{power}"),
             "the sum: what is left of it is smaller than the roundings of its terms",
             expected,
-            Box::new(products(10f64.powi(power))),
+            products(10f64.powi(power)),
         ));
     }
-    cases.push(case(
-        "alternating".to_owned(),
-        "small terms, each between +1e7 and -1e7".to_owned(),
+    cases.push(CaseClass::Cancellation.case(
+        "alternating",
+        "small terms, each between +1e7 and -1e7",
         "the small terms, in this order; in another they survive",
         StressVerdict::BadCode,
-        Box::new(alternating()),
+        alternating(),
     ));
-    cases.push(case(
-        "ties".to_owned(),
-        "1 and a thousand halves of its last place, less 1".to_owned(),
+    cases.push(CaseClass::Cancellation.case(
+        "ties",
+        "1 and a thousand halves of its last place, less 1",
         "every addition is a tie and rounds back to 1; summed first they are exact",
         StressVerdict::BadCode,
-        Box::new(ties()),
+        ties(),
     ));
     for (power, expected) in [
         (1, StressVerdict::Fine),
@@ -51,31 +51,15 @@ pub(super) fn cases() -> Vec<StressCase> {
         let model = counterweight(residual);
         let mut state = MotionState::initial(&model);
         state.q[0] = 0.3;
-        cases.push(case(
+        cases.push(CaseClass::Cancellation.case(
             format!("counterweight-1e-{power}"),
             format!("a balanced beam with 1e-{power} N m left of 1e3"),
             "the torque element by element; in the norm nothing shows",
             expected,
-            Box::new(DynamicsSubject::new(model, vec![state], Metric::Forces)),
+            DynamicsSubject::new(model, vec![state], Metric::Forces),
         ));
     }
     cases
-}
-
-fn case(
-    name: String,
-    construction: String,
-    breaks: &'static str,
-    expected: StressVerdict,
-    subject: Box<dyn StressSubject>,
-) -> StressCase {
-    StressCase::new(
-        CaseClass::Cancellation,
-        name,
-        (construction, breaks),
-        expected,
-        subject,
-    )
 }
 
 /// Pairs of a scalar product.

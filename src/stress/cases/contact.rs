@@ -1,10 +1,11 @@
 //! Contact and friction: a penetration far from the origin, and a slip beside
 //! the velocity of rolling.
 
-use super::super::case::{CaseClass, StressCase, StressSubject};
+use super::super::case::{CaseClass, StressCase};
 use super::super::draw::Draw;
 use super::super::equations::EquationsSubject;
-use super::super::steps::{MotionForm, StepsSubject};
+use super::super::forms::TextForm;
+use super::super::steps::{MotionStart, StepsSubject};
 use super::super::verdict::StressVerdict;
 
 pub(super) fn cases() -> Vec<StressCase> {
@@ -14,12 +15,12 @@ pub(super) fn cases() -> Vec<StressCase> {
         (3, StressVerdict::BadCode),
         (4, StressVerdict::BadCode),
     ] {
-        cases.push(case(
+        cases.push(CaseClass::Contact.case(
             format!("wheel-1e{power}"),
             format!("a wheel on a slope, 1e{power} m from the origin, 1e-4 m in the ground"),
             "the penetration: what is left of positions and the radius",
             expected,
-            Box::new(wheel(10f64.powi(power))),
+            wheel(10f64.powi(power)),
         ));
     }
     for (power, expected) in [
@@ -27,55 +28,39 @@ pub(super) fn cases() -> Vec<StressCase> {
         (4, StressVerdict::BadCode),
         (5, StressVerdict::BadCode),
     ] {
-        cases.push(case(
+        cases.push(CaseClass::Contact.case(
             format!("slip-1e-{power}"),
             format!("regularised friction of a wheel at 30 m/s that slips by 1e-{power} m/s"),
             "the slip w r - v: the product is rounded before the difference",
             expected,
-            Box::new(slip(10f64.powi(-power))),
+            slip(10f64.powi(-power)),
         ));
     }
     for (power, expected) in [
         (0, StressVerdict::HardProblem),
         (3, StressVerdict::HardProblem),
     ] {
-        cases.push(case(
+        cases.push(CaseClass::Contact.case(
             format!("bounce-1e{power}"),
             format!("a train's wheel in time on a rail 1e{power} m above the origin"),
             "the penetration of 1e-4 m, and the state that holds a height",
             expected,
-            Box::new(bounce(10f64.powi(power))),
+            bounce(10f64.powi(power)),
         ));
     }
     for (power, expected) in [
         (1, StressVerdict::HardProblem),
         (2, StressVerdict::HardProblem),
     ] {
-        cases.push(case(
+        cases.push(CaseClass::Contact.case(
             format!("rolling-1e{power}"),
             format!("a driven wheel in time that rolls at 1e{power} m/s with a slip of 4e-4 m/s"),
             "the slip, and the velocities that hardly change in a step",
             expected,
-            Box::new(rolling(10f64.powi(power))),
+            rolling(10f64.powi(power)),
         ));
     }
     cases
-}
-
-fn case(
-    name: String,
-    construction: String,
-    breaks: &'static str,
-    expected: StressVerdict,
-    subject: Box<dyn StressSubject>,
-) -> StressCase {
-    StressCase::new(
-        CaseClass::Contact,
-        name,
-        (construction, breaks),
-        expected,
-        subject,
-    )
 }
 
 const WHEEL: &str = "function wheel equations {
@@ -157,22 +142,20 @@ fn bounce(ground: f64) -> StepsSubject {
     // 2^-13 m, so that every height holds it.
     let depth = 2f64.powi(-13);
     let radius = 0.5;
-    let parameters = vec![5e8, 2e-4, 9.81, ground, radius];
-    let plain = MotionForm {
-        name: "",
-        text: text("p[4] + p[5] - x[1]", "x[2]"),
-        start: vec![ground + radius - depth, 0.0],
-        parameters: parameters.clone(),
-        prepared: false,
+    let start = |state: [f64; 2]| MotionStart {
+        state: state.to_vec(),
+        parameters: vec![5e8, 2e-4, 9.81, ground, radius],
     };
-    let relative = MotionForm {
-        name: "penetration as coordinate",
-        text: text("x[1]", "0 - x[2]"),
-        start: vec![depth, 0.0],
-        parameters,
-        prepared: true,
-    };
-    StepsSubject::new(plain, (2f64.powi(-11), 2048)).or(relative)
+    StepsSubject::new(
+        text("p[4] + p[5] - x[1]", "x[2]"),
+        start([ground + radius - depth, 0.0]),
+        (2f64.powi(-11), 2048),
+    )
+    .or(TextForm::prepared(
+        "penetration as coordinate",
+        text("x[1]", "0 - x[2]"),
+        start([depth, 0.0]),
+    ))
 }
 
 /// A wheel of 300 kg, 1.2 kg m^2 and 0.3 m under a torque of 30 N m. The state
@@ -190,30 +173,21 @@ fn rolling(speed: f64) -> StepsSubject {
     // Radius, reciprocal mass and inertia, torque, mu N, regularisation.
     let parameters = vec![radius, 1.0 / 300.0, 1.0 / 1.2, 30.0, 2400.0, 0.01];
     let turning = f64::from((speed / radius) as f32);
-    let plain = MotionForm {
-        name: "",
-        text: text("x[1]*p[1] - x[2]", "%w"),
-        start: vec![turning, speed],
+    let start = |first: f64| MotionStart {
+        state: vec![first, speed],
         parameters: parameters.clone(),
-        prepared: false,
     };
-    let fused = MotionForm {
-        name: "fused slip",
-        text: text("fms(x[1], p[1], x[2])", "%w"),
-        start: plain.start.clone(),
-        parameters: parameters.clone(),
-        prepared: false,
-    };
-    let relative = MotionForm {
-        name: "slip as coordinate",
-        text: text("x[1]", "p[1]*%w - %v"),
-        start: vec![turning * radius - speed, speed],
-        parameters,
-        prepared: true,
-    };
-    StepsSubject::new(plain, (2f64.powi(-14), 2048))
-        .or(fused)
-        .or(relative)
+    let plain = text("x[1]*p[1] - x[2]", "%w");
+    let fused = text("fms(x[1], p[1], x[2])", "%w");
+    let relative = text("x[1]", "p[1]*%w - %v");
+    let slip = turning * radius - speed;
+    StepsSubject::new(plain, start(turning), (2f64.powi(-14), 2048))
+        .or(TextForm::given("fused slip", fused, start(turning)))
+        .or(TextForm::prepared(
+            "slip as coordinate",
+            relative,
+            start(slip),
+        ))
 }
 
 #[cfg(test)]

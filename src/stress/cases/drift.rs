@@ -16,18 +16,10 @@ pub(super) fn cases() -> Vec<StressCase> {
     ] {
         let step = 2f64.powi(-power);
         let steps = duration << power;
-        cases.push(StressCase {
-            name: format!("four-bar-{duration}s-2e-{power}"),
-            class: CaseClass::Drift,
-            construction: format!(
+        cases.push(StressCase { long, ..CaseClass::Drift.case(format!("four-bar-{duration}s-2e-{power}"), format!(
                 "a four-bar that swings for {duration} s in steps of 2^-{power} s, nothing keeping \
                  it closed"
-            ),
-            breaks: "the loop: accelerations agree with it, positions only by integration",
-            expected,
-            long,
-            subject: Box::new(DriftSubject::new(four_bar(0.5), (step, steps))),
-        });
+            ), "the loop: accelerations agree with it, positions only by integration", expected, DriftSubject::new(four_bar(0.5), (step, steps))) });
     }
     cases
 }

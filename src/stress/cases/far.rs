@@ -23,28 +23,24 @@ pub(super) fn cases() -> Vec<StressCase> {
         (4, StressVerdict::HardProblem),
         (6, StressVerdict::HardProblem),
     ] {
-        cases.push(StressCase {
-            name: format!("sensor-1e{power}"),
-            class: CaseClass::Far,
-            construction: format!(
+        cases.push(CaseClass::Far.case(
+            format!("sensor-1e{power}"),
+            format!(
                 "an arm's sensor beside a target, the body that carries it 1e{power} m from the \
                  origin"
             ),
-            breaks: "positions that the host has in binary64, before anything is computed",
+            "positions that the host has in binary64, before anything is computed",
             expected,
-            long: false,
-            subject: Box::new(sensor(10f64.powi(power), false)),
-        });
+            sensor(10f64.powi(power), false),
+        ));
     }
-    cases.push(StressCase {
-        name: "sensor-1e6-held".to_owned(),
-        class: CaseClass::Far,
-        construction: "the same at 1e6 m with positions that binary32 holds".to_owned(),
-        breaks: "the arm, which is added to the far position before the target is subtracted",
-        expected: StressVerdict::BadCode,
-        long: false,
-        subject: Box::new(sensor(1e6, true)),
-    });
+    cases.push(CaseClass::Far.case(
+        "sensor-1e6-held",
+        "the same at 1e6 m with positions that binary32 holds",
+        "the arm, which is added to the far position before the target is subtracted",
+        StressVerdict::BadCode,
+        sensor(1e6, true),
+    ));
     cases
 }
 

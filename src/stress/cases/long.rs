@@ -20,13 +20,16 @@ pub(super) fn cases() -> Vec<StressCase> {
         let initial = MotionState::initial(&model);
         let step = 10f64.powi(-power);
         let subject = Long::new(model, initial, Kept::Energy, [duration, step]);
-        cases.push(case(
-            format!("pendulum-1e-{power}"),
-            format!("a double pendulum for {duration} s in steps of 1e-{power} s"),
-            "the energy: every step adds a small change to the state",
-            (expected, power > 2),
-            subject,
-        ));
+        cases.push(StressCase {
+            long: power > 2,
+            ..CaseClass::Motion.case(
+                format!("pendulum-1e-{power}"),
+                format!("a double pendulum for {duration} s in steps of 1e-{power} s"),
+                "the energy: every step adds a small change to the state",
+                expected,
+                subject,
+            )
+        });
     }
     for (power, duration, expected) in [
         (3, 10.0, StressVerdict::Fine),
@@ -37,33 +40,18 @@ pub(super) fn cases() -> Vec<StressCase> {
         initial.q[3..6].copy_from_slice(&[0.3, 0.2, -0.4]);
         let step = 10f64.powi(-power);
         let subject = Long::new(model, initial, Kept::Momentum, [duration, step]);
-        cases.push(case(
-            format!("satellite-1e-{power}"),
-            format!("a free body with two arms for {duration} s in steps of 1e-{power} s"),
-            "linear and angular momentum, which nothing changes",
-            (expected, true),
-            subject,
-        ));
+        cases.push(StressCase {
+            long: true,
+            ..CaseClass::Motion.case(
+                format!("satellite-1e-{power}"),
+                format!("a free body with two arms for {duration} s in steps of 1e-{power} s"),
+                "linear and angular momentum, which nothing changes",
+                expected,
+                subject,
+            )
+        });
     }
     cases
-}
-
-fn case(
-    name: String,
-    construction: String,
-    breaks: &'static str,
-    (expected, long): (StressVerdict, bool),
-    subject: Long,
-) -> StressCase {
-    StressCase {
-        name,
-        class: CaseClass::Motion,
-        construction,
-        breaks,
-        expected,
-        long,
-        subject: Box::new(subject),
-    }
 }
 
 /// A body that floats, with two arms that turn.

@@ -16,29 +16,29 @@ pub(super) fn cases() -> Vec<StressCase> {
         (3, StressVerdict::Fine),
         (4, StressVerdict::HardProblem),
     ] {
-        cases.push(case(
+        cases.push(CaseClass::Loop.case(
             format!("parallelogram-1e-{power}"),
             format!("four bars of lengths 1, 2, 1, 2 m with the crank at 1e-{power} rad"),
             "the Jacobian of the loop: all bars on one line",
             expected,
-            SLOPES.map(|slope| parallelogram(10f64.powi(-power), slope, false)),
+            LoopsSubject::new(SLOPES.map(|slope| parallelogram(10f64.powi(-power), slope, false))),
         ));
     }
     // Rounded pivots of an overconstrained loop would never meet: this one
     // lies along an axis, where they are exact.
-    cases.push(case(
-        "redundant".to_owned(),
-        "a parallelogram with a third rocker, at 1 rad".to_owned(),
+    cases.push(CaseClass::Loop.case(
+        "redundant",
+        "a parallelogram with a third rocker, at 1 rad",
         "the rank of the Jacobian: two rows say the same",
         StressVerdict::Fine,
-        [parallelogram(1.0, 0.0, true)],
+        LoopsSubject::new([parallelogram(1.0, 0.0, true)]),
     ));
-    cases.push(case(
-        "redundant-1e-3".to_owned(),
-        "the same with the crank at 1e-3 rad".to_owned(),
+    cases.push(CaseClass::Loop.case(
+        "redundant-1e-3",
+        "the same with the crank at 1e-3 rad",
         "the rank, beside rows that nearly say the same",
         StressVerdict::Fine,
-        [parallelogram(1e-3, 0.0, true)],
+        LoopsSubject::new([parallelogram(1e-3, 0.0, true)]),
     ));
     for (power, expected) in [
         (2, StressVerdict::Fine),
@@ -47,38 +47,15 @@ pub(super) fn cases() -> Vec<StressCase> {
     ] {
         // Made where the rocker moves, run where it turns round.
         let state = MotionState::initial(&four_bar(10f64.powi(-power)));
-        cases.push(StressCase {
-            subject: Box::new(LoopsSubject::in_states([(four_bar(0.5), state)])),
-            ..case(
-                format!("dead-point-1e-{power}"),
-                format!(
-                    "a four-bar with the rocker independent, 1e-{power} rad from its dead point"
-                ),
-                "the partition of the coordinates: the rocker hardly tells where the crank is",
-                expected,
-                [],
-            )
-        });
+        cases.push(CaseClass::Loop.case(
+            format!("dead-point-1e-{power}"),
+            format!("a four-bar with the rocker independent, 1e-{power} rad from its dead point"),
+            "the partition of the coordinates: the rocker hardly tells where the crank is",
+            expected,
+            LoopsSubject::in_states([(four_bar(0.5), state)]),
+        ));
     }
     cases
-}
-
-fn case(
-    name: String,
-    construction: String,
-    breaks: &'static str,
-    expected: StressVerdict,
-    models: impl IntoIterator<Item = Model>,
-) -> StressCase {
-    StressCase {
-        name,
-        class: CaseClass::Loop,
-        construction,
-        breaks,
-        expected,
-        long: false,
-        subject: Box::new(LoopsSubject::new(models)),
-    }
 }
 
 /// Directions of the line between the pivots, rad: along an axis sums would be

@@ -1,6 +1,7 @@
 //! Models and states that several cases start from.
 
 use super::super::draw::Draw;
+use super::super::dynamics::{DynamicsSubject, Metric};
 use crate::kinematics::MotionState;
 use crate::model::build::{BASE, ModelBuilder};
 use crate::model::{Axis, JointKind, Model};
@@ -37,6 +38,16 @@ pub(super) fn random(model: &Model, seed: u64, rate: f64) -> MotionState {
         state.qdd[joint] = draw.within(rate);
     }
     state
+}
+
+/// The accelerations of a model in states.
+pub(super) fn accelerations(model: Model, states: Vec<MotionState>) -> DynamicsSubject {
+    DynamicsSubject::new(model, states, Metric::Accelerations)
+}
+
+/// Three random states, with velocities and accelerations of the order of one.
+pub(super) fn some(model: &Model) -> Vec<MotionState> {
+    (0..3).map(|seed| random(model, seed, 1.0)).collect()
 }
 
 /// All positions zero, with velocities and accelerations of the order of one.

@@ -2,10 +2,8 @@
 //! near a singular one.
 
 use super::super::case::{CaseClass, StressCase};
-use super::super::dynamics::{DynamicsSubject, Metric};
 use super::super::verdict::StressVerdict;
-use super::models::{HINGE, planar, random, sphere, straight};
-use crate::kinematics::MotionState;
+use super::models::{HINGE, accelerations, planar, some, sphere, straight};
 use crate::model::build::{BASE, ModelBuilder};
 use crate::model::{Axis, JointKind, Model, family};
 
@@ -15,29 +13,6 @@ pub(super) fn cases() -> Vec<StressCase> {
     cases.extend(swamped());
     cases.extend(poses());
     cases
-}
-
-/// A case of accelerations.
-fn case(
-    class: CaseClass,
-    name: String,
-    (construction, breaks): (String, &'static str),
-    expected: StressVerdict,
-    (model, states): (Model, Vec<MotionState>),
-) -> StressCase {
-    StressCase {
-        name,
-        class,
-        construction,
-        breaks,
-        expected,
-        long: false,
-        subject: Box::new(DynamicsSubject::new(model, states, Metric::Accelerations)),
-    }
-}
-
-fn some(model: &Model) -> Vec<MotionState> {
-    (0..3).map(|seed| random(model, seed, 1.0)).collect()
 }
 
 fn masses() -> Vec<StressCase> {
@@ -51,30 +26,24 @@ fn masses() -> Vec<StressCase> {
         let tip = model.bodies.len() - 1;
         model.bodies[tip].mass *= 10f64.powi(power);
         let states = some(&model);
-        cases.push(case(
-            CaseClass::Ratio,
+        cases.push(CaseClass::Ratio.case(
             format!("tip-mass-1e{power}"),
-            (
-                format!("a chain of 6 whose last body has 1e{power} times the mass"),
-                "the inertia of the bodies before it",
-            ),
+            format!("a chain of 6 whose last body has 1e{power} times the mass"),
+            "the inertia of the bodies before it",
             expected,
-            (model, states),
+            accelerations(model, states),
         ));
     }
     let mut model = family::serial(6, 1);
     model.bodies[0].mass *= 1e9;
     model.bodies[0].inertia = model.bodies[0].inertia.map(|x| x * 1e9);
     let states = some(&model);
-    cases.push(case(
-        CaseClass::Ratio,
-        "base-mass-1e9".to_owned(),
-        (
-            "a chain of 6 whose first body is 1e9 times as heavy".to_owned(),
-            "nothing: a graded matrix, whose condition alone misleads",
-        ),
+    cases.push(CaseClass::Ratio.case(
+        "base-mass-1e9",
+        "a chain of 6 whose first body is 1e9 times as heavy",
+        "nothing: a graded matrix, whose condition alone misleads",
         StressVerdict::Fine,
-        (model, states),
+        accelerations(model, states),
     ));
     cases
 }
@@ -90,15 +59,12 @@ fn lengths() -> Vec<StressCase> {
         // The second joint sits on the first point.
         model.points[0].coordinates = [0.0, 0.0, 10f64.powi(power)];
         let states = some(&model);
-        cases.push(case(
-            CaseClass::Ratio,
+        cases.push(CaseClass::Ratio.case(
             format!("offset-1e{power}"),
-            (
-                format!("a chain of 6 whose second joint sits 1e{power} m from the first"),
-                "small inertias absorbed by m d^2",
-            ),
+            format!("a chain of 6 whose second joint sits 1e{power} m from the first"),
+            "small inertias absorbed by m d^2",
             expected,
-            (model, states),
+            accelerations(model, states),
         ));
     }
     for (power, expected) in [
@@ -107,30 +73,22 @@ fn lengths() -> Vec<StressCase> {
     ] {
         let model = short_link(10f64.powi(-power));
         let states = some(&model);
-        cases.push(case(
-            CaseClass::Ratio,
+        cases.push(CaseClass::Ratio.case(
             format!("short-link-1e-{power}"),
-            (
-                format!(
-                    "a chain of 5 whose third link is 1e-{power} m long and weighs accordingly"
-                ),
-                "the two hinges at its ends are nearly one",
-            ),
+            format!("a chain of 5 whose third link is 1e-{power} m long and weighs accordingly"),
+            "the two hinges at its ends are nearly one",
             expected,
-            (model, states),
+            accelerations(model, states),
         ));
     }
     let model = massless();
     let states = some(&model);
-    cases.push(case(
-        CaseClass::Ratio,
-        "massless".to_owned(),
-        (
-            "a chain of 9 hinges, three at a place: two of three bodies have no mass".to_owned(),
-            "nothing, while the three axes are apart",
-        ),
+    cases.push(CaseClass::Ratio.case(
+        "massless",
+        "a chain of 9 hinges, three at a place: two of three bodies have no mass",
+        "nothing, while the three axes are apart",
         StressVerdict::Fine,
-        (model, states),
+        accelerations(model, states),
     ));
     let model = millimetres();
     let states = some(&model)
@@ -141,17 +99,16 @@ fn lengths() -> Vec<StressCase> {
             state
         })
         .collect();
-    cases.push(case(
-        CaseClass::Ratio,
-        "rail-and-needle".to_owned(),
-        (
+    cases.push(
+        CaseClass::Ratio.case(
+            "rail-and-needle",
             "a carriage on a rail of a kilometre carries an arm with a needle of millimetres"
                 .to_owned(),
             "inertias of 1e-12 kg m^2 beside masses of 1e3 kg",
+            StressVerdict::HardProblem,
+            accelerations(model, states),
         ),
-        StressVerdict::HardProblem,
-        (model, states),
-    ));
+    );
     cases
 }
 
@@ -223,15 +180,12 @@ fn swamped() -> Vec<StressCase> {
                 *rate = if joint % 2 == 0 { speed } else { -speed };
             }
         }
-        cases.push(case(
-            CaseClass::Swamped,
+        cases.push(CaseClass::Swamped.case(
             format!("counter-rotation-1e{power}"),
-            (
-                format!("six bodies on parallel hinges that turn at +-1e{power} rad/s in turn"),
-                "what inertia does beside terms of the squared velocities",
-            ),
+            format!("six bodies on parallel hinges that turn at +-1e{power} rad/s in turn"),
+            "what inertia does beside terms of the squared velocities",
             expected,
-            (model, states),
+            accelerations(model, states),
         ));
     }
     cases
@@ -249,15 +203,12 @@ fn poses() -> Vec<StressCase> {
         let mut state = straight(&model);
         (state.q[0], state.q[1], state.q[2]) = (0.4, 0.7, -0.3);
         (state.q[3], state.q[4]) = (10f64.powi(-power), 0.9);
-        cases.push(case(
-            CaseClass::Pose,
+        cases.push(CaseClass::Pose.case(
             format!("gimbal-1e-{power}"),
-            (
-                format!("an arm with a wrist of 1e-4 kg on axes z, y, z, the middle at 1e-{power}"),
-                "the wrist's first and last axis become one",
-            ),
+            format!("an arm with a wrist of 1e-4 kg on axes z, y, z, the middle at 1e-{power}"),
+            "the wrist's first and last axis become one",
             expected,
-            (model, vec![state]),
+            accelerations(model, vec![state]),
         ));
     }
     cases

@@ -21,50 +21,37 @@ pub(super) fn cases() -> Vec<StressCase> {
         } else {
             ""
         };
-        cases.push(case(
+        cases.push(CaseClass::Scale.case(
             format!("tiny-1e{power}{suffix}"),
             format!("a chain of 7 whose lengths are 1e{power} times as large"),
             "gravity swamps inertia; below 1e-38 nothing is left of M",
             expected,
-            (model, metric),
+            subject(model, metric),
         ));
     }
     let model = resized(family::serial(7, 1), 1e6, 1e3);
-    cases.push(case(
-        "huge-1e6".to_owned(),
-        "a chain of 7 whose lengths are 1e6 times as large, its density 1e3 times".to_owned(),
+    cases.push(CaseClass::Scale.case(
+        "huge-1e6",
+        "a chain of 7 whose lengths are 1e6 times as large, its density 1e3 times",
         "nothing: the exponent of binary32 is wide enough",
         StressVerdict::Fine,
-        (model, Metric::Accelerations),
+        subject(model, Metric::Accelerations),
     ));
-    cases.push(case(
-        "spindle-1e-30".to_owned(),
-        "a spindle of 1e-30 kg m^2 on a light arm that hardly moves".to_owned(),
+    cases.push(CaseClass::Scale.case(
+        "spindle-1e-30",
+        "a spindle of 1e-30 kg m^2 on a light arm that hardly moves",
         "products of small inertias and velocities, which become subnormal",
         StressVerdict::OutOfRange,
-        (spindle(), Metric::Forces),
+        subject(spindle(), Metric::Forces),
     ));
     cases
 }
 
-fn case(
-    name: String,
-    construction: String,
-    breaks: &'static str,
-    expected: StressVerdict,
-    (model, metric): (Model, Metric),
-) -> StressCase {
+/// Random states of a model, which hardly moves where its forces are asked for.
+fn subject(model: Model, metric: Metric) -> DynamicsSubject {
     let rate = if metric == Metric::Forces { 1e-12 } else { 1.0 };
     let states = (0..3).map(|seed| random(&model, seed, rate)).collect();
-    StressCase {
-        name,
-        class: CaseClass::Scale,
-        construction,
-        breaks,
-        expected,
-        long: false,
-        subject: Box::new(DynamicsSubject::new(model, states, metric)),
-    }
+    DynamicsSubject::new(model, states, metric)
 }
 
 /// An arm that carries a spindle of almost no inertia, balanced, without

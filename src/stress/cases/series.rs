@@ -24,15 +24,13 @@ pub(super) fn cases() -> Vec<StressCase> {
             state
         });
         let states = states.collect();
-        cases.push(StressCase {
-            name: format!("order-1-within-{range}"),
-            class: CaseClass::Series,
-            construction: format!("a chain of 7 with sin x = x, cos x = 1 and angles to {range}"),
-            breaks: "the model: rounding is nothing beside what the series leaves out",
+        cases.push(CaseClass::Series.case(
+            format!("order-1-within-{range}"),
+            format!("a chain of 7 with sin x = x, cos x = 1 and angles to {range}"),
+            "the model: rounding is nothing beside what the series leaves out",
             expected,
-            long: false,
-            subject: Box::new(AnglesSubject::new(model, states)),
-        });
+            AnglesSubject::new(model, states),
+        ));
     }
     cases
 }

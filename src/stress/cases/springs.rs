@@ -1,17 +1,18 @@
 //! Stiff springs: `k (length - free length)` where the lengths agree in all
 //! but their last digits.
 
-use super::super::case::{CaseClass, StressCase, StressSubject};
+use super::super::case::{CaseClass, StressCase};
 use super::super::draw::Draw;
 use super::super::equations::EquationsSubject;
-use super::super::steps::{MotionForm, StepsSubject};
+use super::super::forms::TextForm;
+use super::super::steps::{MotionStart, StepsSubject};
 use super::super::verdict::StressVerdict;
 use std::fmt::Write;
 
 pub(super) fn cases() -> Vec<StressCase> {
     let mut cases = Vec::new();
     for (power, expected) in [(6, StressVerdict::HardProblem), (9, StressVerdict::BadCode)] {
-        cases.push(case(
+        cases.push(CaseClass::Spring.case(
             format!("spring-chain-1e{power}"),
             format!(
                 "four masses on a line in time, the middle spring 1e{power} times as stiff as the \
@@ -19,7 +20,7 @@ pub(super) fn cases() -> Vec<StressCase> {
             ),
             "the stretch, and the state that holds positions",
             expected,
-            Box::new(chain(10f64.powi(power))),
+            chain(10f64.powi(power)),
         ));
     }
     for (power, expected) in [
@@ -27,31 +28,15 @@ pub(super) fn cases() -> Vec<StressCase> {
         (8, StressVerdict::BadCode),
         (9, StressVerdict::BadCode),
     ] {
-        cases.push(case(
+        cases.push(CaseClass::Spring.case(
             format!("spring-1e{power}"),
             format!("three springs in a row in space, the middle one 1e{power} N/m with 1e3 N"),
             "the stretch: the difference of two lengths of a metre",
             expected,
-            Box::new(row(10f64.powi(power))),
+            row(10f64.powi(power)),
         ));
     }
     cases
-}
-
-fn case(
-    name: String,
-    construction: String,
-    breaks: &'static str,
-    expected: StressVerdict,
-    subject: Box<dyn StressSubject>,
-) -> StressCase {
-    StressCase::new(
-        CaseClass::Spring,
-        name,
-        (construction, breaks),
-        expected,
-        subject,
-    )
 }
 
 /// The forces on the two inner ones of four points with springs between them,
@@ -125,29 +110,25 @@ fn chain(ratio: f64) -> StepsSubject {
         positions.push(f64::from((last + 1.0 + stretch) as f32));
     }
     let velocities = [0.5, -0.25, 0.125, 0.25];
-    let mut start = positions.clone();
-    start.extend(velocities);
-    let plain = MotionForm {
-        name: "",
-        text: chain_text("x[{j}] - x[{i}] - p[4]", ["x[5]", "x[6]", "x[7]", "x[8]"]),
-        start,
-        parameters: vec![1.0, ratio, 1.0, 1.0],
-        prepared: false,
+    let start = |places: Vec<f64>, parameters: &[f64]| MotionStart {
+        state: [places, velocities.to_vec()].concat(),
+        parameters: parameters.to_vec(),
     };
-    let mut start = vec![positions[0]];
-    start.extend(positions.windows(2).map(|pair| pair[1] - pair[0] - 1.0));
-    start.extend(velocities);
-    let relative = MotionForm {
-        name: "stretches as coordinates",
-        text: chain_text(
+    let mut relative = vec![positions[0]];
+    relative.extend(positions.windows(2).map(|pair| pair[1] - pair[0] - 1.0));
+    StepsSubject::new(
+        chain_text("x[{j}] - x[{i}] - p[4]", ["x[5]", "x[6]", "x[7]", "x[8]"]),
+        start(positions, &[1.0, ratio, 1.0, 1.0]),
+        (step, 2000),
+    )
+    .or(TextForm::prepared(
+        "stretches as coordinates",
+        chain_text(
             "x[{j}]",
             ["x[5]", "x[6] - x[5]", "x[7] - x[6]", "x[8] - x[7]"],
         ),
-        start,
-        parameters: vec![1.0, ratio, 1.0],
-        prepared: true,
-    };
-    StepsSubject::new(plain, (step, 2000)).or(relative)
+        start(relative, &[1.0, ratio, 1.0]),
+    ))
 }
 
 /// The equations with a way to write the stretch of spring `{i}`, which ends
@@ -178,6 +159,7 @@ fn chain_text(stretch: &str, rates: [&str; 4]) -> String {
 mod tests {
     use super::*;
     use crate::stress::ProgramTreatment;
+    use crate::stress::case::StressSubject;
 
     /// The forces on the inner points in plain binary32.
     fn short_forces(numbers: &[f32]) -> Vec<f64> {

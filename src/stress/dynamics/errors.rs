@@ -204,9 +204,6 @@ impl DynamicsBench<'_> {
     /// `amount` in some direction: the largest of some draws.
     pub(super) fn perturbed(&self, amount: f64) -> f64 {
         const DRAWS: u64 = 6;
-        // Inputs are binary64 numbers, which cannot move by less; the result
-        // moves in proportion.
-        let step = amount.max(2f64.powi(-30));
         let (kind, name) = match self.subject.metric {
             Metric::Masses => (FunctionKind::Dirdyna, "M"),
             Metric::Forces | Metric::Accelerations => (FunctionKind::Invdyna, "Qq"),
@@ -215,29 +212,40 @@ impl DynamicsBench<'_> {
             return f64::NAN;
         };
         let states = self.subject.states.iter().zip(&self.exact);
-        let moved = states.flat_map(|(state, exact)| {
+        worst(states.map(|(state, exact)| {
             let exact = match self.subject.metric {
                 Metric::Masses => &exact.mass,
                 Metric::Forces | Metric::Accelerations => &exact.forces,
             };
-            let inputs = program.inputs(state);
-            let program = &program;
-            (0..DRAWS).map(move |draw| {
-                let inputs = perturb(&inputs, step, draw);
-                let flat = program.evaluate(WorkingPrecision::Reference, Units::SI, &inputs);
+            sensitivity(amount, DRAWS, &program.inputs(state), |inputs| {
+                let flat = program.evaluate(WorkingPrecision::Reference, Units::SI, inputs);
                 let found = program.array(name, &flat, exact.len());
                 match self.subject.metric {
                     Metric::Masses => normwise(&found, exact),
                     Metric::Forces | Metric::Accelerations => componentwise(&found, exact),
                 }
             })
-        });
-        worst(moved) * amount / step
+        }))
     }
 }
 
+/// The largest error of some draws in which every input moves by a relative
+/// `amount` in some direction.
+pub(in super::super) fn sensitivity(
+    amount: f64,
+    draws: u64,
+    inputs: &[f64],
+    error: impl Fn(&[f64]) -> f64,
+) -> f64 {
+    // Inputs are binary64 numbers, which cannot move by less; the result
+    // moves in proportion.
+    let step = amount.max(2f64.powi(-30));
+    let moved = (0..draws).map(|draw| error(&perturb(inputs, step, draw)));
+    worst(moved) * amount / step
+}
+
 /// Inputs moved up or down by a relative amount.
-pub(in super::super) fn perturb(inputs: &[f64], amount: f64, draw: u64) -> Vec<f64> {
+fn perturb(inputs: &[f64], amount: f64, draw: u64) -> Vec<f64> {
     let mut draw = Draw::new(draw);
     let moved = inputs.iter().map(|&number| {
         let up = draw.bits() & 1 == 0;

@@ -2,6 +2,7 @@
 //! steps, and the laws written in plain binary32.
 
 use super::*;
+use crate::stress::case::StressSubject;
 
 /// A binary32 number in units of 2^-60.
 fn whole(x: f64) -> i128 {

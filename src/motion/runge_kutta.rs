@@ -1,27 +1,30 @@
 //! Steps of time in any arithmetic: classical Runge-Kutta of fourth order.
 
+use robovec_ir::cost::OperationWork;
 use robovec_num::arithmetic::Arithmetic;
 
 /// Numbers that are integrated.
-pub(super) struct IntegratedState<N> {
+pub struct IntegratedState<N> {
     /// What they are now.
-    pub(super) numbers: Vec<N>,
+    pub numbers: Vec<N>,
     /// What additions to them left out so far.
     rest: Vec<N>,
 }
 
 /// How they are integrated.
-#[derive(Clone, Copy)]
-pub(super) struct TimeStep {
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct TimeStep {
     /// s.
-    pub(super) step: f64,
-    /// Keep what additions leave out and add it to the next change (Kahan
+    pub step: f64,
+    /// Keep for each number what its last addition left out, and add it to the
+    /// next change (Kahan, "Further remarks on reducing truncation errors",
     /// 1965).
-    pub(super) compensated: bool,
+    pub compensated: bool,
 }
 
 impl<N: Copy> IntegratedState<N> {
-    pub(super) fn new<A: Arithmetic<Number = N>>(a: &A, start: &[f64]) -> IntegratedState<N> {
+    /// Numbers at their start.
+    pub fn new<A: Arithmetic<Number = N>>(a: &A, start: &[f64]) -> IntegratedState<N> {
         IntegratedState {
             numbers: start.iter().map(|&number| a.literal(number)).collect(),
             rest: vec![a.literal(0.0); start.len()],
@@ -29,7 +32,7 @@ impl<N: Copy> IntegratedState<N> {
     }
 
     /// One step.
-    pub(super) fn step<A: Arithmetic<Number = N>>(
+    pub fn step<A: Arithmetic<Number = N>>(
         &mut self,
         a: &A,
         how: TimeStep,
@@ -60,6 +63,14 @@ impl<N: Copy> IntegratedState<N> {
             self.numbers[index] = new;
         }
     }
+}
+
+/// The operations of one step of Runge-Kutta besides its slopes: four stages
+/// of a product and a sum, four more sums and two products for the change;
+/// three sums more to compensate.
+pub fn change_work(numbers: usize, compensated: bool) -> OperationWork {
+    let sums = if compensated { 11.0 } else { 8.0 };
+    OperationWork::new(6.0, sums) * numbers as f64
 }
 
 #[cfg(test)]
