@@ -1,7 +1,6 @@
 //! `composite` on the equations of random trees of bodies: every mass matrix
 //! that is one is explained, all of it.
 
-use crate::reference::random::Random;
 use robovec::generate::{GenerationRequest, generate};
 use robovec::model::build::{BASE, ModelBuilder};
 use robovec::model::family::random_tree;
@@ -9,7 +8,7 @@ use robovec::model::{Axis, JointKind, Model, Nature};
 use robovec::robotran::FunctionKind;
 use robovec_framework::manager::{self, Config};
 use robovec_ir::Machine;
-use robovec_num::field::mix;
+use robovec_num::random::{Random, mix};
 use robovec_passes::registry::REGISTRY;
 
 /// A tree of some kind: bodies with full, diagonal and no inertia, with and
@@ -17,7 +16,7 @@ use robovec_passes::registry::REGISTRY;
 fn model(case: u64) -> Model {
     let joints = 3 + (mix(case) % 38) as usize;
     let mut model = random_tree(case, joints);
-    let mut random = Random(mix(case ^ 0x0dd));
+    let mut random = Random::new(mix(case ^ 0x0dd));
     let mut once_in = |count: u64| random.bits().is_multiple_of(count);
     let style = case % 8;
     for body in &mut model.bodies {

@@ -2,8 +2,9 @@
 //! it names, and not beaten by other pipelines; more effort is never worse,
 //! and threads change nothing.
 
-use crate::reference::random::Random;
+use crate::reference::random::ModelDraw;
 use crate::support::programs::{opt_in, robovec, robovec_in, said, stderr};
+use robovec_num::random::Random;
 use robovec_passes::registry::REGISTRY;
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -296,7 +297,7 @@ fn the_order_of_the_equations_does_not_matter() {
     let file = "examples/suspension/mbs_dirdyna_suspension.m";
     said(&opt_in(root, &[file, "-passes=atomise", "-o", &given]));
     let text = fs::read_to_string(&*given).expect("it was written");
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     let mut programs = Vec::new();
     for _ in 0..3 {
         let other = folder.path().join("shuffled.rvir");
@@ -386,7 +387,7 @@ fn no_random_pipeline_beats_it() {
          examples/models/parallel-23.mbs"
             .to_owned()
     });
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let mut worst: (f64, String) = (0.0, String::new());
     let mut compared = 0;
     for file in models.split_whitespace() {

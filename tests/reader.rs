@@ -8,6 +8,7 @@ use robovec_ir::parse::parse_module;
 use robovec_ir::print::print_module;
 use robovec_ir::verify::verify;
 use robovec_ir::{Array, Module, Operation, Shape, View};
+use robovec_num::random::Random;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -174,17 +175,14 @@ fn truncated_files_do_not_panic() {
 
 #[test]
 fn files_with_flipped_bits_do_not_panic() {
-    let mut random = 1u64;
+    let mut random = Random::new(1);
     for path in example_files() {
         let (name, bytes) = load(&path);
         for _ in 0..150 {
             let mut damaged = bytes.clone();
             for _ in 0..3 {
-                random = random
-                    .wrapping_mul(6_364_136_223_846_793_005)
-                    .wrapping_add(1);
-                let at = (random >> 33) as usize % damaged.len();
-                damaged[at] ^= 1 << (random >> 29 & 7);
+                let at = random.below(damaged.len());
+                damaged[at] ^= 1 << random.below(8);
             }
             if let Ok(read) = read(&name, &damaged, None) {
                 assert!(!print_module(&read.module).is_empty());

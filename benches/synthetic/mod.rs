@@ -6,6 +6,7 @@
 //! nothing has used yet are preferred among those from anywhere, so nothing
 //! is dead.
 
+use robovec_num::random::Random;
 use std::fmt::Write;
 
 /// What an equation reads.
@@ -37,23 +38,10 @@ const OUTPUTS: usize = 256;
 /// How far back a near operand lies at most.
 const NEAR: usize = 200;
 
-/// SplitMix64: a few lines, and the same everywhere.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((bits ^ (bits >> 31)) % limit as u64) as usize
-    }
-}
-
 impl Program {
     /// The program of a size and seed.
     pub(crate) fn new(operations: usize, seed: u64) -> Program {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let mut equations: Vec<Equation> = Vec::with_capacity(operations);
         let mut used = vec![false; operations];
         let mut oldest_unused = 0;

@@ -15,6 +15,7 @@
 use arbitrary::Unstructured;
 use robovec_framework::manager::usage;
 use robovec_fuzz::results::{Finding, Tally, describe_case, examine};
+use robovec_num::random::Random;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::ExitCode;
@@ -108,17 +109,13 @@ fn main() -> ExitCode {
     }
 }
 
-/// The bytes of a case: some hundred to some thousand, from SplitMix64.
+/// The bytes of a case: some hundred to some thousand.
 fn bytes(case: u64) -> Vec<u8> {
-    let mut state = case;
-    let mut next = || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (state ^ state >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ mixed >> 31
-    };
-    let words = 32 + next() % 700;
-    (0..words).flat_map(|_| next().to_le_bytes()).collect()
+    let mut random = Random::new(case);
+    let words = 32 + random.below(700);
+    (0..words)
+        .flat_map(|_| random.bits().to_le_bytes())
+        .collect()
 }
 
 /// What was found for a pass: how often, the first case, the smallest program.

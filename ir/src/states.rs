@@ -29,7 +29,7 @@
 
 use crate::function::{Array, Shape};
 use crate::module::View;
-use robovec_num::field::mix;
+use robovec_num::random::{mix, unit};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -148,8 +148,7 @@ impl States {
             for offset in 0..array.shape.len() as u32 {
                 let (scale, place) = distribution(name, array, offset);
                 let random = mix(salt.wrapping_add(u64::from(place)));
-                // The upper 53 bits fill a binary64 mantissa.
-                let unit = (random >> 11) as f64 / (1u64 << 53) as f64;
+                let unit = unit(random);
                 let (indices, _) = array.shape.indices(offset);
                 inputs.push(match self.ranges.get(name, indices) {
                     Some(range) => inside(range, unit),

@@ -411,6 +411,7 @@ mod tests {
     use super::*;
     use robovec_ir::Value;
     use robovec_ir::parse::parse_module;
+    use robovec_num::random::Random;
 
     /// Fewest cycles, then fewest operations, over all forms of all sums.
     fn best_of_all(contraction: &Contraction<'_>) -> (u32, usize) {
@@ -450,13 +451,8 @@ mod tests {
 
     /// A random program of sums and products, each read at least once.
     fn random(seed: u64) -> Function {
-        let mut state = seed;
-        let mut below = |limit: usize| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            ((state >> 33) % limit as u64) as usize
-        };
+        let mut random = Random::new(seed);
+        let mut below = |limit: usize| random.below(limit);
         let mut text = "function f atomic {\n in x[1..4]\n out o[1..9]\n".to_owned();
         let mut unread: Vec<usize> = Vec::new();
         for node in 0..9 {

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use robovec_ir::count::Counts;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Input};
-use robovec_num::field::mix;
+use robovec_num::random::{mix, unit};
 use serde::Serialize;
 
 /// Operations evaluated for one unit of effort, exact and rounded ones alike.
@@ -260,11 +260,6 @@ impl Breed {
         let [low, high] = self.ranges[input].expect("a free input has a range");
         state[input] = change(state[input]).clamp(low, high);
     }
-}
-
-/// A number from 0 to 1.
-fn unit(random: u64) -> f64 {
-    (random >> 11) as f64 / (1u64 << 53) as f64
 }
 
 #[cfg(test)]

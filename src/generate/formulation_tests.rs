@@ -6,33 +6,21 @@ use crate::model::{Body, Joint, JointKind, ModelPoint, Nature};
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate;
 use robovec_num::field::{Field, PrimeField};
+use robovec_num::random::Random;
 
-/// A small generator of random numbers: the same trees everywhere.
-pub(super) struct CongruentialGenerator(pub(super) u64);
-
-impl CongruentialGenerator {
-    pub(super) fn below(&mut self, bound: usize) -> usize {
-        self.0 = self
-            .0
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        (self.0 >> 33) as usize % bound
-    }
-
-    /// A number of one decimal between -0.9 and 0.9, often zero.
-    fn length(&mut self) -> f64 {
-        if self.below(3) == 0 {
-            0.0
-        } else {
-            (self.below(19) as f64 - 9.0) / 10.0
-        }
+/// A number of one decimal between -0.9 and 0.9, often zero.
+fn length(random: &mut Random) -> f64 {
+    if random.below(3) == 0 {
+        0.0
+    } else {
+        (random.below(19) as f64 - 9.0) / 10.0
     }
 }
 
 /// A random tree: joints of all six kinds, fictitious bodies, now and then a
 /// body without mass or a driven joint at rest.
 pub(super) fn tree(seed: u64, bodies: usize) -> Model {
-    let mut random = CongruentialGenerator(seed);
+    let mut random = Random::new(seed);
     let mut model = Model::new("tree");
     for index in 0..bodies {
         // Mostly chains, so that paths become long.
@@ -44,7 +32,11 @@ pub(super) fn tree(seed: u64, bodies: usize) -> Model {
         model.points.push(ModelPoint {
             name: format!("point{index}"),
             body: parent,
-            coordinates: [random.length(), random.length(), random.length()],
+            coordinates: [
+                length(&mut random),
+                length(&mut random),
+                length(&mut random),
+            ],
         });
         let first = model.joints.len();
         let joints = 1 + random.below(3);
@@ -78,7 +70,7 @@ pub(super) fn tree(seed: u64, bodies: usize) -> Model {
             if diagonal {
                 0.0
             } else {
-                random.length() / 100.0
+                length(&mut random) / 100.0
             }
         };
         let inertia = [0.3, product(), product(), 0.4, product(), 0.5];
@@ -88,7 +80,11 @@ pub(super) fn tree(seed: u64, bodies: usize) -> Model {
             point: Some(index),
             joints: first..first + joints,
             mass: if massless { 0.0 } else { 1.5 },
-            center: [random.length(), random.length(), random.length()],
+            center: [
+                length(&mut random),
+                length(&mut random),
+                length(&mut random),
+            ],
             inertia: if massless { [0.0; 6] } else { inertia },
         });
     }

@@ -13,7 +13,7 @@
 use robovec_num::limits::NumberLimit;
 
 use super::build::{BASE, BodyPlace, BodyRef, ModelBuilder};
-use super::random::{SplitMix, four_digits};
+use super::random::{ParameterRandom, four_digits};
 use super::{Axis, JointKind, Model, systems};
 use crate::robotran::conventions::JOINT_LIMIT;
 
@@ -252,7 +252,7 @@ fn chain(long: usize, rest: usize, parts: usize) -> Vec<usize> {
 /// When the tree has no body.
 pub fn tree(name: &str, topology: &TrunkTree, seed: u64) -> Model {
     assert!(topology.joints() > 0, "a model has at least one body");
-    let mut random = SplitMix::new(seed);
+    let mut random = ParameterRandom::new(seed);
     let mut builder = ModelBuilder::new(name);
     let mut number = 0;
     let mut body = |builder: &mut ModelBuilder, on: BodyPlace, depth: usize| {
@@ -270,7 +270,7 @@ pub fn tree(name: &str, topology: &TrunkTree, seed: u64) -> Model {
         builder.joint(body, 0).initial[0] = random.signed(0.05, 0.5);
         body
     };
-    let mut heights = SplitMix::new(seed ^ 0x5eed);
+    let mut heights = ParameterRandom::new(seed ^ 0x5eed);
     let mut next = |builder: &mut ModelBuilder, on: BodyRef, name: &str| {
         let place = [0.0, 0.0, heights.between(0.1, 0.5)];
         builder.point(on, name, place)
@@ -311,7 +311,7 @@ pub fn serial(joints: usize, seed: u64) -> Model {
 
 /// The inertia of six points of a body about their centre, kg m^2, in the
 /// order of [`super::Body::inertia`]: full, and physically possible.
-fn inertia(random: &mut SplitMix, mass: f64, size: f64) -> [f64; 6] {
+fn inertia(random: &mut ParameterRandom, mass: f64, size: f64) -> [f64; 6] {
     let mut points = [[0.0; 3]; 6];
     for coordinate in points.iter_mut().flatten() {
         *coordinate = random.signed(0.1 * size, size);
@@ -347,7 +347,7 @@ fn inertia(random: &mut SplitMix, mass: f64, size: f64) -> [f64; 6] {
 /// When there is no joint.
 pub fn random_tree(seed: u64, joints: usize) -> Model {
     assert!(joints > 0, "a model has at least one joint");
-    let mut random = SplitMix::new(seed ^ 0x7ee5);
+    let mut random = ParameterRandom::new(seed ^ 0x7ee5);
     let mut builder = ModelBuilder::new(&format!("random_{joints}"));
     builder.gravity([0.0, 0.0, -9.81]);
     let mut bodies: Vec<BodyRef> = Vec::new();
@@ -392,12 +392,12 @@ pub fn random_tree(seed: u64, joints: usize) -> Model {
 }
 
 /// Zero now and then.
-fn sparse(random: &mut SplitMix, low: f64, high: f64) -> f64 {
+fn sparse(random: &mut ParameterRandom, low: f64, high: f64) -> f64 {
     let value = random.signed(low, high);
     if random.once_in(4) { 0.0 } else { value }
 }
 
-fn random_mass(builder: &mut ModelBuilder, body: BodyRef, random: &mut SplitMix) {
+fn random_mass(builder: &mut ModelBuilder, body: BodyRef, random: &mut ParameterRandom) {
     let mass = random.between(0.2, 4.0);
     let center = std::array::from_fn(|_| sparse(random, 0.02, 0.3));
     let mut inertia = inertia(random, mass, 0.3);

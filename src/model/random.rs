@@ -1,28 +1,20 @@
-//! Random numbers, the same everywhere.
+//! Random parameters, short enough to be written.
 
-/// A generator of pseudo-random numbers (SplitMix64): a few lines, and quite
-/// good enough for parameters.
+use robovec_num::random::Random;
+
+/// Random parameters of models.
 #[derive(Clone, Debug)]
-pub(crate) struct SplitMix(u64);
+pub(crate) struct ParameterRandom(Random);
 
-impl SplitMix {
+impl ParameterRandom {
     /// The sequence of a seed.
-    pub(crate) fn new(seed: u64) -> SplitMix {
-        SplitMix(seed)
-    }
-
-    /// The next 64 bits.
-    pub(crate) fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
+    pub(crate) fn new(seed: u64) -> ParameterRandom {
+        ParameterRandom(Random::new(seed))
     }
 
     /// A number from 0 to below `count`, which is not zero.
     pub(crate) fn below(&mut self, count: usize) -> usize {
-        (self.bits() % count as u64) as usize
+        self.0.below(count)
     }
 
     /// True once in `count` times.
@@ -32,11 +24,10 @@ impl SplitMix {
 
     /// A number in a range, with four digits, so that files stay short.
     pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
-        let unit = (self.bits() >> 11) as f64 / (1u64 << 53) as f64;
-        four_digits(low + (high - low) * unit)
+        four_digits(low + (high - low) * self.0.unit())
     }
 
-    /// As [`SplitMix::between`], of either sign.
+    /// As [`ParameterRandom::between`], of either sign.
     pub(crate) fn signed(&mut self, low: f64, high: f64) -> f64 {
         let size = self.between(low, high);
         if self.once_in(2) { -size } else { size }

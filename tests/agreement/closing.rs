@@ -6,13 +6,14 @@ use super::{Case, Outputs};
 use crate::reference::dynamics::{bias, mass_matrix};
 use crate::reference::kinematics::{anchor, base, frames, point};
 use crate::reference::loops::{Constraint, constraints};
-use crate::reference::random::{self, Random, Recipe};
+use crate::reference::random::{self, ModelDraw, Recipe};
 use crate::reference::spatial::{apply, dot, sub, zeros};
 use crate::reference::{State, Tree};
 use robovec::generate::{Formulation, GenerationRequest};
 use robovec::model::{Anchor, Cut, CutKind, Model, ModelPoint, Nature};
 use robovec::robotran::FunctionKind;
 use robovec_num::double_double::Double;
+use robovec_num::random::Random;
 
 /// How many models are tried.
 const MODELS: u64 = 200;
@@ -20,7 +21,7 @@ const MODELS: u64 = 200;
 /// A model whose cuts are closed at its initial state, with that state; `None`
 /// where the draw leaves no joint free.
 fn closed(seed: u64) -> Option<Case> {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let recipe = Recipe {
         bodies: 4 + random.below(9),
         zeros: 0.4 * (seed % 2) as f64,

@@ -2,16 +2,17 @@
 
 use super::{Case, Outputs, PLAIN, each, requests};
 use crate::reference::loops::constraints;
-use crate::reference::random::{self, Random, Recipe};
+use crate::reference::random::{self, Recipe};
 use robovec::robotran::FunctionKind;
 use robovec_num::double_double::Double;
+use robovec_num::random::Random;
 
 /// The rows that some joint changes. The equations may leave the others out,
 /// and do so where the structure tells.
 fn changing(case: &Case) -> Vec<bool> {
     let mut changing = Vec::new();
     for seed in 0..3 {
-        let state = random::state(&mut Random(seed), &case.model);
+        let state = random::state(&mut Random::new(seed), &case.model);
         let rows = constraints(&case.model, &state).jacobian;
         changing.resize(rows.len(), false);
         for (changing, row) in changing.iter_mut().zip(rows) {

@@ -10,7 +10,7 @@ mod devices;
 mod dynamics;
 mod loops;
 
-use crate::reference::random::{self, Random, Recipe};
+use crate::reference::random::{self, Recipe};
 use crate::reference::{State, Tree};
 use robovec::generate::{
     Formulation, GenerationRequest, Options, ParameterBinding, TermOrder, generate,
@@ -22,6 +22,7 @@ use robovec_ir::Module;
 use robovec_ir::evaluate::evaluate;
 use robovec_num::arithmetic::Binary64;
 use robovec_num::double_double::Double;
+use robovec_num::random::Random;
 
 /// The largest accepted difference, relative to the largest entry of the
 /// array.
@@ -89,7 +90,7 @@ fn trees() -> u64 {
 /// Runs a test on random models of 1 to 12 bodies.
 pub(crate) fn each(recipe: Recipe, test: impl Fn(&Case)) {
     for seed in 1..=trees() {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let recipe = Recipe {
             bodies: recipe.bodies.max(1 + random.below(12)),
             // Every other model has no zeros at all.

@@ -2,6 +2,7 @@
 //! and put in; whole lines; what people and bad generators write.
 
 use robovec::robotran::Language;
+use robovec_num::random::Random;
 
 /// Numbers in the spellings of the languages.
 const NUMBERS: [&str; 24] = [
@@ -101,24 +102,15 @@ const LINES: [&str; 60] = [
 ];
 
 /// A source of changes that depends on its seed alone.
-pub(crate) struct Mutator(u64);
+pub(crate) struct Mutator(Random);
 
 impl Mutator {
     pub(crate) fn new(seed: u64) -> Mutator {
-        Mutator(seed)
-    }
-
-    fn next(&mut self) -> u64 {
-        // SplitMix64.
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut x = self.0;
-        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        x ^ (x >> 31)
+        Mutator(Random::new(seed))
     }
 
     fn below(&mut self, count: usize) -> usize {
-        (self.next() % count.max(1) as u64) as usize
+        self.0.below(count.max(1))
     }
 
     /// A text with a change, or two, behind its head.

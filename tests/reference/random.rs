@@ -4,9 +4,17 @@ use super::State;
 use robovec::model::{
     Anchor, Asks, Body, Cut, CutKind, Joint, JointKind, Link, Model, ModelPoint, Nature, Sensor,
 };
+use robovec_num::random::Random;
 
-/// A source of random numbers (SplitMix64).
-pub(crate) struct Random(pub(crate) u64);
+/// What is drawn for models.
+pub(crate) trait ModelDraw {
+    /// Uniform in a range.
+    fn between(&mut self, low: f64, high: f64) -> f64;
+    /// True with a probability.
+    fn chance(&mut self, probability: f64) -> bool;
+    /// Three numbers in -1 to 1, some of them zero.
+    fn vector(&mut self, zeros: f64) -> [f64; 3];
+}
 
 /// What a random model is made of.
 #[derive(Clone, Copy)]
@@ -27,39 +35,18 @@ pub(crate) struct Recipe {
     pub(crate) devices: usize,
 }
 
-impl Random {
-    /// The next 64 bits.
-    pub(crate) fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
+impl ModelDraw for Random {
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
     }
 
-    /// Uniform in -1 to 1.
-    pub(crate) fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    fn chance(&mut self, probability: f64) -> bool {
+        self.signed() < 2.0 * probability - 1.0
     }
 
-    /// Uniform in a range.
-    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * (self.unit() + 1.0) / 2.0
-    }
-
-    /// Uniform below a number.
-    pub(crate) fn below(&mut self, count: usize) -> usize {
-        (self.bits() % count.max(1) as u64) as usize
-    }
-
-    /// True with a probability.
-    pub(crate) fn chance(&mut self, probability: f64) -> bool {
-        self.unit() < 2.0 * probability - 1.0
-    }
-
-    /// Three numbers in -1 to 1, some of them zero.
-    pub(crate) fn vector(&mut self, zeros: f64) -> [f64; 3] {
+    fn vector(&mut self, zeros: f64) -> [f64; 3] {
         [(); 3].map(|()| {
-            let number = self.unit();
+            let number = self.signed();
             if self.chance(zeros) { 0.0 } else { number }
         })
     }
@@ -138,7 +125,7 @@ fn add_body(random: &mut Random, recipe: &Recipe, model: &mut Model, index: usiz
         });
     }
     let mut product = || {
-        let number = 0.2 * random.unit();
+        let number = 0.2 * random.signed();
         if random.chance(recipe.zeros) {
             0.0
         } else {
@@ -226,7 +213,11 @@ fn add_devices(random: &mut Random, recipe: &Recipe, model: &mut Model) {
 /// A random state of a model, as its equations see it.
 pub(crate) fn state(random: &mut Random, model: &Model) -> State<f64> {
     let n = model.joints.len();
-    let mut list = |bound: f64| (0..n).map(|_| bound * random.unit()).collect::<Vec<f64>>();
+    let mut list = |bound: f64| {
+        (0..n)
+            .map(|_| bound * random.signed())
+            .collect::<Vec<f64>>()
+    };
     let (q, qd, qdd) = (list(3.1), list(3.0), list(10.0));
     let mut vectors = || {
         (0..n)

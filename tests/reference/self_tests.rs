@@ -8,11 +8,12 @@ use super::dynamics::{
 use super::forces::{add_external, add_links, link_lengths};
 use super::kinematics::{frames, point};
 use super::loops::constraints;
-use super::random::{self, Random, Recipe};
+use super::random::{self, Recipe};
 use super::spatial::{add, apply, cross, dot, scale, skew, transpose, zeros};
 use super::{Real, State, Tree};
 use robovec::model::{CutKind, Model};
 use robovec_num::double_double::Double;
+use robovec_num::random::Random;
 
 const RECIPE: Recipe = Recipe {
     bodies: 6,
@@ -30,7 +31,7 @@ const TOLERANCE: f64 = 1e-13;
 /// Runs a test on a few random models and states.
 fn each(test: impl Fn(&Model, &State<Double>)) {
     for seed in 1..=8 {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let model = random::model(&mut random, &RECIPE);
         let state = random::state(&mut random, &model);
         test(&model, &state.convert(Double::from));
@@ -259,9 +260,9 @@ fn constraint_rows_are_derivatives_of_each_other() {
 /// closed: there `h` and `Jac` must agree to first order.
 #[test]
 fn solid_cuts_agree_to_first_order_where_they_are_closed() {
-    let mut model = random::model(&mut Random(3), &RECIPE);
+    let mut model = random::model(&mut Random::new(3), &RECIPE);
     model.cuts.retain(|cut| cut.kind == CutKind::Solid);
-    let mut closed = random::state(&mut Random(4), &model).convert(Double::from);
+    let mut closed = random::state(&mut Random::new(4), &model).convert(Double::from);
     closed.q.fill(Double::zero());
     let now = constraints(&model, &closed);
     for row in 3..6 {

@@ -9,7 +9,6 @@ mod refusals;
 mod rooms;
 mod trace;
 
-use naive::Random;
 use robovec::simulate::LoadedProgram;
 use robovec_codegen::images;
 use robovec_framework::manager::{self, Config};
@@ -17,6 +16,7 @@ use robovec_ir::evaluate::evaluate_mixed;
 use robovec_ir::machine::Interconnect;
 use robovec_ir::{Format, Machine, Module, View};
 use robovec_num::NumberFormat;
+use robovec_num::random::Random;
 use robovec_num::soft_float::FormatArithmetic;
 use robovec_passes::registry::REGISTRY;
 use robovec_schedule::{ElementChoice, PlaceOptions, place};
@@ -38,7 +38,7 @@ fn view(module: &Module) -> View<'_> {
 }
 
 fn random_placed(seed: u64, operations: usize, machine: &Machine) -> Module {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let mut module = naive::random_function(&mut random, operations, machine);
     naive::place(&mut module.functions[0], machine, &mut random);
     module
@@ -88,8 +88,8 @@ fn random_programs_give_the_evaluators_bits_on_every_machine() {
                 element.count = count as u32;
             }
             let module = random_placed(seed, 60, &machine);
-            let mut random = Random(seed + 100);
-            let inputs: Vec<f64> = (0..5).map(|_| random.number()).collect();
+            let mut random = Random::new(seed + 100);
+            let inputs: Vec<f64> = (0..5).map(|_| naive::number(&mut random)).collect();
             check(&module, &machine, &inputs);
         }
     }
@@ -122,15 +122,15 @@ fn placed_programs_give_the_evaluators_bits() {
                     } else {
                         0
                     };
-                let mut module = naive::random_function(&mut Random(seed), 400, &machine);
+                let mut module = naive::random_function(&mut Random::new(seed), 400, &machine);
                 let options = PlaceOptions {
                     choice,
                     ..PlaceOptions::default()
                 };
                 let placed = place(&mut module.functions[0], &machine, options);
                 placed.unwrap_or_else(|error| panic!("{name} {count}: {error}"));
-                let mut random = Random(seed + 1);
-                let inputs: Vec<f64> = (0..5).map(|_| random.number()).collect();
+                let mut random = Random::new(seed + 1);
+                let inputs: Vec<f64> = (0..5).map(|_| naive::number(&mut random)).collect();
                 let program = check(&module, &machine, &inputs);
                 let elements = program.occupation().elements;
                 buffered += elements.iter().map(|e| e.buffered_writes).sum::<u64>();
@@ -149,7 +149,7 @@ fn interleaved_programs_give_the_bits_of_every_instance() {
     const COUNT: usize = 3;
     for name in ["thesis", "bufferless-split", "four-port"] {
         let machine = Machine::built_in(name).expect("it ships");
-        let original = naive::random_function(&mut Random(7), 150, &machine);
+        let original = naive::random_function(&mut Random::new(7), 150, &machine);
         let mut module = original.clone();
         let pipeline = REGISTRY
             .pipeline("interleave{instances=3},place")
@@ -160,8 +160,8 @@ fn interleaved_programs_give_the_bits_of_every_instance() {
             ..Config::new(&machine, &mut log)
         };
         manager::run(&mut module, &pipeline, config).expect("it is placed and checked");
-        let mut random = Random(8);
-        let inputs: Vec<f64> = (0..5 * COUNT).map(|_| random.number()).collect();
+        let mut random = Random::new(8);
+        let inputs: Vec<f64> = (0..5 * COUNT).map(|_| naive::number(&mut random)).collect();
         let program = check(&module, &machine, &inputs);
         let words = program.run(&inputs).expect("no hazard").words;
         let arithmetic = FormatArithmetic::new(machine.number);

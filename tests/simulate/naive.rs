@@ -11,28 +11,12 @@ use robovec_ir::{
     Assignment, Function, Input, Level, Machine, Module, Name, Node, Operand, Operation, Output,
     Shape, SourceSet, Value,
 };
+use robovec_num::random::Random;
 use std::collections::BTreeMap;
 
-/// A small generator of pseudo-random numbers (SplitMix64).
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    pub(crate) fn below(&mut self, bound: usize) -> usize {
-        (self.next() % bound as u64) as usize
-    }
-
-    /// Between -2 and 2.
-    pub(crate) fn number(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 51) as f64 - 2.0
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut mixed = self.0;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
-    }
+/// A number between -2 and 2.
+pub(crate) fn number(random: &mut Random) -> f64 {
+    2.0 * random.signed()
 }
 
 /// An atomic function of some operations on 5 inputs, with sines and cosines
@@ -268,7 +252,7 @@ impl Naive {
                     MemoryStyle::Unified | MemoryStyle::FourPort => Bank::Unified,
                     MemoryStyle::SideSplit => Bank::Right,
                 };
-                self.bring(machine, value.into(), element, bank, &mut Random(1))
+                self.bring(machine, value.into(), element, bank, &mut Random::new(1))
             }));
         }
         let mut placement = Placement {

@@ -1,12 +1,12 @@
 //! Traces: every operation's result, in its cycle, on its element.
 
-use super::naive::Random;
-use super::{hand, random_placed, view};
+use super::{hand, naive, random_placed, view};
 use robovec::simulate::{LoadedProgram, TracedResult};
 use robovec_codegen::images;
 use robovec_ir::Machine;
 use robovec_ir::evaluate::evaluate_nodes;
 use robovec_ir::machine::Interconnect;
+use robovec_num::random::Random;
 use robovec_num::soft_float::FormatArithmetic;
 
 #[test]
@@ -60,8 +60,8 @@ fn traces_are_schedules_with_the_evaluators_values() {
         }
         let module = random_placed(3, 80, &machine);
         let function = &module.functions[0];
-        let mut random = Random(5);
-        let inputs: Vec<f64> = (0..5).map(|_| random.number()).collect();
+        let mut random = Random::new(5);
+        let inputs: Vec<f64> = (0..5).map(|_| naive::number(&mut random)).collect();
         let files = images(view(&module), &machine, None).expect("it has images");
         let program = LoadedProgram::load(&files, &machine).expect("they can be loaded");
         let trace = program.run_traced(&inputs).expect("no hazard");

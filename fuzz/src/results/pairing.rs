@@ -7,6 +7,7 @@ use crate::hostile;
 use crate::referee::{self, BITS, Leniency, Opinion, Real, Referee};
 use robovec_analysis::class::NumericClass;
 use robovec_ir::{Array, View, print};
+use robovec_num::random::mix;
 use std::collections::BTreeMap;
 
 /// How the arrays of two versions belong together.
@@ -169,14 +170,6 @@ impl Pairing<'_> {
         }
         inputs
     }
-}
-
-/// A step of SplitMix64.
-fn mix(state: u64) -> u64 {
-    let state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let state = (state ^ state >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let state = (state ^ state >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-    state ^ state >> 31
 }
 
 /// The array and the place in it of a flattened element.

@@ -378,7 +378,7 @@ impl Arithmetic for DoubleDouble {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::mix;
+    use crate::random::{mix, unit};
     use astro_float::{BigFloat, Consts, RoundingMode};
 
     /// Enough for exact sums of numbers some 900 powers of two apart.
@@ -408,7 +408,7 @@ mod tests {
     impl Numbers {
         fn unit(&mut self) -> f64 {
             self.0 += 1;
-            (mix(self.0) >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+            unit(mix(self.0)) - 0.5
         }
 
         fn next(&mut self, exponents: i32) -> Double {

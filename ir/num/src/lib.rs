@@ -13,9 +13,11 @@ pub mod double_double;
 pub mod field;
 pub mod fnv;
 pub mod format;
+pub mod interval;
 pub mod limits;
 pub mod operation;
 pub mod power;
+pub mod random;
 pub mod soft_float;
 pub mod trigonometry;
 

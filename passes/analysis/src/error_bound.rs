@@ -180,6 +180,7 @@ impl Arithmetic for Binary32Bound {
 mod tests {
     use super::*;
     use robovec_num::arithmetic::Binary32;
+    use robovec_num::random::Random;
 
     #[test]
     fn cancellation_is_in_the_magnitude() {
@@ -210,14 +211,9 @@ mod tests {
     #[test]
     fn rounded_values_are_within_the_bound() {
         let (bound, float) = (Binary32Bound, Binary32);
-        let mut state = 1u64;
+        let mut random = Random::new(1);
         for _ in 0..2000 {
-            let mut draw = || {
-                state = state
-                    .wrapping_mul(6_364_136_223_846_793_005)
-                    .wrapping_add(1);
-                ((state >> 40) as f32 / (1u64 << 24) as f32 - 0.3) * 4.0
-            };
+            let mut draw = || (random.unit() as f32 - 0.3) * 4.0;
             let [a, b, c] = [draw(), draw(), draw()];
             let [x, y, z] = [a, b, c].map(|number| Bounded::exact(f64::from(number)));
             let root = |x| bound.sqrt(bound.add(bound.mul(x, x), bound.literal(0.1)));

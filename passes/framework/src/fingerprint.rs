@@ -23,7 +23,8 @@
 use robovec_ir::{Function, Input, Operand, OperandKind, Operation};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::ball::{Ball, Balls};
-use robovec_num::field::{Field, PrimeField, mix};
+use robovec_num::field::{Field, PrimeField};
+use robovec_num::random::mix;
 use std::hash::{Hash, Hasher};
 
 /// The images of a value. Equal when it is the same number in both fields and

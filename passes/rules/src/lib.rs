@@ -18,7 +18,6 @@ mod graph;
 mod pattern;
 mod print;
 pub mod profile;
-mod random;
 mod read;
 mod rule;
 pub mod syntax;

@@ -69,7 +69,8 @@ mod tests {
     use super::*;
     use crate::graph::HOST;
     use crate::list;
-    use crate::testing::{TestRandom, machine, random_function};
+    use crate::testing::{machine, random_function};
+    use robovec_num::random::Random;
 
     /// The formula of the module's documentation, pair by pair.
     fn by_thresholds(graph: &DependenceGraph) -> u32 {
@@ -134,7 +135,7 @@ mod tests {
     #[test]
     fn one_sweep_finds_the_best_pair_of_thresholds() {
         for seed in 0..60 {
-            let mut random = TestRandom(seed);
+            let mut random = Random::new(seed);
             let function = random_function(10 + random.below(80), 1 + random.below(30), seed);
             let adders = 1 + random.below(3) as u32;
             let graph =
@@ -150,7 +151,7 @@ mod tests {
     fn no_schedule_of_a_small_program_beats_the_bound() {
         let mut met = 0;
         for seed in 0..80 {
-            let mut random = TestRandom(seed);
+            let mut random = Random::new(seed);
             let function = random_function(4 + random.below(4), 1 + random.below(6), seed);
             let mut machine = machine("thesis", 1, 1);
             // Short pipelines make elements scarce in small programs.

@@ -129,17 +129,15 @@ impl Calendar {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use robovec_num::random::Random;
 
     #[test]
     fn a_rank_set_agrees_with_a_sorted_set() {
         let mut set = RankSet::new(300_000);
         let mut model = std::collections::BTreeSet::new();
-        let mut state = 1_u64;
+        let mut random = Random::new(1);
         for step in 0..20_000 {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            let rank = ((state >> 33) % 300_000) as u32;
+            let rank = random.below(300_000) as u32;
             if step % 3 == 2 {
                 let victim = model.range(rank..).next().copied();
                 assert_eq!(set.next_from(rank), victim);

@@ -6,22 +6,8 @@ use robovec_ir::{
     Assignment, Function, Level, Machine, Name, Node, Operand, Operation, Output, Shape, SourceSet,
     Symbol, Value,
 };
+use robovec_num::random::Random;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// A generator of numbers, the same on every machine.
-#[derive(Clone, Debug)]
-pub(super) struct TestRandom(pub(super) u64);
-
-impl TestRandom {
-    /// A number below `limit`.
-    pub(super) fn below(&mut self, limit: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % limit as u64) as usize
-    }
-}
 
 /// A function under construction.
 pub(super) struct TestFunctionBuilder {
@@ -72,7 +58,7 @@ impl TestFunctionBuilder {
 /// A random program: mostly near operands, some far, some initial; every
 /// twentieth result is an output.
 pub(super) fn random_function(operations: usize, near: usize, seed: u64) -> Function {
-    let mut random = TestRandom(seed);
+    let mut random = Random::new(seed);
     let inputs = 8;
     let mut builder = TestFunctionBuilder::new(inputs, operations as u32);
     let zero = Operand::from(builder.function.constant(0.0));
@@ -81,7 +67,7 @@ pub(super) fn random_function(operations: usize, near: usize, seed: u64) -> Func
     values.push(builder.push(Operation::Sin, values[0], Operand::NONE));
     values.push(builder.push(Operation::Cos, values[1], Operand::NONE));
     for _ in 0..operations {
-        let pick = |random: &mut TestRandom| match random.below(10) {
+        let pick = |random: &mut Random| match random.below(10) {
             0..7 => values[values.len() - 1 - random.below(near.min(values.len()))],
             _ => values[random.below(values.len())],
         };
@@ -106,7 +92,7 @@ pub(super) fn random_function(operations: usize, near: usize, seed: u64) -> Func
 /// The program with an addend for every second product: an earlier value, an
 /// input, or one of the factors.
 pub(super) fn with_fused(mut function: Function, seed: u64) -> Function {
-    let mut random = TestRandom(seed);
+    let mut random = Random::new(seed);
     for index in 0..function.nodes().len() {
         let node = function.node_mut(Value(index as u32));
         if node.operation != Operation::Mul || random.below(2) == 0 {
@@ -126,12 +112,12 @@ pub(super) fn with_fused(mut function: Function, seed: u64) -> Function {
 
 /// A random program with quotients and roots as well.
 pub(super) fn random_function_with_roots(operations: usize, seed: u64) -> Function {
-    let mut random = TestRandom(seed);
+    let mut random = Random::new(seed);
     let mut builder = TestFunctionBuilder::new(3, 2);
     let mut values: Vec<Operand> = (0..3).map(|input| builder.input(input)).collect();
     for _ in 0..operations {
         let pick =
-            |random: &mut TestRandom| values[values.len() - 1 - random.below(values.len().min(25))];
+            |random: &mut Random| values[values.len() - 1 - random.below(values.len().min(25))];
         let (left, right) = (pick(&mut random), pick(&mut random));
         let operations = [
             Operation::Add,

@@ -27,6 +27,7 @@ use robovec_ir::states::States;
 use robovec_ir::{Function, Node, Operand, OperandKind, Operation, View};
 use robovec_num::arithmetic::Binary64;
 use robovec_num::batch::Batch;
+use robovec_num::random::bits_at;
 use std::array;
 
 /// States that are looked at together.
@@ -230,13 +231,9 @@ pub(crate) fn is_exact(function: &Function, node: &Node) -> bool {
     }
 }
 
-/// One or minus one, by the upper bit of a mixed counter (SplitMix64: Steele,
-/// Lea and Flood, OOPSLA 2014).
+/// One or minus one, by the upper of a counter's random bits.
 fn sign(counter: u64) -> f64 {
-    let mut state = counter.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    state = (state ^ state >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    state = (state ^ state >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-    if (state ^ state >> 31) >> 63 == 0 {
+    if bits_at(counter) >> 63 == 0 {
         1.0
     } else {
         -1.0

@@ -2,11 +2,12 @@
 
 use robovec_analysis::adjoint::Tape;
 use robovec_analysis::interval::{
-    ConeWindow, GivenData, Interval, Leaves, RangeBasis, USUAL, WindowLeaves, enclose, subdivide,
+    ConeWindow, GivenData, Leaves, RangeBasis, USUAL, WindowLeaves, enclose, subdivide,
 };
 use robovec_framework::scene::Scene;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Function, Operand, OperandKind, Tables, View};
+use robovec_num::interval::Interval;
 
 /// Bounds of errors in the ranges of a scene.
 pub(super) struct Trial<'a> {

@@ -13,7 +13,7 @@ use super::tree::JointPlacement;
 use robovec_ir::Function;
 use robovec_ir::plan::EvaluationPlan;
 use robovec_num::arithmetic::Binary64;
-use robovec_num::field::mix;
+use robovec_num::random::mix;
 
 /// An input element of the system, with what it belongs to; everything is
 /// counted from 0.

@@ -18,19 +18,11 @@ use robovec_ir::{
     Assignment, Function, Input, Level, Machine, Name, Node, Operand, Operation, Output, Shape,
     SourceSet, Tables,
 };
+use robovec_num::random::Random;
 use robovec_rules::RuleSet;
 
-/// A small generator of the same numbers everywhere.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, bound: u32) -> u32 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 33) % u64::from(bound)) as u32
-    }
+fn below(random: &mut Random, bound: u32) -> u32 {
+    random.below(bound as usize) as u32
 }
 
 fn thesis() -> Weights {
@@ -63,7 +55,7 @@ impl Case {
         case.function.add_output(o, Shape::Vector(count + 1));
         for leaf in 0..count {
             let mut operand = Operand::from(Input(leaf));
-            let squares = random.below(9);
+            let squares = below(random, 9);
             for _ in 0..squares {
                 operand = case.push(Operation::Mul, [operand, operand]);
             }
@@ -116,8 +108,9 @@ impl Case {
         let tree = if let [leaf] = leaves {
             *leaf
         } else {
-            let (left, right) = leaves.split_at(1 + random.below(leaves.len() as u32 - 1) as usize);
-            let operation = match random.below(8) {
+            let (left, right) =
+                leaves.split_at(1 + below(random, leaves.len() as u32 - 1) as usize);
+            let operation = match below(random, 8) {
                 0..=2 => Operation::Add,
                 3..=5 => Operation::Sub,
                 _ => Operation::Mul,
@@ -125,7 +118,7 @@ impl Case {
             let (left, right) = (self.tree(left, random), self.tree(right, random));
             self.operation(operation, left, right)
         };
-        if random.below(6) > 0 {
+        if below(random, 6) > 0 {
             return tree;
         }
         let zero = Operand::from(self.function.constant(0.0));
@@ -188,7 +181,7 @@ fn both(case: Case, result: (Operand, Id), weights: &Weights) -> Option<(u32, u3
 #[test]
 fn balance_is_the_optimum_of_saturated_ac() {
     let weights = thesis();
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let (mut proved, mut unfinished) = (0, 0);
     for round in 0..3000 {
         let count = 2 + round % 5;
@@ -225,24 +218,24 @@ fn random_graph(
     let mut graph = EquivalenceGraph::new();
     let mut times = Vec::new();
     let mut terms: Vec<ClassReference> = Vec::new();
-    for leaf in 0..3 + random.below(3) {
+    for leaf in 0..3 + below(random, 3) {
         terms.push(graph.leaf(leaf).into());
-        times.push(random.below(40));
+        times.push(below(random, 40));
     }
     for _ in 0..operations {
         let pick = |random: &mut Random| {
-            let place = random.below(terms.len() as u32) as usize;
-            terms[place].signed(random.below(4) == 0)
+            let place = below(random, terms.len() as u32) as usize;
+            terms[place].signed(below(random, 4) == 0)
         };
         let chosen = [pick(random), pick(random), pick(random)];
-        let chosen = &chosen[..2 + random.below(2) as usize];
-        let made = match random.below(2) {
+        let chosen = &chosen[..2 + below(random, 2) as usize];
+        let made = match below(random, 2) {
             0 => graph.sum(chosen),
             _ => graph.product(chosen),
         };
         terms.extend(made);
     }
-    let results = 1 + random.below(3) as usize;
+    let results = 1 + below(random, 3) as usize;
     let roots: Vec<Id> = terms
         .iter()
         .rev()
@@ -272,7 +265,7 @@ fn demands(
         .collect();
     let earliest = extract(alternatives, times, &demands).expect("it ends in leaves");
     for (demand, arrival) in demands.iter_mut().zip(&earliest.arrivals) {
-        demand.required = arrival + [0, 7, 20, 100][random.below(4) as usize];
+        demand.required = arrival + [0, 7, 20, 100][below(random, 4) as usize];
     }
     demands
 }
@@ -359,7 +352,7 @@ fn enumerate(
 #[test]
 fn extraction_equals_every_combination_of_small_graphs() {
     let weights = thesis();
-    let mut random = Random(4);
+    let mut random = Random::new(4);
     let mut compared = 0;
     for round in 0..4000 {
         let (graph, roots, leaves) = random_graph(2 + round % 3, 30, &mut random);
@@ -394,7 +387,7 @@ fn extraction_equals_every_combination_of_small_graphs() {
 /// is printed and bounded.
 #[test]
 fn the_gap_on_larger_graphs_is_small() {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     let (mut compared, mut exact, mut found_all, mut fewest_all, mut classes) = (0, 0, 0, 0, 0);
     for _ in 0..400 {
         if let Some((found, fewest, alternatives)) = gap(6, 120, &mut random) {

@@ -31,9 +31,10 @@ use robovec_ir::states::Ranges;
 use robovec_ir::{Function, Input, Machine, Operand, SourceSet, Tables};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
+use robovec_num::interval::Interval;
 use robovec_num::limits::NumberLimit;
 use robovec_num::trigonometry::halving::MAX_HALVINGS;
-use robovec_num::trigonometry::{ErrorInterval, Halved, LARGEST_RANGE, MAX_ORDER};
+use robovec_num::trigonometry::{Halved, LARGEST_RANGE, MAX_ORDER};
 use std::array;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -161,7 +162,7 @@ impl Pass for Trigonometry {
 fn promise(
     function: &Function,
     tables: &Tables,
-    bounds: &[ErrorInterval],
+    bounds: &[Interval],
     choices: &[(f64, PolynomialChoice)],
 ) -> Promise {
     let angles: Vec<Operand> = function
@@ -177,7 +178,7 @@ fn promise(
     let mut ranges = Ranges::default();
     for input in read.chain(&angles).filter_map(|operand| operand.input()) {
         let (array, indices, _) = function.input_element(input);
-        let ErrorInterval { low, high } = bounds[input.index()];
+        let Interval { low, high } = bounds[input.index()];
         ranges.set(tables.symbols.text(array.name), indices, low, high);
     }
     // Angles that are numbers are rounded once.
@@ -195,7 +196,7 @@ fn promise(
 /// One angle with all its sines and cosines.
 struct CircularAngle {
     /// Between these bounds it lies.
-    bounds: Option<ErrorInterval>,
+    bounds: Option<Interval>,
     /// The number it is.
     known: Option<f64>,
     /// Whether its sine and its cosine are there.
@@ -208,7 +209,7 @@ struct CircularAngle {
 fn occurrences(
     function: &Function,
     angles: &Angles,
-    input: &dyn Fn(Input) -> ErrorInterval,
+    input: &dyn Fn(Input) -> Interval,
 ) -> BTreeMap<u64, CircularAngle> {
     let mut found: BTreeMap<u64, CircularAngle> = BTreeMap::new();
     for node in function.nodes() {
@@ -278,14 +279,15 @@ impl Trigonometry {
 
     /// The bounds of every input element: those of the scene, when it says,
     /// else `range`.
-    fn input_bounds(&self, function: &Function, context: &Context<'_>) -> Vec<ErrorInterval> {
+    fn input_bounds(&self, function: &Function, context: &Context<'_>) -> Vec<Interval> {
         let known = context.scene.map(Scene::known_inputs);
         let bounds = |index: usize| {
             let (array, indices, _) = function.input_element(Input(index as u32));
             let name = context.tables.symbols.text(array.name);
             let range = known.as_ref().and_then(|known| known.get(name, indices));
-            range.map_or(ErrorInterval::within(self.range.0), |[low, high]| {
-                ErrorInterval { low, high }
+            range.map_or(Interval::within(self.range.0), |[low, high]| Interval {
+                low,
+                high,
             })
         };
         (0..function.input_len()).map(bounds).collect()
@@ -323,7 +325,7 @@ impl Trigonometry {
         };
         let mut known: BTreeMap<(u64, [bool; 2]), usize> = BTreeMap::new();
         for (&key, occurrence) in occurrences {
-            let range = occurrence.bounds.map(ErrorInterval::magnitude);
+            let range = occurrence.bounds.map(Interval::magnitude);
             let treatment = match (occurrence.known, range) {
                 (Some(number), _) if number.abs() <= LARGEST_RANGE => {
                     let angle = Double::from(number);

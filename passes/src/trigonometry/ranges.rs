@@ -7,7 +7,7 @@
 
 use hashbrown::HashMap;
 use robovec_ir::{Function, Input, Node, Operand, OperandKind, Operation};
-use robovec_num::trigonometry::ErrorInterval;
+use robovec_num::interval::Interval;
 use rustc_hash::FxBuildHasher;
 
 /// An expression: what is computed, of which expressions.
@@ -17,7 +17,7 @@ type NumberedExpression = (Operation, [u64; Operand::MAX_COUNT]);
 pub(super) struct Angles {
     /// The number of every value that an angle needs.
     keys: Vec<u64>,
-    bounds: Vec<Option<ErrorInterval>>,
+    bounds: Vec<Option<Interval>>,
 }
 
 /// A value that no angle needs.
@@ -30,7 +30,7 @@ const CONSTANT: u64 = 2 << 40;
 impl Angles {
     /// Follows the operands of all sines and cosines; `input` tells between
     /// which bounds an element lies.
-    pub(super) fn new(function: &Function, input: &dyn Fn(Input) -> ErrorInterval) -> Angles {
+    pub(super) fn new(function: &Function, input: &dyn Fn(Input) -> Interval) -> Angles {
         let needed = needed(function);
         let mut known: HashMap<NumberedExpression, u64, FxBuildHasher> = HashMap::default();
         let mut angles = Angles {
@@ -69,13 +69,13 @@ impl Angles {
         &self,
         function: &Function,
         operand: Operand,
-        input: &dyn Fn(Input) -> ErrorInterval,
-    ) -> Option<ErrorInterval> {
+        input: &dyn Fn(Input) -> Interval,
+    ) -> Option<Interval> {
         match operand.kind() {
             OperandKind::Value(value) => self.bounds[value.index()],
             OperandKind::Input(element) => Some(input(element)),
             OperandKind::Constant(constant) => {
-                Some(ErrorInterval::point(function.constant_number(constant)))
+                Some(Interval::point(function.constant_number(constant)))
             }
             OperandKind::None => None,
         }
@@ -86,8 +86,8 @@ impl Angles {
         &self,
         function: &Function,
         node: &Node,
-        input: &dyn Fn(Input) -> ErrorInterval,
-    ) -> Option<ErrorInterval> {
+        input: &dyn Fn(Input) -> Interval,
+    ) -> Option<Interval> {
         let operand = |index: usize| self.bounds(function, node.operands[index], input);
         Some(match node.operation {
             Operation::Copy => operand(0)?,
@@ -98,7 +98,7 @@ impl Angles {
             Operation::Fma => operand(0)? * operand(1)? + operand(2)?,
             Operation::Fms => operand(0)? * operand(1)? - operand(2)?,
             Operation::Fnma => operand(2)? - operand(0)? * operand(1)?,
-            Operation::Sin | Operation::Cos => ErrorInterval::within(1.0),
+            Operation::Sin | Operation::Cos => Interval::within(1.0),
             Operation::Div | Operation::Sqrt => return None,
         })
     }
@@ -136,7 +136,7 @@ mod tests {
         }";
         let module = parse::parse_module("angles", text).expect("it is well formed");
         let function = &module.functions[0];
-        let input = |input: Input| ErrorInterval::within(0.1 * f64::from(input.0 + 1));
+        let input = |input: Input| Interval::within(0.1 * f64::from(input.0 + 1));
         let angles = Angles::new(function, &input);
         let operands: Vec<Operand> = function
             .nodes()
@@ -148,7 +148,7 @@ mod tests {
         assert_eq!(keys[0], keys[1]);
         assert!(keys[2] != keys[0] && keys[3] != keys[2]);
         let bounds = |index: usize| angles.bounds(function, operands[index], &input);
-        let close = |bounds: Option<ErrorInterval>, low: f64, high: f64| {
+        let close = |bounds: Option<Interval>, low: f64, high: f64| {
             let bounds = bounds.expect("they are known");
             assert!((bounds.low - low).abs() < 1e-12 && (bounds.high - high).abs() < 1e-12);
         };

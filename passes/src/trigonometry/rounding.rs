@@ -9,8 +9,8 @@
 
 use super::recipe::Recipe;
 use robovec_ir::{Format, Function, Node, Operand, OperandKind, Operation};
+use robovec_num::interval::Interval;
 use robovec_num::soft_float::FormatArithmetic;
-use robovec_num::trigonometry::ErrorInterval;
 
 /// Parts the range is cut into.
 const PARTS: u32 = 64;
@@ -18,7 +18,7 @@ const PARTS: u32 = 64;
 /// A value and how far the computed one can be from it.
 #[derive(Clone, Copy)]
 struct Computed {
-    exact: ErrorInterval,
+    exact: Interval,
     error: f64,
 }
 
@@ -30,7 +30,7 @@ impl Recipe {
         let mut worst = [0.0f64; 2];
         for part in 0..PARTS {
             let end = |part: u32| range * f64::from(part) / f64::from(PARTS);
-            let angle = ErrorInterval {
+            let angle = Interval {
                 low: end(part),
                 high: end(part + 1),
             };
@@ -46,7 +46,7 @@ impl Recipe {
         worst
     }
 
-    fn bound(&self, angle: ErrorInterval, format: Format) -> Vec<Computed> {
+    fn bound(&self, angle: Interval, format: Format) -> Vec<Computed> {
         let mut values: Vec<Computed> = Vec::with_capacity(self.function.nodes().len());
         for node in self.function.nodes() {
             let [a, b, _] = node
@@ -61,7 +61,7 @@ impl Recipe {
 fn fetch(
     function: &Function,
     values: &[Computed],
-    angle: ErrorInterval,
+    angle: Interval,
     operand: Operand,
     format: Format,
 ) -> Computed {
@@ -74,13 +74,13 @@ fn fetch(
         OperandKind::Constant(constant) => {
             let number = function.constant_number(constant);
             Computed {
-                exact: ErrorInterval::point(number),
+                exact: Interval::point(number),
                 // Neighbours subtract exactly.
                 error: (FormatArithmetic::new(format).convert(number) - number).abs(),
             }
         }
         OperandKind::None => Computed {
-            exact: ErrorInterval::point(0.0),
+            exact: Interval::point(0.0),
             error: 0.0,
         },
     }
@@ -114,7 +114,7 @@ fn combine(node: &Node, a: Computed, b: Computed, format: Format) -> Computed {
 }
 
 fn is_two(computed: Computed) -> bool {
-    computed.exact == ErrorInterval::point(2.0)
+    computed.exact == Interval::point(2.0)
 }
 
 /// Half a unit in the last place of a number of a size.

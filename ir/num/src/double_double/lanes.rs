@@ -144,7 +144,7 @@ impl<const LANES: usize> Arithmetic for DoubleDoubleLanes<LANES> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::mix;
+    use crate::random::{mix, unit};
     use std::array;
 
     /// Numbers of all sizes, and what is special.
@@ -165,7 +165,7 @@ mod tests {
         .map(Double::from)
         .to_vec();
         for index in 0..60u64 {
-            let unit = |salt| (mix(index * 3 + salt) >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
+            let unit = |salt| unit(mix(index * 3 + salt)) - 0.5;
             let exponent = (unit(0) * 600.0) as i32;
             let high = unit(1) * 2f64.powi(exponent);
             numbers.push(fast_two_sum(high, unit(2) * high * 2f64.powi(-53)));

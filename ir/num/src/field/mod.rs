@@ -37,6 +37,7 @@ pub use prime::{MAX_RADICANDS, Modulus, Prime, is_prime};
 pub use root::{Gaussian, RootField};
 
 use crate::arithmetic::Arithmetic;
+use crate::random::mix;
 
 /// The point at which functions are evaluated: the seed of the random elements.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -332,15 +333,6 @@ impl Arithmetic for PrimeField {
 #[inline]
 fn either_undefined(a: u64, b: u64) -> bool {
     (a | b) >> 63 != 0
-}
-
-/// A permutation of the 64-bit numbers in which every bit of the argument
-/// reaches every bit of the result (the finaliser of SplitMix64).
-pub fn mix(number: u64) -> u64 {
-    let mut z = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ z >> 31
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@
 //! circle, 2 and 3 are squares, and the points of the circle have a subgroup of the prime
 //! order `r`, in which angles add up ([`super::CircleField`]).
 
-use super::mix;
+use crate::random::mix;
 
 /// An odd number below 2⁶¹ to compute modulo. Numbers are in Montgomery's
 /// form and below the modulus.

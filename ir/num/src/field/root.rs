@@ -11,8 +11,9 @@
 //! Of the two roots of a square that is taken which is a square itself, as in
 //! the rules' field; the signs of roots are decided by numbers.
 
-use super::{DrawRole, Field, FieldPoint, Prime, PrimeField, mix};
+use super::{DrawRole, Field, FieldPoint, Prime, PrimeField};
 use crate::arithmetic::Arithmetic;
+use crate::random::mix;
 
 /// A number of the field and of its imaginary part.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

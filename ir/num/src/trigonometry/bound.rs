@@ -1,6 +1,6 @@
 //! The largest error over a range, from enclosures on its parts.
 
-use super::interval::ErrorInterval;
+use crate::interval::Interval;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -46,7 +46,7 @@ impl Ord for RangePart {
 /// The part with the largest bound is cut in two until that bound is close to
 /// an error that certainly occurs (the smallest member of an enclosure of one
 /// angle), or until there are very many parts.
-pub fn worst(range: f64, enclosure: impl Fn(f64, f64) -> ErrorInterval) -> f64 {
+pub fn worst(range: f64, enclosure: impl Fn(f64, f64) -> Interval) -> f64 {
     let part = |low: f64, high: f64| RangePart {
         low,
         high,
@@ -86,15 +86,12 @@ mod tests {
     fn the_largest_value_of_a_function_is_found() {
         // x (1 - x) on [0, 1], by intervals.
         let bound = worst(1.0, |low, high| {
-            let x = ErrorInterval { low, high };
-            x * (ErrorInterval::point(1.0) - x)
+            let x = Interval { low, high };
+            x * (Interval::point(1.0) - x)
         });
         assert!((0.25..0.26).contains(&bound), "{bound}");
-        assert_eq!(worst(1.0, |_, _| ErrorInterval::point(0.0)), 0.0);
-        assert_eq!(
-            worst(1.0, |_, _| ErrorInterval::within(f64::NAN)),
-            f64::INFINITY
-        );
+        assert_eq!(worst(1.0, |_, _| Interval::point(0.0)), 0.0);
+        assert_eq!(worst(1.0, |_, _| Interval::within(f64::NAN)), f64::INFINITY);
     }
 
     /// The largest errors of sine and cosine on a range, for orders 1, 3, 5

@@ -15,9 +15,9 @@
 //! enclosure meets a number above the sum of all `|D_k| t^k` at the end of
 //! the range, whose 2^-88 part is therefore added as a margin.
 
-use super::interval::ErrorInterval;
 use super::polynomial::{Circular, LARGEST_RANGE, Polynomial};
 use crate::double_double::Double;
+use crate::interval::Interval;
 
 /// The error of a polynomial as a function of the angle.
 #[derive(Clone, Debug)]
@@ -79,7 +79,7 @@ impl ErrorEnclosure {
 
     /// Holds polynomial minus function for all angles from `low` to `high`,
     /// both within the range and not negative.
-    pub fn error(&self, low: f64, high: f64) -> ErrorInterval {
+    pub fn error(&self, low: f64, high: f64) -> Interval {
         let start = Double::from(low) * Double::from(low);
         let end = Double::from(high) * Double::from(high);
         let bernstein = bernstein(&self.difference, start, end - start);
@@ -89,13 +89,13 @@ impl ErrorEnclosure {
             lowest = lowest.min(coefficient.high);
             highest = highest.max(coefficient.high);
         }
-        let difference = ErrorInterval {
+        let difference = Interval {
             low: lowest.next_down(),
             high: highest.next_up(),
         };
         let difference = difference.widened(self.margin);
         match self.of {
-            Circular::Sine => difference * ErrorInterval { low, high },
+            Circular::Sine => difference * Interval { low, high },
             Circular::Cosine => difference,
         }
     }

@@ -8,10 +8,10 @@
 
 use super::bound::worst;
 use super::enclosure::ErrorEnclosure;
-use super::interval::ErrorInterval;
 use super::polynomial::{Circular, Polynomial};
 use crate::arithmetic::Arithmetic;
 use crate::double_double::{Double, DoubleDouble};
+use crate::interval::Interval;
 
 /// A sine and a cosine of an angle divided by a power of two, doubled back.
 #[derive(Clone, PartialEq, Debug)]
@@ -54,9 +54,9 @@ impl Halved {
 
     /// The errors of sine and cosine after the angles between `low` and `high`
     /// are doubled back.
-    fn doubled(&self, errors: [ErrorInterval; 2], low: f64, high: f64) -> [ErrorInterval; 2] {
+    fn doubled(&self, errors: [Interval; 2], low: f64, high: f64) -> [Interval; 2] {
         let [mut sine, mut cosine] = errors;
-        let two = ErrorInterval::point(2.0);
+        let two = Interval::point(2.0);
         let mut scale = 1.0;
         for _ in 0..self.halvings {
             let (s, c) = (
@@ -90,15 +90,15 @@ impl Halved {
 
 /// Holds the true values for all angles between two: the value in the middle
 /// and half the width, since no slope is steeper than 1.
-fn true_values(of: Circular, low: f64, high: f64) -> ErrorInterval {
+fn true_values(of: Circular, low: f64, high: f64) -> Interval {
     let middle = Double::from(0.5 * (low + high));
     let value = match of {
         Circular::Sine => DoubleDouble.sin(middle),
         Circular::Cosine => DoubleDouble.cos(middle),
     };
     let half = 0.5 * (high - low) + high.abs() * f64::EPSILON;
-    let enclosed = ErrorInterval::point(value.high).widened(half + f64::EPSILON);
-    enclosed.clamped(ErrorInterval::within(1.0))
+    let enclosed = Interval::point(value.high).widened(half + f64::EPSILON);
+    enclosed.clamped(Interval::within(1.0))
 }
 
 #[cfg(test)]

@@ -14,11 +14,9 @@ pub mod bound;
 pub mod enclosure;
 pub mod halving;
 pub mod host;
-pub mod interval;
 pub mod minimax;
 pub mod polynomial;
 
 pub use bound::worst;
 pub use halving::Halved;
-pub use interval::ErrorInterval;
 pub use polynomial::{Circular, LARGEST_RANGE, MAX_ORDER, Polynomial};

@@ -3,6 +3,7 @@
 use robovec_ir::Function;
 use robovec_ir::plan::EvaluationPlan;
 use robovec_num::arithmetic::Arithmetic;
+use robovec_num::random::mix;
 
 /// The number of directions taken at a time: the estimate of one output in one
 /// state is off by about a quarter, and that of its median over some states by
@@ -51,7 +52,7 @@ impl Sensitivities {
     /// When there is not one number per input element.
     pub fn at(&mut self, inputs: &[f64], state: u32) -> Vec<f64> {
         let direction = |(index, &value): (usize, &f64)| {
-            let random = scramble(scramble(u64::from(state)) ^ index as u64);
+            let random = mix(mix(u64::from(state)) ^ index as u64);
             let mut slopes = [value; DIRECTIONS];
             for (direction, slope) in slopes.iter_mut().enumerate() {
                 if random >> direction & 1 == 1 {
@@ -71,14 +72,6 @@ impl Sensitivities {
             .map(|dual| mean_square(dual).sqrt())
             .collect()
     }
-}
-
-/// A random number from a number (SplitMix64: Steele, Lea and Flood 2014).
-fn scramble(number: u64) -> u64 {
-    let mut bits = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    bits = (bits ^ bits >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-    bits ^ bits >> 31
 }
 
 impl Dual {

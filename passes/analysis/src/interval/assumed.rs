@@ -1,10 +1,10 @@
 //! What the leaves of windows can be.
 
 use super::super::adjoint::{Tape, TapeSlot};
-use super::Interval;
 use robovec_ir::View;
 use robovec_ir::states::States;
 use robovec_num::arithmetic::Binary64;
+use robovec_num::interval::Interval;
 
 /// The factor by which a value is assumed to range wider than the hull of its
 /// samples: twice, about the same middle.

@@ -8,8 +8,9 @@
 //! until the bound is near what it is at a state, or the work is spent. The
 //! bound holds at every moment, since the boxes left cover the ranges.
 
-use super::{ConeWindow, Interval, WindowEnclosure, WindowLeaves, enclose};
+use super::{ConeWindow, WindowEnclosure, WindowLeaves, enclose};
 use crate::adjoint::Tape;
+use robovec_num::interval::Interval;
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 

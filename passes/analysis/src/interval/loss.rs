@@ -1,8 +1,8 @@
 //! What rounding the results of one operation loses.
 
-use super::Interval;
 use crate::adjoint::half_ulp;
 use robovec_ir::{Format, Operation};
+use robovec_num::interval::Interval;
 
 /// The range after rounding, and the largest distance it moves a number, for
 /// operands that are numbers of the format.

@@ -20,7 +20,6 @@
 mod assumed;
 mod boxes;
 mod loss;
-mod number;
 mod seen;
 #[cfg(test)]
 mod tests;
@@ -28,13 +27,13 @@ mod window;
 
 pub use assumed::{LeafRange, Leaves, MARGIN, RangeBasis};
 pub use boxes::{SubdividedEnclosure, subdivide};
-pub use number::{Enclosing, Interval};
 pub use seen::largest_seen;
 pub use window::ConeWindow;
 
 use super::adjoint::{Tape, TapeSlot, half_ulp};
 use robovec_ir::{Format, Operation};
 use robovec_num::arithmetic::Arithmetic;
+use robovec_num::interval::{Enclosing, Interval};
 use robovec_num::soft_float::FormatArithmetic;
 
 /// The usual number of operations of a window; beyond some thousand the

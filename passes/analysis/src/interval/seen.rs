@@ -3,11 +3,12 @@
 //! A bound tells how large errors can be, not how large they are. What is
 //! found here is the other end: no bound can be lower.
 
-use super::{ConeWindow, GivenData, Interval, WindowLeaves};
+use super::{ConeWindow, GivenData, WindowLeaves};
 use crate::adjoint::{Tape, half_ulp};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
-use robovec_num::field::mix;
+use robovec_num::interval::Interval;
+use robovec_num::random::{mix, unit};
 use robovec_num::soft_float::FormatArithmetic;
 
 /// The largest error at random states, every other one inside a box (the one
@@ -34,8 +35,7 @@ pub fn largest_seen(
         for (leaf, range) in ranges.iter().enumerate() {
             let [one, other] = [(); 2].map(|()| {
                 random = mix(random.wrapping_add(1));
-                // The upper 53 bits fill a binary64 mantissa.
-                (random >> 11) as f64 / (1u64 << 53) as f64
+                unit(random)
             });
             let number = range.low + (range.high - range.low) * one;
             let real = leaves.data == GivenData::Real && leaves.is_input(leaf);

@@ -35,6 +35,7 @@ pub use rounder::MAX_BITS;
 
 use super::adjoint::{Tape, half_ulp};
 use robovec_ir::{Format, Operation};
+use robovec_num::random::bits_at;
 use rounder::Rounder;
 
 /// Runs that roundings are sampled in.
@@ -106,7 +107,7 @@ pub fn stochastic_slots(
     let mut samples = vec![[0.0; SAMPLES]; slots.len()];
     let mut values = vec![[0.0; LANES]; tape.slots()];
     for first in (0..SAMPLES).step_by(LANES) {
-        let seed = mix(seed ^ mix(first as u64));
+        let seed = bits_at(seed ^ bits_at(first as u64));
         sample(tape, &rounder, inputs, seed, &mut values);
         for (samples, &slot) in samples.iter_mut().zip(slots) {
             samples[first..][..LANES].copy_from_slice(&values[slot]);
@@ -168,21 +169,11 @@ fn random(seed: u64, slot: usize) -> [u32; LANES] {
     let mut bits = [0; LANES];
     let place = seed.wrapping_add((slot as u64).wrapping_mul(LANES as u64 / 2));
     for (pair, two) in bits.chunks_exact_mut(2).enumerate() {
-        let random = mix(place.wrapping_add(pair as u64));
+        let random = bits_at(place.wrapping_add(pair as u64));
         two[0] = random as u32;
         two[1] = (random >> 32) as u32;
     }
     bits
-}
-
-/// The finaliser of splitmix64 (Steele, Lea and Flood 2014): a counter in, 64
-/// bits that look random out.
-#[inline]
-fn mix(counter: u64) -> u64 {
-    let mut bits = counter.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    bits = (bits ^ bits >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-    bits ^ bits >> 31
 }
 
 /// Mean and sigma of the samples of an output.

@@ -5,26 +5,13 @@ use robovec_ir::evaluate::evaluate;
 use robovec_ir::parse::parse_module;
 use robovec_ir::{Function, Module, Shape};
 use robovec_num::arithmetic::Binary64;
+use robovec_num::random::Random;
 use std::fmt::Write as _;
-
-/// A small generator of numbers between -1 and 1.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, bound: usize) -> usize {
-        self.0 = self.0.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(11);
-        ((self.0 >> 33) % bound as u64) as usize
-    }
-
-    fn number(&mut self) -> f64 {
-        self.below(1 << 20) as f64 / f64::from(1 << 19) - 1.0
-    }
-}
 
 /// Every operation, inputs of every shape, shared and not, angles that are
 /// inputs, computed, and sines; outputs that are literals, inputs and shared.
 fn program(operations: usize) -> String {
-    let mut random = Random(operations as u64);
+    let mut random = Random::new(operations as u64);
     let mut text = String::from(
         "function double atomic {\n  in q[1..4]\n  in tsim\n  in m[1..3]\n  in dpt[1..2,1..3]\n  \
          in never[1..2]\n  out M[1..3,1..3]\n  out c[1..3]\n  out energy\n\n\
@@ -162,10 +149,10 @@ fn run(main: String, files: [(String, String); 2], flags: &[&str]) -> Option<Vec
 fn check(operations: usize, options: &Options, count: usize, flags: &[&str]) {
     let module = module(operations);
     let function = &module.functions[0];
-    let mut random = Random(17 + count as u64);
+    let mut random = Random::new(17 + count as u64);
     let mut states: Vec<Vec<f64>> = Vec::new();
     for _ in 0..count {
-        let mut state: Vec<f64> = (0..function.input_len()).map(|_| random.number()).collect();
+        let mut state: Vec<f64> = (0..function.input_len()).map(|_| random.signed()).collect();
         for array in function.inputs() {
             let name = module.tables.symbols.text(array.name);
             if let (true, Some(first)) = (options.shared.iter().any(|s| s == name), states.first())

@@ -8,19 +8,7 @@ use crate::testing::compiled_output;
 use robovec_ir::{
     Assignment, Input, Level, Module, Name, Node, Operation, Output, Shape, SourceSet, Symbol,
 };
-
-/// A small generator of pseudo-random numbers (SplitMix64).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, bound: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut mixed = self.0;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ (mixed >> 31)) % bound as u64) as usize
-    }
-}
+use robovec_num::random::Random;
 
 struct Builder {
     function: Function,
@@ -158,7 +146,7 @@ fn recurrences(random: &mut Random, joints: u32, odd: usize) -> Module {
 #[test]
 fn random_recurrences_are_rolled_and_unroll_to_themselves() {
     for seed in 0..60 {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let joints = 1 + random.below(24) as u32;
         let odd = [0, 0, 3, 20, 200][random.below(5)];
         let module = recurrences(&mut random, joints, odd);
@@ -178,7 +166,7 @@ fn random_recurrences_are_rolled_and_unroll_to_themselves() {
 
 #[test]
 fn changes_of_a_rolled_program_are_noticed() {
-    let mut random = Random(99);
+    let mut random = Random::new(99);
     let module = recurrences(&mut random, 20, 0);
     let function = &module.functions[0];
     let (program, _) = roll(function).expect("equal");
@@ -238,7 +226,7 @@ fn functions_without_statements_are_written_too() {
 /// Compiled without contraction, rolled C gives the evaluator's bits.
 #[test]
 fn compiled_loops_give_the_bits_of_the_evaluator() {
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     let joints = 17u32;
     let module = recurrences(&mut random, joints, 40);
     let function = &module.functions[0];

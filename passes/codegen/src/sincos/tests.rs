@@ -3,6 +3,7 @@ use crate::testing::compiled_output;
 use robovec_ir::Format;
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
+use robovec_num::random::Random;
 use robovec_num::trigonometry::{Circular, Polynomial};
 
 #[test]
@@ -76,11 +77,10 @@ fn angles(limit: f64, significand: u32) -> Vec<f64> {
         24 => f64::from(angle as f32),
         _ => angle,
     };
-    let mut state = 1u64;
+    let mut random = Random::new(1);
     let mut angles = vec![0.0, limit, -limit, 1e-30, 1e-5, 0.5 * limit];
     for index in 0..6000 {
-        state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(11);
-        let unit = (state >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0;
+        let unit = random.signed();
         let range = [1.0, 8.0, 100.0, limit][index % 4];
         let quarters = (unit * range * std::f64::consts::FRAC_2_PI).round();
         angles.push(rounded(unit * range));

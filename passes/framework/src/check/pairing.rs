@@ -7,7 +7,8 @@ use crate::scene::Scene;
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
 use robovec_ir::{Array, Function, Input, Operation, Output, View};
-use robovec_num::field::{Field, Prime, mix};
+use robovec_num::field::{Field, Prime};
+use robovec_num::random::mix;
 use std::collections::BTreeMap;
 
 /// The same output element in both versions.

@@ -3,7 +3,7 @@
 use super::pairing::Pairs;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Operand};
-use robovec_num::field::mix;
+use robovec_num::random::mix;
 use std::fmt;
 
 /// The size of the inputs of a state.

@@ -304,9 +304,9 @@ impl ScaledBall {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::random::RuleRandom;
     use super::*;
     use astro_float::{BigFloat, Consts, RoundingMode};
+    use robovec_num::random::Random;
 
     const BITS: usize = 1024;
     const NEAREST: RoundingMode = RoundingMode::ToEven;
@@ -331,7 +331,7 @@ mod tests {
 
     #[test]
     fn balls_hold_what_they_are_balls_of() {
-        let mut random = RuleRandom::new(1);
+        let mut random = Random::new(1);
         let mut constants = Consts::new().expect("memory");
         for _ in 0..400 {
             let [a, b] = [0; 2].map(|_| random.log_uniform(-12, 12));

@@ -7,11 +7,11 @@
 //! numbers at random. A rule that is said to be exact has passed all of them
 //! in both binary formats.
 
-use super::super::random::RuleRandom;
 use super::super::rule::Rule;
 use super::counterexample;
 use super::states::{RulePoints, numbers};
 use robovec_num::arithmetic::{Arithmetic, Binary32, Binary64};
+use robovec_num::random::Random;
 
 /// A remark on special values, with an example.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -211,7 +211,7 @@ impl BitComparison<'_> {
     {
         let (count, base) = (self.rule.variables.len() as u32, format.specials.len());
         let all = base.checked_pow(count).filter(|&all| all <= budget);
-        let mut random = RuleRandom::new(2);
+        let mut random = Random::new(2);
         for index in 0..all.unwrap_or(budget) {
             let mut rest = index;
             let values = (0..count).map(|_| {
@@ -231,7 +231,7 @@ impl BitComparison<'_> {
     where
         A: Arithmetic<Number: Into<f64>>,
     {
-        let mut random = RuleRandom::new(3);
+        let mut random = Random::new(3);
         for _ in 0..trials {
             let draw = |_| random.log_uniform(range.0, range.1);
             let values: Vec<f64> = self.rule.variables.iter().map(draw).collect();

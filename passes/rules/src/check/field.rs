@@ -19,10 +19,10 @@
 //!   independently of each other, for what must hold without any theorem.
 //! - What a sine, cosine or root is as an angle is drawn from its value.
 
-use super::super::random::RuleRandom;
 use super::primes::{COFACTOR, primes};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::field::Modulus;
+use robovec_num::random::Random;
 
 /// A number of a [`RuleField`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Default, Debug)]
@@ -72,7 +72,7 @@ impl RuleField {
     /// Fields of two primes drawn from a seed, where sine and cosine lie on
     /// the circle.
     pub(crate) fn pair(seed: u64) -> [RuleField; 2] {
-        let mut random = RuleRandom::new(seed);
+        let mut random = Random::new(seed);
         let first = RuleField::draw_from(&mut random);
         let second = loop {
             let field = RuleField::draw_from(&mut random);
@@ -84,17 +84,17 @@ impl RuleField {
         [first, second]
     }
 
-    fn draw_from(random: &mut RuleRandom) -> RuleField {
+    fn draw_from(random: &mut Random) -> RuleField {
         let (prime, factor) = primes(random);
         let mut field = RuleField {
             value: Modulus::new(prime),
             angle: Modulus::new(factor),
             generator: [0, 0],
-            salt: random.next(),
+            salt: random.bits(),
             circle: true,
         };
         loop {
-            let [a, b] = [0; 2].map(|_| field.value.number(random.next()));
+            let [a, b] = [0; 2].map(|_| field.value.number(random.bits()));
             let modulus = field.value;
             let (aa, bb) = (modulus.mul(a, a), modulus.mul(b, b));
             let scale = modulus.invert(modulus.add(aa, bb));
@@ -317,7 +317,7 @@ impl Arithmetic for RuleField {
 /// A permutation of the 64-bit numbers in which every bit of the argument
 /// reaches every bit of the result.
 fn mix(number: u64) -> u64 {
-    RuleRandom::new(number).next()
+    Random::new(number).bits()
 }
 
 #[cfg(test)]

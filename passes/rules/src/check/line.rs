@@ -10,13 +10,13 @@
 //! holds more generally than for real angles and roots.
 
 use super::super::pattern::PatternNode;
-use super::super::random::RuleRandom;
 use super::facts::NodeFacts;
 use super::field::{RuleField, RuleResidue};
 use super::polynomial::{ModularPolynomial, common, divide, negative, product, sum, without};
 use robovec_ir::Operation;
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::field::Modulus;
+use robovec_num::random::Random;
 
 /// More angles than in any rule that makes sense.
 const MAX_ANGLES: usize = 5;
@@ -91,8 +91,8 @@ impl Lines {
 
 /// A line of its own for each thing and number.
 fn line(modulus: Modulus, thing: u64, number: u64) -> ModularPolynomial {
-    let mut random = RuleRandom::new(number ^ thing.rotate_left(60));
-    vec![modulus.number(random.next()), modulus.number(random.next())]
+    let mut random = Random::new(number ^ thing.rotate_left(60));
+    vec![modulus.number(random.bits()), modulus.number(random.bits())]
 }
 
 fn nodes_of_chart(

@@ -117,13 +117,13 @@ pub(super) fn without(
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::random::RuleRandom;
     use super::super::primes::primes;
     use super::*;
+    use robovec_num::random::Random;
 
     #[test]
     fn factors_are_found_and_taken_out() {
-        let modulus = Modulus::new(primes(&mut RuleRandom::new(4)).0);
+        let modulus = Modulus::new(primes(&mut Random::new(4)).0);
         let plain = |numbers: &[u64]| -> ModularPolynomial {
             numbers
                 .iter()

@@ -11,17 +11,17 @@
 //!   those of order `r` stand for angles: multiplication by any rational
 //!   number whose denominator `r` does not divide has an inverse there.
 
-use super::super::random::RuleRandom;
 use robovec_num::field::is_prime;
+use robovec_num::random::Random;
 
 /// The cofactor of `r` in `p + 1`.
 pub(super) const COFACTOR: u64 = 2_042_040;
 
 /// Draws primes `p = 2042040 r - 1` and `r`, `p` between 2⁶⁰ and 2⁶¹.
-pub(super) fn primes(random: &mut RuleRandom) -> (u64, u64) {
+pub(super) fn primes(random: &mut Random) -> (u64, u64) {
     let (lowest, highest) = ((1 << 60) / COFACTOR + 1, (1u64 << 61) / COFACTOR);
     loop {
-        let factor = (lowest + random.next() % (highest - lowest)) | 1;
+        let factor = (lowest + random.bits() % (highest - lowest)) | 1;
         let prime = COFACTOR * factor - 1;
         if is_prime(factor) && is_prime(prime) {
             return (prime, factor);
@@ -36,7 +36,7 @@ mod tests {
 
     #[test]
     fn primes_have_the_form_that_rules_need() {
-        let mut random = RuleRandom::new(1);
+        let mut random = Random::new(1);
         for _ in 0..20 {
             let (prime, factor) = primes(&mut random);
             assert_eq!(prime + 1, COFACTOR * factor);

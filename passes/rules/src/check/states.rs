@@ -3,13 +3,13 @@
 //! them, and where variables are equal or opposite.
 
 use super::super::pattern::{Pattern, PatternNode};
-use super::super::random::RuleRandom;
 use super::super::rule::{Requirement, Rule};
+use robovec_num::random::Random;
 
 /// Draws points for a rule.
 pub(super) struct RulePoints<'a> {
     rule: &'a Rule,
-    random: RuleRandom,
+    random: Random,
     /// The numbers that stand in the rule, without zero.
     numbers: Vec<f64>,
 }
@@ -19,7 +19,7 @@ impl<'a> RulePoints<'a> {
     pub(super) fn of(rule: &'a Rule, seed: u64) -> RulePoints<'a> {
         RulePoints {
             rule,
-            random: RuleRandom::new(seed),
+            random: Random::new(seed),
             numbers: numbers(&[&rule.left, &rule.right]),
         }
     }

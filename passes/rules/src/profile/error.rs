@@ -1,9 +1,9 @@
 //! The effect of a rule on rounding errors.
 
-use super::super::random::RuleRandom;
 use super::super::rule::{Requirement, Rule};
 use robovec_num::arithmetic::{Arithmetic, Binary32};
 use robovec_num::double_double::{Double, DoubleDouble};
+use robovec_num::random::Random;
 
 /// Errors of one side, in units in the last place of binary32.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
@@ -28,7 +28,7 @@ pub struct Transfer {
 /// Errors of both sides in binary32 against the left side in double-double
 /// arithmetic, at inputs of either sign, log-uniform from 1e-3 to 1e3.
 pub(super) fn transfer(rule: &Rule, points: usize) -> Transfer {
-    let mut random = RuleRandom::new(11);
+    let mut random = Random::new(11);
     let (mut left, mut right) = (Vec::new(), Vec::new());
     for _ in 0..points {
         let values = (0..rule.variables.len()).map(|variable| {

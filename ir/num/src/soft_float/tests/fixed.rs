@@ -1,8 +1,8 @@
 //! Fixed point against integers.
 
-use super::operands::Random;
 use crate::arithmetic::Arithmetic;
 use crate::format::{FixedFormat, Format};
+use crate::random::Random;
 use crate::soft_float::FormatArithmetic;
 
 /// `dividend / divisor` to the nearest integer, ties to even; `divisor > 0`.
@@ -88,11 +88,11 @@ impl Fixed {
     }
 
     fn operand(&self, random: &mut Random) -> i128 {
-        let word = i128::from(random.word() as i64);
+        let word = i128::from(random.bits() as i64);
         let width = 128 - (self.limit as u128).leading_zeros();
         let bits = (word >> (64 - width)).clamp(-self.limit, self.limit - 1);
         match random.below(4) {
-            0 => bits >> random.below(u64::from(width)),
+            0 => bits >> random.below(width as usize),
             1 => bits >> (width / 2),
             _ => bits,
         }
@@ -123,7 +123,7 @@ impl Fixed {
                 }
             }
         }
-        let mut random = Random(u64::from(self.fraction));
+        let mut random = Random::new(u64::from(self.fraction));
         for _ in 0..count {
             self.compare([0; 3].map(|_: i128| self.operand(&mut random)));
         }

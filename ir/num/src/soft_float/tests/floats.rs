@@ -1,12 +1,13 @@
 //! Every operation of a format, on words of that format.
 
-use super::operands::{Random, any, near, special};
+use super::operands::{any, near, special};
 use super::reference::{
     Other, converted, flushed, flushed_result, is_root, is_small, read, widened, written,
 };
 use crate::NumberFormat;
 use crate::arithmetic::Arithmetic;
 use crate::format::Format;
+use crate::random::Random;
 use crate::soft_float::FormatArithmetic;
 use rustc_apfloat::{Float, Round};
 
@@ -175,7 +176,7 @@ impl<const E: usize, const M: usize> Pair<E, M> {
 
     fn random(&self, count: usize) {
         let format = Self::format(true);
-        let mut random = Random((E * 64 + M) as u64);
+        let mut random = Random::new((E * 64 + M) as u64);
         for _ in 0..count {
             let a = any(&mut random, format);
             let b = near(&mut random, format, a);
@@ -191,7 +192,7 @@ impl<const E: usize, const M: usize> Pair<E, M> {
 
     /// Any binary64 number, or one near the middle behind a number.
     fn about(&self, random: &mut Random, word: u64) -> f64 {
-        let bits = random.word();
+        let bits = random.bits();
         if bits & 1 == 0 {
             return f64::from_bits(bits);
         }

@@ -1,10 +1,11 @@
 //! Operands of any format, rounded once into another.
 
-use super::operands::{Random, any, near, special};
+use super::operands::{any, near, special};
 use super::reference::{quad_of, rounded};
 use crate::NumberFormat;
 use crate::arithmetic::Arithmetic;
 use crate::format::Format;
+use crate::random::Random;
 use crate::soft_float::FormatArithmetic;
 use rustc_apfloat::ieee::Quad;
 use rustc_apfloat::{Float, Round, StatusAnd};
@@ -79,7 +80,7 @@ fn operands_may_be_of_other_formats() {
             every_format([a, b, a ^ b].map(f64::from_bits));
         }
     }
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     for _ in 0..10_000 {
         // Of the range of the narrower formats as often as of the whole.
         let mut a = any(&mut random, format);

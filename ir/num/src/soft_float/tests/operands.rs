@@ -1,23 +1,7 @@
 //! Operands that find mistakes: every kind of number beside random ones.
 
 use crate::NumberFormat;
-
-/// A random sequence (splitmix64, Steele, Lea and Flood 2014).
-pub(super) struct Random(pub(super) u64);
-
-impl Random {
-    pub(super) fn word(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut word = self.0;
-        word = (word ^ (word >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        word = (word ^ (word >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        word ^ (word >> 31)
-    }
-
-    pub(super) fn below(&mut self, limit: u64) -> u64 {
-        self.word() % limit
-    }
-}
+use crate::random::Random;
 
 /// A word of a float format from its fields.
 fn word(format: NumberFormat, negative: bool, exponent: u64, mantissa: u64) -> u64 {
@@ -83,8 +67,8 @@ pub(super) fn special(format: NumberFormat, few: bool) -> Vec<u64> {
 /// end of the mantissa, which makes ties.
 pub(super) fn any(random: &mut Random, format: NumberFormat) -> u64 {
     let width = 1 + format.exponent + format.mantissa;
-    let bits = random.word() >> (64 - width);
-    let shift = random.below(u64::from(format.mantissa) + 1) as u32;
+    let bits = random.bits() >> (64 - width);
+    let shift = random.below(format.mantissa as usize + 1) as u32;
     let mantissa = (1u64 << format.mantissa) - 1;
     match random.below(4) {
         0 => bits & !(mantissa >> shift),
@@ -100,7 +84,7 @@ pub(super) fn near(random: &mut Random, format: NumberFormat, other: u64) -> u64
         return word;
     }
     let ones = (1i64 << format.exponent) - 1;
-    let spread = 2 * u64::from(format.mantissa) + 9;
+    let spread = 2 * format.mantissa as usize + 9;
     let offset = random.below(spread) as i64 - spread as i64 / 2;
     let exponent = ((other >> format.mantissa) as i64 & ones) + offset;
     let exponent = exponent.clamp(0, ones - 1) as u64;

@@ -129,7 +129,7 @@ mod tests {
     use super::*;
     use crate::arithmetic::Arithmetic;
     use crate::double_double::{Double, DoubleDouble};
-    use crate::field::mix;
+    use crate::random::{mix, unit};
 
     /// The sine of the angle that a reduction stands for.
     fn sine(reduced: Reduced) -> Double {
@@ -160,7 +160,7 @@ mod tests {
         for index in 0..4000u64 {
             let random = mix(index);
             let exponent = (random % 90) as i32 - 45;
-            let unit = (random >> 11) as f64 / (1u64 << 53) as f64;
+            let unit = unit(random);
             let angle = (unit + 0.5) * 2f64.powi(exponent);
             let angle = if random & 1 == 0 { angle } else { -angle };
             let reduced = reduce(angle).expect("below the largest");

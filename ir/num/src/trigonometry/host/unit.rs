@@ -194,7 +194,7 @@ fn turned([s, c]: [i64; 2], [sine, cosine]: [i64; 2], bits: u32) -> [i64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::mix;
+    use crate::random::{self, mix};
 
     const NAMES: [&str; 9] = [
         "polynomial(order=3 bits=30)",
@@ -219,7 +219,7 @@ mod tests {
             let proved = unit.proved_error();
             let mut worst = 0.0f64;
             for index in 0..3000u64 {
-                let random = (mix(index) >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
+                let random = random::unit(mix(index)) - 0.5;
                 let size = [1.6, 8.0, 5e3, 1e9][index as usize % 4];
                 let angle = random * size;
                 let exact = [

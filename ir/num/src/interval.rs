@@ -8,7 +8,7 @@
 //! The library's sine and cosine are taken to be within four units in the
 //! last place, which every one in use keeps.
 
-use robovec_num::arithmetic::Arithmetic;
+use crate::arithmetic::Arithmetic;
 
 /// All numbers from one to another, both included.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -53,9 +53,20 @@ impl Interval {
         Interval::new(number, number)
     }
 
+    /// The numbers of at most a size, which is not negative; the whole line for
+    /// NaN.
+    pub fn within(size: f64) -> Interval {
+        Interval::new(-size, size)
+    }
+
     /// True when the number lies inside.
     pub fn contains(self, number: f64) -> bool {
         self.low <= number && number <= self.high
+    }
+
+    /// True when both ends are numbers.
+    pub fn is_finite(self) -> bool {
+        self.low.is_finite() && self.high.is_finite()
     }
 
     /// The largest absolute value inside.
@@ -78,6 +89,18 @@ impl Interval {
         Interval {
             low: self.low.min(other.low),
             high: self.high.max(other.high),
+        }
+    }
+
+    /// The members that lie in another interval too; `self` when there are
+    /// none, which rounding alone can bring about.
+    #[must_use]
+    pub fn clamped(self, other: Interval) -> Interval {
+        let (low, high) = (self.low.max(other.low), self.high.min(other.high));
+        if low <= high {
+            Interval { low, high }
+        } else {
+            self
         }
     }
 
@@ -332,16 +355,13 @@ impl Arithmetic for Enclosing {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use robovec_num::double_double::{Double, DoubleDouble};
+    use crate::double_double::{Double, DoubleDouble};
+    use crate::random::Random;
 
-    /// Numbers of all sizes and signs, from a linear congruence.
-    fn draw(state: &mut u64) -> f64 {
-        *state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        let unit = (*state >> 11) as f64 / (1u64 << 53) as f64;
-        let scale = 2f64.powi((*state % 13) as i32 - 6);
-        (unit - 0.5) * scale
+    /// Numbers of all sizes and signs.
+    fn draw(random: &mut Random) -> f64 {
+        let scale = 2f64.powi(random.below(13) as i32 - 6);
+        (random.unit() - 0.5) * scale
     }
 
     #[test]
@@ -374,8 +394,8 @@ mod tests {
 
     #[test]
     fn results_of_members_are_members() {
-        let mut state = 1;
-        let mut draw = || draw(&mut state);
+        let mut random = Random::new(1);
+        let mut draw = || draw(&mut random);
         let inside = |result: Double, interval: Interval| {
             let low = result - Double::from(interval.low);
             let high = Double::from(interval.high) - result;
@@ -447,5 +467,13 @@ mod tests {
         assert!((large + large).low.is_finite());
         assert_eq!(Interval::point(0.5) - Interval::point(0.5), Interval::ZERO);
         assert_eq!(unit.square().low, 0.0);
+    }
+
+    #[test]
+    fn clamping_keeps_an_interval() {
+        let unit = Interval::within(1.0);
+        let inside = Interval::point(0.5).widened(0.75).clamped(unit);
+        assert!(inside.high == 1.0 && inside.low < -0.24);
+        assert_eq!(Interval::point(2.0).clamped(unit), Interval::point(2.0));
     }
 }
