@@ -89,20 +89,15 @@ fn judge(error: &OutputError) -> std::result::Result<(), &'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cases;
 
     #[test]
     fn errors_of_random_equations_are_bounded_and_predicted() {
-        for case in 0..300u64 {
-            arbtest::arbtest(|bytes| {
-                let result = run(bytes);
-                STATISTICS.record(&result);
-                result.map(|_| ())
-            })
-            .seed(case << 32 | 4000);
-        }
-        if std::env::var_os("ARBTEST_BUDGET_MS").is_some() {
-            arbtest::arbtest(|bytes| run(bytes).map(|_| ())).size_min(2000);
-        }
+        cases::of_one_size(300, 4000, |bytes| {
+            let result = run(bytes);
+            STATISTICS.record(&result);
+            result.map(|_| ())
+        });
         eprintln!("{STATISTICS}");
         assert!(STATISTICS.valid() > 250, "{STATISTICS}");
     }

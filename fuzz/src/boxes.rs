@@ -74,16 +74,13 @@ fn run(bytes: &mut Unstructured<'_>) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arbtest::arbtest;
+    use crate::cases;
 
     #[test]
     fn no_error_is_above_its_bound() {
-        arbtest(|bytes| {
+        cases::of_sizes(300, 3000, |bytes| {
             bounds_hold_over_boxes(bytes.bytes(bytes.len())?);
             Ok(())
-        })
-        .size_max(3_000)
-        .budget_ms(6_000)
-        .run();
+        });
     }
 }

@@ -369,33 +369,31 @@ impl Maker<'_, '_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cases;
 
     #[test]
     fn random_equations_are_well_formed_and_have_what_robotrans_have() {
         let (mut largest, mut negative, mut shared) = (0, 0, 0);
-        for case in 0..150u64 {
-            arbtest::arbtest(|bytes| {
-                let contents = Contents {
-                    definitions: 20,
-                    divisions: true,
-                    hostile: false,
-                };
-                let module = equations(bytes, contents)?;
-                let function = &module.functions[0];
-                let tables = &module.tables;
-                assert_eq!(verify(View { tables, function }), []);
-                largest = largest.max(function.nodes().len());
-                let minus = |node: &&Node| node.operation == Operation::Neg;
-                negative += function.nodes().iter().filter(minus).count();
-                shared += function
-                    .use_counts()
-                    .iter()
-                    .filter(|&&uses| uses > 2)
-                    .count();
-                Ok(())
-            })
-            .seed(case << 32 | 4096);
-        }
+        cases::of_one_size(150, 4096, |bytes| {
+            let contents = Contents {
+                definitions: 20,
+                divisions: true,
+                hostile: false,
+            };
+            let module = equations(bytes, contents)?;
+            let function = &module.functions[0];
+            let tables = &module.tables;
+            assert_eq!(verify(View { tables, function }), []);
+            largest = largest.max(function.nodes().len());
+            let minus = |node: &&Node| node.operation == Operation::Neg;
+            negative += function.nodes().iter().filter(minus).count();
+            shared += function
+                .use_counts()
+                .iter()
+                .filter(|&&uses| uses > 2)
+                .count();
+            Ok(())
+        });
         assert!(largest > 150, "the largest has {largest} nodes");
         assert!(
             negative > 100 && shared > 100,

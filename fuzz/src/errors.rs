@@ -216,20 +216,15 @@ impl Found {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cases;
 
     #[test]
     fn random_pipelines_keep_equations_and_their_errors() {
-        for case in 0..150u64 {
-            arbtest::arbtest(|bytes| {
-                let result = run(bytes);
-                STATISTICS.record(&result);
-                result.map(|_| ())
-            })
-            .seed(case << 32 | 6000);
-        }
-        if std::env::var_os("ARBTEST_BUDGET_MS").is_some() {
-            arbtest::arbtest(|bytes| run(bytes).map(|_| ())).size_min(2000);
-        }
+        cases::of_one_size(150, 6000, |bytes| {
+            let result = run(bytes);
+            STATISTICS.record(&result);
+            result.map(|_| ())
+        });
         eprintln!("{STATISTICS}");
         assert!(STATISTICS.valid() > 120, "{STATISTICS}");
         assert!(STATISTICS.rewrites() > 10_000, "{STATISTICS}");

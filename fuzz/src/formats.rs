@@ -230,9 +230,10 @@ fn any_operand(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cases;
 
     #[test]
     fn formats_agree_on_random_programs() {
-        arbtest::arbtest(compare);
+        cases::of_sizes(200, 2000, compare);
     }
 }

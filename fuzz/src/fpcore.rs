@@ -163,16 +163,13 @@ fn read_text(text: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arbtest::arbtest;
+    use crate::cases;
 
     #[test]
     fn anything_is_read_or_refused() {
-        arbtest(|bytes| {
+        cases::of_sizes(2000, 3000, |bytes| {
             read_fpcore(bytes.bytes(bytes.len())?);
             Ok(())
-        })
-        .size_max(3_000)
-        .budget_ms(4_000)
-        .run();
+        });
     }
 }

@@ -365,27 +365,24 @@ impl Generator<'_, '_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cases;
     use robovec_ir::View;
     use robovec_ir::verify::verify;
 
     #[test]
     fn random_functions_are_well_formed_and_not_all_small() {
         let mut largest = 0;
-        for seed in 1..200u64 {
-            let seed = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) << 32;
-            arbtest::arbtest(|bytes| {
-                for kind in [Kind::Placeable, Kind::Tame, Kind::Hostile, Kind::Wild] {
-                    let module = module(bytes, kind)?;
-                    for function in &module.functions {
-                        largest = largest.max(function.nodes().len());
-                        let tables = &module.tables;
-                        assert_eq!(verify(View { tables, function }), []);
-                    }
+        cases::of_one_size(200, 4096, |bytes| {
+            for kind in [Kind::Placeable, Kind::Tame, Kind::Hostile, Kind::Wild] {
+                let module = module(bytes, kind)?;
+                for function in &module.functions {
+                    largest = largest.max(function.nodes().len());
+                    let tables = &module.tables;
+                    assert_eq!(verify(View { tables, function }), []);
                 }
-                Ok(())
-            })
-            .seed(seed | 4096);
-        }
+            }
+            Ok(())
+        });
         assert!(largest > 100, "the largest has {largest} nodes");
     }
 }

@@ -275,14 +275,14 @@ fn reads_back(module: &Module, language: Language) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cases;
 
     #[test]
     fn random_models() {
-        arbtest::arbtest(|bytes| {
+        cases::of_sizes(1500, 4000, |bytes| {
             let (model, request, language) = input(bytes)?;
             holds(&model, &request, language);
             Ok(())
-        })
-        .budget_ms(4000);
+        });
     }
 }

@@ -117,18 +117,16 @@ fn shape(function: &Function) -> Shape {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cases;
 
     #[test]
     fn random_functions_come_back() {
         let mut ran = 0;
-        arbtest::arbtest(|bytes| {
+        cases::of_sizes(800, 6000, |bytes| {
             run(bytes)?;
             ran += 1;
             Ok(())
-        })
-        .size_max(6000)
-        .budget_ms(3000)
-        .run();
+        });
         assert!(ran > 20, "only {ran} programs were large enough");
     }
 }

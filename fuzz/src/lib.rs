@@ -3,6 +3,8 @@
 
 pub mod adjoints;
 pub mod boxes;
+#[cfg(test)]
+mod cases;
 pub mod equations;
 pub mod errors;
 pub mod formats;

@@ -192,6 +192,7 @@ fn model(bytes: &mut Unstructured<'_>) -> Result<Model> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cases;
 
     /// Pieces that bytes alone would take long to find.
     const PIECES: [&str; 40] = [
@@ -237,26 +238,10 @@ mod tests {
         "<!-- c -->",
     ];
 
-    /// The same cases on every machine; more of them, at random, for as long
-    /// as `ARBTEST_BUDGET_MS` says.
-    fn run_cases(
-        count: u64,
-        size: u64,
-        mut property: impl FnMut(&mut Unstructured<'_>) -> Result<()>,
-    ) {
-        for case in 0..count {
-            let seed = (case + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) << 32;
-            arbtest::arbtest(&mut property).seed(seed | (size - case % 16 * size / 32));
-        }
-        if std::env::var_os("ARBTEST_BUDGET_MS").is_some() {
-            arbtest::arbtest(&mut property);
-        }
-    }
-
     #[test]
     fn random_models_round_trip() {
         let mut whole = 0;
-        run_cases(500, 4096, |bytes| {
+        cases::of_sizes(500, 4096, |bytes| {
             check_random(bytes)?;
             whole += 1;
             Ok(())
@@ -266,7 +251,7 @@ mod tests {
 
     #[test]
     fn any_bytes_are_read_or_refused() {
-        run_cases(300, 500, |bytes| {
+        cases::of_sizes(300, 500, |bytes| {
             let length = bytes.len();
             read_model(bytes.bytes(length)?);
             Ok(())
@@ -275,7 +260,7 @@ mod tests {
 
     #[test]
     fn elements_in_any_order_are_read_or_refused() {
-        run_cases(2000, 200, |bytes| {
+        cases::of_sizes(2000, 200, |bytes| {
             let mut text = String::from("<mbsDescR7><bodytree>");
             for _ in 0..bytes.int_in_range(1..=40)? {
                 text.push_str(bytes.choose(&PIECES)?);
@@ -290,27 +275,9 @@ mod tests {
     #[test]
     fn damaged_models_are_read_or_refused() {
         let mut accepted = 0;
-        run_cases(1500, 3000, |bytes| {
+        cases::of_sizes(1500, 3000, |bytes| {
             let mut text = write_mbs(&model(bytes)?).into_bytes();
-            for _ in 0..bytes.int_in_range(1..=3)? {
-                let place = bytes.choose_index(text.len())?;
-                match bytes.int_in_range(0..=3)? {
-                    0 => text.truncate(place.max(1)),
-                    1 => text[place] = bytes.arbitrary()?,
-                    2 => {
-                        text.remove(place);
-                    }
-                    _ => {
-                        let end = (place + 60).min(text.len());
-                        let piece = text[place..end].to_vec();
-                        let at = bytes.choose_index(text.len())?;
-                        text.splice(at..at, piece);
-                    }
-                }
-                if text.is_empty() {
-                    break;
-                }
-            }
+            cases::damage(bytes, &mut text, 3, 60)?;
             accepted += u32::from(read_mbs("m", &text).is_ok());
             read_model(&text);
             Ok(())

@@ -87,18 +87,16 @@ fn execute(module: &mut Module, text: &str, machine: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cases;
 
     #[test]
     fn random_pipelines_keep_random_programs() {
         let mut ran = 0;
-        arbtest::arbtest(|bytes| {
+        cases::of_sizes(40, 3000, |bytes| {
             run(bytes)?;
             ran += 1;
             Ok(())
-        })
-        .size_min(200)
-        .size_max(3000)
-        .budget_ms(3000);
+        });
         assert!(ran > 10, "only {ran} programs were long enough to test");
     }
 }

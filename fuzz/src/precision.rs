@@ -53,18 +53,16 @@ fn execute(module: &mut Module, text: &str, machine: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cases;
 
     #[test]
     fn accurate_and_mixed_keep_random_programs() {
         let (mut ran, mut kept) = (0, 0);
-        arbtest::arbtest(|bytes| {
+        cases::of_sizes(100, 3000, |bytes| {
             kept += u32::from(run(bytes)?);
             ran += 1;
             Ok(())
-        })
-        .size_min(200)
-        .size_max(3000)
-        .budget_ms(3000);
+        });
         assert!(ran > 10, "only {ran} programs were long enough to test");
         assert!(kept > ran / 20, "only {kept} of {ran} went through");
     }

@@ -173,16 +173,13 @@ fn read_bytes(bytes: &[u8], language: Option<Language>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arbtest::arbtest;
+    use crate::cases;
 
     #[test]
     fn anything_is_read_or_refused() {
-        arbtest(|bytes| {
+        cases::of_sizes(3000, 3000, |bytes| {
             read_robotran(bytes.bytes(bytes.len())?);
             Ok(())
-        })
-        .size_max(3_000)
-        .budget_ms(4_000)
-        .run();
+        });
     }
 }

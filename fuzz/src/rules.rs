@@ -260,17 +260,15 @@ fn is_minimal(found: &Reduction, rule: &Rule) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cases;
 
     #[test]
     fn random_rules_are_judged_and_planted_ones_reduced() {
-        for case in 0..150u64 {
-            arbtest::arbtest(|bytes| {
-                let result = run(bytes);
-                STATISTICS.record(&result);
-                result.map(|_| ())
-            })
-            .seed(case << 32 | 4000);
-        }
+        cases::of_one_size(150, 4000, |bytes| {
+            let result = run(bytes);
+            STATISTICS.record(&result);
+            result.map(|_| ())
+        });
         eprintln!("{STATISTICS}");
         let (planted, caught) = STATISTICS.faults();
         assert!(STATISTICS.valid() > 120, "{STATISTICS}");

@@ -112,14 +112,10 @@ fn exact(angle: f64) -> [Double; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cases;
 
     #[test]
     fn random_series_and_units_keep_their_errors() {
-        for case in 0..120u64 {
-            arbtest::arbtest(run).seed(case << 32 | 400);
-        }
-        if std::env::var_os("ARBTEST_BUDGET_MS").is_some() {
-            arbtest::arbtest(run);
-        }
+        cases::of_one_size(120, 400, run);
     }
 }

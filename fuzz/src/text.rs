@@ -106,27 +106,12 @@ fn check_round_trip(module: &Module) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// The same cases on every machine, however busy it is; more of them, at
-    /// random, for as long as `ARBTEST_BUDGET_MS` says.
-    fn run_cases(
-        count: u64,
-        size: u64,
-        mut property: impl FnMut(&mut Unstructured<'_>) -> Result<()>,
-    ) {
-        for case in 0..count {
-            let seed = (case + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) << 32;
-            arbtest::arbtest(&mut property).seed(seed | (size - case % 16 * size / 32));
-        }
-        if std::env::var_os("ARBTEST_BUDGET_MS").is_some() {
-            arbtest::arbtest(&mut property);
-        }
-    }
+    use crate::cases;
 
     #[test]
     fn random_modules_round_trip_at_every_level() {
         let (mut cases, mut placed) = (0, 0);
-        run_cases(300, 4096, |bytes| {
+        cases::of_sizes(300, 4096, |bytes| {
             cases += 1;
             placed += u32::from(check_random(bytes)?);
             Ok(())
@@ -136,7 +121,7 @@ mod tests {
 
     #[test]
     fn any_bytes_are_read_or_refused() {
-        run_cases(300, 500, |bytes| {
+        cases::of_sizes(300, 500, |bytes| {
             let length = bytes.len();
             parse_text(bytes.bytes(length)?);
             Ok(())
@@ -146,28 +131,10 @@ mod tests {
     /// Damage to sound text finds more than noise does.
     #[test]
     fn damaged_text_is_read_or_refused() {
-        run_cases(500, 2048, |bytes| {
+        cases::of_sizes(500, 2048, |bytes| {
             let module = generate::module(bytes, Kind::Tame)?;
             let mut text = print_module(&module).into_bytes();
-            for _ in 0..bytes.int_in_range(1..=4)? {
-                let place = bytes.choose_index(text.len())?;
-                match bytes.int_in_range(0..=3)? {
-                    0 => text.truncate(place.max(1)),
-                    1 => text[place] = bytes.arbitrary()?,
-                    2 => {
-                        text.remove(place);
-                    }
-                    _ => {
-                        let end = (place + 40).min(text.len());
-                        let piece = text[place..end].to_vec();
-                        let at = bytes.choose_index(text.len())?;
-                        text.splice(at..at, piece);
-                    }
-                }
-                if text.is_empty() {
-                    break;
-                }
-            }
+            cases::damage(bytes, &mut text, 4, 40)?;
             parse_text(&text);
             Ok(())
         });
@@ -217,7 +184,7 @@ mod tests {
             "source",
             "1.5",
         ];
-        run_cases(1000, 500, |bytes| {
+        cases::of_sizes(1000, 500, |bytes| {
             let mut text = String::from("function f equations {\nin q\nout M\n");
             for _ in 0..bytes.int_in_range(1..=60)? {
                 text.push_str(bytes.choose(&WORDS)?);

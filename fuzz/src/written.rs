@@ -348,12 +348,12 @@ fn structure(view: View<'_>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arbtest::arbtest;
+    use crate::cases;
 
     #[test]
     fn random_functions_read_back() {
         let mut checked = 0;
-        arbtest(|bytes| {
+        cases::of_sizes(200, 6000, |bytes| {
             for module in [module(bytes)?, sensors(bytes)?] {
                 for language in Language::ALL {
                     check(&module, language);
@@ -361,10 +361,7 @@ mod tests {
             }
             checked += 1;
             Ok(())
-        })
-        .size_max(6_000)
-        .budget_ms(4_000)
-        .run();
+        });
         assert!(checked > 20, "only {checked} functions were large enough");
     }
 }

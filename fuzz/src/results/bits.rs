@@ -1,9 +1,9 @@
 //! Two versions of a function, compared bit by bit.
 
 use super::Tally;
+use crate::mutations::outputs;
 use crate::referee;
-use robovec_ir::evaluate::evaluate_mixed_nodes;
-use robovec_ir::{Format, Function, OperandKind, View, print};
+use robovec_ir::{Format, View, print};
 
 pub(super) fn bit_by_bit(
     old: View<'_>,
@@ -45,19 +45,8 @@ fn in_formats(
     inputs: &[Vec<f64>; 2],
     tally: &mut Tally,
 ) -> std::result::Result<(), String> {
-    let evaluate = |function: &Function, inputs: &[f64]| -> Vec<Option<f64>> {
-        let values = evaluate_mixed_nodes(function, Format::BINARY64, inputs);
-        let whole = values.iter().all(|value| value.is_finite());
-        let assignments = function.assignments.iter();
-        assignments
-            .map(|assignment| match assignment.operand.kind() {
-                OperandKind::Value(value) => Some(values[value.index()]).filter(|_| whole),
-                _ => None,
-            })
-            .collect()
-    };
-    let before = evaluate(old.function, &inputs[0]);
-    let after = evaluate(new.function, &inputs[1]);
+    let before = outputs(old.function, Format::BINARY64, &inputs[0]);
+    let after = outputs(new.function, Format::BINARY64, &inputs[1]);
     for &(first, second) in pairs {
         let (Some(before), Some(after)) = (before[first], after[second]) else {
             continue;

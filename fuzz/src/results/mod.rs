@@ -78,20 +78,18 @@ pub fn describe_case(bytes: &mut Unstructured<'_>) -> Result<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cases;
 
     #[test]
     fn hostile_constants_do_not_mislead_a_pass() {
         let mut tally = Tally::default();
-        for case in 0..60u64 {
-            arbtest::arbtest(|bytes| {
-                match examine(bytes, &[])? {
-                    Ok(one) => tally.add(&one),
-                    Err(finding) => panic!("{finding}"),
-                }
-                Ok(())
-            })
-            .seed(case << 32 | 6000);
-        }
+        cases::of_one_size(60, 6000, |bytes| {
+            match examine(bytes, &[])? {
+                Ok(one) => tally.add(&one),
+                Err(finding) => panic!("{finding}"),
+            }
+            Ok(())
+        });
         assert!(tally.programs > 40 && tally.same > 500, "{tally}");
         assert!(tally.vague + tally.nothing < tally.same, "{tally}");
     }

@@ -89,19 +89,18 @@ fn parsed(text: &str) -> Option<Rule> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cases;
+    use robovec_num::random::Random;
 
     /// Judges so many rules of both kinds; how many of each were decided.
     fn run(truths: usize, falsehoods: usize, seed: u64) -> [Vec<Judged>; 2] {
         let mut judged = [Vec::new(), Vec::new()];
         let wanted = [truths, falsehoods];
         let mut data = vec![0u8; 600];
-        let mut state = seed;
+        let mut random = Random::new(seed);
         while judged[0].len() < truths || judged[1].len() < falsehoods {
             for byte in &mut data {
-                state = state
-                    .wrapping_mul(6_364_136_223_846_793_005)
-                    .wrapping_add(1_442_695_040_888_963_407);
-                *byte = (state >> 56) as u8;
+                *byte = random.below(256) as u8;
             }
             let bytes = &mut Unstructured::new(&data);
             let kind = usize::from(judged[0].len() >= truths);
@@ -174,18 +173,14 @@ mod tests {
     #[test]
     fn theorems_hold_in_many_bits() {
         let mut seen = 0;
-        for case in 0..200u64 {
-            arbtest::arbtest(|bytes| {
-                // Not all bytes make a rule.
-                if let Ok(rule) = theorems::theorem(bytes) {
-                    assert!(!precise::is_false(&rule, 12), "{rule}");
-                    seen += 1;
-                }
-                Ok(())
-            })
-            .budget_ms(0)
-            .seed(case << 32 | 600);
-        }
+        cases::of_one_size(200, 600, |bytes| {
+            // Not all bytes make a rule.
+            if let Ok(rule) = theorems::theorem(bytes) {
+                assert!(!precise::is_false(&rule, 12), "{rule}");
+                seen += 1;
+            }
+            Ok(())
+        });
         assert!(seen > 100);
     }
 }

@@ -2,6 +2,7 @@
 
 use astro_float::{BigFloat, Consts, RoundingMode};
 use robovec_ir::Operation;
+use robovec_num::random::Random;
 use robovec_rules::{Pattern, PatternNode, Rule};
 
 const BITS: usize = 2_048;
@@ -86,13 +87,8 @@ fn evaluate(pattern: &Pattern, values: &[f64], constants: &mut Consts) -> Side {
 
 /// Places at which rules are tried, by number.
 fn place(rule: &Rule, number: usize) -> Vec<f64> {
-    let mut state = number as u64 + 1;
-    let mut next = |limit: u64| {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) % limit
-    };
+    let mut random = Random::new(number as u64 + 1);
+    let mut next = |limit: u64| random.bits() % limit;
     let nodes = rule.left.nodes.iter().chain(&rule.right.nodes);
     let numbers: Vec<f64> = nodes
         .filter_map(|node| match *node {

@@ -1,0 +1,70 @@
+//! Cases for the tests of the bodies: the same on every machine, however busy
+//! it is; more of them, at random, for as long as `ARBTEST_BUDGET_MS` says.
+
+use arbitrary::{Result, Unstructured};
+
+/// Tries a property with so many cases of so many bytes.
+pub(crate) fn of_one_size(
+    count: u64,
+    size: u64,
+    property: impl FnMut(&mut Unstructured<'_>) -> Result<()>,
+) {
+    of_seeds((0..count).map(|case| case << 32 | size), property);
+}
+
+/// Tries a property with so many cases of up to so many bytes, and half as
+/// many at the least.
+pub(crate) fn of_sizes(
+    count: u64,
+    size: u64,
+    property: impl FnMut(&mut Unstructured<'_>) -> Result<()>,
+) {
+    let seeds = (0..count).map(|case| {
+        let bits = (case + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) << 32;
+        bits | (size - case % 16 * size / 32)
+    });
+    of_seeds(seeds, property);
+}
+
+/// The lower half of a seed is how many bytes it stands for.
+fn of_seeds(
+    seeds: impl Iterator<Item = u64>,
+    mut property: impl FnMut(&mut Unstructured<'_>) -> Result<()>,
+) {
+    for seed in seeds {
+        arbtest::arbtest(&mut property).seed(seed);
+    }
+    if std::env::var_os("ARBTEST_BUDGET_MS").is_some() {
+        arbtest::arbtest(&mut property);
+    }
+}
+
+/// Damages text that was sound in up to so many places, where pieces of up to
+/// so many bytes come again.
+pub(crate) fn damage(
+    bytes: &mut Unstructured<'_>,
+    text: &mut Vec<u8>,
+    places: u32,
+    longest: usize,
+) -> Result<()> {
+    for _ in 0..bytes.int_in_range(1..=places)? {
+        let place = bytes.choose_index(text.len())?;
+        match bytes.int_in_range(0..=3)? {
+            0 => text.truncate(place.max(1)),
+            1 => text[place] = bytes.arbitrary()?,
+            2 => {
+                text.remove(place);
+            }
+            _ => {
+                let end = (place + longest).min(text.len());
+                let piece = text[place..end].to_vec();
+                let at = bytes.choose_index(text.len())?;
+                text.splice(at..at, piece);
+            }
+        }
+        if text.is_empty() {
+            break;
+        }
+    }
+    Ok(())
+}
