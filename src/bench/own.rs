@@ -26,7 +26,7 @@ pub fn operations(view: View<'_>) -> usize {
 }
 
 /// The inputs of all states as a program reads them.
-pub(super) fn input_bytes(question: &BenchQuestion<'_>, view: View<'_>) -> Vec<u8> {
+fn input_bytes(question: &BenchQuestion<'_>, view: View<'_>) -> Vec<u8> {
     let states = 0..question.count;
     states
         .flat_map(|state| inputs(question, view, state))
@@ -34,27 +34,74 @@ pub(super) fn input_bytes(question: &BenchQuestion<'_>, view: View<'_>) -> Vec<u
         .collect()
 }
 
+/// What C is made of and for.
+#[derive(Clone, Copy)]
+pub struct ContestantPlan<'a> {
+    /// What it is asked.
+    pub question: &'a BenchQuestion<'a>,
+    /// What compiles it.
+    pub compiler: &'a Compiler,
+    /// Where its equations come from.
+    pub family: ContestantFamily,
+    /// Its name.
+    pub name: &'a str,
+    /// Its equations.
+    pub view: View<'a>,
+}
+
+impl ContestantPlan<'_> {
+    /// The contestant without a program.
+    fn named(&self) -> Contestant {
+        Contestant {
+            operations: Some(operations(self.view)),
+            ..Contestant::named(self.name, self.family, outputs(self.view))
+        }
+    }
+
+    /// The contestant that cannot take part, and why.
+    pub(super) fn missing(&self, message: String) -> Contestant {
+        Contestant {
+            missing: Some(message),
+            ..self.named()
+        }
+    }
+
+    /// The contestant with files of C, a main program around them, and how they
+    /// are built.
+    pub(super) fn program(
+        &self,
+        callee: &Callee<'_>,
+        mut files: Vec<(String, Vec<u8>)>,
+        flags: &str,
+        steps: Vec<BuildStep>,
+    ) -> Contestant {
+        let main = harness::main(callee, self.question.count);
+        files.push(("main.c".to_owned(), main.into_bytes()));
+        files.push(("bench.h".to_owned(), BENCH_H.as_bytes().to_vec()));
+        let inputs = input_bytes(self.question, self.view);
+        Contestant {
+            remark: format!("{} {flags}", self.compiler.command),
+            lanes: callee.call.lanes(),
+            files,
+            data: vec![("inputs.bin".to_owned(), inputs)],
+            steps,
+            ..self.named()
+        }
+    }
+}
+
 /// A way to write a function in C.
-pub type ContestantMaker =
-    fn(&BenchQuestion<'_>, &Compiler, ContestantFamily, &str, View<'_>) -> Contestant;
+pub type ContestantMaker = fn(&ContestantPlan<'_>) -> Contestant;
 
 /// Straight-line C in bounded functions.
-pub fn straight(
-    question: &BenchQuestion<'_>,
-    compiler: &Compiler,
-    family: ContestantFamily,
-    name: &str,
-    view: View<'_>,
-) -> Contestant {
+pub fn straight(plan: &ContestantPlan<'_>) -> Contestant {
     let options = c::Options {
         signature: c::Signature::Plain,
         ..c::Options::default()
     };
-    match c::files(view, &options) {
-        Ok(files) => {
-            Generated::plain(files, FLAGS).contestant(question, compiler, family, name, view)
-        }
-        Err(error) => missing(family, name, view, error.to_string()),
+    match c::files(plan.view, &options) {
+        Ok(files) => Generated::plain(files, FLAGS).contestant(plan),
+        Err(error) => plan.missing(error.to_string()),
     }
 }
 
@@ -64,63 +111,44 @@ pub fn exact(question: &BenchQuestion<'_>, compiler: &Compiler, real: Real) -> C
         real,
         ..Generated::plain(c_files(question.view, real), EXACT)
     };
-    generated.contestant(
+    generated.contestant(&ContestantPlan {
         question,
         compiler,
-        ContestantFamily::Equations,
-        "C",
-        question.view,
-    )
+        family: ContestantFamily::Equations,
+        name: "C",
+        view: question.view,
+    })
 }
 
 /// C with loops found from recurrences.
-pub fn rolled(
-    question: &BenchQuestion<'_>,
-    compiler: &Compiler,
-    family: ContestantFamily,
-    name: &str,
-    view: View<'_>,
-) -> Contestant {
-    match rolled_files(view, Real::Double) {
-        Ok(rolled) => Generated::plain(rolled.files, "-O3 -march=native")
-            .contestant(question, compiler, family, name, view),
-        Err(difference) => missing(family, name, view, difference.to_string()),
+pub fn rolled(plan: &ContestantPlan<'_>) -> Contestant {
+    match rolled_files(plan.view, Real::Double) {
+        Ok(rolled) => Generated::plain(rolled.files, "-O3 -march=native").contestant(plan),
+        Err(difference) => plan.missing(difference.to_string()),
     }
 }
 
 /// C for eight states at once, which lie side by side.
-pub fn batch(
-    question: &BenchQuestion<'_>,
-    compiler: &Compiler,
-    family: ContestantFamily,
-    name: &str,
-    view: View<'_>,
-) -> Contestant {
+pub fn batch(plan: &ContestantPlan<'_>) -> Contestant {
     let options = batch::Options::default();
     let generated = Generated {
         call: CallingConvention::Batch(options.lanes, options.shared.clone()),
-        ..Generated::plain(batch::batch_files(view, &options), FLAGS)
+        ..Generated::plain(batch::batch_files(plan.view, &options), FLAGS)
     };
-    generated.contestant(question, compiler, family, name, view)
+    generated.contestant(plan)
 }
 
 /// The same C for states that lie one after the other: one call for all of
 /// them, which prepares what they share and copies each batch in and out.
-pub fn batch_of_states(
-    question: &BenchQuestion<'_>,
-    compiler: &Compiler,
-    family: ContestantFamily,
-    name: &str,
-    view: View<'_>,
-) -> Contestant {
+pub fn batch_of_states(plan: &ContestantPlan<'_>) -> Contestant {
     let options = batch::Options::default();
     let generated = Generated {
-        call: CallingConvention::States(question.count, options.shared.clone()),
-        ..Generated::plain(batch::batch_files(view, &options), FLAGS)
+        call: CallingConvention::States(plan.question.count, options.shared.clone()),
+        ..Generated::plain(batch::batch_files(plan.view, &options), FLAGS)
     };
     Contestant {
         lanes: options.lanes,
-        ..generated.contestant(question, compiler, family, name, view)
+        ..generated.contestant(plan)
     }
 }
 
@@ -134,19 +162,6 @@ pub fn refused(
     Contestant {
         missing: Some(message),
         ..Contestant::named(name, family, outputs(question.view))
-    }
-}
-
-pub(super) fn missing(
-    family: ContestantFamily,
-    name: &str,
-    view: View<'_>,
-    message: String,
-) -> Contestant {
-    Contestant {
-        operations: Some(operations(view)),
-        missing: Some(message),
-        ..Contestant::named(name, family, outputs(view))
     }
 }
 
@@ -171,16 +186,9 @@ impl<'a> Generated<'a> {
     }
 
     /// The program around the function.
-    fn contestant(
-        self,
-        question: &BenchQuestion<'_>,
-        compiler: &Compiler,
-        family: ContestantFamily,
-        name: &str,
-        view: View<'_>,
-    ) -> Contestant {
-        let flags = question.flags.unwrap_or(self.flags);
-        let (command, lanes) = (&compiler.command, self.call.lanes());
+    fn contestant(&self, plan: &ContestantPlan<'_>) -> Contestant {
+        let flags = plan.question.flags.unwrap_or(self.flags);
+        let command = &plan.compiler.command;
         let [(source, _), (header, _)] = &self.files;
         let stem = source.strip_suffix(".c").expect("the source comes first");
         let object = format!("{stem}.o");
@@ -196,28 +204,14 @@ impl<'a> Generated<'a> {
             CallingConvention::Plain | CallingConvention::Robotran(_) => stem,
         };
         let callee = Callee {
-            view,
+            view: plan.view,
             real: self.real,
             call: &self.call,
             header: &format!("#include \"{header}\""),
             name: function,
         };
-        let main = harness::main(&callee, question.count);
-        let files = self.files.into_iter();
-        let mut files: Vec<(String, Vec<u8>)> = files
-            .map(|(name, text)| (name, text.into_bytes()))
-            .collect();
-        files.push(("main.c".to_owned(), main.into_bytes()));
-        files.push(("bench.h".to_owned(), BENCH_H.as_bytes().to_vec()));
-        let data = vec![("inputs.bin".to_owned(), input_bytes(question, view))];
-        Contestant {
-            remark: format!("{command} {flags}"),
-            operations: Some(operations(view)),
-            lanes,
-            files,
-            data,
-            steps,
-            ..Contestant::named(name, family, outputs(view))
-        }
+        let files = self.files.iter();
+        let files = files.map(|(name, text)| (name.clone(), text.clone().into_bytes()));
+        plan.program(&callee, files.collect(), flags, steps)
     }
 }

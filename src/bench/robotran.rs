@@ -9,7 +9,7 @@ use super::BenchQuestion;
 use super::contestant::{Contestant, ContestantFamily};
 use super::functions::outputs;
 use super::harness::{self, Callee, CallingConvention, Parameter};
-use super::own::{self, BENCH_H, input_bytes};
+use super::own::ContestantPlan;
 use super::tools::{BuildStep, Compiler};
 use crate::robotran::Language;
 use crate::robotran::write::{WriteOptions, write};
@@ -29,14 +29,7 @@ pub fn file(question: &BenchQuestion<'_>, compiler: &Compiler, path: &Path) -> C
     };
     let folder = path.parent().unwrap_or(Path::new("."));
     let beside = |name: &str| std::fs::read(folder.join(name)).ok();
-    let program = RobotranSource {
-        family: ContestantFamily::Robotran,
-        name: "Robotran's file",
-        view: question.view,
-        flags: question.flags.unwrap_or(FLAGS),
-        text: &text,
-    };
-    program.contestant(question, compiler, &beside)
+    contestant(&plan(question, compiler, "Robotran's file"), &text, &beside)
 }
 
 /// Equations written as one C function, as Robotran prints them.
@@ -52,37 +45,36 @@ pub fn printed(question: &BenchQuestion<'_>, compiler: &Compiler, module: &Modul
         let found = files.iter().find(|(name, _)| name == wanted);
         found.map(|(_, text)| text.clone().into_bytes())
     };
-    let program = RobotranSource {
-        family: ContestantFamily::Robotran,
-        name: "as Robotran prints it",
-        view: question.view,
-        flags: question.flags.unwrap_or(FLAGS),
+    contestant(
+        &plan(question, compiler, "as Robotran prints it"),
         text,
-    };
-    program.contestant(question, compiler, &beside)
+        &beside,
+    )
+}
+
+/// The equations of a question as Robotran's.
+fn plan<'a>(
+    question: &'a BenchQuestion<'a>,
+    compiler: &'a Compiler,
+    name: &'a str,
+) -> ContestantPlan<'a> {
+    ContestantPlan {
+        question,
+        compiler,
+        family: ContestantFamily::Robotran,
+        name,
+        view: question.view,
+    }
 }
 
 /// Robovec's C with Robotran's signature, in its place.
-pub fn drop_in(
-    question: &BenchQuestion<'_>,
-    compiler: &Compiler,
-    family: ContestantFamily,
-    name: &str,
-    view: View<'_>,
-) -> Contestant {
-    let [(_, text), (header, declaration)] = match c::files(view, &c::Options::default()) {
+pub fn drop_in(plan: &ContestantPlan<'_>) -> Contestant {
+    let [(_, text), (header, declaration)] = match c::files(plan.view, &c::Options::default()) {
         Ok(files) => files,
-        Err(error) => return own::missing(family, name, view, error.to_string()),
-    };
-    let program = RobotranSource {
-        family,
-        name,
-        view,
-        flags: question.flags.unwrap_or(FLAGS),
-        text: &text,
+        Err(error) => return plan.missing(error.to_string()),
     };
     let beside = |wanted: &str| (wanted == header).then(|| declaration.clone().into_bytes());
-    program.contestant(question, compiler, &beside)
+    contestant(plan, &text, &beside)
 }
 
 /// Robotran's file that cannot take part, and why.
@@ -97,86 +89,63 @@ pub fn missing(question: &BenchQuestion<'_>, message: String) -> Contestant {
     }
 }
 
-/// A C file with a signature of Robotran's.
-struct RobotranSource<'a> {
-    family: ContestantFamily,
-    name: &'a str,
-    /// The function it computes.
-    view: View<'a>,
-    flags: &'a str,
-    text: &'a str,
-}
-
-impl RobotranSource<'_> {
-    fn contestant(
-        &self,
-        question: &BenchQuestion<'_>,
-        compiler: &Compiler,
-        beside: &dyn Fn(&str) -> Option<Vec<u8>>,
-    ) -> Contestant {
-        let RobotranSource {
-            family,
-            name,
-            view,
-            flags,
-            text,
-        } = *self;
-        let Some((function, declaration, parameters)) = signature(text) else {
-            return missing(
-                question,
-                "its signature is not one of Robotran's functions".to_owned(),
-            );
+/// A C file with a signature of Robotran's, beside files of some names.
+fn contestant(
+    plan: &ContestantPlan<'_>,
+    text: &str,
+    beside: &dyn Fn(&str) -> Option<Vec<u8>>,
+) -> Contestant {
+    let ContestantPlan {
+        question,
+        compiler,
+        view,
+        ..
+    } = *plan;
+    let flags = question.flags.unwrap_or(FLAGS);
+    let Some((function, declaration, parameters)) = signature(text) else {
+        return missing(
+            question,
+            "its signature is not one of Robotran's functions".to_owned(),
+        );
+    };
+    let mut files = vec![("function.c".to_owned(), text.as_bytes().to_vec())];
+    let mut data = None;
+    for header in included(text) {
+        let own = beside(&header);
+        let is_data = header.to_ascii_lowercase().contains("data");
+        let content = match own {
+            Some(content) if !is_data => content,
+            _ if is_data && data.is_none() => {
+                data = Some(header.clone());
+                harness::data_header(view).into_bytes()
+            }
+            _ if header.contains(&function) || header.contains("dirdyna") => temporaries(view),
+            _ => Vec::new(),
         };
-        let mut files = vec![
-            ("function.c".to_owned(), text.as_bytes().to_vec()),
-            ("bench.h".to_owned(), BENCH_H.as_bytes().to_vec()),
-        ];
-        let mut data = None;
-        for header in included(text) {
-            let own = beside(&header);
-            let is_data = header.to_ascii_lowercase().contains("data");
-            let content = match own {
-                Some(content) if !is_data => content,
-                _ if is_data && data.is_none() => {
-                    data = Some(header.clone());
-                    harness::data_header(view).into_bytes()
-                }
-                _ if header.contains(&function) || header.contains("dirdyna") => temporaries(view),
-                _ => Vec::new(),
-            };
-            files.push((header, content));
-        }
-        let Some(data) = data else {
-            return missing(question, "it includes no header of data".to_owned());
-        };
-        let header = format!("#include \"{data}\"\n{declaration};");
-        let call = CallingConvention::Robotran(parameters);
-        let callee = Callee {
-            view,
-            real: Real::Double,
-            call: &call,
-            header: &header,
-            name: &function,
-        };
-        let main = harness::main(&callee, question.count);
-        files.push(("main.c".to_owned(), main.into_bytes()));
-        let command = &compiler.command;
-        Contestant {
-            remark: format!("{command} {flags}"),
-            operations: Some(own::operations(view)),
-            files,
-            data: vec![("inputs.bin".to_owned(), input_bytes(question, view))],
-            steps: vec![
-                BuildStep::new(command, flags)
-                    .with("-w")
-                    .with("-c")
-                    .with("function.c")
-                    .function("function.o"),
-                BuildStep::new(command, "-O2 -o program main.c function.o -lm"),
-            ],
-            ..Contestant::named(name, family, outputs(view))
-        }
+        files.push((header, content));
     }
+    let Some(data) = data else {
+        return missing(question, "it includes no header of data".to_owned());
+    };
+    let header = format!("#include \"{data}\"\n{declaration};");
+    let call = CallingConvention::Robotran(parameters);
+    let callee = Callee {
+        view,
+        real: Real::Double,
+        call: &call,
+        header: &header,
+        name: &function,
+    };
+    let command = &compiler.command;
+    let steps = vec![
+        BuildStep::new(command, flags)
+            .with("-w")
+            .with("-c")
+            .with("function.c")
+            .function("function.o"),
+        BuildStep::new(command, "-O2 -o program main.c function.o -lm"),
+    ];
+    plan.program(&callee, files, flags, steps)
 }
 
 /// The headers that a file includes in quotes.

@@ -369,8 +369,13 @@ impl BenchProgram {
         for compiler in compilers {
             for (way, contestant, module) in ways {
                 let name = format!("{}{way}", self.name);
-                let made = contestant(question, compiler, self.family, &name, view(module));
-                list.push(made);
+                list.push(contestant(&own::ContestantPlan {
+                    question,
+                    compiler,
+                    family: self.family,
+                    name: &name,
+                    view: view(module),
+                }));
             }
         }
     }

@@ -87,22 +87,23 @@ impl ProcessorTimes {
 pub fn contest(regular: View<'_>, shorter: View<'_>) -> Result<ProcessorTimes, String> {
     let folder = TemporaryFolder::new().map_err(|error| format!("no temporary folder: {error}"))?;
     let compiler = Compiler::find("cc")?;
-    let question = BenchQuestion {
-        name: "function".to_owned(),
-        view: regular,
-        model: None,
-        has_loads: false,
-        states: &States::new(SEED),
-        count: STATES,
-        flags: None,
-    };
+    let states = States::new(SEED);
+    let question = question(regular, &states);
     let ways: [(own::ContestantMaker, View<'_>); 3] = [
         (own::straight, shorter),
         (own::rolled, regular),
         (own::batch, shorter),
     ];
     let family = ContestantFamily::Equations;
-    let contestants = ways.map(|(way, view)| way(&question, &compiler, family, "C", view));
+    let contestants = ways.map(|(way, view)| {
+        way(&own::ContestantPlan {
+            question: &question,
+            compiler: &compiler,
+            family,
+            name: "C",
+            view,
+        })
+    });
     let (rounds, milliseconds) = ROUNDS;
     let quiet = &mut |_: &str| {};
     let outcomes = bench(
@@ -114,22 +115,35 @@ pub fn contest(regular: View<'_>, shorter: View<'_>) -> Result<ProcessorTimes, S
         quiet,
     )
     .map_err(|error| error.to_string())?;
-    let failure = outcomes.iter().find_map(|outcome| outcome.failure.clone());
-    match (failure, outcomes.as_slice()) {
-        (None, [straight, rolled, batch]) => {
-            let time = |outcome: &BenchOutcome| outcome.nanoseconds.unwrap_or(f64::INFINITY);
-            let faster = match time(rolled) < time(straight) {
-                true => rolled,
-                false => straight,
-            };
-            Ok(ProcessorTimes {
-                straight: straight.nanoseconds,
-                rolled: rolled.nanoseconds,
-                batch: batch.nanoseconds,
-                jitter: faster.jitter,
-            })
-        }
-        (failure, _) => Err(failure.unwrap_or_default()),
+    if let Some(failure) = outcomes.iter().find_map(|outcome| outcome.failure.clone()) {
+        return Err(failure);
+    }
+    let [straight, rolled, batch] = outcomes.as_slice() else {
+        unreachable!("every contestant has an outcome");
+    };
+    let time = |outcome: &BenchOutcome| outcome.nanoseconds.unwrap_or(f64::INFINITY);
+    let faster = match time(rolled) < time(straight) {
+        true => rolled,
+        false => straight,
+    };
+    Ok(ProcessorTimes {
+        straight: straight.nanoseconds,
+        rolled: rolled.nanoseconds,
+        batch: batch.nanoseconds,
+        jitter: faster.jitter,
+    })
+}
+
+/// What is asked of the C of a function.
+fn question<'a>(view: View<'a>, states: &'a States) -> BenchQuestion<'a> {
+    BenchQuestion {
+        name: "function".to_owned(),
+        view,
+        model: None,
+        has_loads: false,
+        states,
+        count: STATES,
+        flags: None,
     }
 }
 
@@ -142,15 +156,8 @@ pub fn contest(regular: View<'_>, shorter: View<'_>) -> Result<ProcessorTimes, S
 pub fn compile_and_run(view: View<'_>, real: Real) -> Result<f64, String> {
     let folder = TemporaryFolder::new().map_err(|error| format!("no temporary folder: {error}"))?;
     let compiler = Compiler::find("cc")?;
-    let question = BenchQuestion {
-        name: "function".to_owned(),
-        view,
-        model: None,
-        has_loads: false,
-        states: &States::new(SEED),
-        count: STATES,
-        flags: None,
-    };
+    let states = States::new(SEED);
+    let question = question(view, &states);
     let contestant = own::exact(&question, &compiler, real);
     contestant.time(folder.path(), ROUNDS.1)
 }

@@ -119,9 +119,14 @@ fn contestant(
     compiler: &Compiler,
     trial: &robovec_passes::optimise::trial::VariantTrial<MadeProgram>,
 ) -> Contestant {
-    let family = ContestantFamily::Equations;
-    let view = view(&trial.program.module);
-    let make = |way: own::ContestantMaker| way(bench_question, compiler, family, &trial.name, view);
+    let plan = own::ContestantPlan {
+        question: bench_question,
+        compiler,
+        family: ContestantFamily::Equations,
+        name: &trial.name,
+        view: view(&trial.program.module),
+    };
+    let make = |way: own::ContestantMaker| way(&plan);
     if question.target == OptimisationTarget::Batch {
         return make(own::batch);
     }
