@@ -24,6 +24,9 @@ const SAMPLES: u32 = 500;
 /// takes more has become stiff and cheapens nothing.
 const STEP_FACTOR: u64 = 20;
 
+/// Steps the full model may take.
+pub(super) const FULL_STEPS: u64 = 1_000_000;
+
 /// A scene in which things are left out.
 pub(super) struct ReducedScene {
     /// The scene, as its file is read.
@@ -78,8 +81,8 @@ pub(super) struct NeglectJudge<'a> {
     pub(super) machine: &'a Machine,
     /// Where joints are locked: the means of their motions.
     pub(super) means: Vec<f64>,
-    /// The steps of the full model, for [`STEP_FACTOR`].
-    pub(super) steps: u64,
+    /// How many steps a motion may take.
+    pub(super) step_limit: u64,
 }
 
 impl NeglectJudge<'_> {
@@ -182,6 +185,11 @@ impl NeglectJudge<'_> {
         })
     }
 
+    /// Lets motions take what they may beside the full model's steps.
+    pub(super) fn limit_steps(&mut self, full: u64) {
+        self.step_limit = STEP_FACTOR * full + 1000;
+    }
+
     fn plan(&self, tolerance: f64) -> SimulationPlan {
         SimulationPlan {
             duration: self.wish.time,
@@ -190,10 +198,7 @@ impl NeglectJudge<'_> {
                 relative: tolerance,
                 absolute: tolerance,
             },
-            step_limit: match self.steps {
-                0 => 1_000_000,
-                steps => STEP_FACTOR * steps + 1000,
-            },
+            step_limit: self.step_limit,
         }
     }
 

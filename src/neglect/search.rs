@@ -2,7 +2,7 @@
 
 use super::NeglectError;
 use super::document::SceneTable;
-use super::judge::{NeglectJudge, ReducedScene, SceneOperations, Start};
+use super::judge::{FULL_STEPS, NeglectJudge, ReducedScene, SceneOperations, Start};
 use super::omission::{Omission, candidates};
 use crate::explore::program::{transformed_by, view};
 use crate::kinematics::{InputSources, StateError};
@@ -147,7 +147,7 @@ pub fn neglect(
         laws: settled(task, &own)?,
         machine: task.machine,
         means: Vec::new(),
-        steps: 0,
+        step_limit: FULL_STEPS,
         own,
     };
     progress("the motion of the full model");
@@ -229,11 +229,8 @@ fn full_motion(judge: &mut NeglectJudge<'_>, model: &Model) -> Result<FullMotion
     judge.means = (0..model.joints.len())
         .map(|joint| mean_position(&runs, joint))
         .collect();
-    judge.steps = runs
-        .iter()
-        .map(|run| run.steps + run.rejected)
-        .max()
-        .unwrap_or(0);
+    let steps = runs.iter().map(|run| run.steps + run.rejected).max();
+    judge.limit_steps(steps.expect("there is a start"));
     let watched = WatchedJoints::new(&judge.wish.watch, model, &runs)?;
     Ok(FullMotion {
         scene,

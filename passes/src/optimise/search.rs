@@ -17,7 +17,7 @@
 //!   More effort is therefore never worse.
 
 use super::Goal;
-use super::steps::{FUSED, MOVES, PREPARATIONS, SearchStep, StartForm, class, finds_bodies};
+use super::steps::{FUSED, MOVES, PREPARATIONS, SearchStep, StartForm, class};
 use super::trial::VariantTrial;
 use robovec_analysis::class::NumericClass;
 use robovec_framework::pass::{PassError, Registry};
@@ -287,8 +287,11 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
                 continue;
             }
             self.budget = self.budget.saturating_sub(work);
-            let is_prepared = matches!(plan.origin, Origin::Start(_));
-            names.push((name, start, passes.clone(), is_prepared));
+            let preparation = match plan.origin {
+                Origin::Start(_) => Some(plan.step),
+                Origin::Trial(_) => None,
+            };
+            names.push((name, start, passes.clone(), preparation));
             jobs.push(SearchJob {
                 start,
                 program,
@@ -298,9 +301,9 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
             });
         }
         let made = self.maker.make(jobs);
-        for ((name, start, passes, is_prepared), made) in names.into_iter().zip(made) {
+        for ((name, start, passes, preparation), made) in names.into_iter().zip(made) {
             match made {
-                Ok(program) => self.keep((name, start, passes), program, is_prepared),
+                Ok(program) => self.keep((name, start, passes), program, preparation),
                 Err(error) => {
                     self.skipped.push(SkippedVariant {
                         name,
@@ -312,11 +315,16 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
         }
     }
 
-    fn keep(&mut self, name: (String, usize, String), program: M::Program, is_prepared: bool) {
+    fn keep(
+        &mut self,
+        name: (String, usize, String),
+        program: M::Program,
+        preparation: Option<&'static SearchStep>,
+    ) {
         let mut trial = VariantTrial::new(name, program, M::function, self.question.machine);
-        trial.is_prepared = is_prepared;
+        trial.preparation = preparation;
         if self.trials.iter().any(|known| known.looks_like(&trial)) {
-            if !is_prepared {
+            if preparation.is_none() {
                 self.alike += 1;
                 return;
             }
@@ -365,9 +373,10 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
             Goal::Operations => trial.operations,
             Goal::Path => 0,
         };
-        let prepared = self.trials.iter().filter(|trial| trial.is_prepared);
-        let own = prepared.filter(|trial| {
-            trial.start == start && finds_bodies(&trial.pipeline) == finds_bodies(step.pipeline)
+        let own = self.trials.iter().filter(|trial| {
+            let preparation = trial.preparation;
+            trial.start == start
+                && preparation.is_some_and(|own| own.finds_bodies == step.finds_bodies)
         });
         let (Some(own), Some(best)) = (own.map(scarce).min(), self.best()) else {
             return false;
@@ -507,7 +516,7 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
         if self.expansions.is_multiple_of(2) {
             let prepared = promising
                 .clone()
-                .filter(|&index| self.trials[index].is_prepared);
+                .filter(|&index| self.trials[index].preparation.is_some());
             // Look-ahead about halves the path.
             let potential = |&index: &usize| {
                 let trial = &self.trials[index];

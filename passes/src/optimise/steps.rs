@@ -34,6 +34,9 @@ pub struct SearchStep {
     pub growth: u64,
     /// True when it is of use to printed equations alone.
     pub printed_only: bool,
+    /// True when it finds composite bodies in equations, which saves more than
+    /// anything else does.
+    pub finds_bodies: bool,
     /// True for a preparation that every start goes through: it tells whether
     /// the others promise anything.
     pub is_first: bool,
@@ -46,6 +49,7 @@ const fn step(name: &'static str, pipeline: &'static str) -> SearchStep {
         weight: 1,
         growth: 100,
         printed_only: false,
+        finds_bodies: false,
         is_first: false,
     }
 }
@@ -61,6 +65,13 @@ const fn printed(name: &'static str, pipeline: &'static str) -> SearchStep {
     SearchStep {
         printed_only: true,
         ..step(name, pipeline)
+    }
+}
+
+const fn bodies(name: &'static str, pipeline: &'static str) -> SearchStep {
+    SearchStep {
+        finds_bodies: true,
+        ..printed(name, pipeline)
     }
 }
 
@@ -83,7 +94,7 @@ pub const COMPOSITE: &str =
 /// that it does not matter.
 pub const PREPARATIONS: &[SearchStep] = &[
     first(step("reassociated", REASSOCIATED)),
-    first(printed("composite", COMPOSITE)),
+    first(bodies("composite", COMPOSITE)),
     step(
         "factored",
         "dce{order=outputs},fold,zero-removal,factor,balance,cse,dce",
@@ -92,7 +103,7 @@ pub const PREPARATIONS: &[SearchStep] = &[
         "factored freely",
         "dce{order=outputs},fold,zero-removal,factor-trig{path=free},balance,cse,dce",
     ),
-    printed(
+    bodies(
         "composite, in place",
         "dce{order=outputs},fold,cse,composite,factor-trig{path=free},cse,dce",
     ),
@@ -175,12 +186,6 @@ impl SearchStep {
     }
 }
 
-/// True for passes that find composite bodies in equations, which saves more
-/// than any others do.
-pub(super) fn finds_bodies(pipeline: &str) -> bool {
-    pipeline.split(',').any(|pass| pass == "composite")
-}
-
 /// The weakest class of the passes of a pipeline: what its result may differ
 /// in from the function.
 pub(super) fn class(pipeline: &Pipeline) -> NumericClass {
@@ -200,6 +205,9 @@ mod tests {
             let class = class(&pipeline);
             assert!(class <= NumericClass::RealTrig, "{} is {class}", step.name);
             assert!(step.weight > 0 && step.growth >= 100, "{}", step.name);
+            let mut passes = pipeline.passes();
+            let has_composite = passes.any(|pass| pass.info.name == "composite");
+            assert_eq!(step.finds_bodies, has_composite, "{}", step.name);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Programs that were made, with their figures.
 
+use super::steps::SearchStep;
 use robovec_analysis::critical_path::critical_path;
 use robovec_ir::count::Counts;
 use robovec_ir::{Function, Machine, Operation};
@@ -29,8 +30,8 @@ pub struct VariantTrial<P> {
     pub words: Option<u32>,
     /// The reason why it was not placed.
     pub remark: &'static str,
-    /// True when it comes from a start by a preparation alone.
-    pub is_prepared: bool,
+    /// The preparation that alone made it from a start.
+    pub preparation: Option<&'static SearchStep>,
     /// No schedule is shorter for want of elements alone.
     pub(super) shared: u32,
     /// True when moves were tried on it, or there is no sense in trying.
@@ -63,7 +64,7 @@ impl<P> VariantTrial<P> {
             bound,
             cycles: None,
             words: None,
-            is_prepared: false,
+            preparation: None,
             shared,
             is_expanded: false,
         }
