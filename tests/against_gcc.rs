@@ -175,18 +175,17 @@ fn files(folder: &Path, extension: &str) -> Vec<Subject> {
         .filter(|path| path.extension().is_some_and(|found| found == extension))
         .collect();
     paths.sort();
-    let subject = |path: &PathBuf| {
-        let bytes = std::fs::read(path).expect("a readable file");
-        Subject {
-            name: path
-                .file_name()
-                .expect("a file")
-                .to_string_lossy()
-                .into_owned(),
-            text: String::from_utf8_lossy(&bytes).into_owned(),
-        }
-    };
-    paths.iter().map(subject).collect()
+    paths.iter().map(|path| subject(path)).collect()
+}
+
+/// A file by its name.
+fn subject(path: &Path) -> Subject {
+    let bytes = std::fs::read(path).expect("a readable file");
+    let name = path.file_name().expect("a file");
+    Subject {
+        name: name.to_string_lossy().into_owned(),
+        text: String::from_utf8_lossy(&bytes).into_owned(),
+    }
 }
 
 #[test]
@@ -248,17 +247,8 @@ fn files_elsewhere() {
         return;
     };
     for path in std::env::split_paths(&files) {
-        let bytes = std::fs::read(&path).expect("a readable file");
-        let subject = Subject {
-            name: path
-                .file_name()
-                .expect("a file")
-                .to_string_lossy()
-                .into_owned(),
-            text: String::from_utf8_lossy(&bytes).into_owned(),
-        };
         let folder = std::path::absolute(path.parent().unwrap_or(Path::new(".")));
-        let outcome = &compare_within(400, &[subject], &[folder.expect("a folder")])[0];
+        let outcome = &compare_within(400, &[subject(&path)], &[folder.expect("a folder")])[0];
         println!("{}: {outcome:?}", path.display());
         assert!(!matches!(outcome, Outcome::Differs(_)));
     }

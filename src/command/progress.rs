@@ -18,11 +18,20 @@ pub(super) fn spinner() -> ProgressBar {
     bar
 }
 
-fn styled(steps: Option<usize>, template: &str) -> ProgressBar {
-    let steps = steps.map(|steps| steps as u64);
-    let bar = ProgressBar::with_draw_target(steps, ProgressDrawTarget::hidden());
+/// A bar that is told how many steps there are as it goes.
+pub(super) fn plain() -> ProgressBar {
+    let bar = ProgressBar::hidden();
     if stderr().is_terminal() {
         bar.set_draw_target(ProgressDrawTarget::stderr());
+    }
+    bar
+}
+
+fn styled(steps: Option<usize>, template: &str) -> ProgressBar {
+    let steps = steps.map(|steps| steps as u64);
+    let bar = plain();
+    if let Some(steps) = steps {
+        bar.set_length(steps);
     }
     bar.set_style(ProgressStyle::with_template(template).expect("templates are written here"));
     bar

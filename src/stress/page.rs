@@ -1,7 +1,7 @@
 //! What was found, as a figure and as a page that needs nothing else.
 
-use super::view::short;
-use super::{CaseClass, CaseFinding, Findings};
+use super::view::{by_class, short};
+use super::{CaseFinding, Findings};
 use crate::present::escape::EscapedContent;
 use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke, plot};
 use std::fmt::Write;
@@ -104,14 +104,7 @@ pub fn page(findings: &[CaseFinding<'_>]) -> String {
             EscapedContent(&figure.caption)
         );
     }
-    for class in CaseClass::ALL {
-        let of_class: Vec<&CaseFinding<'_>> = findings
-            .iter()
-            .filter(|(case, _)| case.class == class)
-            .collect();
-        if of_class.is_empty() {
-            continue;
-        }
+    for (class, of_class) in by_class(findings) {
         let _ = writeln!(
             text,
             "<h2>{}</h2>\n<p class=\"soft\">{}</p>",

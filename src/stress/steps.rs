@@ -280,7 +280,11 @@ impl StepsBench<'_> {
 
     /// How many numbers are watched.
     fn watched(&self) -> usize {
-        let all = self.exact.first().map_or(0, Vec::len);
+        let all = self
+            .exact
+            .first()
+            .expect("the reference was computed")
+            .len();
         all - self.subject.forms.plain.numbers.state.len()
     }
 

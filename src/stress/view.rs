@@ -144,18 +144,22 @@ pub(super) fn short(number: f64) -> String {
     }
 }
 
+/// The findings of every class that has some.
+pub(super) fn by_class<'a>(
+    findings: &'a [CaseFinding<'a>],
+) -> impl Iterator<Item = (CaseClass, Vec<&'a CaseFinding<'a>>)> {
+    let classes = CaseClass::ALL.into_iter().map(move |class| {
+        let of_class = findings.iter().filter(move |(case, _)| case.class == class);
+        (class, of_class.collect::<Vec<_>>())
+    });
+    classes.filter(|(_, of_class)| !of_class.is_empty())
+}
+
 /// How many cases of each class have which verdict, and whether a cure comes
 /// close to binary64.
 pub fn classes(findings: &[CaseFinding<'_>]) -> String {
     let mut text = String::new();
-    for class in CaseClass::ALL {
-        let of_class: Vec<&CaseFinding<'_>> = findings
-            .iter()
-            .filter(|(case, _)| case.class == class)
-            .collect();
-        if of_class.is_empty() {
-            continue;
-        }
+    for (class, of_class) in by_class(findings) {
         let cured = of_class.iter().filter(|(_, found)| found.cure.is_some());
         text += &format!(
             "{}: {} of {} cases cured to within ten times the error of f64\n",

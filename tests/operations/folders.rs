@@ -1,6 +1,6 @@
 //! Folders of images and hardware that are complete, or visibly not.
 
-use super::{folder, read, refused, write};
+use super::{folder, placed, read, refused, write};
 use crate::support::programs::{opt_in, robovec_in, said};
 use std::fs;
 use std::path::Path;
@@ -57,12 +57,8 @@ fn images_that_differ_from_their_manifest_are_refused() {
 
 #[test]
 fn hardware_that_differs_from_its_description_is_refused() {
-    let folder = folder();
+    let folder = placed();
     let at = |name: &str| folder.path().join(name);
-    said(&opt_in(
-        folder.path(),
-        &["blend.rvir", "-passes=place", "-o", "placed.rvir"],
-    ));
     let build = || {
         said(&robovec_in(
             folder.path(),

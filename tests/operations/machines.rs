@@ -1,6 +1,6 @@
 //! Machines known by their content, and placed text edited by hand.
 
-use super::{folder, read, refused, write};
+use super::{folder, placed, read, refused, write};
 use crate::support::programs::{opt_in, robovec_in, said};
 use std::path::Path;
 
@@ -70,12 +70,8 @@ fn a_copy_of_a_machine_with_its_name_is_another_machine() {
 
 #[test]
 fn text_without_a_hash_stands_for_the_machine_of_its_name() {
-    let folder = folder();
+    let folder = placed();
     let at = |name: &str| folder.path().join(name);
-    said(&opt_in(
-        folder.path(),
-        &["blend.rvir", "-passes=place", "-o", "placed.rvir"],
-    ));
     let text = read(&at("placed.rvir"));
     let start = text.find(" (hash \"").expect("it has one");
     let end = start + text[start..].find(')').expect("it is closed") + 1;
@@ -107,12 +103,8 @@ fn text_without_a_hash_stands_for_the_machine_of_its_name() {
 
 #[test]
 fn edited_placements_blame_the_file() {
-    let folder = folder();
+    let folder = placed();
     let at = |name: &str| folder.path().join(name);
-    said(&opt_in(
-        folder.path(),
-        &["blend.rvir", "-passes=place", "-o", "placed.rvir"],
-    ));
     let text = read(&at("placed.rvir"));
     let line = text
         .lines()

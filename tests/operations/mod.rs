@@ -7,7 +7,7 @@ mod replaced;
 mod tools;
 mod written;
 
-use crate::support::programs::stderr;
+use crate::support::programs::{opt_in, said, stderr};
 use std::path::Path;
 use std::process::Output;
 
@@ -47,6 +47,14 @@ fn refused(output: &Output) -> String {
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
     write(&folder.path().join("blend.rvir"), PROGRAM);
+    folder
+}
+
+/// A folder with the program, and with it placed.
+fn placed() -> tempfile::TempDir {
+    let folder = folder();
+    let place = ["blend.rvir", "-passes=place", "-o", "placed.rvir"];
+    said(&opt_in(folder.path(), &place));
     folder
 }
 

@@ -3,7 +3,6 @@
 #![cfg(unix)]
 
 use super::{pendulum, refused};
-use crate::support::programs::{opt_in, said};
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
@@ -179,9 +178,7 @@ fn a_compiler_that_hangs_is_told_of() {
 
 #[test]
 fn a_simulator_that_hangs_is_told_of() {
-    let folder = super::folder();
-    let place = ["blend.rvir", "-passes=place", "-o", "placed.rvir"];
-    said(&opt_in(folder.path(), &place));
+    let folder = super::placed();
     let path = |name: &str| folder.path().join(name).display().to_string();
     let (input, output) = (path("placed.rvir"), path("hardware"));
     let tools = Tools::new(&[

@@ -2,7 +2,7 @@
 
 use super::super::flags::whole;
 use super::super::{CommandFailure, output};
-use super::{list, read};
+use super::read;
 use crate::present::text_table;
 use clap::Args;
 use robovec_rules::check::{self, Finding, Proof, RuleVerdict, TRIALS};
@@ -27,12 +27,7 @@ pub(super) struct RuleCheckArguments {
 /// Runs the command: findings go to the standard output, what is wrong also,
 /// with its place, to the standard error.
 pub(super) fn run(arguments: &RuleCheckArguments) -> Result<String, CommandFailure> {
-    let names = if arguments.files.is_empty() {
-        list::shipped()
-    } else {
-        arguments.files.clone()
-    };
-    let set = read::read(&names)?;
+    let set = read::read_or_shipped(&arguments.files)?;
     let findings: Vec<Finding> = set
         .rules
         .iter()

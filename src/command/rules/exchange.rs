@@ -1,7 +1,7 @@
 //! `robovec rules import` and `robovec rules export`.
 
 use super::super::{CommandFailure, input, output};
-use super::{list, read};
+use super::read;
 use crate::files::limited;
 use clap::{Args, ValueEnum};
 use robovec_ir::diagnostic::{Severity, termcolor::ColorChoice};
@@ -94,12 +94,7 @@ pub(super) fn import(arguments: &ImportArguments) -> Result<String, CommandFailu
 
 /// Writes rules for another tool.
 pub(super) fn export(arguments: &ExportArguments) -> Result<String, CommandFailure> {
-    let names = if arguments.files.is_empty() {
-        list::shipped()
-    } else {
-        arguments.files.clone()
-    };
-    let set = read::read(&names)?;
+    let set = read::read_or_shipped(&arguments.files)?;
     let text = syntax::export(&set, arguments.syntax.syntax());
     deliver(text, arguments.output.as_deref())
 }

@@ -2,7 +2,7 @@
 
 use super::super::flags::{NUMBER, whole};
 use super::super::subjects::{built_in, check_number};
-use super::super::{CommandFailure, input};
+use super::super::{CommandFailure, input, progress};
 use super::exchange::deliver;
 use super::{list, read};
 use crate::generate::{GenerationRequest, generate};
@@ -16,7 +16,7 @@ use robovec_rules::RuleSet;
 use robovec_rules::find::{self, Found, RuleSearch, TermSpace};
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::io::{self, IsTerminal};
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// What brings a function to the form in which rules meet it.
@@ -94,10 +94,7 @@ pub(super) fn run(arguments: &FindArguments) -> Result<String, CommandFailure> {
         trigonometric: arguments.trigonometric,
         budget: arguments.terms as usize,
     };
-    let bar = indicatif::ProgressBar::hidden();
-    if io::stderr().is_terminal() {
-        bar.set_draw_target(indicatif::ProgressDrawTarget::stderr());
-    }
+    let bar = progress::plain();
     let mut progress = |done: usize, total: usize| {
         bar.set_length(total as u64);
         bar.set_position(done as u64);

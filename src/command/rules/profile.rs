@@ -1,15 +1,14 @@
 //! `robovec rules profile`.
 
 use super::super::flags::whole;
-use super::super::{CommandFailure, input};
-use super::{list, read};
+use super::super::{CommandFailure, input, progress};
+use super::read;
 use crate::present::text_table;
 use clap::Args;
 use robovec_rules::profile::{self, Growing, Growth, POINTS, PairGrowth, RuleProfile, SideErrors};
 use robovec_rules::{Rule, RuleSet};
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::io::{self, IsTerminal};
 
 /// What is profiled.
 #[derive(Args, Debug)]
@@ -35,17 +34,9 @@ pub(super) struct ProfileArguments {
 /// Runs the command.
 pub(super) fn run(arguments: &ProfileArguments) -> Result<String, CommandFailure> {
     let machine = input::machine(&arguments.machine)?;
-    let names = if arguments.files.is_empty() {
-        list::shipped()
-    } else {
-        arguments.files.clone()
-    };
-    let set = read::read(&names)?;
+    let set = read::read_or_shipped(&arguments.files)?;
     let points = arguments.points as usize;
-    let bar = indicatif::ProgressBar::hidden();
-    if io::stderr().is_terminal() {
-        bar.set_draw_target(indicatif::ProgressDrawTarget::stderr());
-    }
+    let bar = progress::plain();
     let mut progress = |done: usize, total: usize| {
         bar.set_length(total as u64);
         bar.set_position(done as u64);

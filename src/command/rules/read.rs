@@ -1,6 +1,7 @@
 //! Which rules a command works with.
 
 use super::super::{CommandFailure, input};
+use super::list;
 use crate::files::limited;
 use robovec_ir::diagnostic::{did_you_mean, termcolor::ColorChoice};
 use robovec_rules::{BUILT_IN, RuleSet};
@@ -17,6 +18,14 @@ pub(super) fn read(names: &[String]) -> Result<RuleSet, CommandFailure> {
         all.extend(one(name)?).map_err(CommandFailure)?;
     }
     Ok(all)
+}
+
+/// The rules of some files; of none, those that ship.
+pub(super) fn read_or_shipped(names: &[String]) -> Result<RuleSet, CommandFailure> {
+    match names {
+        [] => read(&list::shipped()),
+        names => read(names),
+    }
 }
 
 /// The rules of one file, or of one that ships.
