@@ -237,8 +237,8 @@ pub fn figure(fronts: &[Front]) -> Figure {
 fn panel(front: &Front, place: usize) -> Panel {
     let mark = |index: usize| {
         let point = &front.points[index];
-        let cycles = f64::from(point.cycles[place].unwrap_or(0));
-        Mark::at(cycles, point.normwise.worst.min(1e9) / UNIT)
+        let cycles = point.cycles[place].expect("it was placed");
+        Mark::at(f64::from(cycles), point.normwise.worst.min(1e9) / UNIT)
     };
     let mut curves = vec![Curve::new(
         "",

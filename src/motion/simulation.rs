@@ -165,7 +165,7 @@ impl Integrator<'_, '_, '_> {
     }
 
     fn work(&self) -> f64 {
-        self.packed.last().copied().unwrap_or(0.0)
+        work_of(&self.packed)
     }
 
     fn count(&mut self) -> Result<(), MotionError> {
@@ -180,7 +180,7 @@ impl Integrator<'_, '_, '_> {
     fn accept(&mut self, time: f64, next: &[f64]) -> Result<(), MotionError> {
         let state = self.system.unpack(time, next)?;
         self.system.renew(&state);
-        let work = next.last().copied().unwrap_or(0.0);
+        let work = work_of(next);
         self.packed = MultibodySystem::pack(&state, work);
         self.run.steps += 1;
         Ok(())
@@ -270,4 +270,9 @@ impl Integrator<'_, '_, '_> {
                 }
             })
     }
+}
+
+/// The work that forces did, behind positions and velocities.
+fn work_of(packed: &[f64]) -> f64 {
+    *packed.last().expect("packed states end with the work")
 }

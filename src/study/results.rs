@@ -99,6 +99,11 @@ impl Results {
             .position(|pipeline| pipeline.printed == Some(printed))
     }
 
+    /// The pipeline that leaves equations as they are printed, or the first.
+    pub(super) fn original(&self) -> usize {
+        self.pipeline(Printed::Original).unwrap_or(0)
+    }
+
     /// Everything as JSON: one object per program and one per placement.
     pub fn to_json(&self) -> Value {
         let programs = self.outcome.programs.values().map(|facts| {

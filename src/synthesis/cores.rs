@@ -81,7 +81,7 @@ pub fn map(
     let netlist = tool.map(&design(core, format, stages))?;
     let top = netlist.top()?.to_owned();
     let counts = count::count(&netlist, &top)?;
-    let counted = counts.last().map(|count| count.total).unwrap_or_default();
+    let counted = counts.last().expect("the top is counted last").total;
     let timing = NetlistTiming::new(&netlist, &top)?;
     Ok(Mapped {
         core,

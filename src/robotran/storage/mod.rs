@@ -96,10 +96,14 @@ impl Storage {
         self.numbers.get(&self.canonical(name)).copied()
     }
 
+    /// The number of the array of an element.
+    pub(super) fn array_of(&self, slot: u32) -> usize {
+        self.arrays.partition_point(|array| array.offset <= slot) - 1
+    }
+
     /// The array and the indices of an element.
     pub(super) fn element(&self, slot: u32) -> (&StoredArray, [u32; 2], usize) {
-        let after = self.arrays.partition_point(|array| array.offset <= slot);
-        let array = &self.arrays[after - 1];
+        let array = &self.arrays[self.array_of(slot)];
         let (indices, rank) = array.shape.indices(slot - array.offset);
         (array, indices, rank)
     }

@@ -13,11 +13,7 @@ const CAPTION: &str = "Words per element: mean (marker), least and most over the
     computed only.";
 
 pub(super) fn figures(results: &Results) -> Vec<Figure> {
-    let pipelines = &results.plan.pipelines;
-    let original = pipelines
-        .iter()
-        .position(|pipeline| pipeline.printed == Some(super::super::plan::Printed::Original));
-    let pipeline = original.unwrap_or(0);
+    let pipeline = results.original();
     let Some(machine) = results.main_machine() else {
         return Vec::new();
     };

@@ -1,13 +1,13 @@
 //! Table 2.2: cycles by the classical order and with mobility first.
 
-use super::super::plan::{ChoiceKey, Printed, PriorityKey};
+use super::super::plan::{ChoiceKey, PriorityKey};
 use super::super::printed::thesis;
 use super::super::results::Results;
 use crate::present::{DataCell, DataTable};
 
 pub(super) fn table(results: &Results) -> Option<DataTable> {
     let model = results.plan.headline;
-    let pipeline = results.pipeline(Printed::Original).unwrap_or(0);
+    let pipeline = results.original();
     let machine = results.main_machine()?;
     let cycles = |priority: PriorityKey, count: u32| {
         let mut placed = results.placed();

@@ -1,7 +1,6 @@
 //! Table 2.1: the preference of placement, and how often each rank occurs.
 
 use super::super::figures::ladder;
-use super::super::plan::Printed;
 use super::super::results::Results;
 use crate::present::{DataCell, DataTable};
 
@@ -20,7 +19,7 @@ const RANKS: [[&str; 2]; 9] = [
 
 pub(super) fn table(results: &Results) -> Option<DataTable> {
     let machine = results.main_machine()?;
-    let pipeline = results.pipeline(Printed::Original).unwrap_or(0);
+    let pipeline = results.original();
     let placed = ladder(results, results.plan.headline, pipeline, machine);
     let mut columns = "rank | left operand | right operand".to_owned();
     for placed in &placed {

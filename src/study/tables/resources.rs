@@ -7,7 +7,6 @@
 //! has the selects of the crossbar and the addresses of the buffer too.
 
 use super::super::cost::shape;
-use super::super::plan::Printed;
 use super::super::printed::SystemTopology;
 use super::super::results::Results;
 use crate::present::{DataCell, DataTable};
@@ -48,7 +47,7 @@ fn printed(part: PartKind, adds: bool) -> ([&'static str; 3], &'static str) {
 pub(super) fn table(results: &Results) -> Option<DataTable> {
     let model = results.plan.headline;
     let machine = results.main_machine()?;
-    let pipeline = results.pipeline(Printed::Original).unwrap_or(0);
+    let pipeline = results.original();
     let mut usual = results.usual(model, pipeline, machine);
     let placed = usual.find(|placed| [placed.request.n_add, placed.request.n_multi] == BUILT)?;
     let shape = shape(results, placed);

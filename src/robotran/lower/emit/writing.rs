@@ -144,8 +144,8 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
     /// named value, and the scalars other parts read.
     pub(in crate::robotran::lower) fn finish(mut self) -> EmittedFunction {
         for slot in std::mem::take(&mut self.named_elements) {
-            let (array, _, _) = self.storage.element(slot);
-            let number = self.storage.find(array.name).unwrap_or(0) as usize;
+            let number = self.storage.array_of(slot);
+            let array = &self.storage.arrays[number];
             let operand = self.elements[slot as usize];
             if let (Some(output), Some(node)) = (self.outputs[number], operand.value()) {
                 let sources = self.function.node(node).sources;
