@@ -3,6 +3,7 @@
 use super::tests::serial;
 use super::*;
 use crate::model::{Body, Joint, JointKind, ModelPoint, Nature};
+use robovec_ir::Shape;
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate;
 use robovec_num::field::{Field, PrimeField};
@@ -122,7 +123,17 @@ pub(super) fn input_point(name: &str, seed: u64, array: &robovec_ir::Array) -> V
         seed: salt,
         ..point_field(seed, false)
     };
-    field.point(array.shape.len())
+    let Shape::Matrix(rows, columns) = array.shape else {
+        return field.point(array.shape.len());
+    };
+    // Formulations that need fewer points have narrower matrices of the same
+    // elements.
+    const WIDEST: usize = 100;
+    let all = field.point(rows as usize * WIDEST);
+    let rows = all.chunks(WIDEST);
+    rows.flat_map(|row| &row[..columns as usize])
+        .copied()
+        .collect()
 }
 
 /// The prime field of a seed.
