@@ -11,7 +11,7 @@ const PASSES: &str = "atomise,cse,dce,place";
 
 /// The machine that ships with memories per side, on a device, with two
 /// elements of each kind.
-fn machine(folder: &Path, device: &str) -> Machine {
+pub(crate) fn machine(folder: &Path, device: &str) -> Machine {
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("machines/side-split.toml");
     let text = fs::read_to_string(shipped).expect("it ships");
     let text = text.replace("count = 4", "count = 2");
@@ -87,26 +87,9 @@ fn find<'a>(value: &'a Value, name: &str) -> Option<&'a Value> {
 
 #[test]
 fn a_fit_counts_with_the_clock_of_the_machine_it_writes() {
-    let folder = tempfile::tempdir().expect("a folder can be made");
-    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scenes/bogie-1e-4.scene.toml");
-    let scene = scene.display().to_string();
-    machine(folder.path(), "ecp5");
-    let words = [
-        "fit",
-        &scene,
-        "--machine",
-        "machine.toml",
-        "--formulation=composite",
-    ];
-    let words = [&words[..], &["--states=12", "-o", "fitted"]].concat();
-    said(&robovec_in(folder.path(), &words));
-    let result = json(&folder.path().join("fitted/fit.json"));
-    let chosen = result["chosen"]
-        .as_u64()
-        .expect("something meets the scene") as usize;
-    let candidate = &result["candidates"][chosen];
-    let text = fs::read_to_string(folder.path().join("fitted/machine.toml")).expect("written");
-    let machine = Machine::parse(&text).expect("a machine");
+    let fitted = crate::front::loose();
+    let candidate = &fitted.candidate;
+    let machine = Machine::parse(&fitted.machine).expect("a machine");
     let clock = hardware::clock(&machine);
     assert_eq!(candidate["clock"]["mhz"].as_f64(), Some(clock.mhz));
     let cycles = candidate["cycles"].as_u64().expect("a number") as u32;

@@ -11,6 +11,7 @@ use robovec_ir::Machine;
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
+use std::sync::OnceLock;
 
 fn read(folder: &Path, name: &str) -> String {
     std::fs::read_to_string(folder.join(name)).expect("it was written")
@@ -64,18 +65,43 @@ fn every_choice_of_the_thesis_is_dominated() {
     }
 }
 
-/// A search for a scene: what was chosen, and its confirmation.
-fn fit(scene: &str) -> (Value, Value) {
+/// What a search for a scene led to.
+pub(crate) struct FittedScene {
+    /// What was chosen.
+    pub(crate) candidate: Value,
+    confirmation: Value,
+    /// The machine that was written for it.
+    pub(crate) machine: String,
+}
+
+/// The bogie to 1e-4 on a machine for an ECP5, searched once for all tests.
+pub(crate) fn loose() -> &'static FittedScene {
+    static FOUND: OnceLock<FittedScene> = OnceLock::new();
+    FOUND.get_or_init(|| {
+        let folder = tempfile::tempdir().expect("there is room for a folder");
+        crate::clock::machine(folder.path(), "ecp5");
+        let machine = folder.path().join("machine.toml");
+        let machine = machine.to_string_lossy();
+        fit(
+            "examples/scenes/bogie-1e-4.scene.toml",
+            &["--machine", &machine],
+        )
+    })
+}
+
+/// A search for a scene.
+fn fit(scene: &str, options: &[&str]) -> FittedScene {
     let folder = tempfile::tempdir().expect("there is room for a folder");
     let path = folder.path().to_string_lossy().into_owned();
-    let text = said(&robovec(&[
+    let words = [
         "fit",
         scene,
         "--formulation=composite",
         "--states=12",
         "-o",
         &path,
-    ]));
+    ];
+    let text = said(&robovec(&[&words[..], options].concat()));
     assert!(!text.to_lowercase().contains("confirmed"), "{text}");
     assert!(text.contains("not established  for every state"), "{text}");
     let result: Value = serde_json::from_str(&read(folder.path(), "fit.json")).expect("JSON");
@@ -106,19 +132,25 @@ fn fit(scene: &str) -> (Value, Value) {
         "{}",
         String::from_utf8_lossy(&output.stderr)
     );
-    (candidate, result["confirmation"].clone())
+    FittedScene {
+        candidate,
+        confirmation: result["confirmation"].clone(),
+        machine: read(folder.path(), "machine.toml"),
+    }
 }
 
 #[test]
 fn a_scene_gets_the_order_and_the_format_that_its_tolerance_needs() {
     let mut mantissas = Vec::new();
-    for (scene, tolerance) in [
-        ("examples/scenes/bogie-1e-4.scene.toml", 1e-4),
-        ("examples/scenes/bogie-1e-6.scene.toml", 1e-6),
-    ] {
-        let (candidate, confirmation) = fit(scene);
+    let tight = fit("examples/scenes/bogie-1e-6.scene.toml", &[]);
+    for (fitted, tolerance) in [(loose(), 1e-4), (&tight, 1e-6)] {
+        let FittedScene {
+            candidate,
+            confirmation,
+            ..
+        } = fitted;
         let worst = candidate["normwise"]["worst"].as_f64().expect("a number");
-        assert!(worst <= tolerance, "{scene}: {worst}");
+        assert!(worst <= tolerance, "{tolerance}: {worst}");
         assert_eq!(candidate["meets"], true);
         assert_eq!(confirmation["equal"], true);
         assert!(confirmation["simulated_used"].as_f64().expect("a number") <= 1.0);
