@@ -329,7 +329,30 @@ mod tests {
     use crate::files::TemporaryFolder;
     use crate::generate::{GenerationRequest, generate};
     use crate::model::family;
+    use robovec_ir::Module;
     use robovec_ir::states::States;
+
+    /// What is asked of a function of a model in 16 states.
+    fn question<'a>(
+        task: BenchTask,
+        module: &'a Module,
+        model: &'a Model,
+        has_loads: bool,
+        states: &'a States,
+    ) -> BenchQuestion<'a> {
+        BenchQuestion {
+            name: task.name().to_owned(),
+            view: View {
+                tables: &module.tables,
+                function: &module.functions[0],
+            },
+            model: Some(model),
+            has_loads,
+            states,
+            count: 16,
+            flags: None,
+        }
+    }
 
     /// Loops of one and of eight states compute what the generator's equations
     /// do, of a tree whose joints turn and slide; where there is a compiler.
@@ -342,18 +365,8 @@ mod tests {
             let module = generate(&model, &GenerationRequest::new(task.kind()));
             let module = module.expect("a tree has all functions");
             for has_loads in [false, true] {
-                let question = BenchQuestion {
-                    name: task.name().to_owned(),
-                    view: View {
-                        tables: &module.tables,
-                        function: &module.functions[0],
-                    },
-                    model: Some(&model),
-                    has_loads,
-                    states: &States::new(3),
-                    count: 16,
-                    flags: None,
-                };
+                let states = States::new(3);
+                let question = question(task, &module, &model, has_loads, &states);
                 let peers = peers(&question, &model, task, &names, None);
                 let outcomes = bench(&question, &peers, folder.path(), 0, 1, &mut |_| {});
                 for outcome in outcomes.expect("the folder can be written") {
@@ -376,18 +389,8 @@ mod tests {
             let module = generate(&model, &GenerationRequest::new(task.kind()));
             let module = module.expect("a tree has all functions");
             for has_loads in [false, true] {
-                let question = BenchQuestion {
-                    name: String::new(),
-                    view: View {
-                        tables: &module.tables,
-                        function: &module.functions[0],
-                    },
-                    model: Some(&model),
-                    has_loads,
-                    states: &States::new(3),
-                    count: 16,
-                    flags: None,
-                };
+                let states = States::new(3);
+                let question = question(task, &module, &model, has_loads, &states);
                 let asked = PeerQuestion {
                     question: &question,
                     model: &model,
