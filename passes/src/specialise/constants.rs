@@ -20,21 +20,21 @@ use smallvec::SmallVec;
 
 /// A known number.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub(super) struct Known(pub(super) u32);
+pub(crate) struct Known(pub(crate) u32);
 
 impl Known {
-    pub(super) const ZERO: Known = Known(0);
-    pub(super) const ONE: Known = Known(1);
-    pub(super) const MINUS_ONE: Known = Known(2);
+    pub(crate) const ZERO: Known = Known(0);
+    pub(crate) const ONE: Known = Known(1);
+    pub(crate) const MINUS_ONE: Known = Known(2);
 
-    pub(super) fn index(self) -> usize {
+    pub(crate) fn index(self) -> usize {
         self.0 as usize
     }
 }
 
 /// The expression that made a number.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum NumberExpression {
+pub(crate) enum NumberExpression {
     /// It stands in the function or in the scene.
     Literal(f64),
     /// By an operation on one or two earlier numbers; with one, the second
@@ -49,7 +49,7 @@ struct KnownNumber {
 }
 
 /// All numbers that are known.
-pub(super) struct KnownNumbers {
+pub(crate) struct KnownNumbers {
     entries: Vec<KnownNumber>,
     /// Those with the same elements of the fields; more than one only where
     /// different numbers coincide there by accident.
@@ -64,7 +64,7 @@ const NEAR: f64 = 1e-18;
 
 impl KnownNumbers {
     /// Zero, one and minus one.
-    pub(super) fn new() -> KnownNumbers {
+    pub(crate) fn new() -> KnownNumbers {
         let mut constants = KnownNumbers {
             entries: Vec::new(),
             of_elements: HashMap::default(),
@@ -79,7 +79,7 @@ impl KnownNumbers {
 
     /// A number as it is written. What is not finite is no element of the
     /// field: nothing can be made of it.
-    pub(super) fn literal(&mut self, number: f64) -> Known {
+    pub(crate) fn literal(&mut self, number: f64) -> Known {
         let entry = KnownNumber {
             value: Balls.literal(number),
             elements: self.fields.map(|field| field.literal(number)),
@@ -97,7 +97,7 @@ impl KnownNumbers {
     /// The result of an operation; `None` where it has none (a division by
     /// zero, an overflow) or where its digits are lost (a product below the
     /// range, what is left of a cancellation).
-    pub(super) fn apply(&mut self, operation: Operation, operands: [Known; 2]) -> Option<Known> {
+    pub(crate) fn apply(&mut self, operation: Operation, operands: [Known; 2]) -> Option<Known> {
         let values = operands.map(|known| self.entries[known.index()].value);
         let mut elements = [0; 2];
         for (place, (element, field)) in elements.iter_mut().zip(&self.fields).enumerate() {
@@ -133,7 +133,7 @@ impl KnownNumbers {
     }
 
     /// The negative of a number.
-    pub(super) fn negative(&mut self, known: Known) -> Known {
+    pub(crate) fn negative(&mut self, known: Known) -> Known {
         match self.entries[known.index()].expression {
             NumberExpression::Literal(number) => self.literal(-number),
             NumberExpression::Apply(..) => self
@@ -143,7 +143,7 @@ impl KnownNumbers {
     }
 
     /// A number without its sign, and whether it was negative.
-    pub(super) fn magnitude(&mut self, known: Known) -> (Known, bool) {
+    pub(crate) fn magnitude(&mut self, known: Known) -> (Known, bool) {
         if self.rounded(known) < 0.0 {
             (self.negative(known), true)
         } else {
@@ -152,17 +152,17 @@ impl KnownNumbers {
     }
 
     /// The number rounded to binary64, once.
-    pub(super) fn rounded(&self, known: Known) -> f64 {
+    pub(crate) fn rounded(&self, known: Known) -> f64 {
         self.entries[known.index()].value.value.high[0]
     }
 
     /// The expression that made a number; its operands have smaller indices.
-    pub(super) fn expression(&self, known: Known) -> NumberExpression {
+    pub(crate) fn expression(&self, known: Known) -> NumberExpression {
         self.entries[known.index()].expression
     }
 
     /// Their number.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.entries.len()
     }
 }

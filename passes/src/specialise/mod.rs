@@ -14,11 +14,11 @@
 //! their numbers, and that the result differs from it in nothing but rounded
 //! constants.
 
-mod constants;
+pub(crate) mod constants;
 mod evaluate;
 mod form;
-mod slice;
-mod write;
+pub(crate) mod slice;
+pub(crate) mod write;
 
 use constants::KnownNumbers;
 use evaluate::PartialEvaluator;
@@ -27,6 +27,7 @@ use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::{lay_out, remove_dead};
 use robovec_framework::scene::Scene;
 use robovec_ir::{Function, Level, View};
+use slice::SliceSignature;
 
 declare_pass! {
     /// Keeps of a function what a scene needs (`--scene FILE`).
@@ -83,7 +84,8 @@ impl Pass for Specialise {
             tables: context.tables,
             function: &numbered,
         };
-        let (result, witness) = write::write(view, &constants);
+        let signature = SliceSignature::of(view);
+        let (result, witness) = write::write(view, &signature, &constants);
         let inputs = function.inputs().len() - result.inputs().len();
         context.statistics.extend([
             ("outputs not needed", outputs),

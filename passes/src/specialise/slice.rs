@@ -33,7 +33,7 @@ pub(super) fn needed(view: View<'_>, scene: &Scene) -> (Function, [u64; 2]) {
 
 /// The arrays of a function without those that nothing of is read or set, and
 /// the new places of elements.
-pub(super) struct SliceSignature {
+pub(crate) struct SliceSignature {
     pub(super) inputs: Vec<Array>,
     pub(super) outputs: Vec<Array>,
     /// For every old input element the new one.
@@ -42,6 +42,17 @@ pub(super) struct SliceSignature {
 }
 
 impl SliceSignature {
+    /// Keeps all arrays of a function.
+    pub(crate) fn whole(function: &Function) -> SliceSignature {
+        let every = |length: usize| (0..length as u32).map(Some).collect();
+        SliceSignature {
+            inputs: function.inputs().to_vec(),
+            outputs: function.outputs().to_vec(),
+            input_places: every(function.input_len()),
+            output_places: every(function.output_len()),
+        }
+    }
+
     /// Keeps what a function reads and sets, and the arrays of calls of the
     /// user's functions.
     pub(super) fn of(view: View<'_>) -> SliceSignature {

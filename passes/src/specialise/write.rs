@@ -14,27 +14,26 @@ use robovec_ir::{
 };
 
 /// The result and its witness.
-pub(super) fn write(view: View<'_>, constants: &KnownNumbers) -> (Function, Function) {
-    let signature = SliceSignature::of(view);
+pub(crate) fn write(
+    view: View<'_>,
+    signature: &SliceSignature,
+    constants: &KnownNumbers,
+) -> (Function, Function) {
     let numbered = view.function;
-    let mut result = empty(numbered, &signature);
+    let mut result = empty(numbered, signature);
     copy(
         numbered,
-        &signature,
+        signature,
         &mut result,
         0,
         &mut |function, known| function.constant(constants.rounded(known)).into(),
     );
-    let mut witness = empty(numbered, &signature);
+    let mut witness = empty(numbered, signature);
     let places = expressions(numbered, constants, &mut witness);
     let first = witness.nodes().len() as u32;
-    copy(
-        numbered,
-        &signature,
-        &mut witness,
-        first,
-        &mut |_, known| places[known.index()],
-    );
+    copy(numbered, signature, &mut witness, first, &mut |_, known| {
+        places[known.index()]
+    });
     (result, witness)
 }
 
@@ -53,7 +52,7 @@ fn empty(function: &Function, signature: &SliceSignature) -> Function {
 }
 
 /// The constant an operand of the numbered function stands for.
-pub(super) fn known(function: &Function, operand: Operand) -> Option<Known> {
+pub(crate) fn known(function: &Function, operand: Operand) -> Option<Known> {
     function.number(operand).map(|number| Known(number as u32))
 }
 
@@ -135,6 +134,6 @@ fn expressions(numbered: &Function, constants: &KnownNumbers, to: &mut Function)
 }
 
 /// Whether an operation can have a number as its only operand.
-pub(super) fn is_function(operation: Operation) -> bool {
+pub(crate) fn is_function(operation: Operation) -> bool {
     matches!(operation, Operation::Sin | Operation::Cos | Operation::Sqrt)
 }

@@ -1,6 +1,9 @@
 //! Operations whose result is known, or is an operand.
 
+mod inexact;
+
 use crate::sums::fused::apart;
+use robovec_analysis::class::NumericClass;
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::Rewriter;
@@ -13,7 +16,17 @@ declare_pass! {
     /// format from binary32 up, so that not a bit changes whatever the
     /// machine's format. Infinities and NaN are not considered: `0*x` and
     /// `x - x` are 0.
-    pub struct Fold("fold") {}
+    ///
+    /// With `inexact` all constants are computed, in double-double, and rounded
+    /// once, to binary64: also `1.0/0.01`, `0.081 + 0.02`, roots and, unless a
+    /// unit of the host has its own, sines. Bits change then, and the class is
+    /// real: what is computed before the run is proved exactly as it was
+    /// before constants are rounded, as of `specialise`. Functions whose values
+    /// have formats of their own keep theirs.
+    pub struct Fold("fold") {
+        /// Computes constants that binary32 does not hold.
+        pub inexact: bool = false,
+    }
     takes: [Atomic],
     gives: Gives::Same,
     class: Exact,
@@ -23,6 +36,14 @@ declare_pass! {
 }
 
 impl Pass for Fold {
+    fn class(&self, declared: NumericClass) -> NumericClass {
+        if self.inexact {
+            NumericClass::Real
+        } else {
+            declared
+        }
+    }
+
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let mut rewriter = Rewriter::new(function, function.level);
         let mut folded = 0;
@@ -45,6 +66,15 @@ impl Pass for Fold {
             }
         }
         *function = rewriter.finish();
+        // Another rounding of a constant is another number in its own format.
+        if self.inexact
+            && function.formats.is_none()
+            && let Some((result, witness, more)) = inexact::fold(function, context)
+        {
+            *context.witness = Some(witness);
+            *function = result;
+            folded += more;
+        }
         context.statistics.push(("operations folded", folded));
         Ok(())
     }
