@@ -175,6 +175,11 @@ fn a_scene_gets_the_order_and_the_format_that_its_tolerance_needs() {
 /// A scene beside what it is about, searched: the outcome as JSON, with the
 /// text that was told.
 fn searched(scene: &str, equations: Option<&str>) -> (Value, String) {
+    searched_with(scene, equations, &[])
+}
+
+/// As [`searched`], with more words on the command line.
+fn searched_with(scene: &str, equations: Option<&str>, words: &[&str]) -> (Value, String) {
     let folder = tempfile::tempdir().expect("there is room for a folder");
     let path = folder.path().join("tried.scene.toml");
     std::fs::write(&path, scene).expect("it can be written");
@@ -183,7 +188,8 @@ fn searched(scene: &str, equations: Option<&str>) -> (Value, String) {
     }
     let output = folder.path().join("results").to_string_lossy().into_owned();
     let path = path.to_string_lossy().into_owned();
-    let text = said(&robovec(&["fit", &path, "--states=32", "-o", &output]));
+    let asked = [&["fit", &path, "--states=32", "-o", &output], words].concat();
+    let text = said(&robovec(&asked));
     let result = read(Path::new(&output), "fit.json");
     (serde_json::from_str(&result).expect("JSON"), text)
 }
@@ -263,6 +269,122 @@ fn an_output_that_is_always_zero_has_a_tolerance_like_others() {
     assert_eq!(result["bound"]["outputs"], 3);
     assert!(result["bound"]["proved"].as_u64().expect("a count") >= 2);
     assert!(result["bound"]["used"].as_f64().expect("a number") < 4.0);
+}
+
+/// A turned sum of products: a few values need more digits than most.
+const TURNED: [&str; 2] = [
+    "name = \"turned\"\nequations = \"f.rvir\"\n\
+     [[output]]\nelements = [\"y\"]\nerror = 1e-4\n\
+     [range]\na = [-1.5, 1.5]\nb = [1.0, 2.0]\nc = [0.001, 0.002]\n",
+    "// robovec 1\nfunction f equations {\n  in a\n  in b\n  in c\n  out y\n\
+     \x20 %s = sin(a)\n  %t = cos(a)\n  %u = %s*b + %t*c\n  y = %u*%u + b*c*%t*0.37\n}\n",
+];
+
+/// The candidates that satisfy something.
+fn those(result: &Value, is_one: impl Fn(&Value) -> bool) -> Vec<&Value> {
+    let all = result["candidates"].as_array().expect("a list").iter();
+    all.filter(|candidate| is_one(candidate)).collect()
+}
+
+fn chosen(result: &Value) -> &Value {
+    &result["candidates"][result["chosen"].as_u64().expect("one holds") as usize]
+}
+
+#[test]
+fn fixed_point_and_formats_of_values_are_measured_and_chosen_where_they_can_be() {
+    let [scene, equations] = TURNED;
+    let (device, told) = searched(scene, Some(equations));
+    let is_fixed = |one: &Value| {
+        one["format"]
+            .as_str()
+            .is_some_and(|name| name.starts_with("fixed"))
+    };
+    let is_mixed = |one: &Value| {
+        let program = one["program"].as_u64().expect("an index") as usize;
+        !device["programs"][program]["mixture"].is_null()
+    };
+    for (kind, reason) in [
+        (those(&device, is_fixed), "no Verilog cores for fixed point"),
+        (those(&device, is_mixed), "elements compute in one format"),
+    ] {
+        assert!(!kind.is_empty(), "{reason}: {told}");
+        for candidate in kind {
+            assert_eq!(candidate["meets"], false);
+            assert!(
+                candidate["remark"]
+                    .as_str()
+                    .is_some_and(|why| why.contains(reason))
+            );
+            assert!(
+                candidate["used"]
+                    .as_f64()
+                    .is_some_and(|used| 0.0 < used && used <= 1.0)
+            );
+            assert!(candidate["share"].as_f64().is_some_and(|share| share > 0.0));
+        }
+        assert!(told.contains(reason), "{told}");
+    }
+    let (cells, told) = searched_with(scene, Some(equations), &["--cost=cells"]);
+    let cost = |one: &Value| one["cells"].as_f64().expect("a number");
+    let meeting = those(&cells, |one| one["meets"] == true);
+    assert!(
+        meeting
+            .iter()
+            .all(|other| cost(chosen(&cells)) <= cost(other))
+    );
+    // What needs not float, or not every digit everywhere, takes less.
+    assert!(cost(chosen(&cells)) < cost(chosen(&device)), "{told}");
+    assert!(
+        cells["challenge"]["fresh"]
+            .as_u64()
+            .is_some_and(|count| count > 100_000)
+    );
+    assert!(
+        cells["challenge"]["used"]
+            .as_f64()
+            .is_some_and(|used| used <= 1.0)
+    );
+}
+
+#[test]
+fn fixed_point_that_overflows_is_told() {
+    let scene = "name = \"wide\"\nequations = \"f.rvir\"\n\
+                 [[output]]\nelements = [\"y\", \"z\"]\nerror = 1e-3\n\
+                 [range]\na = [1e11, 1e12]\nb = [1e-12, 1e-11]\n";
+    let equations = "// robovec 1\nfunction f equations {\n  in a\n  in b\n  out y\n  out z\n\
+                     \x20 y = a*b\n  z = b*b\n}\n";
+    let (result, told) = searched(scene, Some(equations));
+    let untried = result["untried"].to_string();
+    assert!(
+        untried.contains("in fixed point: numbers reach 2^40 over the ranges"),
+        "{untried}"
+    );
+    assert!(untried.contains("13 bits behind the point"), "{untried}");
+    assert!(
+        told.contains("in fixed point: numbers reach 2^40"),
+        "{told}"
+    );
+}
+
+#[test]
+fn a_unit_for_sines_is_the_quickest_that_does() {
+    let [scene, equations] = TURNED;
+    let (result, told) = searched_with(scene, Some(equations), &["--trigonometry=unit"]);
+    let program = &chosen(&result)["program"];
+    let program = &result["programs"][program.as_u64().expect("an index") as usize];
+    let treatment = program["trigonometry"].as_str().expect("a text");
+    assert!(treatment.starts_with("unit "), "{told}");
+    // Alone it errs, within the tolerance, and the simulator has the same unit.
+    assert!(
+        program["share_of_tolerance"]
+            .as_f64()
+            .is_some_and(|share| 1e-3 < share && share < 1.0)
+    );
+    assert_eq!(result["confirmation"]["equal"], true);
+    assert!(
+        told.contains("no unit computes sines without an error"),
+        "{told}"
+    );
 }
 
 #[test]

@@ -276,11 +276,8 @@ fn what_cannot_be_judged_is_told() {
     refused("[neglect]\nkinds = 'joint'\n", &["did you mean 'joints'"]);
 }
 
-/// A scene whose only limit is an error over time gets the narrowest mantissa
-/// in steps of two that keeps it: with two bits less the motion errs more than
-/// is allowed.
-#[test]
-fn an_error_over_time_chooses_a_format() {
+/// What `fit` chooses for the double pendulum, limited by its motion alone.
+fn fitted_over_time(limits: &str) -> (serde_json::Value, String) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
     let scene = format!(
@@ -289,7 +286,7 @@ fn an_error_over_time_chooses_a_format() {
          [[output]]\nelements = 'qdd'\n\
          [bind]\nQq = 0.0\nfrc = 0.0\ntrq = 0.0\n\
          [range]\nq = [-1.0, 1.0]\nqd = [-5.0, 5.0]\n\
-         [motion]\ntime = 1.0\nerror = 1e-4\n",
+         [motion]\ntime = 1.0\n{limits}",
         examples.display()
     );
     let path = folder.path().join("swing.scene.toml");
@@ -306,12 +303,55 @@ fn an_error_over_time_chooses_a_format() {
         "{text}"
     );
     let json = fs::read_to_string(out.join("fit.json")).expect("written");
-    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    (serde_json::from_str(&json).expect("JSON"), text)
+}
+
+/// A scene whose only limit is an error over time gets a mantissa that keeps
+/// it and is hardly wider than needed.
+#[test]
+fn an_error_over_time_chooses_a_format() {
+    let (json, _) = fitted_over_time("error = 1e-4\n");
     let error = json["motion"]["error"].as_f64().expect("an error");
     assert!(error <= 1e-4, "{error}");
     assert!(error > 1e-6, "a wider format than needed: {error}");
+    let drifted = json["drifted"].as_u64().expect("a number");
+    assert!(drifted > 0, "narrower ones were tried");
+    // The chosen one is the cheapest that was not refused.
+    let chosen = json["chosen"].as_u64().expect("one holds") as usize;
+    let candidates = json["candidates"].as_array().expect("a list");
+    let share = |candidate: &serde_json::Value| candidate["share"].as_f64().expect("a number");
+    let meeting = candidates.iter().filter(|one| one["meets"] == true);
     assert!(
-        json["broken"].as_u64().expect("a number") > 0,
-        "narrower ones were tried"
+        meeting
+            .map(share)
+            .all(|other| share(&candidates[chosen]) <= other)
     );
+    let cheaper = candidates
+        .iter()
+        .filter(|one| share(one) < share(&candidates[chosen]));
+    assert!(
+        cheaper.count() as u64 >= drifted,
+        "{drifted} were cheaper and refused"
+    );
+}
+
+/// A limit of the drift of energy takes more digits than a loose limit of the
+/// motion, and what drifts is within it.
+#[test]
+fn a_drift_of_energy_chooses_a_format() {
+    let digits = |json: &serde_json::Value| {
+        let chosen = json["chosen"].as_u64().expect("one holds") as usize;
+        let format = json["candidates"][chosen]["format"].as_str();
+        let format: robovec_ir::Format = (format.and_then(|text| text.parse().ok())).expect("one");
+        format.significand()
+    };
+    let (loose, _) = fitted_over_time("error = 0.1\n");
+    let (strict, text) = fitted_over_time("error = 0.1\nenergy = 1e-5\n");
+    let drift = strict["motion"]["energy"]["drift"]
+        .as_f64()
+        .expect("a drift");
+    assert!(drift > 1e-8 && drift <= 1e-5, "{drift}");
+    assert!(text.contains("energy drifts by "), "{text}");
+    assert!(digits(&strict) > digits(&loose) + 4);
+    assert_eq!(loose["motion"]["energy"], serde_json::Value::Null);
 }

@@ -53,6 +53,19 @@ impl OperationWork {
     }
 }
 
+/// What the operations of a function cost, in cells: each in the format of its
+/// value, where it has one of its own.
+pub fn function_cost(function: &Function, format: Format) -> f64 {
+    let Some(formats) = &function.formats else {
+        return OperationWork::of(function).cost(format);
+    };
+    let nodes = function.values().map(|(value, node)| {
+        let format = formats.get(value).unwrap_or(format);
+        OperationWork::of_operation(node.operation).cost(format)
+    });
+    nodes.sum()
+}
+
 impl Add for OperationWork {
     type Output = OperationWork;
 

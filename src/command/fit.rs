@@ -5,7 +5,7 @@ use super::output::result_files;
 use super::{CommandFailure, input, output, progress};
 use crate::explore::program::view;
 use crate::fit::confirm::{self, Confirmation};
-use crate::fit::{self, FitError, FitOutcome, FitTask, MotionTolerance, SinePlace};
+use crate::fit::{self, CostMeasure, FitError, FitOutcome, FitTask, MotionTolerance, SinePlace};
 use crate::generate::{Formulation, MomentOrigin, PrefixNetwork};
 use crate::optimise::start::FORMULATIONS;
 use crate::present::json::json_text;
@@ -33,6 +33,9 @@ pub(super) struct FitArguments {
     /// Where sines and cosines are computed; by default as the scene says, or on the host
     #[arg(long, value_enum)]
     trigonometry: Option<Where>,
+    /// What the cheapest is the cheapest by
+    #[arg(long, value_enum, default_value_t)]
+    cost: Cost,
     /// Random states of the scene; by default the more the smaller the function is
     #[arg(long, default_value_t = 0, hide_default_value = true,
           add = states(0, 100_000))]
@@ -54,8 +57,21 @@ pub(super) struct FitArguments {
 enum Where {
     /// Before the run
     Host,
+    /// Before the run, by a unit that errs: a polynomial, a table or CORDIC
+    Unit,
     /// By the elements, as series
     Elements,
+}
+
+/// What the cheapest is the cheapest by.
+#[derive(ValueEnum, Clone, Copy, Default, Debug)]
+enum Cost {
+    /// The share of the device that the machine takes, in one format that floats
+    #[default]
+    Device,
+    /// The cells of the arithmetic, for hardware of one's own: fixed point and
+    /// formats of single values may be chosen
+    Cells,
 }
 
 /// Runs the command.
@@ -78,6 +94,10 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
         formulations: formulations(arguments, &file, &general),
         machine: &machine,
         trigonometry: place(arguments, &file),
+        cost: match arguments.cost {
+            Cost::Device => CostMeasure::Device,
+            Cost::Cells => CostMeasure::Cells,
+        },
         sizes: ArraySizes::of(view(&general), Some(&file.scene)),
         states,
         seed: arguments.seed,
@@ -143,6 +163,7 @@ fn motion<'a>(
 fn place(arguments: &FitArguments, file: &SceneFile) -> SinePlace {
     match arguments.trigonometry {
         Some(Where::Host) => SinePlace::Host,
+        Some(Where::Unit) => SinePlace::Unit,
         Some(Where::Elements) => SinePlace::Elements,
         None if file.scene.series => SinePlace::Elements,
         None => SinePlace::Host,
@@ -220,6 +241,9 @@ fn write(
         "bound": outcome.bound,
         "motion": outcome.motion,
         "broken": outcome.broken,
+        "drifted": outcome.drifted,
+        "untried": outcome.untried,
+        "cost": task.cost,
         "confirmation": confirmation,
         "front": outcome.front(),
         "programs": outcome.programs.iter().map(|program| json!({
@@ -227,6 +251,7 @@ fn write(
             "pipeline": program.pipeline,
             "formulation": program.formulation.name(),
             "trigonometry": program.treatment.to_string(),
+            "mixture": program.mixture.as_ref().map(|mixture| &mixture.text),
             "share_of_tolerance": program.model_share,
         })).collect::<Vec<_>>(),
         "candidates": outcome.candidates,

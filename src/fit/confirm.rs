@@ -33,24 +33,29 @@ pub struct Confirmation {
     pub simulated_used: f64,
     /// Why there is no simulation, or what went wrong in it.
     pub remark: String,
+    /// No machine runs it: it was chosen by the cells of its arithmetic, and
+    /// its values have formats of their own.
+    pub is_for_other_hardware: bool,
 }
 
 impl Confirmation {
-    /// True when the choice held in every run.
+    /// True when the choice held in every run there can be.
     pub fn holds(&self) -> bool {
-        self.equal && self.simulated_used <= 1.0
+        self.is_for_other_hardware || self.equal && self.simulated_used <= 1.0
     }
 }
 
 /// A program ready for the machine: placed, in its format.
 pub struct Ready {
-    /// The placed function, alone in its module.
+    /// The function, alone in its module: placed, or atomic where its values
+    /// have formats of their own.
     pub module: Module,
     /// The machine with its elements and format.
     pub machine: Machine,
 }
 
-/// Places a candidate.
+/// Places a candidate; a program whose values have formats of their own stays
+/// as it is.
 ///
 /// # Errors
 ///
@@ -63,6 +68,12 @@ pub fn ready(
     let mut machine = size::sized(task.machine, candidate.elements);
     if let Ok(number) = candidate.format.parse() {
         machine.number = number;
+    }
+    if program.mixture.is_some() {
+        return Ok(Ready {
+            module: (*program.module).clone(),
+            machine,
+        });
     }
     let placed = placed(&program.module, &machine, PlaceOptions::default())
         .map_err(|error| ExplorationError::Pass(error.to_string()))?;
@@ -81,6 +92,16 @@ pub fn confirm(
     (program, candidate): (&FitProgram, &FitCandidate),
     challenge: &Challenge,
 ) -> Result<Confirmation, FitError> {
+    if program.mixture.is_some() {
+        return Ok(Confirmation {
+            simulated: 0,
+            cycles: candidate.cycles,
+            equal: false,
+            simulated_used: 0.0,
+            remark: "a machine's elements compute in one format, its values do not".to_owned(),
+            is_for_other_hardware: true,
+        });
+    }
     let ready = ready(task, program, candidate)?;
     let worst = &challenge.worst[..SIMULATED.min(challenge.worst.len())];
     let worst = Yardstick::at(view(task.general), worst.to_vec());
@@ -92,6 +113,7 @@ pub fn confirm(
         equal: false,
         simulated_used: f64::INFINITY,
         remark: String::new(),
+        is_for_other_hardware: false,
     };
     match run(&ready, &inputs) {
         Err(reason) => confirmation.remark = reason,

@@ -11,12 +11,15 @@
 //! 2. series ([`series`]): of each method the least order whose error leaves
 //!    room for rounding;
 //! 3. format ([`format`]): the narrowest exponent that holds what occurs, the
-//!    narrowest mantissa that meets the tolerances, found by halving;
-//! 4. elements ([`size`]): the fewest that meet the deadline, and more of
+//!    narrowest mantissa that meets the tolerances, found by halving; of the
+//!    shortest programs fixed point as well, and a format for every value
+//!    ([`mixture`]);
+//! 4. units for sines and cosines before the run ([`units`]);
+//! 5. elements ([`size`]): the fewest that meet the deadline, and more of
 //!    them for the front.
 //!
 //! What comes out is a list of candidates with time, error and cost, the
-//! cheapest that meets everything, and the front: the candidates that no other
+//! cheapest ([`CostMeasure`]) that meets everything, and the front: the candidates that no other
 //! one beats in time, cost and error together.
 //!
 //! What is cheapest is then *challenged* ([`challenge`]): tried at many states
@@ -38,43 +41,55 @@ pub mod bound;
 pub mod challenge;
 pub mod confirm;
 mod format;
+mod mixture;
 pub mod motion;
 pub mod page;
 mod ranges;
+mod search;
 mod series;
 mod size;
 pub mod text;
 mod tolerance;
+mod units;
 mod variants;
 
 pub use bound::FitBound;
 pub use challenge::Challenge;
-pub use motion::{MotionShare, MotionTolerance};
+pub use mixture::ValueMixture;
+pub use motion::{EnergyDrift, MotionShare, MotionTolerance};
 pub use series::{SinePlace, SineTreatment};
 
 use crate::explore::ExplorationProgress;
-use crate::explore::device::{self, DeviceShare};
+use crate::explore::device::DeviceShare;
 use crate::explore::pareto::{self, EqualPoints};
-use crate::explore::program::{ExplorationError, view};
+use crate::explore::program::ExplorationError;
 use crate::generate::Formulation;
-use crate::yardstick::{ErrorSpread, Yardstick};
-use robovec_analysis::critical_path::critical_path;
-use robovec_codegen::hardware::{self, MachineClock};
+use crate::yardstick::ErrorSpread;
+use robovec_codegen::hardware::MachineClock;
 use robovec_framework::scene::{ArraySizes, Scene};
-use robovec_ir::count::Counts;
-use robovec_ir::{Format, Machine, Module};
-use robovec_num::NumberFormat;
+use robovec_ir::{Machine, Module};
 use robovec_schedule::PlaceError;
+use search::{FitSearch, VALIDATION_FACTOR};
 use serde::Serialize;
+use std::cmp::Ordering;
 use std::sync::Arc;
-use tolerance::FormatErrors;
 
-/// How many times as many states as the search has the validation has: a
-/// search measures often and can afford few.
-const VALIDATION_FACTOR: u32 = 4;
+/// Steps of motions that all choices together may take.
+const MOTION_STEPS: u64 = 2_000_000;
 
-/// By how many bits a mantissa is widened that errs too much over time.
-const WIDER: u32 = 2;
+/// What the cheapest is the cheapest by.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CostMeasure {
+    /// The share of the device that the machine takes, as robovec builds it:
+    /// all its elements compute in one format that floats.
+    #[default]
+    Device,
+    /// The cells of the program's arithmetic ([`robovec_ir::cost`]), for
+    /// hardware that is built otherwise: fixed point and formats of single
+    /// values may be chosen.
+    Cells,
+}
 
 /// What is searched for, and where.
 pub struct FitTask<'a> {
@@ -90,6 +105,8 @@ pub struct FitTask<'a> {
     pub machine: &'a Machine,
     /// Where sines and cosines are computed.
     pub trigonometry: SinePlace,
+    /// What the cheapest is the cheapest by.
+    pub cost: CostMeasure,
     /// The usual sizes of the general function's arrays, by which errors are
     /// measured where the arrays vanish.
     pub sizes: ArraySizes,
@@ -121,6 +138,10 @@ pub struct FitProgram {
     /// search: that of series and other approximations, next to which
     /// binary64's own rounding is nothing.
     pub model_share: f64,
+    /// The formats of its values, where they have formats of their own.
+    pub mixture: Option<ValueMixture>,
+    /// Why the scene rules it out: it is measured all the same.
+    pub excluded: Option<String>,
 }
 
 /// A program in a format on a number of elements.
@@ -153,10 +174,15 @@ pub struct FitCandidate {
     pub used: f64,
     /// What it takes of the device, estimated.
     pub resources: DeviceShare,
-    /// The largest of its shares of the device, which counts as the cost
-    /// ([`DeviceShare::share`]).
+    /// The largest of its shares of the device ([`DeviceShare::share`]).
     pub share: f64,
-    /// Tolerances and deadline are met, and the device has room.
+    /// Cells of its arithmetic ([`robovec_ir::cost::function_cost`]).
+    pub cells: f64,
+    /// Why it cannot be chosen, whatever its error and its cost; empty when
+    /// it can.
+    pub remark: String,
+    /// It can be chosen, tolerances and deadline are met, and the device has
+    /// room.
     pub meets: bool,
 }
 
@@ -166,8 +192,8 @@ pub struct FitOutcome {
     pub programs: Vec<FitProgram>,
     /// Everything that was placed and measured.
     pub candidates: Vec<FitCandidate>,
-    /// Index of the cheapest candidate that meets everything, by share of the
-    /// device, then look-up tables, then cycles; `None` when none does.
+    /// Index of the cheapest candidate that meets everything, by the cost of
+    /// the task, then look-up tables, then cycles; `None` when none does.
     pub chosen: Option<usize>,
     /// What the chosen one was tried with, and held.
     pub challenge: Option<Challenge>,
@@ -177,6 +203,10 @@ pub struct FitOutcome {
     pub bound: Option<FitBound>,
     /// Choices before it that did not hold when they were challenged.
     pub broken: u32,
+    /// Choices before it that erred too much over time.
+    pub drifted: u32,
+    /// What could not be tried, and why.
+    pub untried: Vec<String>,
 }
 
 /// Why nothing could be searched.
@@ -202,249 +232,75 @@ pub enum FitError {
 /// then has no chosen candidate, and its front shows what is possible.
 pub fn fit(task: &FitTask<'_>, progress: ExplorationProgress<'_>) -> Result<FitOutcome, FitError> {
     let mut search = FitSearch::new(task, progress)?;
-    let mut broken = 0;
     loop {
         let candidates = search.candidates();
-        let Some(chosen) = cheapest(&candidates) else {
-            return Ok(search.outcome(candidates, None, broken));
+        let Some(chosen) = cheapest(task, &candidates) else {
+            return Ok(search.outcome(candidates, None));
         };
         let program = candidates[chosen].program;
         let format = search.format_of(&candidates[chosen]);
         // A motion costs less than a challenge and is tried before it.
-        let name = &search.programs[program].name;
+        let name = search.programs[program].name.clone();
         progress(&format!("{name} in {format}: the error over time"));
-        let motion = task.motion.map(|motion| {
-            let module = &search.programs[program].module;
-            motion.of(module, format)
-        });
-        if motion.as_ref().is_some_and(|motion| !motion.holds()) {
-            search.widen(program, format)?;
-            broken += 1;
+        let motion = match task.motion {
+            // Without steps to spend nothing is established over time.
+            Some(motion) if search.steps_left < motion.steps() => {
+                search.untried.push(format!(
+                    "{name} in {format} over time: all choices together may take {MOTION_STEPS} \
+                     steps"
+                ));
+                return Ok(search.outcome(candidates, None));
+            }
+            Some(motion) => {
+                search.steps_left -= motion.steps();
+                Some(motion.of(&search.programs[program].module, format))
+            }
+            None => None,
+        };
+        if let Some(motion) = motion.as_ref().filter(|motion| !motion.holds()) {
+            search.drifted += 1;
+            search.widen(program, format, motion.used())?;
             continue;
         }
         progress(&format!(
             "{name} in {format}: searching for the worst state"
         ));
         let attempt = (&search.programs[program], format);
-        let challenge = challenge::challenge(task, attempt, broken)?;
+        let challenge = challenge::challenge(task, attempt, search.broken)?;
         if challenge.holds() {
-            let mut outcome = search.outcome(candidates, Some((chosen, challenge)), broken);
+            let mut outcome = search.outcome(candidates, Some((chosen, challenge)));
             outcome.motion = motion;
             return Ok(outcome);
         }
-        broken += 1;
+        search.broken += 1;
         search.learn(program, challenge.worst)?;
     }
 }
 
 /// The cheapest of the candidates that meet the scene.
-fn cheapest(candidates: &[FitCandidate]) -> Option<usize> {
+fn cheapest(task: &FitTask<'_>, candidates: &[FitCandidate]) -> Option<usize> {
     let eligible = candidates.iter().enumerate();
     let eligible = eligible.filter(|(_, candidate)| candidate.meets);
-    let cheapest = eligible.min_by(|(_, a), (_, b)| {
-        let tables = |candidate: &FitCandidate| candidate.resources.look_up_tables;
-        a.share
-            .total_cmp(&b.share)
-            .then(tables(a).total_cmp(&tables(b)))
-            .then(a.cycles.cmp(&b.cycles))
-    });
-    cheapest.map(|(index, _)| index)
+    let costs = |candidate: &FitCandidate| {
+        let tables = candidate.resources.look_up_tables;
+        let cycles = f64::from(candidate.cycles);
+        match task.cost {
+            CostMeasure::Device => [candidate.share, tables, cycles],
+            CostMeasure::Cells => [candidate.cells, candidate.share, cycles],
+        }
+    };
+    let order = |(_, a): &(usize, &FitCandidate), (_, b): &(usize, &FitCandidate)| {
+        let pairs = costs(a).into_iter().zip(costs(b));
+        pairs.fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(&b)))
+    };
+    eligible.min_by(order).map(|(index, _)| index)
 }
 
-/// Programs with the formats and sizes they are tried in, and the states they
-/// are measured at.
-struct FitSearch<'t, 'a> {
-    task: &'t FitTask<'a>,
-    search: Yardstick,
-    validation: Yardstick,
-    programs: Vec<FitProgram>,
-    /// For every program the machines it is placed on.
-    sizes: Vec<Vec<size::SizedMachine>>,
-    /// For every program its formats with the errors at the validation.
-    formats: Vec<Vec<(Format, FormatErrors)>>,
-}
-
-impl<'t, 'a> FitSearch<'t, 'a> {
-    fn new(
-        task: &'t FitTask<'a>,
-        progress: ExplorationProgress<'_>,
-    ) -> Result<FitSearch<'t, 'a>, FitError> {
-        let search = yardstick(task, task.states, task.seed);
-        let validation = yardstick(
-            task,
-            task.states * VALIDATION_FACTOR,
-            task.seed.wrapping_add(1),
-        );
-        let mut made = variants::programs(task, &search, progress)?;
-        series::write(task, &search, &mut made, progress)?;
-        let (mut programs, mut sizes, mut formats) = (Vec::new(), Vec::new(), Vec::new());
-        let mut refused: Option<PlaceError> = None;
-        for program in made {
-            let (name, treatment) = (&program.name, program.treatment);
-            progress(&format!("{name}, {treatment}: formats and elements"));
-            match size::sizes(task, &program) {
-                Err(error) => refused = Some(error),
-                Ok(placed) => {
-                    formats.push(format::formats(task, &program, &search, &validation)?);
-                    sizes.push(placed);
-                    programs.push(program);
-                }
-            }
-        }
-        if let (true, Some(error)) = (programs.is_empty(), refused) {
-            return Err(FitError::Placement(error));
-        }
-        Ok(FitSearch {
-            task,
-            search,
-            validation,
-            programs,
-            sizes,
-            formats,
-        })
-    }
-
-    /// Every program in its formats on its machines.
-    fn candidates(&self) -> Vec<FitCandidate> {
-        let mut candidates = Vec::new();
-        for (index, program) in self.programs.iter().enumerate() {
-            for size in &self.sizes[index] {
-                for (format, errors) in &self.formats[index] {
-                    let made = candidate(self.task, (index, program), *format, errors, size);
-                    candidates.push(made);
-                }
-            }
-        }
-        candidates
-    }
-
-    /// The format of a candidate.
-    fn format_of(&self, candidate: &FitCandidate) -> Format {
-        let formats = self.formats[candidate.program].iter();
-        let mut named = formats.filter(|(format, _)| format.to_string() == candidate.format);
-        named.next().expect("a candidate has one of the formats").0
-    }
-
-    /// Adds states at which a program failed to those that programs are
-    /// measured at, and widens the format of that program.
-    fn learn(&mut self, failed: usize, states: Vec<Vec<f64>>) -> Result<(), FitError> {
-        let news = Yardstick::at(view(self.task.general), states.clone());
-        self.search.extend(view(self.task.general), states.clone());
-        self.validation.extend(view(self.task.general), states);
-        for (index, program) in self.programs.iter().enumerate() {
-            if index == failed {
-                self.formats[index] =
-                    format::formats(self.task, program, &self.search, &self.validation)?;
-                continue;
-            }
-            for (format, errors) in &mut self.formats[index] {
-                let more = FormatErrors::at(self.task, program, *format, &news)?;
-                errors.shares.extend(more.shares);
-            }
-        }
-        Ok(())
-    }
-
-    /// Refuses a format of a program, and all that are no wider, for its error
-    /// over time; the next wider mantissa is tried instead.
-    fn widen(&mut self, program: usize, refused: Format) -> Result<(), FitError> {
-        let bits = |format: Format| match format {
-            Format::Float(float) => float.mantissa,
-            Format::Fixed(fixed) => fixed.fraction,
-        };
-        for (format, errors) in &mut self.formats[program] {
-            if bits(*format) <= bits(refused) {
-                errors.shares.push(f64::INFINITY);
-            }
-        }
-        let Format::Float(float) = refused else {
-            return Ok(());
-        };
-        let wider = Format::Float(NumberFormat {
-            mantissa: float.mantissa + WIDER,
-            ..float
-        });
-        let known = |(format, _): &(Format, FormatErrors)| *format == wider;
-        if float.mantissa + WIDER <= 52 && !self.formats[program].iter().any(known) {
-            let one = &self.programs[program];
-            let errors = FormatErrors::at(self.task, one, wider, &self.validation)?;
-            self.formats[program].push((wider, errors));
-        }
-        Ok(())
-    }
-
-    fn outcome(
-        self,
-        candidates: Vec<FitCandidate>,
-        held: Option<(usize, Challenge)>,
-        broken: u32,
-    ) -> FitOutcome {
-        let (chosen, challenge) = held.unzip();
-        let bound = chosen.and_then(|chosen| {
-            let candidate = &candidates[chosen];
-            let program = &self.programs[candidate.program];
-            bound::bound(self.task, program, self.format_of(candidate))
-        });
-        FitOutcome {
-            bound,
-            motion: None,
-            programs: self.programs,
-            candidates,
-            chosen,
-            challenge,
-            broken,
-        }
-    }
-}
-
-/// The general function's exact results at random states of the scene, which
-/// errors are measured against.
-fn yardstick(task: &FitTask<'_>, states: u32, seed: u64) -> Yardstick {
-    let source = task.scene.states(seed);
-    Yardstick::new(view(task.general), &source, states)
-}
-
-/// What a program in a format costs and reaches on a machine it is placed on.
-fn candidate(
-    task: &FitTask<'_>,
-    (index, program): (usize, &FitProgram),
-    format: Format,
-    measured: &FormatErrors,
-    size: &size::SizedMachine,
-) -> FitCandidate {
-    let machine = size.machine(task.machine);
-    let resources = device::taken(&machine, format, size.cycles, size.words);
-    let function = &program.module.functions[0];
-    let clock = hardware::clock(&Machine {
-        number: format,
-        ..machine.clone()
-    });
-    let microseconds = clock.microseconds(size.cycles);
-    let (used, errors) = (measured.used(), &measured.errors);
-    let in_time = task
-        .scene
-        .deadline
-        .is_none_or(|deadline| microseconds <= deadline);
-    FitCandidate {
-        program: index,
-        format: format.to_string(),
-        elements: size.elements,
-        operations: Counts::of(function).operations,
-        path: critical_path(function, task.machine).asap_cycle,
-        cycles: size.cycles,
-        clock,
-        microseconds,
-        relative: errors.relative,
-        normwise: errors.normwise,
-        used,
-        resources,
-        share: resources.share(task.machine.device.device()),
-        meets: in_time
-            && used <= 1.0
-            // Infinite when a result was not finite, which a scene without
-            // tolerances would let pass.
-            && errors.normwise.worst.is_finite()
-            && resources.share(task.machine.device.device()) <= 1.0,
+impl FitProgram {
+    /// True when it has sines or cosines that are computed before the run.
+    fn has_sines(&self) -> bool {
+        let nodes = self.module.functions[0].nodes();
+        nodes.iter().any(|node| node.operation.is_trigonometric())
     }
 }
 

@@ -38,14 +38,42 @@ pub struct MotionShare {
     pub error: f64,
     /// What the scene allows.
     pub allowed: f64,
+    /// The drift of energy, where the scene limits it.
+    pub energy: Option<EnergyDrift>,
     /// How long the motion lasts, s.
     pub time: f64,
+}
+
+/// The change of energy that no work explains, in parts of the largest kinetic
+/// energy.
+#[derive(Clone, Copy, PartialEq, Debug, serde::Serialize)]
+pub struct EnergyDrift {
+    /// The largest in the motion; infinite where the motion fails.
+    pub drift: f64,
+    /// What the scene allows.
+    pub allowed: f64,
 }
 
 impl MotionShare {
     /// True where the scene allows it.
     pub fn holds(&self) -> bool {
-        self.error <= self.allowed
+        self.used() <= 1.0
+    }
+
+    /// The largest of its errors over what the scene allows.
+    pub fn used(&self) -> f64 {
+        let energy = self
+            .energy
+            .map_or(0.0, |energy| energy.drift / energy.allowed);
+        (self.error / self.allowed).max(energy)
+    }
+}
+
+/// The drift of energy of a run, in parts of its largest kinetic energy.
+fn drift(run: &SimulationRun) -> f64 {
+    match run.energy_drift() {
+        0.0 => 0.0,
+        drift => drift / run.energy_scale(),
     }
 }
 
@@ -68,14 +96,14 @@ impl<'a> MotionTolerance<'a> {
             subject.function,
             FunctionKind::Dirdyna | FunctionKind::Accelred
         );
-        if !moves || wish.watch.is_empty() {
+        if !moves || wish.watch.is_empty() && wish.energy.is_none() {
             return Ok(None);
         }
         // Laws stay what they are where the model starts elsewhere.
         let laws = MultibodySystem::settled(&subject.model, laws)?;
         let run = |steps| run(file, wish, (&laws, machine), steps, None);
         // Steps are halved until that changes a tenth of the error allowed at
-        // most.
+        // most, and they alone let a tenth of the energy allowed drift.
         let mut steps = STEPS;
         let mut coarse = run(steps);
         loop {
@@ -84,7 +112,9 @@ impl<'a> MotionTolerance<'a> {
             if let (Ok(coarse), Ok(fine)) = (&coarse, &fine) {
                 let runs = std::slice::from_ref(fine);
                 let watched = WatchedJoints::new(&wish.watch, &subject.model, runs)?;
-                if watched.share(coarse, fine) <= 0.1 * wish.error {
+                let keeps = |allowed: f64| drift(fine) <= 0.1 * allowed;
+                if watched.share(coarse, fine) <= 0.1 * wish.error && wish.energy.is_none_or(keeps)
+                {
                     return Ok(Some(MotionTolerance {
                         file,
                         wish,
@@ -105,16 +135,27 @@ impl<'a> MotionTolerance<'a> {
         }
     }
 
+    /// Steps of a motion with a program.
+    pub fn steps(&self) -> u64 {
+        u64::from(SAMPLES) * u64::from(self.steps)
+    }
+
     /// The error of a program in a format over time.
     pub fn of(&self, program: &Module, format: Format) -> MotionShare {
         let forces = (&self.laws, self.machine);
         let program = Some((program, format));
         let run = run(self.file, self.wish, forces, self.steps, program);
+        let run = run.as_ref();
         let error = run.map_or(f64::INFINITY, |run| {
-            self.watched.share(&self.reference, &run)
+            self.watched.share(&self.reference, run)
+        });
+        let energy = self.wish.energy.map(|allowed| EnergyDrift {
+            drift: run.map_or(f64::INFINITY, drift),
+            allowed,
         });
         MotionShare {
             error,
+            energy,
             allowed: self.wish.error,
             time: self.wish.time,
         }

@@ -7,6 +7,7 @@ use crate::explore::ExplorationProgress;
 use crate::explore::program::transformed_by;
 use crate::yardstick::Yardstick;
 use robovec_ir::Format;
+use robovec_num::trigonometry::host::Implementation;
 use serde::Serialize;
 use std::fmt;
 use std::sync::Arc;
@@ -18,13 +19,14 @@ pub enum SinePlace {
     /// Before the run, exactly but for one rounding.
     #[default]
     Host,
+    /// Before the run, by a unit with an error of its own.
+    Unit,
     /// By the elements, as series.
     Elements,
 }
 
 /// How the sines and cosines of a program are computed.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SineTreatment {
     /// As they are, before the run.
     True,
@@ -32,13 +34,15 @@ pub enum SineTreatment {
     Taylor(u32),
     /// By a minimax polynomial of an order.
     Minimax(u32),
+    /// Before the run, by a unit.
+    Unit(Implementation),
 }
 
 impl SineTreatment {
-    /// The pass that writes it; `None` for [`SineTreatment::True`].
+    /// The pass that writes it as a series; `None` for what is none.
     fn pass(self) -> Option<String> {
         match self {
-            SineTreatment::True => None,
+            SineTreatment::True | SineTreatment::Unit(_) => None,
             SineTreatment::Taylor(order) => {
                 Some(format!("trigonometry{{method=taylor order={order}}}"))
             }
@@ -55,6 +59,7 @@ impl fmt::Display for SineTreatment {
             SineTreatment::True => formatter.write_str("true sin and cos"),
             SineTreatment::Taylor(order) => write!(formatter, "Taylor order {order}"),
             SineTreatment::Minimax(order) => write!(formatter, "minimax order {order}"),
+            SineTreatment::Unit(implementation) => write!(formatter, "unit {implementation}"),
         }
     }
 }
@@ -68,7 +73,7 @@ const ORDERS: [u32; 7] = [1, 3, 5, 7, 9, 11, 13];
 
 /// What is run behind a series: its products shared with others, its sums in
 /// time.
-const BEHIND: &str = "fold,zero-removal,balance,cse,dce";
+const BEHIND: &str = "fold{inexact},zero-removal,balance,cse,dce";
 
 /// Writes sines and cosines as series where the task asks for it: every
 /// program becomes one per method and order, up to the first order that is
@@ -79,13 +84,12 @@ pub(super) fn write(
     programs: &mut Vec<FitProgram>,
     progress: ExplorationProgress<'_>,
 ) -> Result<(), FitError> {
-    if task.trigonometry == SinePlace::Host {
+    if task.trigonometry != SinePlace::Elements {
         return Ok(());
     }
-    let mut written = Vec::new();
+    let mut written: Vec<FitProgram> = shortest_with_sines(programs).into_iter().collect();
     for program in programs.drain(..) {
-        let nodes = program.module.functions[0].nodes();
-        if !nodes.iter().any(|node| node.operation.is_trigonometric()) {
+        if !program.has_sines() {
             written.push(program);
             continue;
         }
@@ -103,6 +107,17 @@ pub(super) fn write(
     }
     *programs = written;
     Ok(())
+}
+
+/// The program with the fewest operations whose sines and cosines a host would
+/// compute, to tell what that would be worth.
+fn shortest_with_sines(programs: &[FitProgram]) -> Option<FitProgram> {
+    let with_sines = programs.iter().filter(|program| program.has_sines());
+    let shortest = with_sines.min_by_key(|program| program.module.functions[0].nodes().len());
+    shortest.map(|program| FitProgram {
+        excluded: Some("the scene has sines and cosines computed by the elements".to_owned()),
+        ..program.clone()
+    })
 }
 
 fn with_series(

@@ -11,6 +11,7 @@ use robovec_schedule::{PlaceError, PlaceOptions, schedule_bound};
 const MOST: u32 = 64;
 
 /// A machine with its schedule.
+#[derive(Clone)]
 pub(super) struct SizedMachine {
     /// Elements that add, and that multiply.
     pub(super) elements: [u32; 2],
@@ -70,7 +71,10 @@ pub(super) fn sizes(
     match (sizes.is_empty(), refused) {
         (true, Some(error)) => Err(error),
         _ => {
-            sizes.extend(fewest(task, program));
+            let fewest = fewest(task, program);
+            let known = |size: &SizedMachine| sizes.iter().any(|one| one.elements == size.elements);
+            let fewest = fewest.filter(|size| !known(size));
+            sizes.extend(fewest);
             Ok(sizes)
         }
     }

@@ -1,13 +1,18 @@
 //! What a search found, as text, table and figure.
 
 use super::confirm::Confirmation;
-use super::{Challenge, FitCandidate, FitOutcome, FitTask, VALIDATION_FACTOR};
+use super::{
+    Challenge, CostMeasure, FitCandidate, FitOutcome, FitTask, MotionShare, SineTreatment,
+    VALIDATION_FACTOR,
+};
 use crate::present::number::exponential;
 use crate::present::{
     AxisScale, Curve, DataCell, DataTable, Figure, Mark, Panel, PlotAxis, text_table,
 };
 use crate::yardstick::account::measure_text;
 use robovec_framework::scene::{Measure, OutputTolerance};
+use robovec_num::trigonometry::host::TrigonometricUnit;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Lines of the front that are shown; all of it is in the files.
@@ -39,16 +44,12 @@ pub fn text(
     if let Some(challenge) = &outcome.challenge {
         text += &held(task, outcome, challenge);
         if let Some(motion) = &outcome.motion {
-            text += &format!(
-                "  over time        {} s of the scene's motion: {} of the largest displacement of \
-                 a watched joint, {} allowed; the other candidates were not tried over time\n",
-                motion.time,
-                exponential(motion.error),
-                exponential(motion.allowed)
-            );
+            text += &over_time(outcome, motion);
         }
     }
     text += &confirmation.map_or_else(String::new, run);
+    text += &units(outcome);
+    text += &excluded(outcome);
     let front = outcome.front();
     let rows: Vec<Vec<String>> = front
         .iter()
@@ -56,10 +57,10 @@ pub fn text(
         .map(|&index| row(outcome, index))
         .collect();
     let head = " | program | sin, cos | format | elements | >operations | >cycles | >us | \
-         >median error | >worst error | >of tolerance | >of device";
+         >median error | >worst error | >of tolerance | >of device | >cells";
     let _ = writeln!(
         text,
-        "\nFront of time, error and share of the device, {}: {} of {} shown\n{}",
+        "\nFront of time, error and cost, {}: {} of {} shown\n{}",
         match outcome.chosen {
             Some(_) => "what meets the scene",
             None => "everything",
@@ -93,7 +94,92 @@ fn row(outcome: &FitOutcome, index: usize) -> Vec<String> {
         exponential(candidate.normwise.worst),
         percent(candidate.used),
         percent(candidate.share),
+        cells(candidate.cells),
     ]
+}
+
+/// Cells of arithmetic.
+fn cells(cells: f64) -> String {
+    format!("{cells:.0}")
+}
+
+/// The units that would do for sines and cosines, with what they take.
+fn units(outcome: &FitOutcome) -> String {
+    let mut text = String::new();
+    for (index, program) in outcome.programs.iter().enumerate() {
+        let SineTreatment::Unit(implementation) = program.treatment else {
+            continue;
+        };
+        let mut own = outcome.candidates.iter();
+        let own = own.find(|candidate| candidate.program == index && candidate.used <= 1.0);
+        let (Some(candidate), Ok(unit)) = (own, TrigonometricUnit::new(implementation)) else {
+            continue;
+        };
+        if text.is_empty() {
+            text +=
+                "\nUnits for sines and cosines before the run that do at the states measured at\n";
+        }
+        let cost = unit.cost();
+        let _ = writeln!(
+            text,
+            "  {implementation} with {} in {}: about {} cycles each, {} bits of tables; {} of the \
+             tolerance",
+            program.name,
+            candidate.format,
+            cost.latency,
+            cost.table_bits,
+            percent(candidate.used)
+        );
+    }
+    text
+}
+
+/// What cannot be chosen, whatever it costs: of every reason the cheapest
+/// candidate that keeps the tolerances, by the cells of its arithmetic; and
+/// what could not even be tried.
+fn excluded(outcome: &FitOutcome) -> String {
+    let mut best: BTreeMap<&str, usize> = BTreeMap::new();
+    for (index, candidate) in outcome.candidates.iter().enumerate() {
+        if candidate.remark.is_empty() || candidate.used > 1.0 {
+            continue;
+        }
+        // Formats differ from program to program, and their names with them.
+        let reason = candidate.remark.split(':').next().unwrap_or_default();
+        let known = best.entry(reason).or_insert(index);
+        if candidate.cells < outcome.candidates[*known].cells {
+            *known = index;
+        }
+    }
+    let mut rows = Vec::new();
+    for &index in best.values() {
+        let candidate = &outcome.candidates[index];
+        let program = &outcome.programs[candidate.program];
+        rows.push(vec![
+            program.name.clone(),
+            program.treatment.to_string(),
+            candidate.format.clone(),
+            percent(candidate.used),
+            percent(candidate.share),
+            cells(candidate.cells),
+            candidate.remark.clone(),
+        ]);
+    }
+    let mut text = String::new();
+    if !rows.is_empty() {
+        let head = "program | sin, cos | format | >of tolerance | >of device | >cells | why";
+        let table = text_table(head, &rows);
+        let _ = write!(
+            text,
+            "\nWithin the tolerances at the states it was measured at, but not to be chosen\n{table}"
+        );
+    }
+    if !outcome.untried.is_empty() {
+        text += "\nNot tried any further\n";
+    }
+    for line in &outcome.untried {
+        let _ = writeln!(text, "  {line}");
+    }
+    text
 }
 
 fn percent(share: f64) -> String {
@@ -108,16 +194,25 @@ fn choice(task: &FitTask<'_>, outcome: &FitOutcome, chosen: usize) -> String {
     let candidate = &outcome.candidates[chosen];
     let program = &outcome.programs[candidate.program];
     let [add, multi] = candidate.elements;
+    let by = match task.cost {
+        CostMeasure::Device => "by its share of the device",
+        CostMeasure::Cells => "by the cells of its arithmetic",
+    };
+    let mixture = match &program.mixture {
+        Some(mixture) => format!(" for inputs; {}", mixture.text),
+        None => String::new(),
+    };
     format!(
-        "The cheapest that meets everything\n  \
+        "The cheapest that meets everything, {by}\n  \
          program    {}\n  \
          sin, cos   {}; alone it takes {} of the tolerance\n  \
-         format     {}\n  \
+         format     {}{mixture}\n  \
          elements   {add} that add, {multi} that multiply\n  \
          operations {}, longest chain {} cycles\n  \
          schedule   {} cycles, {:.3} us\n  \
          error      median {}, worst {} {}; {} of the tolerance\n  \
          device     {} ({:.0} look-up tables, {:.0} memory blocks, {} multiplier blocks: estimates)\n  \
+         arithmetic {} cells: products cost the square of the bits, sums the bits\n  \
          pipeline   {}\n",
         program.name,
         program.treatment,
@@ -135,6 +230,7 @@ fn choice(task: &FitTask<'_>, outcome: &FitOutcome, chosen: usize) -> String {
         candidate.resources.look_up_tables,
         candidate.resources.memory_blocks,
         candidate.resources.multiplier_blocks,
+        cells(candidate.cells),
         program.pipeline,
     )
 }
@@ -235,6 +331,31 @@ fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> Stri
     text
 }
 
+/// What came of the scene's motion.
+fn over_time(outcome: &FitOutcome, motion: &MotionShare) -> String {
+    let mut text = format!(
+        "  over time        {} s of the scene's motion: {} of the largest displacement of a watched \
+         joint, {} allowed\n",
+        motion.time,
+        exponential(motion.error),
+        exponential(motion.allowed)
+    );
+    if let Some(energy) = motion.energy {
+        let _ = writeln!(
+            text,
+            "                   energy drifts by {} of the largest kinetic energy, {} allowed",
+            exponential(energy.drift),
+            exponential(energy.allowed)
+        );
+    }
+    let _ = writeln!(
+        text,
+        "                   {} cheaper choice(s) erred more; dearer ones were not tried over time",
+        outcome.drifted
+    );
+    text
+}
+
 /// The sizes that errors are measured by at least, of arrays with a tolerance
 /// in parts of the largest element.
 fn scales(task: &FitTask<'_>) -> String {
@@ -304,8 +425,10 @@ pub fn candidates_table(outcome: &FitOutcome) -> DataTable {
             row.push(DataCell::text(format!("{error:.3e}")));
         }
         row.push(DataCell::number(candidate.share, 4));
+        row.push(DataCell::number(candidate.cells, 0));
         row.push(DataCell::text(standing));
         row.push(DataCell::text(on_front));
+        row.push(DataCell::text(&candidate.remark));
         row
     });
     DataTable::new(
@@ -315,7 +438,7 @@ pub fn candidates_table(outcome: &FitOutcome) -> DataTable {
                   the whole program: series, rounding, data. Shares of the device are estimates.",
         "program | sin, cos | format | adders | multipliers | operations | path (cycles) | \
          cycles | time (us) | relative median | normwise median | normwise 99 % | \
-         normwise worst | of tolerance | share of device | standing | front",
+         normwise worst | of tolerance | share of device | cells | standing | front | why not",
         rows,
     )
 }

@@ -3,10 +3,11 @@
 use super::linear::DenseMatrix;
 use super::{InputSources, MotionState, StateError};
 use crate::model::Model;
-use robovec_ir::evaluate::evaluate;
+use robovec_ir::evaluate::{evaluate, evaluate_mixed};
 use robovec_ir::{Format, Function, Shape, Tables, View};
 use robovec_num::arithmetic::{Arithmetic, Binary32, Binary64};
 use robovec_num::soft_float::FormatArithmetic;
+use robovec_num::trigonometry::host::KEY as TRIGONOMETRY_KEY;
 
 /// A function of a model, ready to be evaluated.
 pub struct CompiledFunction {
@@ -60,7 +61,11 @@ impl CompiledFunction {
     /// The outputs in a state.
     pub fn evaluate(&self, state: &MotionState) -> EvaluatedOutputs<'_> {
         let inputs = self.inputs.gather(state);
+        let says_how =
+            self.function.formats.is_some() || self.function.metadata(TRIGONOMETRY_KEY).is_some();
         let numbers = match self.format {
+            // What says itself how its values are computed is asked.
+            format if says_how => evaluate_mixed(&self.function, format, &inputs),
             Format::BINARY32 => self.numbers(&Binary32, &inputs),
             Format::BINARY64 => self.numbers(&Binary64, &inputs),
             format => self.numbers(&FormatArithmetic::new(format), &inputs),

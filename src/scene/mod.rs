@@ -109,6 +109,7 @@ pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
     ("locked", INPUT, ""),
     ("motion.time", motion::TIME, "10"),
     ("motion.error", ERROR, "0.01"),
+    ("motion.energy", ERROR, "none"),
     ("motion.start", INPUT, "the model's"),
 ];
 

@@ -80,6 +80,9 @@ pub struct SceneMotion {
     /// The error allowed of every watched joint, in parts of its largest
     /// displacement from its mean.
     pub error: f64,
+    /// The drift of energy allowed, in parts of the largest kinetic energy: what
+    /// no work of forces explains.
+    pub energy: Option<f64>,
     /// The joints whose motion is watched, by index: those that the file
     /// names, else those whose accelerations the scene needs.
     pub watch: Vec<usize>,
@@ -122,7 +125,7 @@ pub struct NeglectWish {
 }
 
 /// The keys of the sections.
-const MOTION_KEYS: [&str; 5] = ["laws", "time", "error", "watch", "start"];
+const MOTION_KEYS: [&str; 6] = ["laws", "time", "error", "energy", "watch", "start"];
 const NEGLECT_KEYS: [&str; 2] = ["kinds", "keep"];
 
 impl InputReader<'_> {
@@ -170,10 +173,14 @@ impl InputReader<'_> {
         };
         let time = number("time", TIME, 10.0, self.problems)?;
         let error = number("error", ERROR, 0.01, self.problems)?;
+        let energy = get(section, "energy")
+            .map(|value| limited(value, ("energy", ERROR), self.problems).ok_or(()));
+        let energy = energy.transpose().ok()?;
         Some(SceneMotion {
             laws: laws.map(PathBuf::from),
             time,
             error,
+            energy,
             watch,
             start,
         })

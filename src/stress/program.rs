@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::robotran::FunctionKind;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::scene::Scene;
-use robovec_ir::cost::OperationWork;
+use robovec_ir::cost::{OperationWork, function_cost};
 use robovec_ir::evaluate::{evaluate_mixed, evaluate_nodes};
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::Ranges;
@@ -238,18 +238,6 @@ pub(super) fn run_passes(
     };
     manager::run(module, &pipeline, config).map_err(|error| failed(error.to_string()))?;
     Ok(())
-}
-
-/// Cells of the operations, each in the format of its value.
-pub(super) fn function_cost(function: &Function, format: Format) -> f64 {
-    let Some(formats) = &function.formats else {
-        return OperationWork::of(function).cost(format);
-    };
-    let nodes = function.values().map(|(value, node)| {
-        let format = formats.get(value).unwrap_or(format);
-        OperationWork::of_operation(node.operation).cost(format)
-    });
-    nodes.sum()
 }
 
 /// The pass `mixed` for an error, with mantissas of 18 to 52 bits, three or

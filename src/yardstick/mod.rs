@@ -19,7 +19,6 @@ use robovec_num::arithmetic::{Arithmetic, Binary32, Binary64};
 use robovec_num::batch::Batch;
 use robovec_num::double_double::Double;
 use robovec_num::soft_float::FormatArithmetic;
-use robovec_num::trigonometry::host;
 use std::array;
 use std::collections::BTreeMap;
 
@@ -380,9 +379,13 @@ pub(crate) fn input_names(view: View<'_>) -> Vec<String> {
 /// the numbers of every format).
 pub fn results(view: View<'_>, format: Format, states: &[Vec<f64>]) -> Vec<Vec<f64>> {
     // What says itself how its values are computed is asked.
-    if view.function.formats.is_some() || view.function.metadata(host::KEY).is_some() {
+    if view.function.formats.is_some() {
         let run = |state: &Vec<f64>| evaluate_mixed(view.function, format, state);
         return states.iter().map(run).collect();
+    }
+    if let Some(unit) = view.function.trigonometry_unit() {
+        let unit = unit.expect("the verifier accepts only names of units");
+        return in_lanes(view, unit.within(FormatArithmetic::new(format)), states);
     }
     match format {
         Format::BINARY64 => in_lanes(view, Binary64, states),

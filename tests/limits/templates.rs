@@ -260,6 +260,7 @@ fn scene(row: &LimitRow, value: &str, folder: &Path) -> Vec<Invocation> {
         "output.error" => scene_text("", &format!("error = {value}\n")),
         "output.scale" => scene_text("", &format!("error = 1e-3\nscale = {value}\n")),
         "motion.time" => motion(&format!("time = {value}")),
+        "motion.energy" => motion(&format!("time = 0.1\nenergy = {value}")),
         "motion.error" => motion(&format!("time = 0.1\nerror = {value}")),
         "motion.start" => motion(&format!("time = 0.1\nstart = {{ R1_Upper = {value} }}")),
         "bind" => scene_text("", &format!("\n[bind]\n\"q[1]\" = {value}\n")),
