@@ -160,8 +160,18 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         Ok(())
     }
 
+    /// Whether something can be said of what is measured alone: a scene that
+    /// limits errors over time only says nothing of what is not tried there.
+    fn judges(&self) -> bool {
+        let mut needs = self.task.scene.outputs.iter();
+        self.task.cost == CostMeasure::Cells || needs.any(|need| need.tolerance.is_some())
+    }
+
     /// Measures the leading programs in fixed point.
     fn fixed(&mut self, progress: ExplorationProgress<'_>) -> Result<(), FitError> {
+        if !self.judges() {
+            return Ok(());
+        }
         for (index, _) in self.leading(FIXED) {
             let program = &self.programs[index];
             progress(&format!("{}: fixed point", program.name));
@@ -179,6 +189,9 @@ impl<'t, 'a> FitSearch<'t, 'a> {
 
     /// Gives the values of the leading programs formats of their own.
     fn mixed(&mut self, progress: ExplorationProgress<'_>) -> Result<(), FitError> {
+        if !self.judges() {
+            return Ok(());
+        }
         for (index, format) in self.leading(MIXED) {
             let program = &self.programs[index];
             progress(&format!("{}: a format for every value", program.name));
@@ -200,7 +213,8 @@ impl<'t, 'a> FitSearch<'t, 'a> {
 
     /// Leaves the sines and cosines of the leading programs to units.
     fn units(&mut self, progress: ExplorationProgress<'_>) -> Result<(), FitError> {
-        if self.task.trigonometry == SinePlace::Elements {
+        let is_asked = self.task.trigonometry == SinePlace::Unit;
+        if self.task.trigonometry == SinePlace::Elements || !(is_asked || self.judges()) {
             return Ok(());
         }
         for (index, format) in self.leading(UNITS) {

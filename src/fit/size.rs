@@ -44,8 +44,14 @@ pub(super) fn sized(machine: &Machine, [add, multi]: [u32; 2]) -> Machine {
     with_counts(machine, &counts)
 }
 
+/// Small numbers of elements with more of the busier kind, fewer of it and more
+/// of it: memories have powers of two of words, so that one element more may
+/// take less of a device than the instructions that it saves.
+const UNEVEN: [[u32; 2]; 4] = [[1, 2], [1, 3], [2, 3], [2, 4]];
+
 /// The sizes a program is placed on: equal numbers by powers of two up to the
-/// longest chain, and the fewest adders and multipliers within the deadline.
+/// longest chain, small ones with more of the busier kind, and the fewest
+/// adders and multipliers within the deadline.
 ///
 /// # Errors
 ///
@@ -71,6 +77,7 @@ pub(super) fn sizes(
     match (sizes.is_empty(), refused) {
         (true, Some(error)) => Err(error),
         _ => {
+            sizes.extend(uneven(task, program, &sizes));
             let fewest = fewest(task, program);
             let known = |size: &SizedMachine| sizes.iter().any(|one| one.elements == size.elements);
             let fewest = fewest.filter(|size| !known(size));
@@ -78,6 +85,28 @@ pub(super) fn sizes(
             Ok(sizes)
         }
     }
+}
+
+/// Sizes with more elements of the kind with more work, where that is shorter
+/// than as many of the other kind alone.
+fn uneven(task: &FitTask<'_>, program: &FitProgram, even: &[SizedMachine]) -> Vec<SizedMachine> {
+    let counts = Counts::of(&program.module.functions[0]);
+    let adds = counts.add_sub > counts.mul;
+    let mut sizes = Vec::new();
+    for [few, many] in UNEVEN {
+        let elements = if adds { [many, few] } else { [few, many] };
+        let Ok(size) = attempt(task, program, elements) else {
+            continue;
+        };
+        let shorter = |other: &SizedMachine| {
+            let covers = (0..2).all(|kind| other.elements[kind] <= elements[kind]);
+            !covers || size.cycles < other.cycles
+        };
+        if even.iter().chain(&sizes).all(shorter) {
+            sizes.push(size);
+        }
+    }
+    sizes
 }
 
 fn attempt(

@@ -85,11 +85,19 @@ pub(super) fn programs(
         starts.push((*formulation, special));
     }
     programs.extend(searched(task, &starts, progress)?);
+    let mut texts: Vec<String> = Vec::new();
     for program in &mut programs {
         fold(task, program)?;
         let measured = FormatErrors::at(task, program, Format::BINARY64, yardstick)?;
         program.model_share = measured.used();
     }
+    // Of small models many become the same.
+    programs.retain(|program| {
+        let text = print_function(view(&program.module));
+        let is_new = !texts.contains(&text);
+        texts.extend(is_new.then_some(text));
+        is_new
+    });
     if programs.is_empty() {
         let reason = last.map_or("none was given".to_owned(), |error| error.to_string());
         return Err(FitError::NoProgram(reason));
