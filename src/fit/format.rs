@@ -24,9 +24,9 @@ pub(super) const PART: f64 = 0.7;
 /// validation.
 pub(super) type MeasuredFormat = (Format, FormatErrors);
 
-/// True for errors that leave a part of the tolerances.
-pub(super) fn meets(measured: &FormatErrors) -> bool {
-    measured.errors.normwise.worst.is_finite() && measured.used() <= PART
+/// True for errors that use up a part of the tolerances at most.
+pub(super) fn meets(measured: &FormatErrors, part: f64) -> bool {
+    measured.errors.normwise.worst.is_finite() && measured.used() <= part
 }
 
 /// The yardsticks that a format is looked for at: the few states of the search
@@ -89,9 +89,9 @@ impl FormatQuestion<'_> {
                 mantissa: (float.mantissa + digits).min(WIDEST),
                 subnormals: false,
             });
-            if meets(&self.searched(format)?) {
+            if meets(&self.searched(format)?, PART) {
                 let errors = self.validated(format)?;
-                if meets(&errors) {
+                if meets(&errors, PART) {
                     return Ok(Some((format, errors)));
                 }
             }
@@ -133,14 +133,14 @@ impl FormatQuestion<'_> {
         [least, most]: [u32; 2],
         format: impl Fn(u32) -> Format,
     ) -> Result<Option<MeasuredFormat>, FitError> {
-        if !meets(&self.searched(format(most))?) {
+        if !meets(&self.searched(format(most))?, PART) {
             return Ok(None);
         }
         // Invariant: `high` meets the tolerances, `low` does not.
         let (mut low, mut high) = (least - 1, most);
         while low + 1 < high {
             let middle = low.midpoint(high);
-            if meets(&self.searched(format(middle))?) {
+            if meets(&self.searched(format(middle))?, PART) {
                 high = middle;
             } else {
                 low = middle;
@@ -148,7 +148,7 @@ impl FormatQuestion<'_> {
         }
         for bits in high..=most {
             let errors = self.validated(format(bits))?;
-            if meets(&errors) {
+            if meets(&errors, PART) {
                 return Ok(Some((format(bits), errors)));
             }
         }

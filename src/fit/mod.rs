@@ -235,7 +235,7 @@ pub fn fit(task: &FitTask<'_>, progress: ExplorationProgress<'_>) -> Result<FitO
     loop {
         let candidates = search.candidates();
         let Some(chosen) = cheapest(task, &candidates) else {
-            return Ok(search.outcome(candidates, None));
+            return search.outcome(candidates, None);
         };
         let program = candidates[chosen].program;
         let format = search.format_of(&candidates[chosen]);
@@ -249,7 +249,7 @@ pub fn fit(task: &FitTask<'_>, progress: ExplorationProgress<'_>) -> Result<FitO
                     "{name} in {format} over time: all choices together may take {MOTION_STEPS} \
                      steps"
                 ));
-                return Ok(search.outcome(candidates, None));
+                return search.outcome(candidates, None);
             }
             Some(motion) => {
                 search.steps_left -= motion.steps();
@@ -268,7 +268,7 @@ pub fn fit(task: &FitTask<'_>, progress: ExplorationProgress<'_>) -> Result<FitO
         let attempt = (&search.programs[program], format);
         let challenge = challenge::challenge(task, attempt, search.broken)?;
         if challenge.holds() {
-            let mut outcome = search.outcome(candidates, Some((chosen, challenge)));
+            let mut outcome = search.outcome(candidates, Some((chosen, challenge)))?;
             outcome.motion = motion;
             return Ok(outcome);
         }

@@ -42,6 +42,8 @@ pub struct MotionShare {
     pub energy: Option<EnergyDrift>,
     /// How long the motion lasts, s.
     pub time: f64,
+    /// Steps it was taken in: roundings add up with their number.
+    pub steps: u64,
 }
 
 /// The change of energy that no work explains, in parts of the largest kinetic
@@ -158,6 +160,7 @@ impl<'a> MotionTolerance<'a> {
             energy,
             allowed: self.wish.error,
             time: self.wish.time,
+            steps: self.steps(),
         }
     }
 }

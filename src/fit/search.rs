@@ -1,7 +1,7 @@
 //! Programs with the formats and sizes they are tried in.
 
 use super::challenge::Challenge;
-use super::format::{FormatQuestion, MeasuredFormat, WIDEST};
+use super::format::{FormatQuestion, MeasuredFormat, PART, WIDEST};
 use super::tolerance::FormatErrors;
 use super::{
     CostMeasure, FitCandidate, FitError, FitOutcome, FitProgram, FitTask, MOTION_STEPS, SinePlace,
@@ -213,8 +213,7 @@ impl<'t, 'a> FitSearch<'t, 'a> {
 
     /// Leaves the sines and cosines of the leading programs to units.
     fn units(&mut self, progress: ExplorationProgress<'_>) -> Result<(), FitError> {
-        let is_asked = self.task.trigonometry == SinePlace::Unit;
-        if self.task.trigonometry == SinePlace::Elements || !(is_asked || self.judges()) {
+        if self.task.trigonometry != SinePlace::Unit {
             return Ok(());
         }
         for (index, format) in self.leading(UNITS) {
@@ -223,7 +222,7 @@ impl<'t, 'a> FitSearch<'t, 'a> {
                 continue;
             }
             progress(&format!("{}: units for sines and cosines", program.name));
-            let found = units::units(&self.question(program), format)?;
+            let found = units::units(&self.question(program), format, PART)?;
             for (unit, measured) in found {
                 self.add(unit, self.sizes[index].clone(), vec![measured]);
             }
@@ -351,17 +350,20 @@ impl<'t, 'a> FitSearch<'t, 'a> {
     }
 
     pub(super) fn outcome(
-        self,
-        candidates: Vec<FitCandidate>,
+        mut self,
+        mut candidates: Vec<FitCandidate>,
         held: Option<(usize, Challenge)>,
-    ) -> FitOutcome {
+    ) -> Result<FitOutcome, FitError> {
         let (chosen, challenge) = held.unzip();
-        let bound = chosen.and_then(|chosen| {
+        let mut bound = None;
+        if let Some(chosen) = chosen {
             let candidate = &candidates[chosen];
-            let program = &self.programs[candidate.program];
-            bound::bound(self.task, program, self.format_of(candidate))
-        });
-        FitOutcome {
+            let (index, elements) = (candidate.program, candidate.elements);
+            let format = self.format_of(candidate);
+            bound = bound::bound(self.task, &self.programs[index], format);
+            candidates.extend(self.units_instead((index, format), elements)?);
+        }
+        Ok(FitOutcome {
             bound,
             motion: None,
             programs: self.programs,
@@ -371,7 +373,33 @@ impl<'t, 'a> FitSearch<'t, 'a> {
             broken: self.broken,
             drifted: self.drifted,
             untried: self.untried,
+        })
+    }
+
+    /// The units that could compute the sines and cosines of a choice, where a
+    /// host does: they cost the machine as much, and err more.
+    fn units_instead(
+        &mut self,
+        (index, format): (usize, Format),
+        elements: [u32; 2],
+    ) -> Result<Vec<FitCandidate>, FitError> {
+        let program = &self.programs[index];
+        let by_host = self.task.trigonometry == SinePlace::Host && program.has_sines();
+        if !by_host || program.mixture.is_some() || !self.judges() {
+            return Ok(Vec::new());
         }
+        let mut candidates = Vec::new();
+        for (mut unit, measured) in units::units(&self.question(program), format, 1.0)? {
+            unit.excluded = Some("the host's library costs the machine as little".to_owned());
+            let mut sizes = self.sizes[index].iter();
+            let Some(size) = sizes.find(|size| size.elements == elements).cloned() else {
+                continue;
+            };
+            let made = (self.programs.len(), &unit);
+            candidates.push(candidate(self.task, made, format, &measured.1, &size));
+            self.add(unit, vec![size], vec![measured]);
+        }
+        Ok(candidates)
     }
 }
 

@@ -47,7 +47,7 @@ pub(super) fn sized(machine: &Machine, [add, multi]: [u32; 2]) -> Machine {
 /// Small numbers of elements with more of the busier kind, fewer of it and more
 /// of it: memories have powers of two of words, so that one element more may
 /// take less of a device than the instructions that it saves.
-const UNEVEN: [[u32; 2]; 4] = [[1, 2], [1, 3], [2, 3], [2, 4]];
+const UNEVEN: [[u32; 2]; 2] = [[1, 2], [1, 3]];
 
 /// The sizes a program is placed on: equal numbers by powers of two up to the
 /// longest chain, small ones with more of the busier kind, and the fewest

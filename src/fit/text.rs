@@ -334,9 +334,10 @@ fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> Stri
 /// What came of the scene's motion.
 fn over_time(outcome: &FitOutcome, motion: &MotionShare) -> String {
     let mut text = format!(
-        "  over time        {} s of the scene's motion: {} of the largest displacement of a watched \
-         joint, {} allowed\n",
+        "  over time        {} s of the scene's motion in {} steps: {} of the largest displacement \
+         of a watched joint, {} allowed\n",
         motion.time,
+        motion.steps,
         exponential(motion.error),
         exponential(motion.allowed)
     );

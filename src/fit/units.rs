@@ -23,11 +23,12 @@ const DEGREES: [u32; 4] = [1, 2, 3, 5];
 /// Entries of tables.
 const ENTRIES: [u32; 4] = [16, 64, 256, 1024];
 
-/// The cheapest unit of every method with which a program meets the tolerances
-/// in a format, the quickest first, with the errors.
+/// The cheapest unit of every method with which a program in a format uses up
+/// a part of the tolerances at most, the quickest first, with the errors.
 pub(super) fn units(
     question: &FormatQuestion<'_>,
     format: Format,
+    part: f64,
 ) -> Result<Vec<(FitProgram, MeasuredFormat)>, FitError> {
     let bits = GUARDS.map(|guard| (format.significand() + guard).clamp(8, 50));
     let mut found = Vec::new();
@@ -35,7 +36,7 @@ pub(super) fn units(
         let mut tried = bits.iter().flat_map(|&bits| method(bits));
         let mut with = || -> Result<Option<_>, FitError> {
             for implementation in tried.by_ref() {
-                if let Some(made) = unit(question, implementation, format)? {
+                if let Some(made) = unit(question, implementation, (format, part))? {
                     return Ok(Some((implementation, made)));
                 }
             }
@@ -85,7 +86,7 @@ fn methods() -> [fn(u32) -> Vec<Implementation>; 3] {
 fn unit(
     question: &FormatQuestion<'_>,
     implementation: Implementation,
-    format: Format,
+    (format, part): (Format, f64),
 ) -> Result<Option<(FitProgram, MeasuredFormat)>, FitError> {
     let (task, base) = (question.task, question.program);
     let pass = pass(implementation);
@@ -102,12 +103,12 @@ fn unit(
         ..*question
     };
     // Most fail at the few states of the search.
-    if !meets(&asked(&program).searched(format)?) {
+    if !meets(&asked(&program).searched(format)?, part) {
         return Ok(None);
     }
     let measured = asked(&program).validated(format)?;
     program.model_share = asked(&program).searched(Format::BINARY64)?.used();
-    Ok(meets(&measured).then_some((program, (format, measured))))
+    Ok(meets(&measured, part).then_some((program, (format, measured))))
 }
 
 /// The pass that says it.

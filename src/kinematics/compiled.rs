@@ -7,7 +7,7 @@ use robovec_ir::evaluate::{evaluate, evaluate_mixed};
 use robovec_ir::{Format, Function, Shape, Tables, View};
 use robovec_num::arithmetic::{Arithmetic, Binary32, Binary64};
 use robovec_num::soft_float::FormatArithmetic;
-use robovec_num::trigonometry::host::KEY as TRIGONOMETRY_KEY;
+use robovec_num::trigonometry::host::TrigonometricUnit;
 
 /// A function of a model, ready to be evaluated.
 pub struct CompiledFunction {
@@ -15,6 +15,8 @@ pub struct CompiledFunction {
     function: Function,
     inputs: InputSources,
     outputs: Vec<(String, usize, Shape)>,
+    /// What computes its sines and cosines, where it says so.
+    unit: Option<TrigonometricUnit>,
 }
 
 /// The outputs of one evaluation.
@@ -50,9 +52,11 @@ impl CompiledFunction {
             (name, array.offset as usize, array.shape)
         });
         let outputs = outputs.collect();
+        let unit = function.trigonometry_unit();
         Ok(CompiledFunction {
             format,
             outputs,
+            unit: unit.map(|unit| unit.expect("the verifier accepts only names of units")),
             function,
             inputs,
         })
@@ -61,14 +65,17 @@ impl CompiledFunction {
     /// The outputs in a state.
     pub fn evaluate(&self, state: &MotionState) -> EvaluatedOutputs<'_> {
         let inputs = self.inputs.gather(state);
-        let says_how =
-            self.function.formats.is_some() || self.function.metadata(TRIGONOMETRY_KEY).is_some();
-        let numbers = match self.format {
+        let numbers = match (self.format, &self.unit) {
             // What says itself how its values are computed is asked.
-            format if says_how => evaluate_mixed(&self.function, format, &inputs),
-            Format::BINARY32 => self.numbers(&Binary32, &inputs),
-            Format::BINARY64 => self.numbers(&Binary64, &inputs),
-            format => self.numbers(&FormatArithmetic::new(format), &inputs),
+            (format, _) if self.function.formats.is_some() => {
+                evaluate_mixed(&self.function, format, &inputs)
+            }
+            (format, Some(unit)) => {
+                self.numbers(&unit.within(FormatArithmetic::new(format)), &inputs)
+            }
+            (Format::BINARY32, None) => self.numbers(&Binary32, &inputs),
+            (Format::BINARY64, None) => self.numbers(&Binary64, &inputs),
+            (format, None) => self.numbers(&FormatArithmetic::new(format), &inputs),
         };
         let mut flat = vec![0.0; self.function.output_len()];
         for (assignment, number) in self.function.assignments.iter().zip(numbers) {
