@@ -149,7 +149,7 @@ pub struct FitProgram {
 pub struct FitCandidate {
     /// Index of its program in [`FitOutcome::programs`], from 0.
     pub program: usize,
-    /// Name of the number format, as [`Format`] prints it.
+    /// Name of the number format, as [`Format`](robovec_ir::Format) prints it.
     pub format: String,
     /// Elements that add, and that multiply.
     pub elements: [u32; 2],
