@@ -1,6 +1,6 @@
 //! `robovec gen`: equations from a model.
 
-use super::write::{OutputLanguage, save, write_files};
+use super::write::{GenerationName, OutputLanguage, save, write_files};
 use super::{CommandFailure, input, names, output};
 use crate::files::Replace;
 use crate::generate::{
@@ -13,6 +13,7 @@ use crate::whole_step;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use robovec_codegen::c;
+use robovec_codegen::kind::Generation;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
 use robovec_ir::count::Counts;
@@ -38,6 +39,9 @@ pub(super) struct GenArguments {
     /// after the preset $cpu
     #[arg(long, requires = "output", conflicts_with_all = ["function", "language", "multipliers"])]
     whole_step: bool,
+    /// Generator whose names C bears
+    #[arg(long, value_enum, default_value = "8.1")]
+    generation: GenerationName,
     /// Recursion the equations come from; all but recursive need sin^2 + cos^2 = 1 [default:
     /// recursive]
     #[arg(long, value_parser = formulations_or_fewest())]
@@ -228,6 +232,10 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
         add(&mut module, &read.model, (function, formulation), &options)?;
     }
     transform(&mut module, &pipeline)?;
+    if arguments.language == Some(OutputLanguage::C) {
+        let functions = module.functions.iter_mut();
+        functions.for_each(|function| Generation::from(arguments.generation).mark(function));
+    }
     if let (Some(language), Some(folder)) = (arguments.language, &arguments.output) {
         return write_files(
             &module,
@@ -256,8 +264,13 @@ fn write_whole_step(arguments: &GenArguments, folder: &Path) -> Result<String, C
     let mut module = whole_step::generate_parts(&model, formulation, &options)
         .map_err(|error| CommandFailure::plain(error.to_string()))?;
     transform(&mut module, &pipeline)?;
-    let files = whole_step::files(&model, &module, &c::Options::default())
-        .map_err(|error| CommandFailure::plain(error.to_string()))?;
+    let files = whole_step::files(
+        &model,
+        &module,
+        &c::Options::default(),
+        arguments.generation.into(),
+    )
+    .map_err(|error| CommandFailure::plain(error.to_string()))?;
     save(&files, folder, arguments.force)
 }
 

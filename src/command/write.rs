@@ -8,6 +8,7 @@ use crate::robotran::drop_in::{DropInOptions, drop_in};
 use crate::robotran::write::{WriteOptions, write};
 use clap::{Args, ValueEnum};
 use robovec_codegen::c::{Options, Real};
+use robovec_codegen::kind::Generation;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
 use robovec_ir::Module;
@@ -59,6 +60,9 @@ pub(crate) struct WriteArguments {
     /// Language of the input; by default told by its name and content
     #[arg(long, value_enum)]
     input_language: Option<InputLanguage>,
+    /// Generator whose names C bears, instead of the one the file was written for
+    #[arg(long, value_enum)]
+    generation: Option<GenerationName>,
     /// Replace files that robovec did not write
     #[arg(long)]
     force: bool,
@@ -84,6 +88,26 @@ pub(super) enum OutputLanguage {
     Python,
 }
 
+/// The generator whose names C bears.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum GenerationName {
+    /// MbsData, mbs_dirdyna
+    #[value(name = "8.1")]
+    Current,
+    /// MBSdataStruct, dirdyna
+    #[value(name = "6.6")]
+    Old,
+}
+
+impl From<GenerationName> for Generation {
+    fn from(name: GenerationName) -> Generation {
+        match name {
+            GenerationName::Current => Generation::Current,
+            GenerationName::Old => Generation::Old,
+        }
+    }
+}
+
 impl From<OutputLanguage> for Language {
     fn from(language: OutputLanguage) -> Language {
         match language {
@@ -103,7 +127,11 @@ pub(crate) fn run(arguments: &WriteArguments) -> Result<String, CommandFailure> 
     };
     let mut files = Vec::new();
     for path in &arguments.files {
-        let module = equations(path, arguments.input_language, &pipeline)?;
+        let mut module = equations(path, arguments.input_language, &pipeline)?;
+        if let Some(generation) = arguments.generation {
+            let functions = module.functions.iter_mut();
+            functions.for_each(|function| Generation::from(generation).mark(function));
+        }
         let written = match arguments.bounded {
             true => drop_in(&module, &bounded(arguments, &options)?),
             false => write(&module, arguments.language.into(), &options),

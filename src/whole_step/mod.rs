@@ -24,7 +24,7 @@ use crate::generate::{
 use crate::model::{Model, Nature};
 use crate::robotran::FunctionKind;
 use robovec_codegen::c::{self, SignatureError};
-use robovec_codegen::kind::file_stem;
+use robovec_codegen::kind::{Generation, file_stem};
 use robovec_ir::{Module, View};
 use thiserror::Error;
 
@@ -82,6 +82,7 @@ pub fn files(
     model: &Model,
     module: &Module,
     options: &c::Options,
+    generation: Generation,
 ) -> Result<Vec<(String, String)>, WholeStepError> {
     let mut files = Vec::new();
     for function in &module.functions {
@@ -93,6 +94,7 @@ pub fn files(
                 .metadata
                 .push(("kind".to_owned(), SOLVED.to_owned()));
         }
+        generation.mark(&mut function);
         let view = View {
             tables: &module.tables,
             function: &function,
@@ -100,7 +102,7 @@ pub fn files(
         files.extend(c::files(view, options)?);
     }
     let stem = file_stem(&model.name);
-    let step = StepPlan::new(model)?;
+    let step = StepPlan::new(model, generation)?;
     files.push((
         format!("mbs_accelred_{stem}.c"),
         driver::source(&step, &stem),
@@ -111,6 +113,7 @@ pub fn files(
 /// What the driver of a step must know of a model.
 struct StepPlan<'m> {
     model: &'m Model,
+    generation: Generation,
     /// Numbers of the independent joints, from 1, ascending.
     independent: Vec<usize>,
     /// Rows of constraints, redundant ones included.
@@ -118,10 +121,11 @@ struct StepPlan<'m> {
 }
 
 impl StepPlan<'_> {
-    fn new(model: &Model) -> Result<StepPlan<'_>, GenerateError> {
+    fn new(model: &Model, generation: Generation) -> Result<StepPlan<'_>, GenerateError> {
         let joints = independent_joints(model)?;
         Ok(StepPlan {
             model,
+            generation,
             independent: joints.into_iter().map(|joint| joint + 1).collect(),
             rows: cuts_of_rows(model)?.len(),
         })

@@ -137,6 +137,81 @@ impl EquationKind {
     }
 }
 
+/// The generator whose C a project is built with: names changed between them.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum Generation {
+    /// MBsysTran 8.1, of 2015: `mbs_dirdyna(…, MbsData *s, …)`.
+    #[default]
+    Current,
+    /// ROBOTRAN 6.6, of 2008: `dirdyna(…, MBSdataStruct *s, …)`.
+    Old,
+}
+
+/// What the metadata of a function call the structure of its project.
+const STRUCTURE: &str = "structure";
+
+impl Generation {
+    /// The generation that a function's file was written for: the current one,
+    /// unless its metadata say `structure "MBSdataStruct"`.
+    pub fn of(function: &Function) -> Generation {
+        match function.metadata(STRUCTURE) {
+            Some(name) if name == Generation::Old.structure().name => Generation::Old,
+            Some(_) | None => Generation::Current,
+        }
+    }
+
+    /// Writes a function for this generation from now on.
+    pub fn mark(self, function: &mut Function) {
+        function.metadata.retain(|(key, _)| key != STRUCTURE);
+        if self == Generation::Old {
+            let name = self.structure().name.to_owned();
+            function.metadata.push((STRUCTURE.to_owned(), name));
+        }
+    }
+
+    /// The names of its projects.
+    pub fn structure(self) -> ProjectStructure {
+        match self {
+            Generation::Current => ProjectStructure {
+                name: "MbsData",
+                sensor: "MbsSensor",
+                header: "mbs_data.h",
+                functions: "mbs_project_interface.h",
+                prefix: "mbs_",
+            },
+            Generation::Old => ProjectStructure {
+                name: "MBSdataStruct",
+                sensor: "MBSsensorStruct",
+                header: "MBSdataStructR7.h",
+                functions: "MBSfunR7.h",
+                prefix: "",
+            },
+        }
+    }
+}
+
+/// The names that a project of MBsysC gives to what functions reach.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ProjectStructure {
+    /// The structure with the data of the model.
+    pub name: &'static str,
+    /// The structure of a sensor.
+    pub sensor: &'static str,
+    /// The header that declares the data.
+    pub header: &'static str,
+    /// The header that declares the functions of equations and user.
+    pub functions: &'static str,
+    /// What the names of functions begin with.
+    pub prefix: &'static str,
+}
+
+impl ProjectStructure {
+    /// The names of the project that a function was written for.
+    pub fn of(function: &Function) -> ProjectStructure {
+        Generation::of(function).structure()
+    }
+}
+
 /// A model's name as part of a file name: letters, digits, `-` and `_`;
 /// `model` when nothing is left.
 pub fn file_stem(model: &str) -> String {

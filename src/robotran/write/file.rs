@@ -12,7 +12,8 @@ use super::text::{FileText, comment_mark};
 use super::{Member, WriteOptions, extents};
 use crate::robotran::Language;
 use hashbrown::HashMap;
-use robovec_codegen::kind::file_stem;
+use robovec_codegen::c::SignatureError;
+use robovec_codegen::kind::{Generation, file_stem};
 use robovec_ir::{Function, Input, Module, Shape, Symbols};
 use rustc_hash::FxBuildHasher;
 
@@ -48,6 +49,11 @@ impl<'a> RobotranFile<'a> {
         let kind = members[0].kind;
         let functions: Vec<&Function> = members.iter().map(|member| member.function).collect();
         let first = functions[0];
+        let is_old = Generation::of(first) == Generation::Old;
+        if language == Language::C && is_old && kind.has_status() {
+            let error = SignatureError::OldStatus(first.name.clone());
+            return Err(RobotranWriteError::Signature(error));
+        }
         let unnumbered = members.iter().find(|member| {
             kind.is_sensor() && member.case.is_none() && !member.function.assignments.is_empty()
         });

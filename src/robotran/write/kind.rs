@@ -8,12 +8,12 @@
 use crate::robotran::Language;
 pub(super) use robovec_codegen::kind::EquationKind;
 
-/// What the function of a kind is called in a language.
+/// What the function of a kind is called in Matlab or Python; in C the names of
+/// a project have a prefix.
 pub(super) fn function_name(kind: EquationKind, language: Language) -> String {
     match (language, kind.name) {
-        (Language::C, name) => format!("mbs_{name}"),
         // MBsysPy finds a `sensor` in both modules.
         (Language::Python, "gensensor") => "sensor".to_owned(),
-        (Language::Matlab | Language::Python, name) => name.to_owned(),
+        (_, name) => name.to_owned(),
     }
 }

@@ -4,6 +4,7 @@ use super::arrays::{ArrayRole, FileArray, FileArrays};
 use super::kind::{EquationKind, function_name};
 use super::text::FileText;
 use crate::robotran::Language;
+use robovec_codegen::kind::{Generation, ProjectStructure};
 use robovec_ir::{Function, Shape};
 
 /// What a prologue is written from.
@@ -58,18 +59,23 @@ impl Prologue<'_> {
     }
 
     fn c(&self, text: &mut FileText) {
-        let name = function_name(self.kind, Language::C);
+        let names = ProjectStructure::of(self.function);
+        let (data, prefix) = (names.name, names.prefix);
+        let name = format!("{prefix}{}", function_name(self.kind, Language::C));
         text.line("#include <math.h>");
         text.line("");
-        text.line("#include \"mbs_data.h\"");
-        if self.kind.is_sensor() {
+        text.line(&format!("#include \"{}\"", names.header));
+        // The old header of functions declares sensors too.
+        let is_old = Generation::of(self.function) == Generation::Old;
+        if self.kind.is_sensor() && !is_old {
             text.line("#include \"mbs_sensor.h\"");
         }
         if !self.function.boundaries.is_empty()
             || self.kind.updates_forces()
             || self.kind.has_status()
+            || is_old
         {
-            text.line("#include \"mbs_project_interface.h\"");
+            text.line(&format!("#include \"{}\"", names.functions));
         }
         text.line("");
         let outputs = self.outputs();
@@ -83,13 +89,13 @@ impl Prologue<'_> {
             "void"
         };
         if self.kind.is_sensor() {
-            text.line(&format!("void {name}(MbsSensor *sens,"));
-            text.line("MbsData *s, int isens)");
+            text.line(&format!("void {name}({} *sens,", names.sensor));
+            text.line(&format!("{data} *s, int isens)"));
         } else if outputs.is_empty() {
-            text.line(&format!("{status} {name}(MbsData *s, double tsim)"));
+            text.line(&format!("{status} {name}({data} *s, double tsim)"));
         } else {
             text.line(&format!("{status} {name}({}", outputs.trim_end()));
-            text.line("MbsData *s, double tsim)");
+            text.line(&format!("{data} *s, double tsim)"));
         }
         text.line("{");
         text.line(&format!(

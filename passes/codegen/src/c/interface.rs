@@ -4,7 +4,7 @@
 use super::{Options, Real, Signature};
 use crate::emit::arrays::{self, Rows};
 use crate::emit::names::{CNames, is_word_letter};
-use crate::kind::{EquationKind, file_stem};
+use crate::kind::{EquationKind, Generation, ProjectStructure, file_stem};
 use hashbrown::HashMap;
 use robovec_ir::{Array, Function, Input, OperandKind, Output, Shape, View};
 use rustc_hash::FxBuildHasher;
@@ -30,6 +30,11 @@ pub enum SignatureError {
         /// The user's function.
         callee: String,
     },
+    /// The function's project has another signature for it.
+    #[error(
+        "generator 6.6 gives '{0}' the accelerations of independent joints to fill, and these equations know no partition of joints"
+    )]
+    OldStatus(String),
     /// An array cannot bear its name in C.
     #[error("the array '{array}' of '{function}' has a name that C does not take: rename it")]
     ArrayName {
@@ -80,31 +85,6 @@ struct ArrayAccess {
     reach: ArrayReach,
     /// The array is both given and given back.
     is_shared: bool,
-}
-
-/// The data structure of a project, which changed its name.
-pub(super) struct ProjectStructure {
-    pub(super) name: &'static str,
-    pub(super) header: &'static str,
-    /// The prefix of the names of functions.
-    prefix: &'static str,
-}
-
-/// The structure that a function's file was written for: that of today,
-/// unless its metadata say `structure "MBSdataStruct"`.
-pub(super) fn structure(function: &Function) -> ProjectStructure {
-    match function.metadata("structure") {
-        Some("MBSdataStruct") => ProjectStructure {
-            name: "MBSdataStruct",
-            header: "MBSdataStructR7.h",
-            prefix: "",
-        },
-        Some(_) | None => ProjectStructure {
-            name: "MbsData",
-            header: "mbs_data.h",
-            prefix: "mbs_",
-        },
-    }
 }
 
 /// The interface of a generated function.
@@ -185,14 +165,16 @@ impl<'a> Interface<'a> {
         let kind = robotran_kind(function)?;
         let model = function.metadata("model").unwrap_or("model");
         self.kind = Some(kind);
-        self.name = self
-            .names
-            .take(&format!("{}{}", structure(function).prefix, kind.name));
+        self.name = self.names.take(&format!(
+            "{}{}",
+            ProjectStructure::of(function).prefix,
+            kind.name
+        ));
         self.file = format!("mbs_{}_{}", kind.name, file_stem(model));
         for (name, _) in kind.outputs {
             self.names.take(name);
         }
-        let data = structure(function).name;
+        let data = ProjectStructure::of(function).name;
         for name in ["s", "tsim", data] {
             self.names.take(name);
         }
@@ -387,7 +369,8 @@ impl<'a> Interface<'a> {
 
     /// The header of the data structure.
     pub(super) fn data_header(&self) -> Option<&'static str> {
-        self.kind.map(|_| structure(self.function).header)
+        self.kind
+            .map(|_| ProjectStructure::of(self.function).header)
     }
 
     /// The names in use, for those that come.
@@ -417,6 +400,9 @@ fn robotran_kind(function: &Function) -> Result<EquationKind, SignatureError> {
         return Err(SignatureError::Sensor(name()));
     }
     match function.boundaries.first() {
+        None if kind.has_status() && Generation::of(function) == Generation::Old => {
+            Err(SignatureError::OldStatus(name()))
+        }
         None => Ok(kind),
         Some(call) => Err(SignatureError::Call {
             function: name(),

@@ -11,12 +11,11 @@
 //! expected number of its array: elements that nearly cancel have no digits
 //! of their own to agree in.
 
-use super::interface::structure;
 use super::{Options, Real, Signature};
 use crate::emit::arrays::{Rows, dimensions, parameter, rank};
 use crate::emit::frame::parameters;
 use crate::emit::names::is_word_letter;
-use crate::kind::EquationKind;
+use crate::kind::{EquationKind, ProjectStructure};
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{Array, Input, View};
 use robovec_num::arithmetic::Binary64;
@@ -92,7 +91,7 @@ pub fn minimal_data<'a>(views: impl IntoIterator<Item = View<'a>>) -> (String, S
     .map(|(name, rank)| (name.to_owned(), rank))
     .collect();
     let mut views = views.into_iter().peekable();
-    let first = views.peek().map(|view| structure(view.function));
+    let first = views.peek().map(|view| ProjectStructure::of(view.function));
     let (header, name) = first.map_or(("mbs_data.h", "MbsData"), |data| (data.header, data.name));
     for view in views {
         for array in view.function.inputs().iter().chain(view.function.outputs()) {
@@ -146,7 +145,7 @@ impl Main<'_> {
             let _ = writeln!(
                 text,
                 "#include \"{}\"",
-                structure(self.view.function).header
+                ProjectStructure::of(self.view.function).header
             );
         }
         text.push('\n');
@@ -224,7 +223,11 @@ impl Main<'_> {
             }
         }
         if self.kind.is_some() {
-            let _ = writeln!(text, "static {} data;", structure(self.view.function).name);
+            let _ = writeln!(
+                text,
+                "static {} data;",
+                ProjectStructure::of(self.view.function).name
+            );
         }
         text.push('\n');
         for name in self.contestants {
@@ -244,7 +247,7 @@ impl Main<'_> {
             let mut list: Vec<String> = outputs
                 .map(|(name, rank)| format!("double {}{name}", "*".repeat(*rank)))
                 .collect();
-            let data = structure(self.view.function).name;
+            let data = ProjectStructure::of(self.view.function).name;
             list.extend([format!("{data} *s"), "double tsim".to_owned()]);
             return list.join(", ");
         }
