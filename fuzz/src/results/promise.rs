@@ -28,8 +28,13 @@ impl Promise {
             class: pass.class(step.info.class),
             instances: pass.instances(),
             leniency: Leniency {
-                // It replaces expressions of constants by their values.
-                rounded_literals: matches!(step.info.name, "specialise" | "trigonometry"),
+                // They replace expressions of constants by their values.
+                rounded_literals: match step.info.name {
+                    "specialise" | "trigonometry" => true,
+                    "fold" => (step.options.iter())
+                        .any(|(option, value)| option == "inexact" && value == "true"),
+                    _ => false,
+                },
                 circular: match series {
                     true => option("error").unwrap_or(0.0),
                     false => 0.0,
