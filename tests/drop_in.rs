@@ -1,6 +1,7 @@
 //! C that takes the place of Robotran's: compiled without a warning, called
 //! as MBsysC calls it, against the evaluator.
 
+use crate::compiled::has_gcc;
 use robovec::generate::{GenerationRequest, generate};
 use robovec::model::mbs::read_mbs;
 use robovec::robotran::FunctionKind;
@@ -16,14 +17,6 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 const FLAGS: [&str; 5] = ["-std=gnu99", "-O1", "-Wall", "-Wextra", "-Werror"];
-
-fn has_gcc() -> bool {
-    let found = Command::new("gcc").arg("--version").output().is_ok();
-    if !found {
-        eprintln!("no gcc: the generated C is not compiled");
-    }
-    found
-}
 
 /// Compiles and runs the trial of a function.
 fn run(view: View<'_>, options: &Options, trial: &TrialState, argument: &str) -> Output {

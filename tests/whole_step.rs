@@ -2,6 +2,7 @@
 //! Robotran-style files and dense matrices and once with the generated
 //! `mbs_accelred`, over seconds of motion (tests/host).
 
+use crate::compiled::has_gcc;
 use crate::support::files::tree;
 use crate::support::programs::{model, robovec, said};
 use robovec::generate::{cuts_of_rows, independent_joints};
@@ -28,7 +29,7 @@ fn data(model: &Model) -> String {
     }
     let _ = writeln!(text, "{rows}");
     let mut line = |numbers: Vec<f64>| {
-        let numbers: Vec<String> = numbers.iter().map(|number| format!("{number:e}")).collect();
+        let numbers: Vec<String> = numbers.iter().map(|number| format!("{number}")).collect();
         let _ = writeln!(text, "{}", numbers.join(" "));
     };
     for kind in 0..2 {
@@ -70,15 +71,12 @@ fn data(model: &Model) -> String {
         CutKind::Ball | CutKind::Solid => None,
     });
     let rods: Vec<f64> = rods.collect();
-    let _ = writeln!(text, "{}", rods.len());
-    let lengths: Vec<String> = rods.iter().map(|length| format!("{length:e}")).collect();
-    let _ = writeln!(text, "{}\n{}", lengths.join(" "), model.links.len());
-    let points: Vec<String> = model
-        .forces
-        .iter()
-        .map(|force| (force.point + 1).to_string())
-        .collect();
-    let _ = writeln!(text, "{} {}", points.len(), points.join(" "));
+    line(vec![rods.len() as f64]);
+    line(rods);
+    let forces = model.forces.iter();
+    let points: Vec<f64> = forces.map(|force| (force.point + 1) as f64).collect();
+    line(vec![model.links.len() as f64, points.len() as f64]);
+    line(points);
     text
 }
 
@@ -139,14 +137,6 @@ fn simulated(path: &Path, generation: &str) -> Vec<f64> {
     told.split_whitespace()
         .map(|number| number.parse().expect("the host tells numbers"))
         .collect()
-}
-
-fn has_gcc() -> bool {
-    let found = Command::new("gcc").arg("--version").output().is_ok();
-    if !found {
-        eprintln!("no gcc: the whole step is not compiled");
-    }
-    found
 }
 
 fn moves_the_same(name: &str, generation: &str) {

@@ -23,11 +23,13 @@ use robovec_schedule::PlaceError;
 /// search measures often and can afford few.
 pub(super) const VALIDATION_FACTOR: u32 = 4;
 
-/// The cheapest programs that sums with smaller errors, fixed point, formats of single values and units
-/// for sines are tried for.
+/// How many of the cheapest programs are tried with sums that round less.
 const ACCURATE: usize = 2;
+/// How many are tried in fixed point.
 const FIXED: usize = 4;
+/// How many are tried with a format for every value.
 const MIXED: usize = 2;
+/// How many are tried with units for sines and cosines.
 const UNITS: usize = 1;
 
 /// Bits that another program may do without over time.

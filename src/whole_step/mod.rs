@@ -44,7 +44,7 @@ pub enum WholeStepError {
 }
 
 /// The functions that a model's step consists of.
-pub fn parts(model: &Model) -> Vec<FunctionKind> {
+fn parts(model: &Model) -> Vec<FunctionKind> {
     let loops = [FunctionKind::LoopPositions, FunctionKind::LoopVelocities];
     let loops = loops.into_iter().filter(|_| !model.cuts.is_empty());
     loops.chain([FunctionKind::Accelred]).collect()

@@ -105,13 +105,9 @@ fn add_corner(
     let rod_end = builder.point(rod, "End", [0.0, across(0.37), 0.0]);
     let arm = [-STEERING_ARM, across(-0.02), 0.05];
     let arm = builder.point(knuckle, "Arm", arm);
-    for dependent in [knuckle, upper, rod] {
-        let joints = if dependent == upper { 1 } else { 2 };
-        for number in 0..joints {
-            builder.joint(dependent, number).nature = Nature::Dependent;
-        }
+    for (part, joints) in [(knuckle, 3), (upper, 1), (rod, 2)] {
+        follow_loops(builder, part, joints);
     }
-    builder.joint(knuckle, 2).nature = Nature::Dependent;
     builder.cut(
         &format!("Upper_{name}"),
         CutKind::Ball,
@@ -136,9 +132,14 @@ fn add_bar(builder: &mut ModelBuilder, body: BodyRef, wishbone: BodyRef, end: &s
     );
     let foot = builder.point(link, "End", [0.0, 0.0, -0.1]);
     let eye = builder.point(wishbone, "Bar", [0.0, 0.25, 0.0]);
-    builder.joint(bar, 0).nature = Nature::Dependent;
-    for number in 0..2 {
-        builder.joint(link, number).nature = Nature::Dependent;
-    }
+    follow_loops(builder, bar, 1);
+    follow_loops(builder, link, 2);
     builder.cut(&format!("Bar_{end}"), CutKind::Ball, [foot, eye]);
+}
+
+/// Makes all joints of a body, so many, follow from the loops.
+fn follow_loops(builder: &mut ModelBuilder, body: BodyRef, joints: usize) {
+    for number in 0..joints {
+        builder.joint(body, number).nature = Nature::Dependent;
+    }
 }
