@@ -8,14 +8,12 @@ use super::{
     SineTreatment, bound, mixture, series, size, units, variants,
 };
 use crate::explore::ExplorationProgress;
-use crate::explore::device;
 use crate::explore::program::view;
 use crate::yardstick::Yardstick;
 use robovec_analysis::critical_path::critical_path;
-use robovec_codegen::hardware;
+use robovec_ir::Format;
 use robovec_ir::cost::function_cost;
 use robovec_ir::count::Counts;
-use robovec_ir::{Format, Machine};
 use robovec_num::{FixedFormat, NumberFormat};
 use robovec_schedule::PlaceError;
 
@@ -46,6 +44,8 @@ pub(super) struct FitSearch<'t, 'a> {
     sizes: Vec<Vec<size::SizedMachine>>,
     /// For every program its formats with the errors at the validation.
     formats: Vec<Vec<MeasuredFormat>>,
+    /// Clocks and resources that were asked for before.
+    figures: size::KnownFigures,
     /// Choices that failed their challenge.
     pub(super) broken: u32,
     /// Choices that erred too much over time.
@@ -76,6 +76,7 @@ impl<'t, 'a> FitSearch<'t, 'a> {
             programs: Vec::new(),
             sizes: Vec::new(),
             formats: Vec::new(),
+            figures: size::KnownFigures::default(),
             broken: 0,
             drifted: 0,
             steps_left: MOTION_STEPS,
@@ -233,13 +234,16 @@ impl<'t, 'a> FitSearch<'t, 'a> {
     }
 
     /// Every program in its formats on its machines.
-    pub(super) fn candidates(&self) -> Vec<FitCandidate> {
+    pub(super) fn candidates(&mut self) -> Vec<FitCandidate> {
+        let task = self.task;
         let mut candidates = Vec::new();
         for (index, program) in self.programs.iter().enumerate() {
+            let path = critical_path(&program.module.functions[0], task.machine).asap_cycle;
             for size in &self.sizes[index] {
                 for (format, errors) in &self.formats[index] {
-                    let made = candidate(self.task, (index, program), *format, errors, size);
-                    candidates.push(made);
+                    let figures = self.figures.of(task.machine, size, *format);
+                    let subject = (index, program, path);
+                    candidates.push(candidate(task, subject, (*format, errors), size, figures));
                 }
             }
         }
@@ -397,8 +401,11 @@ impl<'t, 'a> FitSearch<'t, 'a> {
             let Some(size) = sizes.find(|size| size.elements == elements).cloned() else {
                 continue;
             };
-            let made = (self.programs.len(), &unit);
-            candidates.push(candidate(self.task, made, format, &measured.1, &size));
+            let path = critical_path(&unit.module.functions[0], self.task.machine).asap_cycle;
+            let made = (self.programs.len(), &unit, path);
+            let figures = self.figures.of(self.task.machine, &size, format);
+            let measure = (format, &measured.1);
+            candidates.push(candidate(self.task, made, measure, &size, figures));
             self.add(unit, vec![size], vec![measured]);
         }
         Ok(candidates)
@@ -449,21 +456,16 @@ fn remark(task: &FitTask<'_>, program: &FitProgram, format: Format) -> String {
     }
 }
 
-/// What a program in a format costs and reaches on a machine it is placed on.
+/// What a program, with its index and its longest chain, costs and reaches in a
+/// format on a machine it is placed on.
 fn candidate(
     task: &FitTask<'_>,
-    (index, program): (usize, &FitProgram),
-    format: Format,
-    measured: &FormatErrors,
+    (index, program, path): (usize, &FitProgram, u32),
+    (format, measured): (Format, &FormatErrors),
     size: &size::SizedMachine,
+    size::SizedFigures { clock, resources }: size::SizedFigures,
 ) -> FitCandidate {
-    let machine = size.machine(task.machine);
-    let resources = device::taken(&machine, format, size.cycles, size.words);
     let function = &program.module.functions[0];
-    let clock = hardware::clock(&Machine {
-        number: format,
-        ..machine.clone()
-    });
     let microseconds = clock.microseconds(size.cycles);
     let (used, errors) = (measured.used(), &measured.errors);
     let in_time = task
@@ -477,7 +479,7 @@ fn candidate(
         format: format.to_string(),
         elements: size.elements,
         operations: Counts::of(function).operations,
-        path: critical_path(function, task.machine).asap_cycle,
+        path,
         cycles: size.cycles,
         clock,
         microseconds,

@@ -1,17 +1,19 @@
 //! How many elements: the fewest that meet the deadline, and more.
 
 use super::{FitProgram, FitTask};
+use crate::explore::device::{DeviceShare, taken};
 use crate::explore::placing::{placed, with_counts};
-use robovec_codegen::hardware;
+use robovec_codegen::hardware::{self, MachineClock};
 use robovec_ir::count::Counts;
-use robovec_ir::{Machine, Operation};
+use robovec_ir::{Format, Machine, Operation};
 use robovec_schedule::{PlaceError, PlaceOptions, schedule_bound};
+use std::collections::HashMap;
 
 /// The most elements of a kind.
 const MOST: u32 = 64;
 
 /// A machine with its schedule.
-#[derive(Clone)]
+#[derive(Clone, PartialEq, Eq, Hash)]
 pub(super) struct SizedMachine {
     /// Elements that add, and that multiply.
     pub(super) elements: [u32; 2],
@@ -30,6 +32,44 @@ impl SizedMachine {
     /// The time of its schedule: many elements slow the clock down.
     pub(super) fn microseconds(&self, machine: &Machine) -> f64 {
         hardware::clock(&self.machine(machine)).microseconds(self.cycles)
+    }
+}
+
+/// What a sized machine is in a format.
+#[derive(Clone, Copy)]
+pub(super) struct SizedFigures {
+    /// Its clock.
+    pub(super) clock: MachineClock,
+    /// What it takes of the device.
+    pub(super) resources: DeviceShare,
+}
+
+/// Figures that were computed before. Whenever a choice fails, all candidates
+/// are compared anew; their errors have changed by then, their machines have
+/// not.
+#[derive(Default)]
+pub(super) struct KnownFigures(HashMap<(SizedMachine, Format), SizedFigures>);
+
+impl KnownFigures {
+    /// The figures of a sized machine in a format.
+    pub(super) fn of(
+        &mut self,
+        machine: &Machine,
+        size: &SizedMachine,
+        format: Format,
+    ) -> SizedFigures {
+        let compute = || {
+            let machine = Machine {
+                number: format,
+                ..size.machine(machine)
+            };
+            SizedFigures {
+                clock: hardware::clock(&machine),
+                resources: taken(&machine, format, size.cycles, size.words),
+            }
+        };
+        let known = self.0.entry((size.clone(), format));
+        *known.or_insert_with(compute)
     }
 }
 

@@ -18,6 +18,7 @@ mod lanes;
 pub use lanes::{DoubleDoubleLanes, DoubleLanes};
 
 use crate::arithmetic::Arithmetic;
+use std::sync::LazyLock;
 
 /// Products and quotients below this may have lost bits of their second half
 /// to the end of the range.
@@ -304,16 +305,27 @@ fn quadrant(angle: Double) -> Option<(Double, u64)> {
 /// result for angles up to π/4.
 const TERMS: u32 = 14;
 
-/// `1 - x²/((first)(first+1)) * (1 - x²/((first+2)(first+3)) * (…))`: the
-/// cosine of `x` for `first = 1` and its sine over `x` for `first = 2`.
-fn series(square: Double, first: u32) -> Double {
-    let one = Double::from(1.0);
-    let mut sum = one;
-    for term in (0..TERMS).rev() {
-        let k = f64::from(first + 2 * term);
-        sum = one - square * sum / Double::from(k * (k + 1.0));
-    }
-    sum
+/// The coefficients of the Taylor series in the square of the angle, by falling
+/// powers: of the cosine, and of the sine over the angle. Quotients are by far
+/// the slowest operation, so that they are taken once.
+static COEFFICIENTS: LazyLock<[Vec<Double>; 2]> = LazyLock::new(|| {
+    [1, 2].map(|first| {
+        let mut coefficients = vec![Double::from(1.0)];
+        for term in 0..TERMS {
+            let k = f64::from(first + 2 * term);
+            let last = *coefficients.last().expect("the first is 1");
+            coefficients.push(-last / Double::from(k * (k + 1.0)));
+        }
+        coefficients.reverse();
+        coefficients
+    })
+});
+
+/// The Taylor series of the cosine of `x` for `odd = 0`, and of its sine over
+/// `x` for `odd = 1`, by Horner's rule.
+fn series(square: Double, odd: usize) -> Double {
+    let terms = COEFFICIENTS[odd].iter();
+    terms.fold(Double::default(), |sum, &term| sum * square + term)
 }
 
 /// The sine of an angle plus a number of quarter turns.
@@ -324,8 +336,8 @@ fn sine(angle: Double, quarter_turns: u64) -> Double {
     let square = rest * rest;
     let result = match (quadrant + quarter_turns) % 2 {
         0 if rest.high == 0.0 => rest,
-        0 => rest * series(square, 2),
-        _ => series(square, 1),
+        0 => rest * series(square, 1),
+        _ => series(square, 0),
     };
     match (quadrant + quarter_turns) % 4 {
         0 | 1 => result,
