@@ -5,25 +5,40 @@
 use crate::compiled::has_gcc;
 use crate::support::files::tree;
 use crate::support::programs::{model, robovec, said};
-use robovec::generate::{cuts_of_rows, independent_joints};
-use robovec::model::mbs::read_mbs;
+use robovec::generate::{Options, cuts_of_rows, independent_joints};
+use robovec::model::mbs::{read_mbs, write_mbs};
 use robovec::model::{CutKind, Model, Nature};
 use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
 
+/// What a host is built for.
+#[derive(Default)]
+struct HostPlan {
+    /// Joints, from 0, that constraints of the user determine.
+    bound: Vec<usize>,
+    /// The C of `invdynared` is there, too.
+    has_actuators: bool,
+    /// Names are those of generator 6.6.
+    is_old: bool,
+}
+
 /// The numbers of a model as the host reads them.
-fn data(model: &Model) -> String {
+fn data(model: &Model, plan: &HostPlan) -> String {
     let mut text = String::new();
     let n = model.joints.len();
-    let independent = independent_joints(model).expect("the loops close");
+    let options = Options {
+        user_constraints: plan.bound.len(),
+        ..Options::default()
+    };
+    let independent = independent_joints(model, &options).expect("the loops close");
     let with = |wanted: &dyn Fn(usize) -> bool| (0..n).filter(|&joint| wanted(joint)).collect();
     let is_driven = |joint: usize| model.joints[joint].nature == Nature::Driven;
     let driven: Vec<usize> = with(&is_driven);
     let dependent: Vec<usize> = with(&|joint| !is_driven(joint) && !independent.contains(&joint));
     let rows = cuts_of_rows(model).expect("the loops have rows").len();
     let _ = writeln!(text, "{n} {}", model.points.len());
-    for list in [&independent, &driven, &dependent] {
+    for list in [&independent, &driven, &dependent, &plan.bound] {
         let numbers: Vec<String> = list.iter().map(|joint| (joint + 1).to_string()).collect();
         let _ = writeln!(text, "{} {}", list.len(), numbers.join(" "));
     }
@@ -80,26 +95,58 @@ fn data(model: &Model) -> String {
     text
 }
 
-/// Builds the host for a model with C of a generation of generators, and runs
-/// it for 3 s: how far the two ways are apart in parts of the largest position,
-/// that position, seconds of a step each way, and the most rounds of closing
-/// each way.
-fn simulated(path: &Path, generation: &str) -> Vec<f64> {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let bytes = std::fs::read(path).expect("the model is there");
-    let model = read_mbs("model", &bytes).expect("a good model").model;
-    let name = path.to_str().expect("a plain path");
-    let output = folder.path().to_str().expect("a plain path");
-    let common = ["gen", name, "--generation", generation, "-o", output];
+/// What a host tells of 3 s of motion.
+struct HostReport {
+    /// How far the two ways are apart, in parts of the largest position.
+    apart: f64,
+    /// That position.
+    largest: f64,
+    /// How far multipliers and forces of driven joints are apart, in parts of
+    /// the largest.
+    forces: f64,
+    /// How far accelerations are from those that forces of actuators are for,
+    /// in parts of the largest.
+    actuators: f64,
+}
+
+/// Writes the C of a model for a project into a folder.
+fn generate(folder: &Path, plan: &HostPlan) {
+    let path = folder.join("model.mbs");
+    let (model, output) = (path.to_str(), folder.to_str());
+    let (model, output) = model.zip(output).expect("plain paths");
+    let generation = if plan.is_old { "6.6" } else { "8.1" };
+    let rows = plan.bound.len().to_string();
+    let steps = match plan.has_actuators {
+        true => "accelred,invdynared",
+        false => "accelred",
+    };
+    let common = ["gen", model, "--generation", generation, "-o", output];
     let parts = "dirdyna,cons_hJ,cons_jdqd,link,extforces";
     for wanted in [
         &["--function", parts, "--language", "c"][..],
-        &["--whole-step"],
+        &[
+            "--whole-step",
+            "--multipliers",
+            "--user-constraints",
+            &rows,
+            "--function",
+            steps,
+        ],
     ] {
         let made = robovec(&[&common, wanted].concat());
         assert!(made.status.success(), "{}", said(&made));
     }
-    std::fs::write(folder.path().join("data"), data(&model)).expect("a writable folder");
+}
+
+/// Builds the host for a model, and runs it.
+fn simulated(model: &Model, plan: &HostPlan) -> HostReport {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let write = |name: &str, text: String| {
+        std::fs::write(folder.path().join(name), text).expect("a writable folder");
+    };
+    write("model.mbs", write_mbs(model));
+    write("data", data(model, plan));
+    generate(folder.path(), plan);
     let host = tree("tests/host");
     let mut sources: Vec<_> = std::fs::read_dir(folder.path())
         .expect("a readable folder")
@@ -108,13 +155,18 @@ fn simulated(path: &Path, generation: &str) -> Vec<f64> {
         .collect();
     sources.sort();
     sources.extend(["host.c", "dense.c", "user.c"].map(|name| host.join(name)));
-    if generation == "6.6" {
+    if plan.is_old {
         sources.push(host.join("old/names.c"));
     }
+    let actuators = if plan.has_actuators {
+        "-DACTUATORS"
+    } else {
+        "-DNOTHING"
+    };
     let compiled = Command::new("gcc")
         .current_dir(folder.path())
         // Robotran's style sets variables that a model does not need.
-        .args(["-std=gnu99", "-O1", "-Wall", "-Werror"])
+        .args(["-std=gnu99", "-O1", "-Wall", "-Werror", actuators])
         .args(["-Wno-unused-variable", "-Wno-unused-but-set-variable"])
         .arg("-Wno-unused-but-set-parameter")
         .arg("-I")
@@ -132,19 +184,35 @@ fn simulated(path: &Path, generation: &str) -> Vec<f64> {
         .args(["3", "3000"])
         .output()
         .expect("it runs");
+    let name = &model.name;
     assert!(run.status.success(), "{name}: {}", said(&run));
     let told = String::from_utf8_lossy(&run.stdout);
-    told.split_whitespace()
+    println!("{name}: {}", told.trim());
+    let numbers: Vec<f64> = told
+        .split_whitespace()
         .map(|number| number.parse().expect("the host tells numbers"))
-        .collect()
+        .collect();
+    HostReport {
+        apart: numbers[0],
+        largest: numbers[1],
+        forces: numbers[6],
+        actuators: numbers[7],
+    }
 }
 
-fn moves_the_same(name: &str, generation: &str) {
-    let told = simulated(&model(&format!("{name}.mbs")), generation);
-    println!("{name}: {told:?}");
-    let (apart, largest) = (told[0], told[1]);
+fn shipped(name: &str) -> Model {
+    let bytes = std::fs::read(model(&format!("{name}.mbs"))).expect("the model is there");
+    read_mbs(name, &bytes).expect("a good model").model
+}
+
+fn moves_the_same(model: &Model, plan: &HostPlan) {
+    let told = simulated(model, plan);
+    let (name, apart, largest) = (&model.name, told.apart, told.largest);
     assert!(largest > 1e-3, "{name} does not move: {largest:e}");
     assert!(apart < 1e-10, "{name}: {apart:e} apart after 3 s");
+    let (forces, actuators) = (told.forces, told.actuators);
+    assert!(forces < 1e-9, "{name}: forces are {forces:e} apart");
+    assert!(actuators < 1e-9, "{name}: actuators miss by {actuators:e}");
 }
 
 #[test]
@@ -162,7 +230,7 @@ fn a_host_moves_the_same_with_the_whole_step() {
         "car",
         "wishbone-car",
     ] {
-        moves_the_same(name, "8.1");
+        moves_the_same(&shipped(name), &HostPlan::default());
     }
 }
 
@@ -172,6 +240,43 @@ fn projects_of_the_old_generator_are_served_too() {
         return;
     }
     for name in ["quarter-car", "leg"] {
-        moves_the_same(name, "6.6");
+        let plan = HostPlan {
+            is_old: true,
+            ..HostPlan::default()
+        };
+        moves_the_same(&shipped(name), &plan);
+    }
+}
+
+#[test]
+fn rows_of_the_user_and_actuators_are_served() {
+    if !has_gcc() {
+        return;
+    }
+    for (name, rows) in [
+        ("leg", 1),
+        ("car", 2),
+        ("quarter-car", 1),
+        ("wishbone-car", 3),
+    ] {
+        let mut model = shipped(name);
+        let joints = independent_joints(&model, &Options::default()).expect("the loops close");
+        // The last ones: the first ones lead them.
+        let bound = joints[joints.len() - rows..].to_vec();
+        for (joint, of_model) in model.joints.iter_mut().enumerate() {
+            of_model.actuated = false;
+            if of_model.nature != Nature::Driven {
+                of_model.nature = match joints.contains(&joint) && !bound.contains(&joint) {
+                    true => Nature::Independent,
+                    false => Nature::Dependent,
+                };
+            }
+        }
+        let plan = HostPlan {
+            bound,
+            has_actuators: true,
+            is_old: false,
+        };
+        moves_the_same(&model, &plan);
     }
 }

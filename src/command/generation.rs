@@ -1,5 +1,6 @@
 //! `robovec gen`: equations from a model.
 
+use super::flags::whole;
 use super::write::{GenerationName, OutputLanguage, save, write_files};
 use super::{CommandFailure, input, names, output};
 use crate::files::Replace;
@@ -9,7 +10,7 @@ use crate::generate::{
 use crate::model::Model;
 use crate::robotran::FunctionKind;
 use crate::robotran::write::WriteOptions;
-use crate::whole_step;
+use crate::whole_step::{self, StepFunction, StepStyle};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use robovec_codegen::c;
@@ -29,15 +30,17 @@ pub(super) struct GenArguments {
     model: PathBuf,
     /// Functions, separated by commas; 'all' for every one but those of the whole step
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "dirdyna",
+          default_value_if("whole_step", "true", "accelred"),
           value_parser = PossibleValuesParser::new(function_names()))]
     function: Vec<String>,
     /// Language of Robotran's to write files in, instead of robovec's text
     #[arg(long, value_enum)]
     language: Option<OutputLanguage>,
     /// Write C that does the whole step of MBsysC: driven joints, closing of loops, forces,
-    /// accelerations; unless said otherwise in the formulation with the fewest operations,
-    /// after the preset $cpu
-    #[arg(long, requires = "output", conflicts_with_all = ["function", "language", "multipliers"])]
+    /// accelerations (--function accelred, the default here), or forces of actuators
+    /// (--function invdynared); unless said otherwise in the formulation with the fewest
+    /// operations, after the preset $cpu
+    #[arg(long, requires = "output", conflicts_with = "language")]
     whole_step: bool,
     /// Generator whose names C bears
     #[arg(long, value_enum, default_value = "8.1")]
@@ -67,9 +70,14 @@ pub(super) struct GenArguments {
     /// Do not use that sin^2 + cos^2 = 1
     #[arg(long)]
     any_angles: bool,
-    /// Give the multipliers of loops beside accelerations
+    /// Give the multipliers of constraints beside accelerations, and the forces of driven joints
     #[arg(long)]
     multipliers: bool,
+    /// Rows of constraints that the user computes (user_cons_hJ, user_cons_jdqd); as many joints
+    /// that the model names dependent, beside those of the loops, follow from them
+    #[arg(long, value_name = "ROWS", default_value_t = 0,
+          add = whole(0, 32, "each is eliminated with all joints"))]
+    user_constraints: usize,
     /// Pipeline run over the equations, e.g. atomise,cse,dce
     #[arg(long, value_name = "PIPELINE")]
     passes: Option<String>,
@@ -110,6 +118,7 @@ impl GenArguments {
             true_angles: !self.any_angles,
             small_angles: Vec::new(),
             multipliers: self.multipliers,
+            user_constraints: self.user_constraints,
         }
     }
 }
@@ -258,20 +267,41 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
 /// Writes the C of the whole step; gives the names of the files.
 fn write_whole_step(arguments: &GenArguments, folder: &Path) -> Result<String, CommandFailure> {
     let pipeline = input::passes(arguments.passes.as_deref().unwrap_or("$cpu"))?;
+    let steps = steps(&arguments.function)?;
     let model = input::model_for(&arguments.model, Some(FunctionKind::Accelred))?.model;
     let formulation = arguments.formulation(&model, FunctionKind::Accelred, FEWEST);
     let options = arguments.options();
-    let mut module = whole_step::generate_parts(&model, formulation, &options)
+    let mut module = whole_step::generate_parts(&model, &steps, formulation, &options)
         .map_err(|error| CommandFailure::plain(error.to_string()))?;
-    transform(&mut module, &pipeline)?;
-    let files = whole_step::files(
-        &model,
-        &module,
-        &c::Options::default(),
-        arguments.generation.into(),
-    )
-    .map_err(|error| CommandFailure::plain(error.to_string()))?;
+    // Passes of the preset that do not suit one of the parts have nothing to
+    // tell whoever did not ask for them.
+    match arguments.passes {
+        Some(_) => transform(&mut module, &pipeline)?,
+        None => transform_remarking(&mut module, &pipeline, &mut std::io::sink())?,
+    }
+    let style = StepStyle {
+        c: &c::Options::default(),
+        generation: arguments.generation.into(),
+        options: &options,
+    };
+    let files = whole_step::files(&model, &steps, &module, &style)
+        .map_err(|error| CommandFailure::plain(error.to_string()))?;
     save(&files, folder, arguments.force)
+}
+
+/// The steps asked for; without a word on functions it is that of accelerations.
+fn steps(names: &[String]) -> Result<Vec<StepFunction>, CommandFailure> {
+    let all = [StepFunction::Accelerations, StepFunction::ActuatorForces];
+    let known = |name: &String| all.iter().any(|step| step.name() == name);
+    match names.iter().find(|name| !known(name)) {
+        None => {
+            let asked = |step: &StepFunction| names.iter().any(|name| name == step.name());
+            Ok(all.into_iter().filter(asked).collect())
+        }
+        Some(name) => Err(CommandFailure::plain(format!(
+            "--whole-step writes accelred and invdynared, and '{name}' is neither"
+        ))),
+    }
 }
 
 /// Runs a pipeline over a module, for the machine of the thesis; what passes

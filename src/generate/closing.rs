@@ -9,6 +9,9 @@
 //! qd_v  = -Jv^-1 (Ju qd_u + Jc qd_c)
 //! ```
 //!
+//! Rows that the user computes come on top, with joints of their own that follow
+//! from them ([`super::user_constraints`]).
+//!
 //! A round is straight-line code; how many rounds are needed is for the caller,
 //! who sees `h` as it was before the round. Which joints depend and the order
 //! of pivots are those of the reduced accelerations ([`super::reduced`]), so
@@ -21,6 +24,7 @@ use super::factor::{SparseRow, entry, solve_square};
 use super::parameters::ModelParameters;
 use super::reduced::singular;
 use super::roles::JointRoles;
+use super::user_constraints::{self, DependentJoints, ReducedRows, solve_unknown};
 use super::{GenerateError, Options};
 
 /// Writes `h` of the independent rows, and `q` of dependent joints after one
@@ -30,15 +34,15 @@ pub(super) fn positions(
     parameters: &ModelParameters<'_>,
     options: &Options,
 ) -> Result<(), GenerateError> {
-    let closing = Closing::new(equations, parameters, options)?;
+    let closing = Closing::new(equations, parameters, options, ConstraintPart::Position)?;
     for &number in &closing.roles.rows {
         equations.output("h", &[number + 1], closing.constraints[number].h);
     }
     let names = ["Jplu", "Jpl", "Jpi", "Jpx", "dqv"];
-    let change = closing.solve(equations, names, |_, row| Sum::of(row.h))?;
-    for (&joint, &change) in closing.roles.dependent.iter().zip(&change) {
+    let changes = closing.solve(equations, names, |_, row| Sum::of(row.h))?;
+    for (joint, change) in changes {
         let mut sum = Sum::of(equations.input("q", &[joint + 1]));
-        sum.subtract(&[change]);
+        sum.add(&[change]);
         let value = equations.define(QuantityLabel::new("qv", 0, joint + 1), sum);
         equations.output("q", &[joint + 1], value);
     }
@@ -51,72 +55,106 @@ pub(super) fn velocities(
     parameters: &ModelParameters<'_>,
     options: &Options,
 ) -> Result<(), GenerateError> {
-    let closing = Closing::new(equations, parameters, options)?;
+    let closing = Closing::new(equations, parameters, options, ConstraintPart::Position)?;
     let names = ["Jdlu", "Jdl", "Jdi", "Jdx", "qdv"];
-    let dependent = &closing.roles.dependent;
     let solution = closing.solve(equations, names, |equations, row| {
         let mut sum = Sum::new();
         for &(joint, value) in &row.jacobian {
-            if !dependent.contains(&joint) {
+            if !closing.roles.follows(joint) {
                 let velocity = equations.input("qd", &[joint + 1]);
-                sum.subtract(&[value, velocity]);
+                sum.add(&[value, velocity]);
             }
         }
         sum
     })?;
-    for (&joint, &velocity) in dependent.iter().zip(&solution) {
+    for (joint, velocity) in solution {
         equations.output("qd", &[joint + 1], velocity);
     }
     Ok(())
 }
 
 /// The constraints of a model, and who depends on whom.
-struct Closing<'p, 'm> {
-    parameters: &'p ModelParameters<'m>,
-    roles: JointRoles,
-    constraints: Vec<ConstraintRow>,
+pub(super) struct Closing<'p, 'm> {
+    pub(super) parameters: &'p ModelParameters<'m>,
+    pub(super) roles: JointRoles,
+    /// All rows of the loops, redundant ones included.
+    pub(super) constraints: Vec<ConstraintRow>,
+    /// Rows that the user computes.
+    pub(super) user: Vec<ConstraintRow>,
 }
 
 impl<'p, 'm> Closing<'p, 'm> {
-    fn new(
+    pub(super) fn new(
         equations: &mut Equations,
         parameters: &'p ModelParameters<'m>,
         options: &Options,
+        part: ConstraintPart,
     ) -> Result<Closing<'p, 'm>, GenerateError> {
         Ok(Closing {
             parameters,
-            roles: JointRoles::new(parameters.model)?,
-            constraints: constraints::rows(
-                equations,
-                parameters,
-                options,
-                ConstraintPart::Position,
-            ),
+            roles: JointRoles::new(parameters.model, options)?,
+            constraints: constraints::rows(equations, parameters, options, part),
+            user: user_constraints::rows(equations, parameters.joints(), options),
         })
     }
 
-    /// The solution of `Jv x = b`, in the order of dependent joints; `b` is
-    /// what the caller makes of each row.
-    fn solve(
+    /// The solution of `J x + b = 0` for the joints that follow, with their
+    /// numbers; `b` is what the caller makes of each row.
+    pub(super) fn solve(
         &self,
         equations: &mut Equations,
         names: [&'static str; 5],
-        right: impl Fn(&mut Equations, &ConstraintRow) -> Sum,
-    ) -> Result<Vec<Scalar>, GenerateError> {
-        let dependent = &self.roles.dependent;
+        given: impl Fn(&mut Equations, &ConstraintRow) -> Sum,
+    ) -> Result<Vec<(usize, Scalar)>, GenerateError> {
+        let JointRoles {
+            dependent, bound, ..
+        } = &self.roles;
         let mut rows = Vec::with_capacity(dependent.len());
         for &number in &self.roles.rows {
             let constraint = &self.constraints[number];
             let mut row = dependent_entries(constraint, dependent);
-            let sum = right(equations, constraint);
+            let sum = given(equations, constraint);
             let label = QuantityLabel::new("bv", 0, number + 1);
             row.push((dependent.len(), equations.define(label, sum)));
+            for (place, &joint) in bound.iter().enumerate() {
+                row.push((dependent.len() + 1 + place, constraint.entry(joint)));
+            }
             row.retain(|(_, value)| !value.is_zero());
             rows.push(row);
         }
-        let solution = solve_square(equations, names, &rows, 1)
+        let solution = solve_square(equations, names, &rows, 1 + bound.len())
             .map_err(|place| singular(self.parameters.model, dependent[place]))?;
-        Ok(solution.iter().map(|row| entry(row, 0)).collect())
+        // x_v = rest + B x_w, with w for the joints that the user's rows bind.
+        let rest: Vec<Scalar> = solution.iter().map(|row| -entry(row, 0)).collect();
+        let behind =
+            |&(column, value): &(usize, Scalar)| (column > 0).then(|| (column - 1, -value));
+        let matrix: Vec<SparseRow> = solution
+            .iter()
+            .map(|row| row.iter().filter_map(behind).collect())
+            .collect();
+        let relation = DependentJoints {
+            joints: dependent,
+            matrix: &matrix,
+            rest: &rest,
+        };
+        let found = match bound.is_empty() {
+            true => Vec::new(),
+            false => {
+                let rows = (&self.user[..], &bound[..]);
+                let system = ReducedRows::new(equations, ["ua", "ur"], rows, &relation, given);
+                solve_unknown(equations, &system)
+            }
+        };
+        let mut all: Vec<(usize, Scalar)> = bound.iter().copied().zip(found.clone()).collect();
+        for (place, &joint) in dependent.iter().enumerate() {
+            let mut sum = Sum::of(rest[place]);
+            for &(column, value) in &matrix[place] {
+                sum.add(&[value, found[column]]);
+            }
+            let label = QuantityLabel::new("xv", 0, joint + 1);
+            all.push((joint, equations.define(label, sum)));
+        }
+        Ok(all)
     }
 }
 

@@ -18,11 +18,21 @@ use super::vector::{Vector, ZERO, define_as, subtracted};
 use crate::model::{Anchor, Cut, CutKind};
 
 /// One row.
+#[derive(Clone)]
 pub(super) struct ConstraintRow {
     pub(super) h: Scalar,
     /// Entries of the Jacobian by joint; joints that are missing are zero.
     pub(super) jacobian: Vec<(usize, Scalar)>,
     pub(super) jdqd: Scalar,
+}
+
+impl ConstraintRow {
+    /// The entry of the Jacobian of a joint.
+    pub(super) fn entry(&self, joint: usize) -> Scalar {
+        let mut entries = self.jacobian.iter();
+        let found = entries.find(|(other, _)| *other == joint);
+        found.map_or(Scalar::ZERO, |(_, value)| *value)
+    }
 }
 
 /// What of the rows is needed; the rest costs time to write and drop.

@@ -43,32 +43,34 @@ pub(super) enum Stop {
     TooLarge,
 }
 
-/// Solves `M x = b` for a symmetric matrix given by the rows of its lower
-/// triangle. `joints` names rows and columns.
+/// Solves `M X = B` for a symmetric matrix given by the rows of its lower
+/// triangle, column by column of `B`. `joints` names rows and columns.
 pub(super) fn solve_symmetric(
     equations: &mut Equations,
     rows: &[SparseRow],
-    right: &[Scalar],
+    sides: &[Vec<Scalar>],
     joints: &[usize],
-) -> Result<Vec<Scalar>, Stop> {
+) -> Result<Vec<Vec<Scalar>>, Stop> {
     let count = rows.len();
     let mut work = 0;
     let mut factors: Vec<SparseRow> = vec![Vec::new(); count];
     let mut entries: Vec<SparseRow> = vec![Vec::new(); count];
     let mut behind: Vec<Vec<usize>> = vec![Vec::new(); count];
-    let mut halves = vec![Scalar::ZERO; count];
-    let mut middle = vec![Scalar::ZERO; count];
+    let mut halves = vec![vec![Scalar::ZERO; sides.len()]; count];
+    let mut middle = halves.clone();
     for i in (0..count).rev() {
         let label = |name: &'static str| QuantityLabel::new(name, 0, joints[i] + 1);
         let mut row: BTreeMap<usize, Sum> = BTreeMap::new();
         for &(column, value) in &rows[i] {
             row.entry(column).or_default().add(&[value]);
         }
-        let mut half = Sum::of(right[i]);
+        let mut half: Vec<Sum> = sides.iter().map(|right| Sum::of(right[i])).collect();
         for &k in &behind[i] {
             let factor = entry(&factors[k], i);
-            half.subtract(&[factor, halves[k]]);
-            work += entries[k].partition_point(|&(column, _)| column <= i);
+            for (half, &behind) in half.iter_mut().zip(&halves[k]) {
+                half.subtract(&[factor, behind]);
+            }
+            work += entries[k].partition_point(|&(column, _)| column <= i) + sides.len() - 1;
             for &(column, value) in entries[k].iter().take_while(|&&(column, _)| column <= i) {
                 row.entry(column).or_default().subtract(&[factor, value]);
             }
@@ -76,7 +78,9 @@ pub(super) fn solve_symmetric(
         if work > LIMIT {
             return Err(Stop::TooLarge);
         }
-        halves[i] = equations.define(label("qppb"), half);
+        for (side, half) in half.into_iter().enumerate() {
+            halves[i][side] = equations.define(label("qppb").column(side), half);
+        }
         for (column, sum) in row {
             let value = equations.define(label("Mrd").column(joints[column] + 1), sum);
             if !value.is_zero() {
@@ -88,22 +92,28 @@ pub(super) fn solve_symmetric(
             return Err(Stop::NoPivot(i));
         }
         let inverse = equations.quotient(label("Mri"), Scalar::ONE, pivot);
-        middle[i] = product(equations, label("qppd"), halves[i], inverse);
+        for side in 0..sides.len() {
+            let label = label("qppd").column(side);
+            middle[i][side] = product(equations, label, halves[i][side], inverse);
+        }
         for &(column, value) in entries[i].iter().filter(|&&(column, _)| column < i) {
             let label = label("Mrlu").column(joints[column] + 1);
             factors[i].push((column, product(equations, label, value, inverse)));
             behind[column].push(i);
         }
     }
-    let mut solution = Vec::with_capacity(count);
-    for i in 0..count {
-        let mut sum = Sum::of(middle[i]);
-        for &(column, factor) in &factors[i] {
-            sum.subtract(&[factor, solution[column]]);
+    let mut solutions = vec![Vec::with_capacity(count); sides.len()];
+    for (side, solution) in solutions.iter_mut().enumerate() {
+        for i in 0..count {
+            let mut sum = Sum::of(middle[i][side]);
+            for &(column, factor) in &factors[i] {
+                sum.subtract(&[factor, solution[column]]);
+            }
+            let label = QuantityLabel::new("qppu", 0, joints[i] + 1).column(side);
+            solution.push(equations.define(label, sum));
         }
-        solution.push(equations.define(QuantityLabel::new("qppu", 0, joints[i] + 1), sum));
     }
-    Ok(solution)
+    Ok(solutions)
 }
 
 /// The product of two scalars.

@@ -8,7 +8,7 @@ use super::{
     FunctionKind, GenerateError, GenerationRequest, articulated, composite, composite_base, factor,
     prefix, recursive, reduced,
 };
-use crate::model::Model;
+use crate::model::{Model, Nature};
 
 /// A recursion.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -167,12 +167,15 @@ impl Formulation {
     /// neither masses nor forces of joints have one form, which all give.
     pub fn gives(self, function: FunctionKind) -> bool {
         match function {
-            FunctionKind::Dirdyna | FunctionKind::Invdyna => self != Formulation::Articulated,
+            FunctionKind::Dirdyna | FunctionKind::Invdyna | FunctionKind::Invdynared => {
+                self != Formulation::Articulated
+            }
             _ => true,
         }
     }
 
-    /// True when the formulation gives accelerations of models with loops.
+    /// True when the formulation gives accelerations of models with loops or
+    /// constraints of the user.
     pub fn closes_loops(self) -> bool {
         self != Formulation::Articulated
     }
@@ -181,7 +184,10 @@ impl Formulation {
     pub fn requirements(self, function: FunctionKind) -> Requirements {
         let dynamics = matches!(
             function,
-            FunctionKind::Dirdyna | FunctionKind::Invdyna | FunctionKind::Accelred
+            FunctionKind::Dirdyna
+                | FunctionKind::Invdyna
+                | FunctionKind::Accelred
+                | FunctionKind::Invdynared
         );
         Requirements {
             // The recursive family does with or without, see `Options`.
@@ -210,10 +216,20 @@ pub(super) fn check(model: &Model, request: &GenerationRequest) -> Result<(), Ge
             possible: names(&|one| one.gives(function)),
         });
     }
-    if function == FunctionKind::Accelred && !model.cuts.is_empty() && !chosen.closes_loops() {
+    let is_bound = !model.cuts.is_empty() || request.options.user_constraints > 0;
+    if function == FunctionKind::Accelred && is_bound && !chosen.closes_loops() {
         return Err(GenerateError::NoLoops {
             formulation,
             possible: names(&|one| one.gives(function) && one.closes_loops()),
+        });
+    }
+    let mut joints = model.joints.iter();
+    let is_driven = joints.any(|joint| joint.nature == Nature::Driven);
+    let drives = is_driven && request.options.multipliers;
+    if function == FunctionKind::Accelred && drives && chosen == Formulation::Articulated {
+        return Err(GenerateError::NoDriveForces {
+            formulation,
+            possible: names(&|one| one.gives(function) && one != Formulation::Articulated),
         });
     }
     if function == FunctionKind::Accelred
@@ -260,8 +276,20 @@ pub(super) fn inverse(
     let accelerations: Vec<Scalar> = (0..parameters.joints())
         .map(|joint| parameters.acceleration(equations, joint))
         .collect();
-    let given = &accelerations;
-    let forces = match request.formulation {
+    let forces = inverse_forces(equations, parameters, request, &accelerations);
+    for (joint, value) in forces.into_iter().enumerate() {
+        equations.output("Qq", &[joint + 1], value);
+    }
+}
+
+/// The joint forces that given accelerations of all joints ask for.
+pub(super) fn inverse_forces(
+    equations: &mut Equations,
+    parameters: &ModelParameters<'_>,
+    request: &GenerationRequest,
+    given: &[Scalar],
+) -> Vec<Scalar> {
+    match request.formulation {
         Formulation::Recursive => {
             recursive::inverse(equations, parameters, &request.options, given)
         }
@@ -271,11 +299,7 @@ pub(super) fn inverse(
         Formulation::Prefix { network, origin } => {
             prefix::inverse(equations, parameters, (network, origin), given)
         }
-        // It gives none, and was refused.
-        Formulation::Articulated => Vec::new(),
-    };
-    for (joint, value) in forces.into_iter().enumerate() {
-        equations.output("Qq", &[joint + 1], value);
+        Formulation::Articulated => unreachable!("it gives no forces, and was refused"),
     }
 }
 

@@ -10,6 +10,7 @@
 // An axis is an index into several vectors at once.
 #![allow(clippy::needless_range_loop)]
 
+mod actuation;
 mod algebra;
 mod articulated;
 mod bias;
@@ -31,11 +32,13 @@ mod lower;
 mod network;
 mod parameters;
 mod prefix;
+mod reactions;
 mod recursive;
 mod reduced;
 mod roles;
 mod sensor;
 mod turned_body;
+mod user_constraints;
 mod vector;
 
 use self::algebra::Scalar;
@@ -94,9 +97,15 @@ pub struct Options {
     /// Joints, by index, whose angles are small: their sine is the angle and
     /// their cosine one, in the equations of motion.
     pub small_angles: Vec<usize>,
-    /// Give the multipliers `Lambda` of the loops beside accelerations, with
-    /// `M qdd + c = Qq + Jac^T Lambda`; zero for redundant rows.
+    /// Give the multipliers `Lambda` of the constraints beside accelerations,
+    /// with `M qdd + c = Qq + Jac^T Lambda`, those of the loops first; zero for
+    /// redundant rows. And the forces `Qc` that move driven joints.
     pub multipliers: bool,
+    /// Rows of constraints that the user computes, in inputs of their own:
+    /// their values `huserc`, their Jacobian `Juserc` by all joints, and what
+    /// remains of their second derivative, `jdqduserc`. As many joints that
+    /// the model names dependent, beside those of the loops, follow from them.
+    pub user_constraints: usize,
 }
 
 impl Default for Options {
@@ -111,6 +120,7 @@ impl Default for Options {
             true_angles: true,
             small_angles: Vec::new(),
             multipliers: false,
+            user_constraints: 0,
         }
     }
 }
@@ -178,12 +188,22 @@ pub enum GenerateError {
         /// The names of those that give it.
         possible: String,
     },
-    /// The formulation knows no loops.
-    #[error("the formulation '{formulation}' does not close loops; these do: {possible}")]
+    /// The formulation knows no constraints.
+    #[error("the formulation '{formulation}' knows no constraints; these do: {possible}")]
     NoLoops {
         /// The name of the formulation.
         formulation: &'static str,
         /// The names of those that close them.
+        possible: String,
+    },
+    /// The formulation knows no forces of driven joints.
+    #[error(
+        "the formulation '{formulation}' gives no forces of driven joints; these do: {possible}"
+    )]
+    NoDriveForces {
+        /// The name of the formulation.
+        formulation: &'static str,
+        /// The names of those that give them.
         possible: String,
     },
     /// The formulation uses what the options forbid.
@@ -201,6 +221,36 @@ pub enum GenerateError {
          what it moves has no mass or inertia of its own in that direction"
     )]
     Singular(String),
+    /// Constraints of the user have no joints that follow from them.
+    #[error(
+        "{rows} user constraint(s) determine as many dependent joints beside the {of_loops} of \
+         the loops, and the model names {left}: set the nature of the joints to 'dependent'"
+    )]
+    UserConstraints {
+        /// Rows that the user computes.
+        rows: usize,
+        /// Dependent joints of the model that the loops do not determine.
+        left: usize,
+        /// Dependent joints that the loops determine.
+        of_loops: usize,
+    },
+    /// Actuators are not those that inverse dynamics can find the forces of.
+    #[error(
+        "inverse dynamics finds as many forces of actuators as joints move freely, {free}, and the \
+         model has {actuated} actuator(s)"
+    )]
+    Actuators {
+        /// Joints that move freely.
+        free: usize,
+        /// Actuated joints of the model that are not driven.
+        actuated: usize,
+    },
+    /// Constraints do not hold the joints that have no actuator.
+    #[error(
+        "the constraints do not determine the forces at joints without an actuator: actuators at \
+         other joints may"
+    )]
+    Unactuated,
     /// The loops cannot be closed at the model's initial state.
     #[error("the dependent joints cannot be chosen: {0}")]
     Loops(String),
@@ -307,6 +357,7 @@ fn write(
         FunctionKind::Sensor => sensor::sensor(equations, parameters, options, case),
         FunctionKind::Gensensor => sensor::frame(equations, parameters, case),
         FunctionKind::Accelred => formulation::accelerations(equations, parameters, request)?,
+        FunctionKind::Invdynared => actuation::write(equations, parameters, request)?,
         FunctionKind::LoopPositions => closing::positions(equations, parameters, options)?,
         FunctionKind::LoopVelocities => closing::velocities(equations, parameters, options)?,
     }

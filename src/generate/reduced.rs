@@ -10,6 +10,10 @@
 //! Mr qdd_u = f_u - Muv b + B^T (f_v - Mvv b),    f = Qq - c - M_c qdd_c
 //! ```
 //!
+//! Rows `A qdd_u + g = 0` that the user computes are satisfied by multipliers
+//! of their own, `(A Mr^-1 A^T) mu = -g - A Mr^-1 f_r`: their Jacobian is not
+//! known before, and this matrix is positive definite whatever it is.
+//!
 //! The accelerations of driven joints c are inputs. Positions and velocities
 //! must satisfy the loops. Which joints depend, which rows are redundant, and
 //! the order of pivots are decided when the equations are made, at the closed
@@ -19,11 +23,13 @@
 use super::algebra::{Scalar, Sum};
 use super::closing::dependent_entries;
 use super::composite::MassAndBias;
-use super::constraints::{self, ConstraintPart};
+use super::constraints::{self, ConstraintPart, ConstraintRow};
 use super::equations::{Equations, QuantityLabel};
 use super::factor::{LIMIT, SparseRow, Stop, entry, solve_square, solve_symmetric};
 use super::parameters::ModelParameters;
+use super::reactions::{self, ForceBalance};
 use super::roles::JointRoles;
+use super::user_constraints::{self, BoundAccelerations, DependentJoints, ReducedRows};
 use super::{GenerateError, Options};
 use crate::model::{Model, Nature};
 
@@ -57,7 +63,7 @@ pub(super) fn accelerations(
         masses: dynamics.mass.iter().map(|row| sorted(row)).collect(),
         given: vec![Scalar::ZERO; model.joints.len()],
     };
-    let partition = JointRoles::new(model)?;
+    let partition = JointRoles::new(model, options)?;
     for joint in 0..model.joints.len() {
         if model.joints[joint].nature == Nature::Driven {
             reduction.given[joint] = parameters.acceleration(reduction.equations, joint);
@@ -68,15 +74,28 @@ pub(super) fn accelerations(
         .map(|joint| reduction.residual(joint, dynamics.bias[joint]))
         .collect();
     let (rows, right) = reduction.reduced(&partition, &loops, &forces);
-    let joints = &partition.independent;
-    let solution =
-        solve_symmetric(reduction.equations, &rows, &right, joints).map_err(|stop| match stop {
+    let user = reduction.user(&partition, &loops, options);
+    let mut sides = vec![right];
+    sides.extend(user.reduced.matrix.iter().cloned());
+    let joints = &partition.free;
+    let mut solutions =
+        solve_symmetric(reduction.equations, &rows, &sides, joints).map_err(|stop| match stop {
             Stop::NoPivot(place) => singular(model, joints[place]),
             Stop::TooLarge => too_large(model),
         })?;
+    let forced = solutions.split_off(1);
+    let unbound = solutions.pop().expect("the forces are the first side");
+    let multipliers = user.multipliers(reduction.equations, &unbound, &forced);
+    let solution = BoundAccelerations::bound(reduction.equations, &unbound, &forced, &multipliers);
     let accelerations = reduction.output(&partition, &loops, &solution);
     if options.multipliers {
-        reduction.multipliers(&partition, &loops, &forces, &accelerations)?;
+        let balance = ForceBalance {
+            bias: &dynamics.bias,
+            forces: &forces,
+            accelerations: &accelerations,
+            user: (&user.rows, &multipliers),
+        };
+        reactions::write(&mut reduction, &partition, &loops, &balance)?;
     }
     Ok(())
 }
@@ -103,16 +122,18 @@ fn sorted(row: &[(usize, Scalar)]) -> SparseRow {
 
 /// Dependent accelerations: `B` by rows (columns count independent joints) and
 /// `b`.
-struct DependentAccelerations {
-    /// `Jv`, rows and columns in the order of pivots.
-    square: Vec<SparseRow>,
+pub(super) struct DependentAccelerations {
+    /// The rows of the loops, in the order of pivots.
+    pub(super) rows: Vec<ConstraintRow>,
+    /// How many rows there are, redundant ones included.
+    pub(super) all: usize,
     matrix: Vec<SparseRow>,
     rest: Vec<Scalar>,
 }
 
-struct CoordinateReduction<'e, 'p, 'm> {
-    equations: &'e mut Equations,
-    parameters: &'p ModelParameters<'m>,
+pub(super) struct CoordinateReduction<'e, 'p, 'm> {
+    pub(super) equations: &'e mut Equations,
+    pub(super) parameters: &'p ModelParameters<'m>,
     /// Rows of the lower triangle of `M`.
     masses: Vec<SparseRow>,
     /// Accelerations of driven joints, zero for others.
@@ -120,7 +141,7 @@ struct CoordinateReduction<'e, 'p, 'm> {
 }
 
 impl CoordinateReduction<'_, '_, '_> {
-    fn mass(&self, i: usize, j: usize) -> Scalar {
+    pub(super) fn mass(&self, i: usize, j: usize) -> Scalar {
         entry(&self.masses[i.max(j)], i.min(j))
     }
 
@@ -142,10 +163,11 @@ impl CoordinateReduction<'_, '_, '_> {
         partition: &JointRoles,
         options: &Options,
     ) -> Result<DependentAccelerations, GenerateError> {
-        let (u, v) = (&partition.independent, &partition.dependent);
+        let (u, v) = (&partition.free, &partition.dependent);
         if v.is_empty() {
             return Ok(DependentAccelerations {
-                square: Vec::new(),
+                rows: Vec::new(),
+                all: 0,
                 matrix: Vec::new(),
                 rest: Vec::new(),
             });
@@ -183,15 +205,46 @@ impl CoordinateReduction<'_, '_, '_> {
             .iter()
             .map(|row| row.iter().filter_map(column).collect())
             .collect();
-        let square = |row: &SparseRow| -> SparseRow {
-            let entries = row.iter().copied();
-            entries.filter(|&(column, _)| column < v.len()).collect()
-        };
         Ok(DependentAccelerations {
-            square: rows.iter().map(square).collect(),
+            all: constraints.len(),
+            rows: partition
+                .rows
+                .iter()
+                .map(|&row| constraints[row].clone())
+                .collect(),
             matrix,
             rest,
         })
+    }
+
+    /// The rows that the user computes, in accelerations of free joints.
+    fn user(
+        &mut self,
+        partition: &JointRoles,
+        loops: &DependentAccelerations,
+        options: &Options,
+    ) -> BoundAccelerations {
+        let rows = user_constraints::rows(self.equations, self.parameters.joints(), options);
+        let dependent = DependentJoints {
+            joints: &partition.dependent,
+            matrix: &loops.matrix,
+            rest: &loops.rest,
+        };
+        let given = &self.given;
+        let reduced = ReducedRows::new(
+            self.equations,
+            ["uA", "ug"],
+            (&rows, &partition.free),
+            &dependent,
+            |_, row| {
+                let mut sum = Sum::of(row.jdqd);
+                for &(joint, value) in &row.jacobian {
+                    sum.add(&[value, given[joint]]);
+                }
+                sum
+            },
+        );
+        BoundAccelerations { rows, reduced }
     }
 
     /// The lower triangle of `Mr`, and the right side.
@@ -201,7 +254,7 @@ impl CoordinateReduction<'_, '_, '_> {
         loops: &DependentAccelerations,
         forces: &[Scalar],
     ) -> (Vec<SparseRow>, Vec<Scalar>) {
-        let (u, v) = (&partition.independent, &partition.dependent);
+        let (u, v) = (&partition.free, &partition.dependent);
         // Mvu + Mvv B, and f_v - Mvv b.
         let mut inner: Vec<Vec<Scalar>> = Vec::with_capacity(v.len());
         let mut rest = Vec::with_capacity(v.len());
@@ -265,7 +318,7 @@ impl CoordinateReduction<'_, '_, '_> {
         solution: &[Scalar],
     ) -> Vec<Scalar> {
         let mut accelerations = self.given.clone();
-        for (&joint, &value) in partition.independent.iter().zip(solution) {
+        for (&joint, &value) in partition.free.iter().zip(solution) {
             accelerations[joint] = value;
         }
         for (place, &joint) in partition.dependent.iter().enumerate() {
@@ -281,45 +334,5 @@ impl CoordinateReduction<'_, '_, '_> {
             self.equations.output("qdd", &[joint + 1], value);
         }
         accelerations
-    }
-
-    /// Sets the multipliers: `Jv^T lambda = Mv qdd - f_v`.
-    fn multipliers(
-        &mut self,
-        partition: &JointRoles,
-        loops: &DependentAccelerations,
-        forces: &[Scalar],
-        accelerations: &[Scalar],
-    ) -> Result<(), GenerateError> {
-        let v = &partition.dependent;
-        let mut rows: Vec<SparseRow> = vec![SparseRow::new(); v.len()];
-        for (number, row) in loops.square.iter().enumerate() {
-            for &(column, value) in row {
-                rows[column].push((number, value));
-            }
-        }
-        for (place, &joint) in v.iter().enumerate() {
-            let mut sum = Sum::new();
-            for (other, &acceleration) in accelerations.iter().enumerate() {
-                // Given accelerations are in the force already.
-                if self.parameters.model.joints[other].nature != Nature::Driven {
-                    sum.add(&[self.mass(joint, other), acceleration]);
-                }
-            }
-            sum.subtract(&[forces[joint]]);
-            let label = QuantityLabel::new("FMl", 0, joint + 1);
-            let value = self.equations.define(label, sum);
-            if !value.is_zero() {
-                rows[place].push((v.len(), value));
-            }
-        }
-        let names = ["Jtlu", "Jtl", "Jti", "Jtx", "lam"];
-        let solution = solve_square(self.equations, names, &rows, 1)
-            .map_err(|place| singular(self.parameters.model, v[place]))?;
-        for (row, &number) in solution.iter().zip(&partition.rows) {
-            let value = entry(row, 0);
-            self.equations.output("Lambda", &[number + 1], value);
-        }
-        Ok(())
     }
 }

@@ -1,17 +1,22 @@
 //! The roles of joints and constraint rows in accelerations, decided in
 //! numbers at the closed initial state of the model.
 
-use super::{GenerateError, GenerationRequest, generate};
-use crate::kinematics::linear::eliminate;
-use crate::kinematics::{CompiledFunction, LoopClosure, LoopConstraints, MotionState, StateError};
+use super::{GenerateError, GenerationRequest, Options, generate};
+use crate::kinematics::linear::{DenseMatrix, eliminate};
+use crate::kinematics::{
+    CompiledFunction, LoopClosure, LoopConstraints, MotionState, Partition, StateError,
+};
 use crate::model::{Model, Nature};
 use crate::robotran::FunctionKind;
 use robovec_ir::{Format, Module};
 
 /// The roles of joints and rows.
 pub(super) struct JointRoles {
-    pub(super) independent: Vec<usize>,
-    /// Dependent joints in the order of their pivots.
+    /// Joints that neither the loops determine nor the user drives, ascending.
+    pub(super) free: Vec<usize>,
+    /// Those of them that constraints of the user determine, ascending.
+    pub(super) bound: Vec<usize>,
+    /// Joints that the loops determine, in the order of their pivots.
     pub(super) dependent: Vec<usize>,
     /// The row of each dependent joint.
     pub(super) rows: Vec<usize>,
@@ -19,25 +24,44 @@ pub(super) struct JointRoles {
 
 impl JointRoles {
     /// Decides the roles at the closed initial state.
-    pub(super) fn new(model: &Model) -> Result<JointRoles, GenerateError> {
+    pub(super) fn new(model: &Model, options: &Options) -> Result<JointRoles, GenerateError> {
+        let mut roles = JointRoles::of_loops(model)?;
+        if options.user_constraints > 0 {
+            let named = |joint: &usize| model.joints[*joint].nature == Nature::Dependent;
+            roles.bound = roles.free.iter().copied().filter(named).collect();
+            if roles.bound.len() != options.user_constraints {
+                return Err(GenerateError::UserConstraints {
+                    rows: options.user_constraints,
+                    left: roles.bound.len(),
+                    of_loops: roles.dependent.len(),
+                });
+            }
+        }
+        Ok(roles)
+    }
+
+    /// True for joints that constraints determine.
+    pub(super) fn follows(&self, joint: usize) -> bool {
+        self.dependent.contains(&joint) || self.bound.contains(&joint)
+    }
+
+    /// The roles without constraints of the user.
+    fn of_loops(model: &Model) -> Result<JointRoles, GenerateError> {
         let free = |joint: &usize| model.joints[*joint].nature != Nature::Driven;
         if model.cuts.is_empty() {
             return Ok(JointRoles {
-                independent: (0..model.joints.len()).filter(free).collect(),
+                free: (0..model.joints.len()).filter(free).collect(),
+                bound: Vec::new(),
                 dependent: Vec::new(),
                 rows: Vec::new(),
             });
         }
-        let failed = |error: StateError| GenerateError::Loops(error.to_string());
-        let constraints = &constraints(model)?;
-        let mut state = at_rest(model);
-        let loops = LoopClosure { model, constraints };
-        let roles = loops.start(&mut state).map_err(failed)?;
-        let jacobian = constraints.evaluate(&state).1;
+        let (roles, jacobian) = closed_loops(model)?;
         let square = jacobian.select(&roles.rows, &roles.dependent);
         let pivots = eliminate(square, &vec![1.0; roles.dependent.len()], 0.0);
         Ok(JointRoles {
-            independent: roles.independent,
+            free: roles.independent,
+            bound: Vec::new(),
             dependent: pivots
                 .iter()
                 .map(|pivot| roles.dependent[pivot.column])
@@ -45,6 +69,75 @@ impl JointRoles {
             rows: pivots.iter().map(|pivot| roles.rows[pivot.row]).collect(),
         })
     }
+}
+
+/// Where forces act in inverse dynamics.
+pub(super) struct ReactionRoles {
+    /// Joints with an actuator, ascending.
+    pub(super) actuated: Vec<usize>,
+    /// Of the others that are not driven, those whose forces give the
+    /// multipliers of the loops, in the order of pivots.
+    pub(super) of_loops: Vec<usize>,
+    /// The row of each of them.
+    pub(super) rows: Vec<usize>,
+    /// Those left for the multipliers of the user's constraints.
+    pub(super) of_user: Vec<usize>,
+}
+
+impl ReactionRoles {
+    /// Decides where forces act, at the closed initial state.
+    pub(super) fn new(model: &Model, roles: &JointRoles) -> Result<ReactionRoles, GenerateError> {
+        let moves = |joint: &usize| !roles.bound.contains(joint);
+        let independent: Vec<usize> = roles.free.iter().copied().filter(moves).collect();
+        let is_free = |joint: &usize| model.joints[*joint].nature != Nature::Driven;
+        let all = (0..model.joints.len()).filter(is_free);
+        let named: Vec<usize> = all
+            .clone()
+            .filter(|&joint| model.joints[joint].actuated)
+            .collect();
+        let actuated = if named.is_empty() {
+            independent.clone()
+        } else {
+            named
+        };
+        if actuated.len() != independent.len() {
+            return Err(GenerateError::Actuators {
+                free: independent.len(),
+                actuated: actuated.len(),
+            });
+        }
+        let others: Vec<usize> = all.filter(|joint| !actuated.contains(joint)).collect();
+        let (mut of_loops, mut rows) = (Vec::new(), Vec::new());
+        if !roles.rows.is_empty() {
+            let jacobian = closed_loops(model)?.1;
+            let square = jacobian.select(&roles.rows, &others);
+            for pivot in eliminate(square, &vec![1.0; others.len()], 1e-8) {
+                of_loops.push(others[pivot.column]);
+                rows.push(roles.rows[pivot.row]);
+            }
+        }
+        if rows.len() < roles.rows.len() {
+            return Err(GenerateError::Unactuated);
+        }
+        let left = |joint: &usize| !of_loops.contains(joint);
+        Ok(ReactionRoles {
+            of_user: others.iter().copied().filter(left).collect(),
+            actuated,
+            of_loops,
+            rows,
+        })
+    }
+}
+
+/// The roles of joints at the closed initial state, by the loops, and their
+/// Jacobian there.
+fn closed_loops(model: &Model) -> Result<(Partition, DenseMatrix), GenerateError> {
+    let failed = |error: StateError| GenerateError::Loops(error.to_string());
+    let constraints = &constraints(model)?;
+    let mut state = at_rest(model);
+    let loops = LoopClosure { model, constraints };
+    let roles = loops.start(&mut state).map_err(failed)?;
+    Ok((roles, constraints.evaluate(&state).1))
 }
 
 /// The initial state, in which driven joints rest.
@@ -79,8 +172,10 @@ fn constraints(model: &Model) -> Result<LoopConstraints, GenerateError> {
 /// # Errors
 ///
 /// See [`generate`].
-pub fn independent_joints(model: &Model) -> Result<Vec<usize>, GenerateError> {
-    Ok(JointRoles::new(model)?.independent)
+pub fn independent_joints(model: &Model, options: &Options) -> Result<Vec<usize>, GenerateError> {
+    let roles = JointRoles::new(model, options)?;
+    let moves = |joint: &usize| !roles.bound.contains(joint);
+    Ok(roles.free.iter().copied().filter(moves).collect())
 }
 
 /// The cut, from 0, of each row of the constraints. The equations leave out

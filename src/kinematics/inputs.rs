@@ -81,12 +81,27 @@ impl InputSources {
     ///
     /// The name of the first element that the model does not have.
     pub fn new(model: &Model, view: View<'_>) -> Result<InputSources, String> {
+        InputSources::with_numbers(model, view, |_, _| None)
+    }
+
+    /// Does as [`InputSources::new`], with numbers for elements that the model
+    /// does not have: what a user gives beside it.
+    ///
+    /// # Errors
+    ///
+    /// The name of the first element that neither has.
+    pub fn with_numbers(
+        model: &Model,
+        view: View<'_>,
+        numbers: impl Fn(&str, &[u32]) -> Option<f64>,
+    ) -> Result<InputSources, String> {
         let function = view.function;
         let mut sources = Vec::with_capacity(function.input_len());
         for index in 0..function.input_len() {
             let (array, indices, rank) = function.input_element(Input(index as u32));
             let name = view.tables.symbols.text(array.name);
-            let source = source(model, name, &indices[..rank]);
+            let given = || numbers(name, &indices[..rank]).map(InputSource::Parameter);
+            let source = source(model, name, &indices[..rank]).or_else(given);
             sources.push(source.ok_or_else(|| element_name(name, &indices[..rank]))?);
         }
         Ok(InputSources { sources })

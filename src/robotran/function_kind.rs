@@ -21,6 +21,8 @@ pub enum FunctionKind {
     Gensensor,
     /// Accelerations `qdd` for given joint forces (F10).
     Accelred,
+    /// Forces of actuators for given accelerations (F11).
+    Invdynared,
     /// One round of Newton's method for the positions of dependent joints,
     /// and the constraints `h` before it.
     LoopPositions,
@@ -30,7 +32,7 @@ pub enum FunctionKind {
 
 impl FunctionKind {
     /// All functions.
-    pub const ALL: [FunctionKind; 11] = [
+    pub const ALL: [FunctionKind; 12] = [
         FunctionKind::Dirdyna,
         FunctionKind::Invdyna,
         FunctionKind::ConsHJ,
@@ -40,6 +42,7 @@ impl FunctionKind {
         FunctionKind::Sensor,
         FunctionKind::Gensensor,
         FunctionKind::Accelred,
+        FunctionKind::Invdynared,
         FunctionKind::LoopPositions,
         FunctionKind::LoopVelocities,
     ];
@@ -56,6 +59,7 @@ impl FunctionKind {
             FunctionKind::Sensor => "sensor",
             FunctionKind::Gensensor => "gensensor",
             FunctionKind::Accelred => "accelred",
+            FunctionKind::Invdynared => "invdynared",
             FunctionKind::LoopPositions => "loop_positions",
             FunctionKind::LoopVelocities => "loop_velocities",
         }
@@ -68,7 +72,8 @@ impl FunctionKind {
             FunctionKind::Dirdyna
             | FunctionKind::Invdyna
             | FunctionKind::Link
-            | FunctionKind::Accelred => true,
+            | FunctionKind::Accelred
+            | FunctionKind::Invdynared => true,
             FunctionKind::ConsHJ
             | FunctionKind::ConsJdqd
             | FunctionKind::Extforces
@@ -84,7 +89,10 @@ impl FunctionKind {
     pub fn is_part_of_step(self) -> bool {
         matches!(
             self,
-            FunctionKind::Accelred | FunctionKind::LoopPositions | FunctionKind::LoopVelocities
+            FunctionKind::Accelred
+                | FunctionKind::Invdynared
+                | FunctionKind::LoopPositions
+                | FunctionKind::LoopVelocities
         )
     }
 
@@ -102,6 +110,7 @@ impl FunctionKind {
             FunctionKind::Accelred | FunctionKind::LoopPositions | FunctionKind::LoopVelocities => {
                 "F10"
             }
+            FunctionKind::Invdynared => "F11",
         }
     }
 

@@ -1,19 +1,20 @@
 //! The whole step of a simulation as C that takes the place of Robotran's
-//! `accelred`.
+//! `accelred`, and of inverse dynamics as `invdynared`.
 //!
 //! MBsysC calls `mbs_accelred` once for every evaluation of the derivative and
 //! asks for everything: the motion of driven joints, loops that are closed,
-//! forces, and accelerations. Without it the library does the same with dense
-//! matrices around `dirdyna` and `cons_hJ`, in which most of the time of a
-//! simulation goes. What is straight-line code comes from the generator, sparse
-//! as the model is, one C function each; here they are put together, with the
-//! calls of the user's functions between them and Newton's method around the
-//! round that closes the loops.
+//! constraints of the user, forces, and accelerations. Without it the library
+//! does the same with dense matrices around `dirdyna` and `cons_hJ`, in which
+//! most of the time of a simulation goes. What is straight-line code comes from
+//! the generator, sparse as the model is, one C function each; here they are put
+//! together, with the calls of the user's functions between them and Newton's
+//! method around the round that closes the loops.
 //!
 //! **What is asked for at run time.** Which joints depend is decided when the
 //! equations are made. The project decides it too, when it starts; should the
-//! two differ, or should the project have constraints of its own, the function
-//! says so and fails, since its result would be that of another system.
+//! two differ, the function says so and fails, since its result would be that
+//! of another system. It fails as well where numbers say that masses and
+//! constraints determine no motion.
 
 mod driver;
 
@@ -28,9 +29,37 @@ use robovec_codegen::kind::{Generation, file_stem};
 use robovec_ir::{Module, View};
 use thiserror::Error;
 
-/// The kind of the function that solves for accelerations: `accelred` is the
-/// whole.
-const SOLVED: &str = "accelerations";
+/// A function of MBsysC that does a whole step.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum StepFunction {
+    /// `accelred`: accelerations from forces.
+    Accelerations,
+    /// `invdynared`: forces of actuators from accelerations.
+    ActuatorForces,
+}
+
+impl StepFunction {
+    /// Robotran's name.
+    pub fn name(self) -> &'static str {
+        self.kind().name()
+    }
+
+    /// What the generator gives of it beside the closing of loops.
+    fn kind(self) -> FunctionKind {
+        match self {
+            StepFunction::Accelerations => FunctionKind::Accelred,
+            StepFunction::ActuatorForces => FunctionKind::Invdynared,
+        }
+    }
+
+    /// The kind of the C function that this is: Robotran's name is the whole's.
+    fn part(self) -> &'static str {
+        match self {
+            StepFunction::Accelerations => "accelerations",
+            StepFunction::ActuatorForces => "actuator_forces",
+        }
+    }
+}
 
 /// Why the files of a step cannot be made.
 #[derive(Clone, PartialEq, Eq, Error, Debug)]
@@ -43,25 +72,28 @@ pub enum WholeStepError {
     Signature(#[from] SignatureError),
 }
 
-/// The functions that a model's step consists of.
-fn parts(model: &Model) -> Vec<FunctionKind> {
+/// The functions that a model's steps consist of.
+fn parts(model: &Model, steps: &[StepFunction], options: &Options) -> Vec<FunctionKind> {
     let loops = [FunctionKind::LoopPositions, FunctionKind::LoopVelocities];
-    let loops = loops.into_iter().filter(|_| !model.cuts.is_empty());
-    loops.chain([FunctionKind::Accelred]).collect()
+    let is_bound = !model.cuts.is_empty() || options.user_constraints > 0;
+    let loops = loops.into_iter().filter(|_| is_bound);
+    let steps = steps.iter().map(|step| step.kind());
+    loops.chain(steps).collect()
 }
 
-/// Generates the functions of a step into one module.
+/// Generates the functions of some steps into one module.
 ///
 /// # Errors
 ///
 /// See [`GenerateError`].
 pub fn generate_parts(
     model: &Model,
+    steps: &[StepFunction],
     formulation: Formulation,
     options: &Options,
 ) -> Result<Module, GenerateError> {
     let mut module = Module::new();
-    for function in parts(model) {
+    for function in parts(model, steps, options) {
         let request = GenerationRequest {
             function,
             formulation,
@@ -72,7 +104,17 @@ pub fn generate_parts(
     Ok(module)
 }
 
-/// The C of a step, from its functions ([`generate_parts`], with any passes
+/// How the files of a step are written.
+pub struct StepStyle<'a> {
+    /// How equations are written as C.
+    pub c: &'a c::Options,
+    /// The generator whose names the C bears.
+    pub generation: Generation,
+    /// What the functions were generated with.
+    pub options: &'a Options,
+}
+
+/// The C of steps, from their functions ([`generate_parts`], with any passes
 /// run over them): names and texts of the files.
 ///
 /// # Errors
@@ -80,33 +122,35 @@ pub fn generate_parts(
 /// When a function has no signature of Robotran's.
 pub fn files(
     model: &Model,
+    steps: &[StepFunction],
     module: &Module,
-    options: &c::Options,
-    generation: Generation,
+    style: &StepStyle<'_>,
 ) -> Result<Vec<(String, String)>, WholeStepError> {
     let mut files = Vec::new();
     for function in &module.functions {
         let mut function = function.clone();
-        if function.name == FunctionKind::Accelred.name() {
-            SOLVED.clone_into(&mut function.name);
+        let step = steps.iter().find(|step| step.name() == function.name);
+        if let Some(step) = step {
+            step.part().clone_into(&mut function.name);
             function.metadata.retain(|(key, _)| key != "kind");
-            function
-                .metadata
-                .push(("kind".to_owned(), SOLVED.to_owned()));
+            let kind = ("kind".to_owned(), step.part().to_owned());
+            function.metadata.push(kind);
         }
-        generation.mark(&mut function);
+        style.generation.mark(&mut function);
         let view = View {
             tables: &module.tables,
             function: &function,
         };
-        files.extend(c::files(view, options)?);
+        files.extend(c::files(view, style.c)?);
     }
     let stem = file_stem(&model.name);
-    let step = StepPlan::new(model, generation)?;
-    files.push((
-        format!("mbs_accelred_{stem}.c"),
-        driver::source(&step, &stem),
-    ));
+    let plan = StepPlan::new(model, style)?;
+    for &step in steps {
+        files.push((
+            format!("mbs_{}_{stem}.c", step.name()),
+            driver::source(&plan, step, &stem),
+        ));
+    }
     Ok(files)
 }
 
@@ -116,18 +160,24 @@ struct StepPlan<'m> {
     generation: Generation,
     /// Numbers of the independent joints, from 1, ascending.
     independent: Vec<usize>,
-    /// Rows of constraints, redundant ones included.
+    /// Rows of constraints of loops, redundant ones included.
     rows: usize,
+    /// Rows of constraints of the user.
+    user_rows: usize,
+    /// The multipliers and the forces of driven joints are wanted.
+    multipliers: bool,
 }
 
 impl StepPlan<'_> {
-    fn new(model: &Model, generation: Generation) -> Result<StepPlan<'_>, GenerateError> {
-        let joints = independent_joints(model)?;
+    fn new<'m>(model: &'m Model, style: &StepStyle<'_>) -> Result<StepPlan<'m>, GenerateError> {
+        let joints = independent_joints(model, style.options)?;
         Ok(StepPlan {
             model,
-            generation,
+            generation: style.generation,
             independent: joints.into_iter().map(|joint| joint + 1).collect(),
             rows: cuts_of_rows(model)?.len(),
+            user_rows: style.options.user_constraints,
+            multipliers: style.options.multipliers,
         })
     }
 
@@ -136,7 +186,8 @@ impl StepPlan<'_> {
         joints.any(|joint| joint.nature == Nature::Driven)
     }
 
-    fn has_loops(&self) -> bool {
-        !self.model.cuts.is_empty()
+    /// True when joints follow from constraints.
+    fn is_bound(&self) -> bool {
+        self.rows + self.user_rows > 0
     }
 }

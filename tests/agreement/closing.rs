@@ -20,7 +20,7 @@ const MODELS: u64 = 200;
 
 /// A model whose cuts are closed at its initial state, with that state; `None`
 /// where the draw leaves no joint free.
-fn closed(seed: u64) -> Option<Case> {
+pub(super) fn closed(seed: u64) -> Option<Case> {
     let mut random = Random::new(seed);
     let recipe = Recipe {
         bodies: 4 + random.below(9),
@@ -133,7 +133,7 @@ fn outputs(case: &Case, kind: FunctionKind, forces: &[f64]) -> Option<Outputs> {
 }
 
 /// The rows of the reference that the equations number.
-fn rows(case: &Case, state: &State<Double>) -> Constraint<Double> {
+pub(super) fn rows(case: &Case, state: &State<Double>) -> Constraint<Double> {
     let all = constraints(&case.model, state);
     let forces = vec![0.0; case.model.joints.len()];
     let outputs = outputs(case, FunctionKind::ConsHJ, &forces).expect("every model has them");
@@ -148,7 +148,7 @@ fn rows(case: &Case, state: &State<Double>) -> Constraint<Double> {
 
 /// Solves a square system in double-double, with the largest pivot of a
 /// column.
-fn solve(mut matrix: Vec<Vec<Double>>, mut right: Vec<Double>) -> Vec<Double> {
+pub(super) fn solve(mut matrix: Vec<Vec<Double>>, mut right: Vec<Double>) -> Vec<Double> {
     let n = right.len();
     for k in 0..n {
         let pivot = (k..n)
@@ -175,14 +175,23 @@ fn solve(mut matrix: Vec<Vec<Double>>, mut right: Vec<Double>) -> Vec<Double> {
     right
 }
 
+/// The independent rows of the loops at the state of a case.
+pub(super) fn independent(case: &Case, rows: &[usize]) -> Constraint<Double> {
+    let all = self::rows(case, &case.exact().1);
+    Constraint {
+        residual: rows.iter().map(|&row| all.residual[row]).collect(),
+        jacobian: rows.iter().map(|&row| all.jacobian[row].clone()).collect(),
+        quadratic: rows.iter().map(|&row| all.quadratic[row]).collect(),
+    }
+}
+
 /// The accelerations of the full equations: `M qdd + c = Qq + J^T lambda` for
 /// free joints, `J qdd + Jdqd = 0` for independent rows.
-fn full(case: &Case, forces: &[f64], rows: &[usize]) -> Vec<Double> {
+pub(super) fn full(case: &Case, forces: &[f64], rows: &Constraint<Double>) -> Vec<Double> {
     let (tree, state) = case.exact();
-    let loops = self::rows(case, &state);
     let (mass, bias) = (mass_matrix(&tree, &state), bias(&tree, &state));
     let n = case.model.joints.len();
-    let size = n + rows.len();
+    let size = n + rows.jacobian.len();
     let mut matrix = vec![vec![Double::from(0.0); size]; size];
     let mut right = vec![Double::from(0.0); size];
     for i in 0..n {
@@ -192,14 +201,14 @@ fn full(case: &Case, forces: &[f64], rows: &[usize]) -> Vec<Double> {
             continue;
         }
         matrix[i][..n].copy_from_slice(&mass[i]);
-        for (k, &row) in rows.iter().enumerate() {
-            matrix[i][n + k] = loops.jacobian[row][i];
+        for (k, row) in rows.jacobian.iter().enumerate() {
+            matrix[i][n + k] = row[i];
         }
         right[i] = Double::from(forces[i]) - bias[i];
     }
-    for (k, &row) in rows.iter().enumerate() {
-        matrix[n + k][..n].copy_from_slice(&loops.jacobian[row]);
-        right[n + k] = -loops.quadratic[row];
+    for (k, row) in rows.jacobian.iter().enumerate() {
+        matrix[n + k][..n].copy_from_slice(row);
+        right[n + k] = -rows.quadratic[k];
     }
     let mut solution = solve(matrix, right);
     solution.truncate(n);
@@ -284,7 +293,7 @@ fn loops_close_and_accelerations_solve_the_full_equations() {
         let left = with_velocities(&mut case, &forces, &rows);
         assert!(left < 1e-11, "seed {seed}: {left:e} of J qd");
         let accelerations = found(&case, FunctionKind::Accelred);
-        let expected = full(&case, &forces, &rows);
+        let expected = full(&case, &forces, &independent(&case, &rows));
         let size = expected
             .iter()
             .fold(1.0f64, |size, x| size.max(x.high.abs()));

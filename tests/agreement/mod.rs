@@ -9,6 +9,7 @@ mod closing;
 mod devices;
 mod dynamics;
 mod loops;
+mod user_constraints;
 
 use crate::reference::random::{self, Recipe};
 use crate::reference::{State, Tree};
@@ -172,6 +173,16 @@ impl Outputs {
         name: &str,
         inputs: &kinematics::MotionState,
     ) -> Outputs {
+        Outputs::with_numbers(case, module, (name, inputs), |_, _| None)
+    }
+
+    /// Evaluates a function of a module that has inputs beside those of models.
+    pub(crate) fn with_numbers(
+        case: &Case,
+        module: &Module,
+        (name, inputs): (&str, &kinematics::MotionState),
+        numbers: impl Fn(&str, &[u32]) -> Option<f64>,
+    ) -> Outputs {
         let function = module
             .function(name)
             .unwrap_or_else(|| panic!("seed {}: no function {name}", case.seed));
@@ -179,7 +190,7 @@ impl Outputs {
             tables: &module.tables,
             function,
         };
-        let sources = kinematics::InputSources::new(&case.model, view)
+        let sources = kinematics::InputSources::with_numbers(&case.model, view, numbers)
             .unwrap_or_else(|name| panic!("seed {}: no input {name}", case.seed));
         let numbers = evaluate(function, &Binary64, &sources.gather(inputs));
         let mut flat = vec![0.0; function.output_len()];

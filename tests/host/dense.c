@@ -74,6 +74,15 @@ static void cholesky(double **M, int n, double *b)
     }
 }
 
+/* Values and Jacobian of all constraints. */
+static void constraints(MbsData *s, DenseStep *d)
+{
+    const int loops = s->Nloopc;
+    mbs_cons_hJ(d->h, d->Jac, s, s->tsim);
+    if (s->Nuserc > 0)
+        user_cons_hJ(d->h + loops, d->Jac + loops, s, s->tsim);
+}
+
 /* The entries of the Jacobian that belong to dependent joints. */
 static void dependent(const MbsData *s, DenseStep *d)
 {
@@ -88,7 +97,7 @@ static int close_loops(MbsData *s, DenseStep *d)
     const int n = s->nqv;
     for (int round = 0; round <= ROUNDS; round++) {
         double largest = 0;
-        mbs_cons_hJ(d->h, d->Jac, s, s->tsim);
+        constraints(s, d);
         for (int i = 1; i <= n; i++)
             largest = fmax(largest, fabs(d->h[s->hu[i]]));
         dependent(s, d);
@@ -154,6 +163,35 @@ static void reduce(MbsData *s, DenseStep *d)
     }
 }
 
+/* Multipliers of the constraints, from the balance of dependent joints, and
+   forces of driven joints, from theirs; 0 when there are none. */
+static int reactions(MbsData *s, DenseStep *d)
+{
+    const int n = s->nqv;
+    for (int i = 1; i <= n; i++) {
+        const double *row = d->M[s->qv[i]];
+        double sum = d->c[s->qv[i]] - s->Qq[s->qv[i]];
+        for (int j = 1; j <= s->njoint; j++)
+            sum += row[j] * s->qdd[j];
+        s->lambda[i] = sum;
+        for (int j = 1; j <= n; j++)
+            d->Jvt[j][i] = d->Jac[s->hu[i]][s->qv[j]];
+    }
+    if (!factor(d->Jvt, n, d->order))
+        return 0;
+    solve(d->Jvt, n, d->order, s->lambda);
+    for (int i = 1; i <= s->nqc; i++) {
+        const int joint = s->qc[i];
+        double sum = d->c[joint] - s->Qq[joint];
+        for (int j = 1; j <= s->njoint; j++)
+            sum += d->M[joint][j] * s->qdd[j];
+        for (int k = 1; k <= n; k++)
+            sum -= d->Jac[s->hu[k]][joint] * s->lambda[k];
+        s->Qc[joint] = sum;
+    }
+    return 1;
+}
+
 int dense_step(MbsData *s, DenseStep *d)
 {
     const int n = s->nqv;
@@ -166,6 +204,8 @@ int dense_step(MbsData *s, DenseStep *d)
             return -1;
         velocities(s, d);
         mbs_cons_jdqd(d->Jdqd, s, s->tsim);
+        if (s->Nuserc > 0)
+            user_cons_jdqd(d->Jdqd + s->Nloopc, s, s->tsim);
         for (int i = 1; i <= n; i++)
             d->bp[i] = -d->Jdqd[s->hu[i]];
         solve(d->Jv, n, d->order, d->bp);
@@ -194,6 +234,8 @@ int dense_step(MbsData *s, DenseStep *d)
             sum += d->B[i][j] * s->qdd[d->uc[j]];
         s->qdd[s->qv[i]] = sum;
     }
+    if (!reactions(s, d))
+        return -1;
     return rounds;
 }
 
@@ -201,10 +243,10 @@ int dense_step(MbsData *s, DenseStep *d)
    pivots are the largest. */
 int dense_rows(MbsData *s, DenseStep *d)
 {
-    const int n = s->nqv, all = s->Nloopc;
+    const int n = s->nqv, all = s->Nloopc + s->Nuserc;
     double **a = matrix(all, n);
     int *taken = integers(all);
-    mbs_cons_hJ(d->h, d->Jac, s, s->tsim);
+    constraints(s, d);
     for (int i = 1; i <= all; i++)
         for (int j = 1; j <= n; j++)
             a[i][j] = d->Jac[i][s->qv[j]];

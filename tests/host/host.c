@@ -7,7 +7,9 @@
    DATA holds numbers in the order in which they are read here. Fourth order
    Runge-Kutta with a fixed step. Prints: the largest difference of a position,
    in parts of the largest position; the largest position; seconds per step of
-   the dense way; of the other; the most rounds that closing took in each. */
+   the dense way; of the other; the most rounds that closing took in each; the
+   difference of multipliers and forces of driven joints in the first step; how
+   well forces of actuators do what they are for, where ACTUATORS is defined. */
 #define _POSIX_C_SOURCE 199309L
 #include "host.h"
 #include <math.h>
@@ -95,6 +97,7 @@ static MbsData *load(const char *path)
     s->qu = wholes(file, &s->nqu);
     s->qc = wholes(file, &s->nqc);
     s->qv = wholes(file, &s->nqv);
+    s->bound = wholes(file, &s->Nuserc);
     s->Nloopc = whole(file);
     s->nhu = s->nqv;
     s->hu = integers(s->nhu);
@@ -120,6 +123,11 @@ static MbsData *load(const char *path)
         s->trq[axis] = vector(s->njoint);
     }
     s->Qq = vector(s->njoint);
+    s->Qx = vector(s->njoint);
+    s->Qc = vector(s->njoint);
+    s->Qa = vector(s->njoint);
+    s->lambda = vector(s->nhu);
+    s->h0 = vector(s->Nuserc);
     s->Fl = vector(s->Nlink);
     s->Z = vector(s->Nlink);
     s->Zd = vector(s->Nlink);
@@ -132,7 +140,7 @@ static MbsData *load(const char *path)
 
 static DenseStep *dense(const MbsData *s)
 {
-    const int n = s->njoint, rows = s->Nloopc, most = n > rows ? n : rows;
+    const int n = s->njoint, rows = s->Nloopc + s->Nuserc, most = n > rows ? n : rows;
     DenseStep *d = cleared(1, sizeof(DenseStep));
     d->M = matrix(n, n);
     d->c = vector(n);
@@ -140,6 +148,7 @@ static DenseStep *dense(const MbsData *s)
     d->Jac = matrix(rows, n);
     d->Jdqd = vector(rows);
     d->Jv = matrix(s->nqv, s->nqv);
+    d->Jvt = matrix(s->nqv, s->nqv);
     d->order = integers(s->nqv);
     d->B = matrix(s->nqv, n);
     d->bp = vector(s->nqv);
@@ -211,6 +220,45 @@ static void advance(Simulation *simulation, double t, double step, double *y, do
     simulation->seconds += 1e-9 * (double)(after.tv_nsec - before.tv_nsec);
 }
 
+/* The largest difference of multipliers and forces of driven joints, in parts
+   of the largest. */
+static double forces_apart(const MbsData *one, const MbsData *other)
+{
+    double largest = 0, apart = 0;
+    for (int i = 1; i <= one->nhu; i++) {
+        largest = fmax(largest, fabs(one->lambda[i]));
+        apart = fmax(apart, fabs(one->lambda[i] - other->lambda[i]));
+    }
+    for (int i = 1; i <= one->njoint; i++) {
+        largest = fmax(largest, fabs(one->Qc[i]));
+        apart = fmax(apart, fabs(one->Qc[i] - other->Qc[i]));
+    }
+    return largest > 0 ? apart / largest : 0;
+}
+
+#ifdef ACTUATORS
+/* Asks for forces of actuators that accelerate independent joints in a certain
+   way, lets them act, and gives the largest difference in parts of the largest
+   acceleration; infinite when something fails. */
+static double actuators_apart(MbsData *s)
+{
+    double *wanted = vector(s->nqu), largest = 1, apart = 0;
+    for (int i = 1; i <= s->nqu; i++)
+        s->qdd[s->qu[i]] = wanted[i] = cos(i);
+    if (mbs_invdynared(s, s->tsim) < 0)
+        return INFINITY;
+    for (int i = 1; i <= s->nqu; i++)
+        s->Qx[s->qu[i]] = s->Qa[s->qu[i]];
+    if (mbs_accelred(s, s->tsim) < 0)
+        return INFINITY;
+    for (int i = 1; i <= s->njoint; i++)
+        largest = fmax(largest, fabs(s->qdd[i]));
+    for (int i = 1; i <= s->nqu; i++)
+        apart = fmax(apart, fabs(s->qdd[s->qu[i]] - wanted[i]));
+    return apart / largest;
+}
+#endif
+
 int main(int count, char **words)
 {
     if (count != 4) {
@@ -226,7 +274,8 @@ int main(int count, char **words)
         fprintf(stderr, "no rows determine the dependent joints\n");
         return 3;
     }
-    double largest = 0, apart = 0;
+    memcpy(both[1].s->hu, both[0].s->hu, ((size_t)both[0].s->nhu + 1) * sizeof(int));
+    double largest = 0, apart = 0, forces = 0, actuators = 0;
     double *y[2], **work = matrix(3, 2 * nqu);
     for (int way = 0; way < 2; way++) {
         y[way] = vector(2 * nqu);
@@ -238,6 +287,8 @@ int main(int count, char **words)
     for (int k = 0; k < steps; k++) {
         for (int way = 0; way < 2; way++)
             advance(&both[way], k * seconds / steps, seconds / steps, y[way], work);
+        if (k == 0)
+            forces = forces_apart(both[0].s, both[1].s);
         for (int joint = 1; joint <= joints; joint++) {
             const double one = both[0].s->q[joint], other = both[1].s->q[joint];
             largest = fmax(largest, fabs(one));
@@ -246,8 +297,11 @@ int main(int count, char **words)
                 apart = fabs(one - other);
         }
     }
-    printf("%.3e %.6g %.3e %.3e %d %d\n", apart / largest, largest,
+#ifdef ACTUATORS
+    actuators = actuators_apart(both[1].s);
+#endif
+    printf("%.3e %.6g %.3e %.3e %d %d %.3e %.3e\n", apart / largest, largest,
            both[0].seconds / (4.0 * steps), both[1].seconds / (4.0 * steps), both[0].rounds,
-           both[1].rounds);
+           both[1].rounds, forces, actuators);
     return 0;
 }

@@ -11,7 +11,7 @@ typedef struct DenseStep
     double **M, *c;
     double *h, **Jac, *Jdqd;
     /* The Jacobian of dependent joints and its factors. */
-    double **Jv;
+    double **Jv, **Jvt;
     int *order;
     /* Velocities and accelerations of dependent joints: qd_v = B qd_uc,
        qdd_v = B qdd_uc + bp. */

@@ -18,12 +18,17 @@ typedef struct MbsData
     double *frc[4], *trq[4], *Qq;
     /* Rows of constraints of loops, and of the user. */
     int Nloopc, Nuserc;
+    /* Multipliers of the independent rows, and forces of driven joints and of
+       actuators. */
+    double *lambda, *Qc, *Qa;
     double NRerr;
     int Nlink, Nlink3D, Nxfrc;
     double *Fl, *Z, *Zd;
-    /* Of the user's laws: lengths that links began with, and the places of
+    /* Of the user's laws: joints that constraints determine, values that these
+       began with, forces beside the laws, lengths that links began with, and the places of
        external forces, whose element 0 tells that they are known. */
-    double *Z0, **P0;
+    int *bound, is_bound;
+    double *h0, *Qx, *Z0, **P0;
     /* The point of each external force, and what its law returns. */
     int *xfidpt;
     double **SWr;

@@ -10,8 +10,11 @@ void mbs_cons_jdqd(double *Jdqd, MbsData *s, double tsim);
 void mbs_link(double **frc, double **trq, double *Flink, double *Z, double *Zd, MbsData *s, double tsim);
 void mbs_extforces(double **frc, double **trq, MbsData *s, double tsim);
 int mbs_accelred(MbsData *s, double tsim);
+int mbs_invdynared(MbsData *s, double tsim);
 
 void user_DrivenJoints(MbsData *s, double tsim);
+void user_cons_hJ(double *h, double **Jac, MbsData *s, double tsim);
+void user_cons_jdqd(double *jdqd, MbsData *s, double tsim);
 double *user_JointForces(MbsData *s, double tsim);
 double user_LinkForces(double Z, double Zd, MbsData *s, double tsim, int ilnk);
 double *user_ExtForces(double PxF[4], double RxF[4][4], double VxF[4], double OMxF[4],

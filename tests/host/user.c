@@ -1,6 +1,7 @@
 /* Laws that suit any model: every joint has a spring and a damper, links too,
    which have no force at the length they begin with, external forces hold
-   their points where they began, and driven joints swing. */
+   their points where they began, driven joints swing, and a constraint of the
+   user makes a joint follow the sine of an independent one. */
 #include "mbs_project_interface.h"
 #include <math.h>
 
@@ -15,11 +16,41 @@ void user_DrivenJoints(MbsData *s, double tsim)
     }
 }
 
+/* The independent joint of a row. */
+static int leader(const MbsData *s, int row)
+{
+    return s->qu[1 + (row - 1) % s->nqu];
+}
+
+void user_cons_hJ(double *h, double **Jac, MbsData *s, double tsim)
+{
+    (void)tsim;
+    for (int row = 1; row <= s->Nuserc; row++) {
+        const int joint = leader(s, row);
+        const double value = s->q[s->bound[row]] - 0.3 * sin(s->q[joint]);
+        if (!s->is_bound)
+            s->h0[row] = value;
+        h[row] = value - s->h0[row];
+        Jac[row][s->bound[row]] = 1;
+        Jac[row][joint] = -0.3 * cos(s->q[joint]);
+    }
+    s->is_bound = 1;
+}
+
+void user_cons_jdqd(double *jdqd, MbsData *s, double tsim)
+{
+    (void)tsim;
+    for (int row = 1; row <= s->Nuserc; row++) {
+        const int joint = leader(s, row);
+        jdqd[row] = 0.3 * sin(s->q[joint]) * s->qd[joint] * s->qd[joint];
+    }
+}
+
 double *user_JointForces(MbsData *s, double tsim)
 {
     (void)tsim;
     for (int joint = 1; joint <= s->njoint; joint++)
-        s->Qq[joint] = -4.0 * s->q[joint] - 0.2 * s->qd[joint];
+        s->Qq[joint] = -4.0 * s->q[joint] - 0.2 * s->qd[joint] + s->Qx[joint];
     return s->Qq;
 }
 

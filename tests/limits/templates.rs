@@ -127,6 +127,7 @@ fn flag(row: &LimitRow, value: &str) -> Option<Invocation> {
         ("robovec errors", _) => "f.rvir",
         ("robovec eval", _) => "f.rvir --random=1",
         ("robovec fit", _) => "s.scene.toml --states=8 --formulation=recursive",
+        ("robovec gen", _) => "p.mbs --function accelred -o out.rvir",
         ("robovec front", _) => "f.rvir --elements=1 --states=8",
         ("robovec model", _) => "serial -o out.mbs",
         ("robovec optimise", _) => "f.rvir --effort=1 --states=8 --elements=1",

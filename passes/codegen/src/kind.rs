@@ -15,13 +15,14 @@ pub struct EquationKind {
     pub number: u32,
     /// Its title: the name in Robotran's header, in our words.
     pub title: &'static str,
-    /// The arrays it fills, in the order of the signature, with the number of
-    /// indices of each.
+    /// The arrays that it is called with, in the order of the signature, with the
+    /// number of indices of each: those it fills, and of the parts of a whole
+    /// step also what the user's constraints give it.
     pub outputs: &'static [(&'static str, usize)],
 }
 
 /// All kinds.
-pub const KINDS: [EquationKind; 15] = [
+pub const KINDS: [EquationKind; 16] = [
     kind(
         "dirdyna",
         1,
@@ -63,14 +64,25 @@ pub const KINDS: [EquationKind; 15] = [
         "loop_positions",
         0,
         "Positions of Dependent Joints (one round of Newton's method)",
-        &[("h", 1)],
+        &[("h", 1), ("huserc", 1), ("Juserc", 2)],
     ),
-    kind("loop_velocities", 0, "Velocities of Dependent Joints", &[]),
+    kind(
+        "loop_velocities",
+        0,
+        "Velocities of Dependent Joints",
+        &[("Juserc", 2)],
+    ),
     kind(
         "accelerations",
         0,
         "Accelerations of Closed Loops under Given Forces",
-        &[],
+        &[("Lambda", 1), ("Juserc", 2), ("jdqduserc", 1)],
+    ),
+    kind(
+        "actuator_forces",
+        0,
+        "Forces of Actuators for Given Accelerations",
+        &[("Juserc", 2), ("jdqduserc", 1)],
     ),
 ];
 

@@ -182,6 +182,7 @@ impl<'a> Interface<'a> {
             let given = function
                 .outputs()
                 .iter()
+                .chain(function.inputs())
                 .any(|array| robotran_name(view.tables.symbols.text(array.name)) == name);
             let declaration = format!("double {}{name}", "*".repeat(rank));
             if given {
