@@ -47,7 +47,8 @@ fn input(bytes: &mut Unstructured<'_>) -> Result<(Model, GenerationRequest, Lang
             expanded: bytes.arbitrary()?,
             true_angles: bytes.arbitrary()?,
             small_angles: Vec::new(),
-            multipliers: false,
+            multipliers: bytes.arbitrary()?,
+            user_constraints: bytes.int_in_range(0..=2)?,
         },
     };
     Ok((model, request, *bytes.choose(&Language::ALL)?))

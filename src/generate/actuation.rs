@@ -15,10 +15,11 @@
 //! them; a model that names none has them at its independent joints.
 
 use super::algebra::{Scalar, Sum};
+use super::blocks::solve_blocks;
 use super::closing::{Closing, dependent_entries};
 use super::constraints::{ConstraintPart, ConstraintRow};
 use super::equations::{Equations, QuantityLabel};
-use super::factor::{SparseRow, entry, solve_square};
+use super::factor::{SparseRow, entry};
 use super::parameters::ModelParameters;
 use super::reduced::singular;
 use super::roles::ReactionRoles;
@@ -113,7 +114,7 @@ fn multipliers<'c>(
         row.retain(|(_, value)| !value.is_zero());
     }
     let names = ["Jwlu", "Jwl", "Jwi", "Jwx", "lamw"];
-    let solution = solve_square(equations, names, &rows, 1 + user.len())
+    let solution = solve_blocks(equations, names, &rows, 1 + user.len())
         .map_err(|place| singular(closing.parameters.model, roles.of_loops[place]))?;
     // At the joints left: (U^T - J^T L) mu = phi - J^T lambda_0.
     let mut left = ReducedRows {

@@ -18,9 +18,10 @@
 //! that the functions fit together.
 
 use super::algebra::{Scalar, Sum};
+use super::blocks::solve_blocks;
 use super::constraints::{self, ConstraintPart, ConstraintRow};
 use super::equations::{Equations, QuantityLabel};
-use super::factor::{SparseRow, entry, solve_square};
+use super::factor::{SparseRow, entry};
 use super::parameters::ModelParameters;
 use super::reduced::singular;
 use super::roles::JointRoles;
@@ -122,7 +123,7 @@ impl<'p, 'm> Closing<'p, 'm> {
             row.retain(|(_, value)| !value.is_zero());
             rows.push(row);
         }
-        let solution = solve_square(equations, names, &rows, 1 + bound.len())
+        let solution = solve_blocks(equations, names, &rows, 1 + bound.len())
             .map_err(|place| singular(self.parameters.model, dependent[place]))?;
         // x_v = rest + B x_w, with w for the joints that the user's rows bind.
         let rest: Vec<Scalar> = solution.iter().map(|row| -entry(row, 0)).collect();

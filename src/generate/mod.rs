@@ -14,6 +14,7 @@ mod actuation;
 mod algebra;
 mod articulated;
 mod bias;
+mod blocks;
 mod chain;
 mod closing;
 mod columns;

@@ -8,10 +8,11 @@
 
 use super::GenerateError;
 use super::algebra::{Scalar, Sum};
+use super::blocks::solve_blocks;
 use super::closing::dependent_entries;
 use super::constraints::ConstraintRow;
 use super::equations::QuantityLabel;
-use super::factor::{SparseRow, entry, solve_square};
+use super::factor::{SparseRow, entry};
 use super::reduced::{CoordinateReduction, DependentAccelerations, singular};
 use super::roles::JointRoles;
 use crate::model::Nature;
@@ -105,7 +106,7 @@ fn of_loops(
         }
     }
     let names = ["Jtlu", "Jtl", "Jti", "Jtx", "lam"];
-    let solution = solve_square(reduction.equations, names, &rows, 1)
+    let solution = solve_blocks(reduction.equations, names, &rows, 1)
         .map_err(|place| singular(reduction.parameters.model, v[place]))?;
     Ok(solution.iter().map(|row| entry(row, 0)).collect())
 }

@@ -15,17 +15,18 @@
 //! known before, and this matrix is positive definite whatever it is.
 //!
 //! The accelerations of driven joints c are inputs. Positions and velocities
-//! must satisfy the loops. Which joints depend, which rows are redundant, and
-//! the order of pivots are decided when the equations are made, at the closed
-//! initial state of the model: like Robotran's, the equations lose accuracy
-//! near states where these pivots vanish.
+//! must satisfy the loops. Which joints depend and which rows are redundant are
+//! decided when the equations are made, at the closed initial state of the model;
+//! where the joints chosen do not determine the others, the equations fail. How
+//! loops are solved, and where that needs pivots: [`super::blocks`].
 
 use super::algebra::{Scalar, Sum};
+use super::blocks::solve_blocks;
 use super::closing::dependent_entries;
 use super::composite::MassAndBias;
 use super::constraints::{self, ConstraintPart, ConstraintRow};
 use super::equations::{Equations, QuantityLabel};
-use super::factor::{LIMIT, SparseRow, Stop, entry, solve_square, solve_symmetric};
+use super::factor::{LIMIT, SparseRow, Stop, entry, solve_symmetric};
 use super::parameters::ModelParameters;
 use super::reactions::{self, ForceBalance};
 use super::roles::JointRoles;
@@ -196,7 +197,7 @@ impl CoordinateReduction<'_, '_, '_> {
             rows.push(row);
         }
         let names = ["Jvlu", "Jvl", "Jvi", "Jvx", "Bvx"];
-        let solution = solve_square(self.equations, names, &rows, u.len() + 1)
+        let solution = solve_blocks(self.equations, names, &rows, u.len() + 1)
             .map_err(|place| singular(self.parameters.model, v[place]))?;
         let rest = solution.iter().map(|row| -entry(row, u.len())).collect();
         let column =

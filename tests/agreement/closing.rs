@@ -121,7 +121,7 @@ fn add_cut(random: &mut Random, model: &mut Model, state: &State<f64>) {
 }
 
 /// A function of a case at its state.
-fn outputs(case: &Case, kind: FunctionKind, forces: &[f64]) -> Option<Outputs> {
+pub(super) fn outputs(case: &Case, kind: FunctionKind, forces: &[f64]) -> Option<Outputs> {
     let request = GenerationRequest {
         formulation: Formulation::Composite,
         ..GenerationRequest::new(kind)

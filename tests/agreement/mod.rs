@@ -9,6 +9,7 @@ mod closing;
 mod devices;
 mod dynamics;
 mod loops;
+mod turn;
 mod user_constraints;
 
 use crate::reference::random::{self, Recipe};
