@@ -7,10 +7,19 @@
 //! **Pivots.** Equations are written once, and a pivot that is good at one
 //! position vanishes at another through which the mechanism passes: the four-bar
 //! does so twice a turn. Blocks of up to three rows, those of a planar loop and
-//! of a ball, are therefore solved by cofactors, `x = adj(A) b / det(A)`, which
-//! need no pivot and one division; only where the block itself is singular do
-//! they fail, and there the joints are no choice of dependent ones. Larger blocks
-//! keep the order of pivots of the initial state.
+//! of a ball, therefore have none: the last unknown follows from the direction at
+//! right angles to all other columns, and each before it from what that leaves,
+//!
+//! ```text
+//! x_3 = d_3.b / d_3.a_3,    d_3 = a_1 x a_2
+//! x_2 = d_2.b' / d_2.a_2,   d_2 = d_3 x a_1,    b' = b - a_3 x_3
+//! x_1 = a_1.b" / a_1.a_1,                       b" = b' - a_2 x_2
+//! ```
+//!
+//! This is a factorisation `QR` without roots. It fails only where the block
+//! itself is singular, and there the joints are no choice of dependent ones; near
+//! it, unlike with cofactors, each unknown makes up for the errors of those before
+//! it. Larger blocks keep the order of pivots of the initial state.
 
 use super::algebra::{Scalar, Sum};
 use super::equations::{Equations, QuantityLabel};
@@ -18,8 +27,8 @@ use super::factor::{SparseRow, entry, product, solve_square};
 use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
 
-/// The most rows of a block that cofactors are written for.
-const COFACTORS: usize = 3;
+/// The most rows of a block that directions are written for.
+const DIRECTIONS: usize = 3;
 
 /// Solves `A X = B` for a square matrix whose rows and columns stand in an order
 /// of pivots. A row holds its columns, then those of the right sides. The names
@@ -36,7 +45,7 @@ pub(super) fn solve_blocks(
     for block in blocks(rows) {
         let system = Block::new(equations, names[0], rows, (&block, sides), &solution);
         let found = match block.len() {
-            1..=COFACTORS => system.by_cofactors(equations, names),
+            1..=DIRECTIONS => system.by_directions(equations, names),
             _ => system.by_pivots(equations, names),
         };
         let found = found.map_err(|place| block[place])?;
@@ -141,72 +150,86 @@ impl<'r> Block<'r> {
         last.map(|(side, _)| side + 1).max().unwrap_or(0)
     }
 
-    /// The solution by cofactors.
-    fn by_cofactors(
+    /// The solution by directions: the last unknown from the one at right angles
+    /// to all other columns, then the one before it from what that leaves.
+    fn by_directions(
         &self,
         equations: &mut Equations,
-        [_, factor, inverse, half, name]: [&'static str; 5],
+        names: [&'static str; 5],
     ) -> Result<Vec<SparseRow>, usize> {
+        let [rest_name, factor, inverse, half, name] = names;
         let count = self.places.len();
-        let label = |name, row: usize, column: usize| {
-            QuantityLabel::new(name, 0, self.places[row] + 1).column(self.places[column] + 1)
+        let label = |name, place: usize, column: usize| {
+            QuantityLabel::new(name, 0, self.places[place] + 1).column(column + 1)
         };
-        // The cofactor of an entry stands at the entry's place.
-        let mut cofactors = vec![vec![Scalar::ONE; count]; count];
-        for row in 0..count {
-            for column in 0..count {
-                let sum = self.cofactor(row, column);
-                cofactors[row][column] = equations.define(label(factor, row, column), sum);
+        let directions = self.directions(equations, factor);
+        let mut inverses = Vec::with_capacity(count);
+        for (place, direction) in directions.iter().enumerate() {
+            let length = dot(direction, &self.column(place));
+            let length = equations.define(label(half, place, place), length);
+            if length.is_zero() {
+                return Err(place);
             }
+            let own = QuantityLabel::new(inverse, 0, self.places[place] + 1);
+            inverses.push(equations.quotient(own, Scalar::ONE, length));
         }
-        let mut determinant = Sum::new();
-        for column in 0..count {
-            determinant.add(&[self.matrix[0][column], cofactors[0][column]]);
-        }
-        let own = |name| QuantityLabel::new(name, 0, self.places[0] + 1);
-        let determinant = equations.define(own(half), determinant);
-        if determinant.is_zero() {
-            return Err(0);
-        }
-        let inverse = equations.quotient(own(inverse), Scalar::ONE, determinant);
         let mut solution = vec![SparseRow::new(); count];
         for side in 0..self.sides() {
-            for (unknown, values) in solution.iter_mut().enumerate() {
-                let mut sum = Sum::new();
-                for (row, right) in self.right.iter().enumerate() {
-                    sum.add(&[cofactors[row][unknown], entry(right, side)]);
+            let mut rest: Vec<Scalar> = self.right.iter().map(|row| entry(row, side)).collect();
+            for place in (0..count).rev() {
+                let value = dot(&directions[place], &rest);
+                let value = equations.define(label(half, place, side), value);
+                let value = product(equations, label(name, place, side), value, inverses[place]);
+                if value.is_zero() {
+                    continue;
                 }
-                let label =
-                    |name| QuantityLabel::new(name, 0, self.places[unknown] + 1).column(side + 1);
-                let value = equations.define(label(half), sum);
-                let value = product(equations, label(name), value, inverse);
-                if !value.is_zero() {
-                    values.push((side, value));
+                solution[place].push((side, value));
+                for (row, rest) in rest.iter_mut().enumerate().filter(|_| place > 0) {
+                    let mut sum = Sum::of(*rest);
+                    sum.subtract(&[self.matrix[row][place], value]);
+                    *rest = equations.define(label(rest_name, row, side), sum);
                 }
             }
         }
         Ok(solution)
     }
 
-    /// The determinant of what is left without a row and a column, with its
-    /// sign; one for a block of one row.
-    fn cofactor(&self, row: usize, column: usize) -> Sum {
-        // In cyclic order the signs are those of the products.
-        let count = self.places.len();
-        let at = |i: usize, j: usize| self.matrix[(row + i) % count][(column + j) % count];
-        match count {
-            1 => Sum::of(Scalar::ONE),
-            2 => Sum::of(match (row + column).is_multiple_of(2) {
-                true => at(1, 1),
-                false => -at(1, 1),
-            }),
-            3 => {
+    fn column(&self, column: usize) -> Vec<Scalar> {
+        self.matrix.iter().map(|row| row[column]).collect()
+    }
+
+    /// For every column a direction at right angles to those before it; in the
+    /// plane of the first two columns for the second.
+    fn directions(&self, equations: &mut Equations, name: &'static str) -> Vec<Vec<Scalar>> {
+        let first = self.column(0);
+        let mut cross = |number: usize, a: &[Scalar], b: &[Scalar]| {
+            let components = (0..3).map(|axis| {
+                let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
                 let mut sum = Sum::new();
-                sum.add(&[at(1, 1), at(2, 2)]);
-                sum.subtract(&[at(1, 2), at(2, 1)]);
-                sum
+                sum.add(&[a[next], b[last]]).subtract(&[a[last], b[next]]);
+                let label = QuantityLabel::new(name, axis + 1, self.places[number] + 1);
+                equations.define(label, sum)
+            });
+            components.collect::<Vec<_>>()
+        };
+        match self.places.len() {
+            1 => vec![vec![Scalar::ONE]],
+            2 => vec![first.clone(), vec![-first[1], first[0]]],
+            3 => {
+                let last = cross(2, &first, &self.column(1));
+                let middle = cross(1, &last, &first);
+                vec![first, middle, last]
             }
             _ => unreachable!("larger blocks are solved by pivots"),
         }
     }
+}
+
+/// The product of two vectors.
+fn dot(one: &[Scalar], other: &[Scalar]) -> Sum {
+    let mut sum = Sum::new();
+    for (&a, &b) in one.iter().zip(other) {
+        sum.add(&[a, b]);
+    }
+    sum
 }

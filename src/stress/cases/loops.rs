@@ -14,7 +14,7 @@ pub(super) fn cases() -> Vec<StressCase> {
         (1, StressVerdict::Fine),
         (2, StressVerdict::Fine),
         (3, StressVerdict::Fine),
-        (4, StressVerdict::HardProblem),
+        (4, StressVerdict::BadCode),
     ] {
         cases.push(CaseClass::Loop.case(
             format!("parallelogram-1e-{power}"),
