@@ -83,6 +83,41 @@ fn a_small_plan_gives_these_numbers() {
     compare_with_record(&recorded, "results", &text);
 }
 
+/// The table of the whole step, and sums of its calls computed anew from the
+/// table of all placements.
+#[test]
+fn a_whole_step_is_put_together_from_its_functions() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let recorded = tree("tests/study/plans");
+    let output = study(&recorded.join("step.toml"), folder, &[]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{message}");
+    let table = read(&folder.join("tables/whole-step.csv"));
+    compare_with_record(&recorded, "whole-step", &table);
+    let results = read(&folder.join("results.json"));
+    let results: serde_json::Value = serde_json::from_str(&results).expect("JSON");
+    let points = results["points"].as_array().expect("a list of points");
+    let cycles = |model: &str| {
+        let is_it = |point: &&serde_json::Value| {
+            point["model"] == model && point["n_add"] == 1 && point["n_multi"] == 2
+        };
+        let point = points.iter().find(is_it).expect("it was placed");
+        point["cycles"].as_u64().expect("a number")
+    };
+    let step = 3 * cycles("positions") + cycles("velocities") + cycles("accelerations");
+    let row = table
+        .lines()
+        .find(|line| line.starts_with("slider-crank,") && line.contains(",1+2,"));
+    let row = row.expect("a row of the mechanism");
+    assert!(row.contains(&format!(",{step},")), "{step}: {row}");
+    // Functions that only a sweep by name has are on no other machine.
+    let is_elsewhere =
+        |point: &&serde_json::Value| point["machine"] == "thesis" && point["model"] != "pendulum";
+    assert_eq!(points.iter().filter(is_elsewhere).count(), 0);
+    assert!(read(&folder.join("report.html")).contains("The whole step"));
+}
+
 #[test]
 fn drawings_are_well_formed_and_the_page_needs_nothing_else() {
     let folder = tempfile::tempdir().expect("a temporary folder");

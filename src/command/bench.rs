@@ -6,13 +6,13 @@ use crate::bench::contestant::{Contestant, ContestantFamily};
 use crate::bench::task::BenchTask;
 use crate::bench::{self, BenchOutcome, BenchQuestion, Compiler, own, peers, robotran, text};
 use crate::files::TemporaryFolder;
-use crate::generate::{Formulation, GenerationRequest, Options, generate};
+use crate::generate::{Formulation, Options, contenders};
 use crate::model::Model;
 use crate::yardstick::account::random_states;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use robovec_ir::states::States;
-use robovec_ir::{Module, View, print};
+use robovec_ir::{Module, View};
 use std::path::{Path, PathBuf};
 
 /// Times Robotran's file, robovec's C and other libraries on this computer, results compared first
@@ -38,7 +38,8 @@ pub(super) struct BenchArguments {
     #[arg(long, value_delimiter = ',', default_values = peers::NAMES,
           value_parser = PossibleValuesParser::new(["none"].into_iter().chain(peers::NAMES)))]
     peers: Vec<String>,
-    /// Operations up to which a function is compiled in one piece, as Robotran's is
+    /// Operations up to which a function is compiled in one piece, as Robotran's is; ten times as
+    /// many in pieces
     #[arg(long, default_value_t = 60_000, value_name = "OPERATIONS",
           add = whole(0, 100_000_000, "no function has more operations"))]
     largest: usize,
@@ -139,6 +140,8 @@ struct LoadedSubject {
     model: Option<Model>,
     /// What the function is, if a model gives it and peers know it.
     task: Option<BenchTask>,
+    /// Why the equations are not those that Robotran prints, if they are not.
+    replaced: Option<String>,
 }
 
 fn load(subject: &str, arguments: &BenchArguments) -> Result<LoadedSubject, CommandFailure> {
@@ -146,18 +149,17 @@ fn load(subject: &str, arguments: &BenchArguments) -> Result<LoadedSubject, Comm
     let path = Path::new(subject);
     let wanted = arguments.function.as_deref();
     if let Some(model) = model {
-        let options = Options::default();
         let task = wanted.map_or_else(BenchTask::default, |name| {
             BenchTask::with_name(name).expect("the command line has checked the function")
         });
-        let formulation = Formulation::default();
-        let module = generation::functions(&model, &[task.kind()], formulation, &options)?;
+        let (module, replaced) = usual_equations(&model, task, arguments.largest)?;
         return Ok(LoadedSubject {
             name,
             file: None,
             module,
             model: Some(model),
             task: Some(task),
+            replaced,
         });
     }
     let mut module = input::equations(path, None)?.module;
@@ -174,7 +176,33 @@ fn load(subject: &str, arguments: &BenchArguments) -> Result<LoadedSubject, Comm
         task: BenchTask::with_name(&module.functions[0].name),
         module,
         model,
+        replaced: None,
     })
+}
+
+/// The equations of a model as Robotran prints them; where these are too long
+/// for any compiler, those of the shortest formulation and why.
+fn usual_equations(
+    model: &Model,
+    task: BenchTask,
+    largest: usize,
+) -> Result<(Module, Option<String>), CommandFailure> {
+    let options = Options::default();
+    let formulation = Formulation::default();
+    let usual = generation::functions(model, &[task.kind()], formulation, &options);
+    let why = match &usual {
+        Ok(module) if length(module) <= largest.saturating_mul(PIECES) => {
+            return usual.map(|module| (module, None));
+        }
+        Ok(module) => too_long(length(module)),
+        Err(_) => "the generator does not write them (robovec gen tells why)".to_owned(),
+    };
+    let found = contenders(model, task.kind(), task.formulations(), &options);
+    let shortest = found.possible.into_iter().min_by_key(|one| one.operations);
+    match shortest {
+        Some(shortest) => Ok((shortest.module, Some(why))),
+        None => usual.map(|module| (module, None)),
+    }
 }
 
 /// Everybody who takes part.
@@ -185,24 +213,13 @@ fn contestants(
 ) -> Result<Vec<Contestant>, CommandFailure> {
     let found = compilers(arguments)?;
     let mut list = Vec::new();
-    for compiler in &found {
-        let c_file = loaded.file.as_ref();
-        let c_file = c_file.filter(|path| path.extension().is_some_and(|name| name == "c"));
-        let operations = own::operations(question.view);
-        list.push(match c_file {
-            _ if operations > arguments.largest => {
-                robotran::missing(question, in_one_piece(operations))
-            }
-            Some(path) => robotran::file(question, compiler, path),
-            None => robotran::printed(question, compiler, &loaded.module),
-        });
+    match &loaded.replaced {
+        None => from_equations(question, loaded, arguments.largest, &found, &mut list)?,
+        Some(why) => {
+            list.push(robotran::missing(question, why.clone()));
+            list.push(not_compiled(question, why.clone()));
+        }
     }
-    let equations = BenchProgram::new(
-        ContestantFamily::Equations,
-        String::new(),
-        loaded.module.clone(),
-    )?;
-    equations.enter(question, &found, &mut list);
     if let (Some(model), Some(task)) = (&loaded.model, loaded.task) {
         from_model(question, model, task, &found, &mut list)?;
         // What CasADi prints is about as long as the shortest of ours.
@@ -220,6 +237,38 @@ fn contestants(
         }
     }
     Ok(list)
+}
+
+/// Enters Robotran's file and the C that is written for the same equations.
+fn from_equations(
+    question: &BenchQuestion<'_>,
+    loaded: &LoadedSubject,
+    largest: usize,
+    compilers: &[Compiler],
+    list: &mut Vec<Contestant>,
+) -> Result<(), CommandFailure> {
+    for compiler in compilers {
+        let c_file = loaded.file.as_ref();
+        let c_file = c_file.filter(|path| path.extension().is_some_and(|name| name == "c"));
+        let operations = own::operations(question.view);
+        list.push(match c_file {
+            _ if operations > largest => robotran::missing(question, in_one_piece(operations)),
+            Some(path) => robotran::file(question, compiler, path),
+            None => robotran::printed(question, compiler, &loaded.module),
+        });
+    }
+    let operations = own::operations(question.view);
+    if operations > largest.saturating_mul(PIECES) {
+        list.push(not_compiled(question, too_long(operations)));
+        return Ok(());
+    }
+    let equations = BenchProgram::new(
+        ContestantFamily::Equations,
+        String::new(),
+        loaded.module.clone(),
+    )?;
+    equations.enter(question, compilers, list);
+    Ok(())
 }
 
 /// The compilers that are installed.
@@ -257,48 +306,21 @@ fn from_model(
         external_forces: question.has_loads,
         ..Options::default()
     };
-    let mut generated = Vec::new();
-    let mut refused = Vec::new();
-    for &formulation in task.formulations() {
-        let request = GenerationRequest {
-            function: task.kind(),
-            formulation,
-            options: options.clone(),
-        };
-        match generate(model, &request) {
-            // What is the same equations by another name takes part once.
-            Ok(module) if generated.iter().any(|(_, known)| is_same(known, &module)) => {}
-            Ok(module) => generated.push((formulation.name(), module)),
-            Err(error) => refused.push((formulation.name(), error.to_string())),
-        }
-    }
-    // Passes do not halve one formulation and leave another alone.
-    let lengths = generated.iter().map(|(_, module)| length(module));
-    let shortest = lengths.min().unwrap_or_default();
-    generated.retain(|(_, module)| length(module) <= 2 * shortest);
-    let programs = generated.into_iter().map(|(name, module)| {
-        BenchProgram::new(ContestantFamily::Model, format!("{name}, "), module)
+    let found = contenders(model, task.kind(), task.formulations(), &options);
+    let programs = found.possible.into_iter().map(|contender| {
+        let name = format!("{}, ", contender.formulation.name());
+        BenchProgram::new(ContestantFamily::Model, name, contender.module)
     });
     let mut programs: Vec<BenchProgram> = programs.collect::<Result<_, _>>()?;
     programs.sort_by_key(|program| length(&program.shorter));
     for program in programs.iter().take(FORMULATIONS) {
         program.enter(question, compilers, list);
     }
-    for (name, why) in refused {
-        list.push(own::refused(question, ContestantFamily::Model, name, why));
+    for (formulation, why) in found.refused {
+        let (family, name) = (ContestantFamily::Model, formulation.name());
+        list.push(own::refused(question, family, name, why.to_string()));
     }
     Ok(())
-}
-
-/// True for modules of one function with the same equations, whatever
-/// formulation they come from.
-fn is_same(one: &Module, other: &Module) -> bool {
-    let text = |module: &Module| {
-        let mut module = module.clone();
-        module.functions[0].metadata.clear();
-        print::print_module(&module)
-    };
-    length(one) == length(other) && text(one) == text(other)
 }
 
 /// Operations of a module of one function.
@@ -317,6 +339,21 @@ fn view(module: &Module) -> View<'_> {
 /// Why a function is not compiled.
 fn in_one_piece(operations: usize) -> String {
     format!("one function of {operations} operations, which compilers need hours for (--largest)")
+}
+
+/// How many times as long a function may be that is compiled in pieces.
+const PIECES: usize = 10;
+
+/// The C of the equations as they are, which takes no part.
+fn not_compiled(question: &BenchQuestion<'_>, why: String) -> Contestant {
+    own::refused(question, ContestantFamily::Equations, "C of them", why)
+}
+
+/// Why equations are not compiled at all.
+fn too_long(operations: usize) -> String {
+    format!(
+        "{operations} operations, which compilers need many minutes for also in pieces (--largest)"
+    )
 }
 
 /// Equations that robovec writes as C in several ways.

@@ -5,7 +5,7 @@ use super::write::{GenerationName, OutputLanguage, save, write_files};
 use super::{CommandFailure, input, names, output};
 use crate::files::Replace;
 use crate::generate::{
-    Formulation, GenerationRequest, Options, ParameterBinding, TermOrder, generate, generate_into,
+    Formulation, GenerationRequest, Options, ParameterBinding, TermOrder, contenders, generate_into,
 };
 use crate::model::Model;
 use crate::robotran::FunctionKind;
@@ -163,19 +163,13 @@ fn formulations_or_fewest() -> PossibleValuesParser {
 /// not give for this model is none.
 fn fewest(model: &Model, function: FunctionKind, options: &Options) -> Formulation {
     let cpu = REGISTRY.pipeline("$cpu").expect("a preset is a pipeline");
-    let lengths = Formulation::ALL.into_iter().filter_map(|formulation| {
-        let request = GenerationRequest {
-            function,
-            formulation,
-            options: options.clone(),
-        };
-        let mut module = formulation
-            .gives(function)
-            .then(|| generate(model, &request).ok())??;
+    let found = contenders(model, function, &Formulation::ALL, options);
+    let lengths = found.possible.into_iter().filter_map(|contender| {
+        let mut module = contender.module;
         transform_remarking(&mut module, &cpu, &mut std::io::sink()).ok()?;
         let lengths = module.functions.iter().map(Counts::of);
         let operations: usize = lengths.map(|counts| counts.operations).sum();
-        Some((operations, formulation))
+        Some((operations, contender.formulation))
     });
     let shortest = lengths.min_by_key(|(operations, _)| *operations);
     shortest.map_or_else(Formulation::default, |(_, formulation)| formulation)

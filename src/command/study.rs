@@ -140,9 +140,6 @@ fn time(arguments: &StudyArguments, results: &Results) -> Result<Vec<CpuTime>, C
     };
     let computer = Computer::this();
     let plan = &results.plan;
-    let Some(machine) = results.main_machine() else {
-        return Ok(Vec::new());
-    };
     let bar = progress::bar(plan.models.len() * plan.pipelines.len(), PROGRESS);
     let mut times: Vec<CpuTime> = Vec::new();
     let mut timed: HashMap<String, usize> = HashMap::new();
@@ -171,9 +168,16 @@ fn time(arguments: &StudyArguments, results: &Results) -> Result<Vec<CpuTime>, C
         for (pipeline, named) in plan.pipelines.iter().enumerate() {
             bar.inc(1);
             bar.set_message(format!("{} on one core", subject.name));
-            if results.program(index, pipeline, machine).is_none() {
+            // That of the figures, or whatever the plan places the model on.
+            let machines = results
+                .main_machine()
+                .into_iter()
+                .chain(0..plan.machines.len());
+            let is_there = |&machine: &usize| results.program(index, pipeline, machine).is_some();
+            let mut machines = machines.filter(is_there);
+            let Some(machine) = machines.next() else {
                 continue;
-            }
+            };
             let program = equations.optimise(subject, named, &plan.machines[machine]);
             let program = program.map_err(CommandFailure::plain)?;
             measure(&subject.name, &named.name, [&program.module; 2])?;

@@ -7,11 +7,13 @@
 //! results are compared; [`compile_and_run`] times one function in one format,
 //! which need not be the bench's.
 
-use crate::bench::contestant::ContestantFamily;
+use crate::bench::contestant::{Contestant, ContestantFamily};
+use crate::bench::task::BenchTask;
 use crate::bench::{BenchOutcome, BenchQuestion, Compiler, bench, own};
 use crate::files::TemporaryFolder;
 use robovec_codegen::c::Real;
 use robovec_ir::View;
+use robovec_ir::count::Counts;
 use robovec_ir::states::States;
 use std::fs;
 
@@ -95,8 +97,14 @@ pub fn contest(regular: View<'_>, shorter: View<'_>) -> Result<ProcessorTimes, S
         (own::batch, shorter),
     ];
     let family = ContestantFamily::Equations;
-    let contestants = ways.map(|(way, view)| {
-        way(&own::ContestantPlan {
+    // What solves equations multiplies every rounding by their condition.
+    let task = match Counts::of(regular.function).div {
+        0 => BenchTask::Dirdyna,
+        _ => BenchTask::Accelred,
+    };
+    let contestants = ways.map(|(way, view)| Contestant {
+        tolerance: task.tolerance(family),
+        ..way(&own::ContestantPlan {
             question: &question,
             compiler: &compiler,
             family,

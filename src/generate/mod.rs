@@ -21,6 +21,7 @@ mod columns;
 mod composite;
 mod composite_base;
 mod constraints;
+mod contenders;
 mod equations;
 mod factor;
 mod forces;
@@ -43,6 +44,7 @@ mod user_constraints;
 mod vector;
 
 use self::algebra::Scalar;
+pub use self::contenders::{Contender, Contenders, contenders};
 use self::equations::{EquationStyle, Equations};
 pub use self::formulation::{Formulation, MomentOrigin, PrefixNetwork, Requirements};
 use self::lower::Extents;

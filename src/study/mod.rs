@@ -25,6 +25,7 @@ pub mod printed;
 pub mod program;
 pub mod results;
 pub mod run;
+mod step;
 pub mod tables;
 mod variants;
 pub mod verdict;

@@ -1,6 +1,7 @@
 //! The time of the programs of a study on one core of a processor, beside the
 //! cycles of the array.
 
+pub mod step;
 pub mod table;
 
 use crate::bench::own::operations;

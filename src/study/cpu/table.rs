@@ -131,7 +131,7 @@ fn clock(plan: &StudyPlan, machine: usize, split: &Split) -> Estimate {
 
 /// Who needs less time, and by what factor; `array` from the quickest to the
 /// slowest estimate.
-fn winner(array: [f64; 2], processor: f64) -> String {
+pub(super) fn winner(array: [f64; 2], processor: f64) -> String {
     let [quick, slow] = array;
     let factors = |low: f64, high: f64| format!("{low:.1} to {high:.1} times");
     if quick > processor {

@@ -38,6 +38,7 @@ pub fn page(
     );
     let measured: Vec<DataTable> = [
         cpu::table::winners(results, times),
+        cpu::step::table(results, times),
         cpu::table::programs(times),
     ]
     .into_iter()
@@ -69,7 +70,7 @@ pub fn page(
 /// are there for whoever looks for them.
 fn table(table: &DataTable) -> String {
     match table.name.as_str() {
-        "cpu" | "winners" => page::table(table, ""),
+        "cpu" | "winners" | "whole-step-cpu" => page::table(table, ""),
         name if name.starts_with("table-1.") => page::folding_table(table, &file(name), false),
         name => page::table(table, &file(name)),
     }

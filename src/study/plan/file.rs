@@ -49,6 +49,9 @@ pub(super) struct ModelEntry {
     /// The system of the thesis it stands for.
     #[serde(default)]
     pub(super) printed: Option<Spanned<String>>,
+    /// Whether only sweeps that name the model have it.
+    #[serde(default, rename = "by-name")]
+    pub(super) by_name: bool,
     /// What is generated differently for this model.
     #[serde(default)]
     pub(super) generate: StyleEntry,

@@ -79,6 +79,9 @@ pub struct StudySubject {
     pub function: Option<String>,
     /// The system of the thesis' Table 3.1 it stands for.
     pub printed: Option<String>,
+    /// Whether only sweeps that name it have it.
+    #[serde(skip)]
+    pub by_name: bool,
     /// How equations are generated from a model; files of equations are taken
     /// as they are.
     pub style: GenerationStyle,

@@ -137,6 +137,7 @@ impl PlanResolver<'_> {
                 folder: self.selection.folder.clone(),
                 function: entry.function.clone(),
                 printed: entry.printed.as_ref().map(|row| row.get_ref().clone()),
+                by_name: entry.by_name,
                 style: self.style(&[&entry.generate, &file.generate]),
             });
         }
@@ -276,6 +277,7 @@ fn pick_model(all: &[StudySubject], wanted: &str, style: &GenerationStyle) -> St
     let stem = Path::new(wanted).file_stem();
     let stem = stem.map_or(wanted.into(), |stem| stem.to_string_lossy());
     StudySubject {
+        by_name: false,
         name: stem
             .chars()
             .map(|c| {

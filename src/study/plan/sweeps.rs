@@ -60,7 +60,9 @@ impl PlanResolver<'_> {
 
     fn sweep_models(&mut self, sweep: &SweepEntry) -> Vec<usize> {
         let Some(names) = &sweep.models else {
-            return (0..self.plan.models.len()).collect();
+            let models = &self.plan.models;
+            let all = (0..models.len()).filter(|&model| !models[model].by_name);
+            return all.collect();
         };
         let mut found = Vec::new();
         for name in names {

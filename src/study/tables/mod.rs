@@ -10,6 +10,7 @@ mod points;
 mod ranks;
 mod reasons;
 pub(crate) mod resources;
+pub(in crate::study) mod whole_step;
 
 use super::results::Results;
 use crate::present::DataTable;
@@ -23,6 +24,7 @@ pub fn all(results: &Results) -> Vec<DataTable> {
     tables.extend(cases::table(results));
     tables.extend(knees::table(results));
     tables.extend(formulations::table(results));
+    tables.extend(whole_step::table(results));
     tables.extend(errors::table(results));
     tables.extend(knees::splits(results));
     tables.extend(knees::couples_table(results));
