@@ -21,6 +21,8 @@ struct HostPlan {
     has_actuators: bool,
     /// Names are those of generator 6.6.
     is_old: bool,
+    /// Accelerations are computed in binary32.
+    is_single: bool,
 }
 
 /// The numbers of a model as the host reads them.
@@ -107,6 +109,8 @@ struct HostReport {
     /// How far accelerations are from those that forces of actuators are for,
     /// in parts of the largest.
     actuators: f64,
+    /// The most rounds of closing, by the dense way and by the step.
+    rounds: [f64; 2],
 }
 
 /// Writes the C of a model for a project into a folder.
@@ -131,6 +135,8 @@ fn generate(folder: &Path, plan: &HostPlan) {
             &rows,
             "--function",
             steps,
+            "--number",
+            if plan.is_single { "f32" } else { "double" },
         ],
     ] {
         let made = robovec(&[&common, wanted].concat());
@@ -197,6 +203,7 @@ fn simulated(model: &Model, plan: &HostPlan) -> HostReport {
         largest: numbers[1],
         forces: numbers[6],
         actuators: numbers[7],
+        rounds: [numbers[4], numbers[5]],
     }
 }
 
@@ -275,8 +282,62 @@ fn rows_of_the_user_and_actuators_are_served() {
         let plan = HostPlan {
             bound,
             has_actuators: true,
-            is_old: false,
+            ..HostPlan::default()
         };
         moves_the_same(&model, &plan);
     }
+}
+
+/// Accelerations in binary32 move a model as those in binary64 do, within what
+/// errors of 1e-6 make of 3 s of motion: loops stay closed, since they are
+/// closed in binary64, in as many rounds.
+#[test]
+fn accelerations_in_binary32_move_models_nearly_the_same() {
+    if !has_gcc() {
+        return;
+    }
+    for name in ["four-bar", "slider-crank", "quarter-car", "wishbone-car"] {
+        let plan = HostPlan {
+            is_single: true,
+            ..HostPlan::default()
+        };
+        let HostReport { apart, rounds, .. } = simulated(&shipped(name), &plan);
+        assert!(apart < 1e-4, "{name}: {apart:e} apart after 3 s");
+        // In binary64 they are within 1e-10.
+        assert!(apart > 1e-10, "{name}: {apart:e}: is it binary32?");
+        let [dense, step] = rounds;
+        assert!(step <= dense, "{name}: {step} rounds instead of {dense}");
+    }
+}
+
+/// The command says what binary32 costs, and only that.
+#[test]
+fn the_error_of_binary32_is_told_in_one_line() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let output = folder.path().to_str().expect("a plain path");
+    let path = model("four-bar.mbs");
+    let name = path.to_str().expect("a plain path");
+    let common = ["gen", name, "--whole-step", "--force", "-o", output];
+    let told = |extra: &[&str]| {
+        let made = robovec(&[&common, extra].concat());
+        assert!(made.status.success(), "{}", said(&made));
+        String::from_utf8_lossy(&made.stdout).into_owned()
+    };
+    let [double, float] = [told(&[]), told(&["--number", "f32"])];
+    assert!(!double.contains("error in"), "{double}");
+    let line = float
+        .lines()
+        .find(|line| line.contains("error in f32: median"));
+    let line = line.expect("a line of the error");
+    assert!(
+        line.contains("around the closed initial one, seed 1"),
+        "{line}"
+    );
+    let source = |part: &str| {
+        let path = folder.path().join(format!("mbs_{part}_four_bar.c"));
+        std::fs::read_to_string(path).expect("the command wrote it")
+    };
+    assert!(source("accelerations").contains("float *restrict work"));
+    assert!(!source("loop_positions").contains("float *"));
+    assert!(!source("loop_velocities").contains("float *"));
 }

@@ -1,7 +1,7 @@
 //! `robovec gen`: equations from a model.
 
 use super::flags::whole;
-use super::write::{GenerationName, OutputLanguage, save, write_files};
+use super::write::{CFloat, GenerationName, OutputLanguage, save, write_files};
 use super::{CommandFailure, input, names, output};
 use crate::files::Replace;
 use crate::generate::{
@@ -10,15 +10,16 @@ use crate::generate::{
 use crate::model::Model;
 use crate::robotran::FunctionKind;
 use crate::robotran::write::WriteOptions;
+use crate::whole_step::accuracy::step_error;
 use crate::whole_step::{self, StepFunction, StepStyle};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
-use robovec_codegen::c;
+use robovec_codegen::c::{self, Real};
 use robovec_codegen::kind::Generation;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
 use robovec_ir::count::Counts;
-use robovec_ir::{Module, print};
+use robovec_ir::{Format, Module, print};
 use robovec_passes::registry::REGISTRY;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -42,6 +43,10 @@ pub(super) struct GenArguments {
     /// operations, after the preset $cpu
     #[arg(long, requires = "output", conflicts_with = "language")]
     whole_step: bool,
+    /// With --whole-step: compute accelerations or forces of actuators in this type; loops are
+    /// closed in binary64
+    #[arg(long, value_enum, default_value = "double", requires = "whole_step")]
+    number: CFloat,
     /// Generator whose names C bears
     #[arg(long, value_enum, default_value = "8.1")]
     generation: GenerationName,
@@ -273,14 +278,44 @@ fn write_whole_step(arguments: &GenArguments, folder: &Path) -> Result<String, C
         Some(_) => transform(&mut module, &pipeline)?,
         None => transform_remarking(&mut module, &pipeline, &mut std::io::sink())?,
     }
+    let real = arguments.number.real();
     let style = StepStyle {
-        c: &c::Options::default(),
+        c: &c::Options {
+            real,
+            ..c::Options::default()
+        },
         generation: arguments.generation.into(),
         options: &options,
     };
     let files = whole_step::files(&model, &steps, &module, &style)
         .map_err(|error| CommandFailure::plain(error.to_string()))?;
-    save(&files, folder, arguments.force)
+    let saved = save(&files, folder, arguments.force)?;
+    match real {
+        Real::Double => Ok(saved),
+        Real::Float => Ok(saved + &error_lines(&model, &steps, &module)?),
+    }
+}
+
+/// What binary32 does to the results of steps, a line each.
+fn error_lines(
+    model: &Model,
+    steps: &[StepFunction],
+    module: &Module,
+) -> Result<String, CommandFailure> {
+    let mut text = String::new();
+    for &step in steps {
+        let account = step_error(model, step, module, Format::BINARY32)
+            .map_err(|error| CommandFailure::plain(error.to_string()))?;
+        text += &match account {
+            Some(account) => format!("{}: {}\n", step.name(), account.text()),
+            None => format!(
+                "{}: error in f32 not measured: no states with closed loops were found, or \
+                 constraints of the user are part of it\n",
+                step.name()
+            ),
+        };
+    }
+    Ok(text)
 }
 
 /// The steps asked for; without a word on functions it is that of accelerations.

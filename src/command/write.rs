@@ -70,11 +70,23 @@ pub(crate) struct WriteArguments {
 
 /// The type that C computes in.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-enum CFloat {
+pub(super) enum CFloat {
     /// IEEE binary64
+    #[value(alias = "f64")]
     Double,
     /// IEEE binary32; MBsysC's arrays stay binary64
+    #[value(alias = "f32")]
     Float,
+}
+
+impl CFloat {
+    /// The type in C.
+    pub(super) fn real(self) -> Real {
+        match self {
+            CFloat::Double => Real::Double,
+            CFloat::Float => Real::Float,
+        }
+    }
 }
 
 /// A language Robotran writes.
@@ -155,10 +167,7 @@ fn bounded(
             vec!["leave --bounded out: Matlab and Python are not compiled".to_owned()],
         ));
     }
-    let real = match arguments.number {
-        CFloat::Double => Real::Double,
-        CFloat::Float => Real::Float,
-    };
+    let real = arguments.number.real();
     Ok(DropInOptions {
         c: Options {
             real,

@@ -152,7 +152,11 @@ fn at_rest(model: &Model) -> MotionState {
 }
 
 /// The constraints of a model with cuts, in binary64.
-fn constraints(model: &Model) -> Result<LoopConstraints, GenerateError> {
+///
+/// # Errors
+///
+/// When they cannot be generated.
+pub fn constraints(model: &Model) -> Result<LoopConstraints, GenerateError> {
     let kind = FunctionKind::ConsHJ;
     let Module {
         tables,

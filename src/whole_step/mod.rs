@@ -10,12 +10,18 @@
 //! together, with the calls of the user's functions between them and Newton's
 //! method around the round that closes the loops.
 //!
+//! **Numbers.** Accelerations and forces of actuators can be computed in binary32; the project's arrays
+//! stay binary64, and so does whatever closes the loops: what Newton's method
+//! leaves open is below every tolerance of a project only in binary64, and
+//! differences of nearly equal positions are what it is made of.
+//!
 //! **What is asked for at run time.** Which joints depend is decided when the
 //! equations are made. The project decides it too, when it starts; should the
 //! two differ, the function says so and fails, since its result would be that
 //! of another system. It fails as well where numbers say that masses and
 //! constraints determine no motion.
 
+pub mod accuracy;
 mod driver;
 
 use crate::generate::{
@@ -24,7 +30,7 @@ use crate::generate::{
 };
 use crate::model::{Model, Nature};
 use crate::robotran::FunctionKind;
-use robovec_codegen::c::{self, SignatureError};
+use robovec_codegen::c::{self, Real, SignatureError};
 use robovec_codegen::kind::{Generation, file_stem};
 use robovec_ir::{Module, View};
 use thiserror::Error;
@@ -115,7 +121,8 @@ pub struct StepStyle<'a> {
 }
 
 /// The C of steps, from their functions ([`generate_parts`], with any passes
-/// run over them): names and texts of the files.
+/// run over them): names and texts of the files. What closes loops computes in
+/// binary64 whatever the style says.
 ///
 /// # Errors
 ///
@@ -129,19 +136,22 @@ pub fn files(
     let mut files = Vec::new();
     for function in &module.functions {
         let mut function = function.clone();
+        let mut options = style.c.clone();
         let step = steps.iter().find(|step| step.name() == function.name);
         if let Some(step) = step {
             step.part().clone_into(&mut function.name);
             function.metadata.retain(|(key, _)| key != "kind");
             let kind = ("kind".to_owned(), step.part().to_owned());
             function.metadata.push(kind);
+        } else {
+            options.real = Real::Double;
         }
         style.generation.mark(&mut function);
         let view = View {
             tables: &module.tables,
             function: &function,
         };
-        files.extend(c::files(view, style.c)?);
+        files.extend(c::files(view, &options)?);
     }
     let stem = file_stem(&model.name);
     let plan = StepPlan::new(model, style)?;
