@@ -67,7 +67,13 @@ impl PlanResolver<'_> {
         let mut found = Vec::new();
         for name in names {
             let position = match name.get_ref().as_str() {
-                HEADLINE => Some(self.plan.headline),
+                // The first model that is left may be one for other sweeps.
+                HEADLINE => {
+                    let headline = self.plan.models.get(self.plan.headline);
+                    let is_chosen = self.selection.models.is_none();
+                    let is_meant = headline.is_some_and(|model| is_chosen || !model.by_name);
+                    is_meant.then_some(self.plan.headline)
+                }
                 wanted => self
                     .plan
                     .models
