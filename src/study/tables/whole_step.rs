@@ -70,7 +70,8 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
                 "{}; sines and cosines are given. Dividers are as many as the machine has. Times as \
                  fast: as the fewest elements. The clock is declared, or estimated for so many \
                  elements from the delays of cells. Share and errors are those of the function that \
-                 takes most, and of accelerations. {}",
+                 takes most, and of accelerations; random states do not close loops, and may be near \
+                 one where they are singular. {}",
                 counted(),
                 cost::CAPTION
             ),
