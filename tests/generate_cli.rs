@@ -158,3 +158,25 @@ fn equations_are_compared_in_numbers_and_by_proof() {
         assert!(message.contains("'dirdyna' differs"), "{message}");
     }
 }
+
+#[test]
+fn rows_that_say_what_others_say_are_named() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let text = fs::read_to_string(model("four-bar.mbs")).expect("the model is there");
+    let start = text.find("    <ball>").expect("it has a cut");
+    let end = text.find("  </cuts>").expect("its cuts end");
+    let twin = text[start..end].replace("<name>Loop</name>", "<name>Twin</name>");
+    let twice = text[..end].to_owned() + &twin + &text[end..];
+    let file = folder.path().join("twice.mbs");
+    fs::write(&file, twice).expect("a writable folder");
+    let output = folder.path().join("out");
+    let made = robovec(&["gen", path(&file), "--whole-step", "-o", path(&output)]);
+    assert!(made.status.success(), "{}", said(&made));
+    let told = String::from_utf8_lossy(&made.stderr);
+    let named = told
+        .matches("says what other rows say, and is left out")
+        .count();
+    // A planar loop has two rows, here twice.
+    assert_eq!(named, 2, "{told}");
+    assert!(told.contains("(cut '"), "{told}");
+}

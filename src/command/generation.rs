@@ -5,7 +5,8 @@ use super::write::{CFloat, GenerationName, OutputLanguage, save, write_files};
 use super::{CommandFailure, input, names, output};
 use crate::files::Replace;
 use crate::generate::{
-    Formulation, GenerationRequest, Options, ParameterBinding, TermOrder, contenders, generate_into,
+    Formulation, GenerateError, GenerationRequest, Options, ParameterBinding, TermOrder,
+    contenders, cuts_of_rows, generate_into, redundant_rows,
 };
 use crate::model::Model;
 use crate::robotran::FunctionKind;
@@ -272,6 +273,7 @@ fn write_whole_step(arguments: &GenArguments, folder: &Path) -> Result<String, C
     let options = arguments.options();
     let mut module = whole_step::generate_parts(&model, &steps, formulation, &options)
         .map_err(|error| CommandFailure::plain(error.to_string()))?;
+    tell_redundant(&model)?;
     // Passes of the preset that do not suit one of the parts have nothing to
     // tell whoever did not ask for them.
     match arguments.passes {
@@ -294,6 +296,20 @@ fn write_whole_step(arguments: &GenArguments, folder: &Path) -> Result<String, C
         Real::Double => Ok(saved),
         Real::Float => Ok(saved + &error_lines(&model, &steps, &module)?),
     }
+}
+
+/// Names the rows of loops that say what others say.
+fn tell_redundant(model: &Model) -> Result<(), CommandFailure> {
+    let failed = |error: GenerateError| CommandFailure::plain(error.to_string());
+    let cuts = cuts_of_rows(model).map_err(failed)?;
+    for row in redundant_rows(model).map_err(failed)? {
+        eprintln!(
+            "remark: row {} of the constraints (cut '{}') says what other rows say, and is left out",
+            row + 1,
+            model.cuts[cuts[row]].name
+        );
+    }
+    Ok(())
 }
 
 /// What binary32 does to the results of steps, a line each.

@@ -49,7 +49,9 @@ use self::equations::{EquationStyle, Equations};
 pub use self::formulation::{Formulation, MomentOrigin, PrefixNetwork, Requirements};
 use self::lower::Extents;
 use self::parameters::ModelParameters;
-pub use self::roles::{constraints as loop_constraints, cuts_of_rows, independent_joints};
+pub use self::roles::{
+    constraints as loop_constraints, cuts_of_rows, independent_joints, redundant_rows,
+};
 use crate::model::Model;
 use crate::robotran::FunctionKind;
 use robovec_ir::{Function, Level, Module};

@@ -182,6 +182,17 @@ pub fn independent_joints(model: &Model, options: &Options) -> Result<Vec<usize>
     Ok(roles.free.iter().copied().filter(moves).collect())
 }
 
+/// The rows of the constraints, from 0, that say what others say.
+///
+/// # Errors
+///
+/// See [`generate`].
+pub fn redundant_rows(model: &Model) -> Result<Vec<usize>, GenerateError> {
+    let kept = JointRoles::of_loops(model)?.rows;
+    let rows = 0..cuts_of_rows(model)?.len();
+    Ok(rows.filter(|row| !kept.contains(row)).collect())
+}
+
 /// The cut, from 0, of each row of the constraints. The equations leave out
 /// rows that no joint changes; how many a cut keeps is seen when it stands
 /// alone.
