@@ -43,7 +43,7 @@ pub(super) fn solve_blocks(
     let count = rows.len();
     let mut solution: Vec<SparseRow> = vec![SparseRow::new(); count];
     for block in blocks(rows) {
-        let system = Block::new(equations, names[0], rows, (&block, sides), &solution);
+        let system = LoopBlock::new(equations, names[0], rows, (&block, sides), &solution);
         let found = match block.len() {
             1..=DIRECTIONS => system.by_directions(equations, names),
             _ => system.by_pivots(equations, names),
@@ -77,7 +77,7 @@ fn blocks(rows: &[SparseRow]) -> Vec<Vec<usize>> {
 }
 
 /// Rows of a block in its own columns.
-struct Block<'r> {
+struct LoopBlock<'r> {
     /// Its rows and columns in the whole matrix.
     places: &'r [usize],
     matrix: Vec<Vec<Scalar>>,
@@ -85,14 +85,14 @@ struct Block<'r> {
     right: Vec<SparseRow>,
 }
 
-impl<'r> Block<'r> {
+impl<'r> LoopBlock<'r> {
     fn new(
         equations: &mut Equations,
         name: &'static str,
         rows: &[SparseRow],
         (places, sides): (&'r [usize], usize),
         solution: &[SparseRow],
-    ) -> Block<'r> {
+    ) -> LoopBlock<'r> {
         let own = |&row: &usize| {
             places
                 .iter()
@@ -118,7 +118,7 @@ impl<'r> Block<'r> {
             values.retain(|(_, value)| !value.is_zero());
             right.push(values);
         }
-        Block {
+        LoopBlock {
             places,
             matrix: places.iter().map(own).collect(),
             right,
