@@ -351,8 +351,20 @@ mod tests {
         }
         assert_eq!(plan.models[plan.headline].name, "bogie");
         assert!(plan.requests.is_sorted());
-        // All couples of Table 1.3 and the machine of the thesis.
-        assert_eq!(plan.machines.len(), 16);
+        // All couples of Table 1.3, the machine of the thesis and the solver.
+        assert_eq!(plan.machines.len(), 17);
+        // Whole steps are on the solver, and nothing else is.
+        let solver = plan.machines.iter().position(|one| one.name == "solver");
+        let requests = plan.requests.iter();
+        for request in requests {
+            let model = &plan.models[request.model];
+            assert_eq!(
+                model.by_name,
+                Some(request.machine) == solver,
+                "{}",
+                model.name
+            );
+        }
     }
 
     #[test]
