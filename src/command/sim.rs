@@ -5,16 +5,17 @@ use super::{CommandFailure, input, output, progress};
 use crate::model::mbs::ReadModel;
 use crate::model::{Model, Nature};
 use crate::motion::{
-    EquationSetting, IntegrationMethod, Laws, MotionError, MultibodySystem, SimulationPlan,
-    SimulationRun, plot, simulate,
+    EVENT_TOLERANCE, EquationSetting, IntegrationMethod, Laws, LoopKeeping, MotionError,
+    MultibodySystem, SimulationPlan, SimulationRun, plot, simulate,
 };
 use crate::present;
 use clap::{Args, ValueEnum};
 use robovec_ir::Format;
 use robovec_ir::diagnostic::{Report, Severity, clip, did_you_mean};
 use std::fmt::Write as _;
-use std::io::Write as _;
+use std::io::{IsTerminal as _, Write as _};
 use std::path::PathBuf;
+use std::time::Instant;
 
 /// Steps of the progress bar.
 const BAR_LENGTH: f64 = 1000.0;
@@ -30,6 +31,18 @@ enum IntegratorChoice {
     Rk4,
     /// Dormand-Prince 5(4) with steps that meet a tolerance
     Dopri,
+}
+
+/// How loops are kept closed.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
+enum KeepingChoice {
+    /// Dependent joints are put onto the constraints in every evaluation
+    Project,
+    /// All joints are integrated; accelerations of dependent ones pull them
+    /// back
+    Baumgarte,
+    /// All joints are integrated, and nothing pulls them back
+    None,
 }
 
 /// What is simulated, and how.
@@ -78,6 +91,25 @@ pub(super) struct SimArguments {
     /// solving M qdd + c = Qq
     #[arg(long)]
     accelred: bool,
+    /// Take positions and velocities of dependent joints and all accelerations
+    /// from the generated functions of the whole step (loop_positions,
+    /// loop_velocities, accelred)
+    #[arg(long)]
+    whole_step: bool,
+    /// How loops are kept closed
+    #[arg(long, value_enum, default_value_t = KeepingChoice::Project)]
+    loops: KeepingChoice,
+    /// Rate at which --loops=baumgarte pulls loops closed, 1/s
+    #[arg(long, value_name = "RATE", default_value_t = 20.0,
+          add = real(1e-6, 1e6, "a faster pull is a stiff spring to the integrator"))]
+    baumgarte_rate: f64,
+    /// How exactly the times of events are found, s
+    #[arg(long, value_name = "SECONDS", default_value_t = EVENT_TOLERANCE,
+          add = real(1e-15, 1.0, "times have no digits beyond in binary64"))]
+    event_tolerance: f64,
+    /// CSV file of the events that happened
+    #[arg(long, value_name = "FILE")]
+    events: Option<PathBuf>,
     /// Pipeline run over the equations before they are evaluated
     #[arg(long, value_name = "PIPELINE")]
     passes: Option<String>,
@@ -110,24 +142,37 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, CommandFailure> {
         passes: arguments.passes.is_some().then_some((&pipeline, &machine)),
         format: arguments.number,
         accelerations: arguments.accelred,
+        whole_step: arguments.whole_step,
         scene: None,
         program: None,
     };
     let (mut system, initial) = MultibodySystem::new(model, laws, &setting).map_err(failure)?;
+    system.keep_loops(keeping(arguments));
     let remark = roles(model, &system);
+    let start = Instant::now();
     let bar = progress::bar(BAR_LENGTH as usize, "{percent}% {elapsed}, {eta} left");
     let run = simulate(&mut system, &initial, &plan(arguments), &mut |time| {
         bar.set_position((time / arguments.time * BAR_LENGTH) as u64);
     });
     bar.finish_and_clear();
     let run = run.map_err(failure)?;
+    let seconds = start.elapsed().as_secs_f64();
     if let Some(path) = &arguments.plot {
         let svg = present::plot::draw(&plot::figure(model, &run));
         output::write_file(path, |writer| writer.write_all(svg.as_bytes()))?;
     }
     // When the standard error is closed there is nobody left to tell.
-    let text = remark + &summary(arguments, &run);
+    let mut text = remark + &summary(arguments, &run);
+    text += &happened(model, system.laws(), &run);
+    text += &near_dead_point(&system);
+    if std::io::stderr().is_terminal() {
+        text += &speed(&run, seconds);
+    }
     let _ = std::io::stderr().write_all(text.as_bytes());
+    if let Some(path) = &arguments.events {
+        let events = event_table(model, system.laws(), &run);
+        output::write_file(path, |writer| writer.write_all(events.as_bytes()))?;
+    }
     let table = csv(model, &run);
     match &arguments.output {
         None => Ok(table),
@@ -188,6 +233,17 @@ fn plan(arguments: &SimArguments) -> SimulationPlan {
             },
         },
         step_limit: arguments.max_steps,
+        event_tolerance: arguments.event_tolerance,
+    }
+}
+
+fn keeping(arguments: &SimArguments) -> LoopKeeping {
+    match arguments.loops {
+        KeepingChoice::Project => LoopKeeping::Project,
+        KeepingChoice::Baumgarte => LoopKeeping::Stabilise {
+            rate: arguments.baumgarte_rate,
+        },
+        KeepingChoice::None => LoopKeeping::Free,
     }
 }
 
@@ -228,20 +284,101 @@ fn roles(model: &Model, system: &MultibodySystem<'_>) -> String {
 }
 
 fn summary(arguments: &SimArguments, run: &SimulationRun) -> String {
-    let rejected = match run.rejected {
+    let counted = |count: u64, what: &str| match count {
         0 => String::new(),
-        count => format!(", {count} repeated"),
+        count => format!(", {count} {what}"),
     };
     format!(
-        "{:?} s in {} steps{rejected}\n\
+        "{:?} s in {} steps{}{}; {} evaluations{}\n\
          energy less work kept within {:.2e} J; kinetic energy reached {:.3e} J\n\
          constraints kept within {:.2e}\n",
-        arguments.time,
+        run.stopped.unwrap_or(arguments.time),
         run.steps,
+        counted(run.rejected, "repeated"),
+        counted(run.searched, "to find events"),
+        run.work.slopes,
+        counted(run.work.rounds, "rounds of Newton's method"),
         run.energy_drift(),
         run.energy_scale(),
         run.largest_gap(),
     )
+}
+
+/// Events shown in the summary; the file has all.
+const SHOWN_EVENTS: usize = 10;
+
+/// What was looked out for and happened.
+fn happened(model: &Model, laws: &Laws, run: &SimulationRun) -> String {
+    let mut text = String::new();
+    for record in run.events.iter().take(SHOWN_EVENTS) {
+        let law = &laws.events[record.event];
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{} s: {} of {} {} through {:?}",
+            seconds(record.time),
+            law.quantity.name(),
+            law.subject(model),
+            if record.rising { "rises" } else { "falls" },
+            law.value,
+        );
+    }
+    if run.events.len() > SHOWN_EVENTS {
+        let _ = writeln!(text, "{} events in all", run.events.len());
+    }
+    if run.contacts > 0 {
+        let _ = writeln!(text, "contacts opened or closed {} times", run.contacts);
+    }
+    if let Some(time) = run.stopped {
+        let _ = writeln!(text, "stopped by an event at {} s", seconds(time));
+    }
+    text
+}
+
+/// A time in the digits that an event is known to by default.
+fn seconds(time: f64) -> String {
+    format!("{time:.9}")
+}
+
+/// When the partition of generated functions came near a dead point.
+fn near_dead_point(system: &MultibodySystem<'_>) -> String {
+    match system.weak_since() {
+        None => String::new(),
+        Some(time) => format!(
+            "warning: from {time:?} s on the joints that the generated functions move hardly \
+             determine the loops: near a dead point digits are lost, and the partition is fixed\n"
+        ),
+    }
+}
+
+/// How fast it was.
+fn speed(run: &SimulationRun, seconds: f64) -> String {
+    let rate = |count: u64| count as f64 / seconds.max(1e-9);
+    format!(
+        "{:.3} s: {:.0} steps and {:.0} evaluations per second\n",
+        seconds,
+        rate(run.steps),
+        rate(run.work.slopes)
+    )
+}
+
+/// One line per event.
+fn event_table(model: &Model, laws: &Laws, run: &SimulationRun) -> String {
+    let mut text = String::from("time,quantity,name,value,direction\n");
+    for record in &run.events {
+        let law = &laws.events[record.event];
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{:?},{},{},{:?},{}",
+            record.time,
+            law.quantity.name(),
+            field(law.subject(model)),
+            law.value,
+            if record.rising { "rising" } else { "falling" },
+        );
+    }
+    text
 }
 
 /// One line per sample.

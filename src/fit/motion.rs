@@ -2,7 +2,8 @@
 //! binary64.
 
 use crate::motion::{
-    IntegrationMethod, Laws, MotionError, MultibodySystem, SimulationPlan, SimulationRun, simulate,
+    EVENT_TOLERANCE, IntegrationMethod, Laws, MotionError, MultibodySystem, SimulationPlan,
+    SimulationRun, simulate,
 };
 use crate::robotran::FunctionKind;
 use crate::scene::{SceneFile, SceneMotion, SceneSubject, WatchedJoints};
@@ -180,6 +181,7 @@ fn run(
             step: wish.time / f64::from(SAMPLES * steps),
         },
         step_limit: STEP_LIMIT,
+        event_tolerance: EVENT_TOLERANCE,
     };
     file.moving(forces, &wish.start(0), program, |system, initial| {
         simulate(system, initial, &plan, &mut |_| ())

@@ -5,9 +5,52 @@ use super::{LoopConstraints, MotionState, Partition, StateError};
 use crate::model::{Model, Nature};
 
 /// Newton steps before giving up; from a predicted position three suffice.
-const NEWTON_STEPS: usize = 25;
+const NEWTON_STEPS: u32 = 25;
 /// Steps of the search for a closed position.
 const ASSEMBLY_STEPS: usize = 200;
+
+/// When rounds of Newton's method end, in the numbers that residuals are
+/// evaluated in.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct ClosingLimits {
+    /// A residual that the arithmetic cannot make smaller.
+    tight: f64,
+    /// A residual that still counts as closed.
+    loose: f64,
+    /// The residual before the last round.
+    before: f64,
+    rounds: u32,
+}
+
+impl ClosingLimits {
+    /// Before the first round; `epsilon` is the relative distance of
+    /// neighbours of the numbers.
+    pub fn new(epsilon: f64) -> ClosingLimits {
+        ClosingLimits {
+            tight: 8.0 * epsilon,
+            loose: 1e4 * epsilon,
+            before: f64::INFINITY,
+            rounds: 0,
+        }
+    }
+
+    /// The rounds looked at so far.
+    pub fn rounds(&self) -> u32 {
+        self.rounds
+    }
+
+    /// What the largest residual of a round says: closed, or not yet; `None`
+    /// when there is no hope left.
+    pub fn look(&mut self, gap: f64) -> Option<bool> {
+        self.rounds += 1;
+        let stalled = gap >= 0.5 * self.before && gap <= self.loose;
+        if gap <= self.tight || stalled {
+            return Some(true);
+        }
+        self.before = gap;
+        (self.rounds < NEWTON_STEPS && gap.is_finite()).then_some(false)
+    }
+}
 
 /// A model and the constraints that its loops put on it.
 pub struct LoopClosure<'a> {
@@ -45,14 +88,9 @@ impl LoopClosure<'_> {
         Partition::new(self.model, &jacobian, self.rank_threshold())
     }
 
-    /// A residual that the arithmetic cannot make smaller.
-    fn tight(&self) -> f64 {
-        8.0 * self.constraints.epsilon()
-    }
-
     /// A residual that still counts as closed.
     fn loose(&self) -> f64 {
-        1e4 * self.constraints.epsilon()
+        ClosingLimits::new(self.constraints.epsilon()).loose
     }
 
     /// The fraction of the largest pivot that counts as zero in the Jacobian.
@@ -61,16 +99,29 @@ impl LoopClosure<'_> {
     }
 
     /// Moves the dependent joints until the loops are closed, and gives them
-    /// the velocities that keep them so.
+    /// the velocities that keep them so; the evaluations of the constraints
+    /// that it took.
     ///
     /// # Errors
     ///
     /// [`StateError::OpenLoop`] and [`StateError::NotFinite`].
-    pub fn close(&self, state: &mut MotionState, partition: &Partition) -> Result<(), StateError> {
+    pub fn close(&self, state: &mut MotionState, partition: &Partition) -> Result<u32, StateError> {
         if self.constraints.rows() == 0 {
-            return Ok(());
+            return Ok(0);
         }
-        let jacobian = self.close_positions(state, partition)?;
+        let (jacobian, rounds) = self.close_positions(state, partition)?;
+        self.close_velocities(state, partition, &jacobian)?;
+        Ok(rounds)
+    }
+
+    /// Gives the dependent joints the velocities that keep the loops closed;
+    /// the Jacobian is that of the state.
+    fn close_velocities(
+        &self,
+        state: &mut MotionState,
+        partition: &Partition,
+        jacobian: &DenseMatrix,
+    ) -> Result<(), StateError> {
         let dependent = jacobian.select(&partition.rows, &partition.dependent);
         let mut others = state.qd.clone();
         for &joint in &partition.dependent {
@@ -95,26 +146,63 @@ impl LoopClosure<'_> {
         &self,
         state: &mut MotionState,
         partition: &Partition,
-    ) -> Result<DenseMatrix, StateError> {
-        let mut before = f64::INFINITY;
-        for _ in 0..NEWTON_STEPS {
+    ) -> Result<(DenseMatrix, u32), StateError> {
+        let mut limits = ClosingLimits::new(self.constraints.epsilon());
+        loop {
             let (residual, jacobian) = self.constraints.evaluate(state);
-            let gap = largest(&residual);
-            let stalled = gap >= 0.5 * before && gap <= self.loose();
-            if gap <= self.tight() || stalled {
-                return Ok(jacobian);
+            match limits.look(largest(&residual)) {
+                Some(true) => return Ok((jacobian, limits.rounds())),
+                Some(false) => {}
+                None => return Err(self.open(state, &residual)),
             }
-            before = gap;
-            let right: Vec<f64> = partition.rows.iter().map(|&row| -residual[row]).collect();
-            let square = jacobian.select(&partition.rows, &partition.dependent);
-            let Some(step) = solve_square(square, column(&right)) else {
-                break;
-            };
-            for (place, &joint) in partition.dependent.iter().enumerate() {
-                state.q[joint] += step[(place, 0)];
+            if !self.newton(state, partition, &residual, &jacobian) {
+                return Err(self.open(state, &residual));
             }
         }
-        Err(self.open(state, &self.constraints.evaluate(state).0))
+    }
+
+    /// One round of Newton's method; false where the dependent joints do not
+    /// determine the loops.
+    fn newton(
+        &self,
+        state: &mut MotionState,
+        partition: &Partition,
+        residual: &[f64],
+        jacobian: &DenseMatrix,
+    ) -> bool {
+        let right: Vec<f64> = partition.rows.iter().map(|&row| -residual[row]).collect();
+        let square = jacobian.select(&partition.rows, &partition.dependent);
+        let Some(step) = solve_square(square, column(&right)) else {
+            return false;
+        };
+        for (place, &joint) in partition.dependent.iter().enumerate() {
+            state.q[joint] += step[(place, 0)];
+        }
+        true
+    }
+
+    /// The state with the dependent joints moved by one round of Newton's
+    /// method, and with the velocities that the loops ask for where they are
+    /// now: what stabilisation pulls the state towards.
+    ///
+    /// # Errors
+    ///
+    /// [`StateError::OpenLoop`] where the dependent joints do not determine
+    /// the loops.
+    pub fn nearest(
+        &self,
+        state: &MotionState,
+        partition: &Partition,
+    ) -> Result<MotionState, StateError> {
+        let mut near = state.clone();
+        if self.constraints.rows() > 0 {
+            let (residual, jacobian) = self.constraints.evaluate(state);
+            self.close_velocities(&mut near, partition, &jacobian)?;
+            if !self.newton(&mut near, partition, &residual, &jacobian) {
+                return Err(self.open(state, &residual));
+            }
+        }
+        Ok(near)
     }
 
     /// Moves the joints of some natures, as little as possible, until the

@@ -87,6 +87,18 @@ impl CompiledFunction {
         }
     }
 
+    /// The places, from 0, of the elements that the function sets in an array
+    /// with one number for each joint or row, in the order it sets them.
+    pub fn assigned(&self, name: &str) -> Vec<usize> {
+        let found = self.outputs.iter().find(|array| array.0 == name);
+        let places = found.into_iter().flat_map(|&(_, first, shape)| {
+            let assignments = self.function.assignments.iter();
+            let places = assignments.filter_map(move |one| one.output.index().checked_sub(first));
+            places.filter(move |&place| place < shape.len())
+        });
+        places.collect()
+    }
+
     /// The outputs in binary64, computed in an arithmetic.
     fn numbers<A>(&self, arithmetic: &A, inputs: &[f64]) -> Vec<f64>
     where

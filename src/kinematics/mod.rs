@@ -13,7 +13,7 @@ mod inputs;
 pub mod linear;
 mod partition;
 
-pub use closing::LoopClosure;
+pub use closing::{ClosingLimits, LoopClosure};
 pub use compiled::{CompiledFunction, EvaluatedOutputs};
 pub use constraints::LoopConstraints;
 pub use error::StateError;

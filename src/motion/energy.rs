@@ -5,7 +5,8 @@ use crate::kinematics::MotionState;
 use crate::model::{Anchor, Axis, Model};
 use std::array::from_fn;
 
-type CartesianVector = [f64; 3];
+/// A vector along the axes of the base, or of a body.
+pub(super) type CartesianVector = [f64; 3];
 type Rotation = [CartesianVector; 3];
 
 /// The motion of the frame behind a joint.
@@ -58,7 +59,7 @@ fn cross(a: CartesianVector, b: CartesianVector) -> CartesianVector {
     from_fn(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3])
 }
 
-fn dot(a: CartesianVector, b: CartesianVector) -> f64 {
+pub(super) fn dot(a: CartesianVector, b: CartesianVector) -> f64 {
     (0..3).map(|i| a[i] * b[i]).sum()
 }
 
@@ -176,12 +177,12 @@ pub(super) fn momenta(model: &Model, state: &MotionState) -> Momenta {
     sum
 }
 
-/// The positions of places.
-pub(super) fn positions<'a>(
+/// The positions and velocities of places.
+fn motions<'a>(
     model: &'a Model,
     state: &MotionState,
     places: impl IntoIterator<Item = Anchor> + 'a,
-) -> impl Iterator<Item = CartesianVector> + 'a {
+) -> impl Iterator<Item = [CartesianVector; 2]> + 'a {
     let frames = frames(model, state);
     places.into_iter().map(move |place| {
         let frame = model
@@ -190,14 +191,16 @@ pub(super) fn positions<'a>(
         let coordinates = place
             .point
             .map_or([0.0; 3], |point| model.points[point].coordinates);
-        frame.point(coordinates).0
+        frame.point(coordinates).into()
     })
 }
 
 /// The lengths of all links.
 pub(super) fn lengths(model: &Model, state: &MotionState) -> Vec<f64> {
     let ends = model.links.iter().flat_map(|link| link.ends);
-    let positions: Vec<CartesianVector> = positions(model, state, ends).collect();
+    let positions: Vec<CartesianVector> = motions(model, state, ends)
+        .map(|[position, _]| position)
+        .collect();
     positions
         .chunks_exact(2)
         .map(|ends| {
@@ -207,11 +210,17 @@ pub(super) fn lengths(model: &Model, state: &MotionState) -> Vec<f64> {
         .collect()
 }
 
-/// The positions of the points of all external forces.
-pub(super) fn force_points(model: &Model, state: &MotionState) -> Vec<CartesianVector> {
+/// The positions and velocities of the points of all external forces.
+pub(super) fn point_motions(model: &Model, state: &MotionState) -> Vec<[CartesianVector; 2]> {
     let places = model.forces.iter().map(|force| Anchor {
         body: model.points[force.point].body,
         point: Some(force.point),
     });
-    positions(model, state, places).collect()
+    motions(model, state, places).collect()
+}
+
+/// The positions of the points of all external forces.
+pub(super) fn force_points(model: &Model, state: &MotionState) -> Vec<CartesianVector> {
+    let motions = point_motions(model, state).into_iter();
+    motions.map(|[position, _]| position).collect()
 }

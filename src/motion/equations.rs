@@ -2,6 +2,7 @@
 //! passes make of it, in the arithmetic of a target.
 
 use super::MotionError;
+use super::generated_loops::GeneratedLoops;
 use crate::generate::{Formulation, GenerationRequest, Options, cuts_of_rows, generate};
 use crate::kinematics::linear::DenseMatrix;
 use crate::kinematics::{CompiledFunction, LoopConstraints, MotionState};
@@ -26,6 +27,12 @@ pub struct EquationSetting<'a> {
     /// `M qdd + c = Qq`. Formulations that give nothing else are taken so
     /// whatever is asked.
     pub accelerations: bool,
+    /// Take the loops' positions and velocities and all accelerations from the
+    /// generated functions of the whole step (`loop_positions`,
+    /// `loop_velocities`, `accelred`). What the model is watched by (residuals,
+    /// the work of drives) then comes from its equations as they are generated,
+    /// in binary64.
+    pub whole_step: bool,
     /// A scene that the passes use in the equations of motion (`dirdyna`,
     /// `accelred`), and how these are generated for it. Positions, loops and
     /// links stay those of the model.
@@ -42,6 +49,7 @@ impl Default for EquationSetting<'_> {
             passes: None,
             format: Format::BINARY64,
             accelerations: false,
+            whole_step: false,
             scene: None,
             program: None,
         }
@@ -52,6 +60,7 @@ impl Default for EquationSetting<'_> {
 pub struct MotionEquations {
     joints: usize,
     constraints: LoopConstraints,
+    loops: Option<GeneratedLoops>,
     dynamics: CompiledFunction,
     acceleration: Option<CompiledFunction>,
     solved: Option<CompiledFunction>,
@@ -72,13 +81,30 @@ impl MotionEquations {
         setting: &EquationSetting<'_>,
     ) -> Result<MotionEquations, MotionError> {
         let compiled = |function| compile(model, function, setting);
-        let mut constraints = LoopConstraints::none(model, setting.format);
-        let mut acceleration = None;
+        // What only watches a whole step is not what is watched.
+        let around = if setting.whole_step {
+            EquationSetting {
+                passes: None,
+                format: Format::BINARY64,
+                ..*setting
+            }
+        } else {
+            *setting
+        };
+        let (mut constraints, mut loops, mut acceleration) =
+            (LoopConstraints::none(model, around.format), None, None);
         if !model.cuts.is_empty() {
             let row_cuts = cuts_of_rows(model)?;
-            let position = compiled(FunctionKind::ConsHJ)?;
-            constraints = LoopConstraints::new(model, setting.format, position, row_cuts);
-            acceleration = Some(compiled(FunctionKind::ConsJdqd)?);
+            let position = compile(model, FunctionKind::ConsHJ, &around)?;
+            constraints = LoopConstraints::new(model, around.format, position, row_cuts);
+            if setting.whole_step {
+                let functions = [FunctionKind::LoopPositions, FunctionKind::LoopVelocities];
+                let [positions, velocities] = functions.map(compiled);
+                let epsilon = 2.0 * setting.format.unit_roundoff();
+                loops = Some(GeneratedLoops::new([positions?, velocities?], epsilon));
+            } else {
+                acceleration = Some(compiled(FunctionKind::ConsJdqd)?);
+            }
         }
         let given = setting.formulation.gives(FunctionKind::Dirdyna);
         // The mass matrix still tells what drives have to do.
@@ -88,7 +114,7 @@ impl MotionEquations {
             } else {
                 Formulation::default()
             },
-            ..*setting
+            ..around
         };
         let optional = |needed: bool, function| {
             let function = needed.then(|| compiled(function));
@@ -99,7 +125,11 @@ impl MotionEquations {
             forces: optional(!model.forces.is_empty(), FunctionKind::Extforces)?,
             joints: model.joints.len(),
             dynamics: compile(model, FunctionKind::Dirdyna, &dynamics)?,
-            solved: optional(setting.accelerations || !given, FunctionKind::Accelred)?,
+            solved: optional(
+                setting.accelerations || setting.whole_step || !given,
+                FunctionKind::Accelred,
+            )?,
+            loops,
             program: setting
                 .program
                 .map(|given| program(model, given))
@@ -118,6 +148,11 @@ impl MotionEquations {
     /// The constraints of the loops.
     pub fn constraints(&self) -> &LoopConstraints {
         &self.constraints
+    }
+
+    /// The generated functions that close the loops, where they do.
+    pub(super) fn generated_loops(&self) -> Option<&GeneratedLoops> {
+        self.loops.as_ref()
     }
 
     /// `M` and `c` of `M qdd + c = Qq`.

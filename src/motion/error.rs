@@ -27,6 +27,25 @@ pub enum MotionError {
         /// Time, s.
         time: f64,
     },
+    /// The generated functions of the whole step cannot close a loop with the
+    /// joints they move.
+    #[error(
+        "at {time:?} s the generated functions cannot close the cut '{cut}': its ends stay \
+         {gap:.3e} apart, and the loops determine '{joint}' least of the joints that these \
+         functions move (its pivot is {pivot:.1e} of the largest)"
+    )]
+    DeadPoint {
+        /// Name of the joint with the smallest pivot.
+        joint: String,
+        /// Name of the cut of the row it stands in.
+        cut: String,
+        /// The pivot, relative to the largest.
+        pivot: f64,
+        /// The largest residual of the constraints.
+        gap: f64,
+        /// Time, s.
+        time: f64,
+    },
     /// The adaptive integrator cannot meet its tolerances.
     #[error("at {time:?} s a step of {step:.1e} s still misses the tolerance")]
     StepTooSmall {
@@ -50,6 +69,11 @@ impl MotionError {
             MotionError::Singular { .. } => Some(
                 "give the bodies behind it mass and inertia, or make one of two \
                  joints that do the same driven",
+            ),
+            MotionError::DeadPoint { .. } => Some(
+                "which joints depend is fixed when the functions are generated: make that joint \
+                 independent and another one of its loop dependent, or simulate without \
+                 --whole-step, which exchanges them on the way",
             ),
             MotionError::State(error) => error.advice(),
             MotionError::StepTooSmall { .. } => {

@@ -10,6 +10,8 @@
 //! damping = 2.0        # N s/m or N m s/rad
 //! neutral = 0.1        # where the spring is slack; default: initial position
 //! force = 0.0          # constant, N or N m
+//! friction = 0.0       # dry friction, N or N m, turned over at velocities
+//! slip = 0.01          # around this one, m/s or rad/s; links alike
 //!
 //! [[link]]
 //! name = "strut"       # or "*"
@@ -29,6 +31,22 @@
 //! frequency = 6.28         # rad/s
 //! phase = 0.0              # rad
 //!
+//! [[contact]]
+//! name = "tyre"        # the point of an external force, or "*", and a plane:
+//! place = [0, 0, 0]    # a point of it, m
+//! normal = [0, 0, 1]   # out of the ground, of any length
+//! stiffness = 2e5      # against the way into the ground, N/m
+//! damping = 5e2        # against the velocity there, N s/m; it never pulls
+//! friction = 0.7       # share of the pressure that acts against slip
+//! slip = 0.01          # velocity around which friction turns over, m/s
+//!
+//! [[event]]
+//! name = "knee"        # a joint, or an external force with a contact
+//! quantity = "position"    # "velocity", or "gap" of the contact
+//! value = 0.0          # that it passes
+//! direction = "both"   # "rising" or "falling"
+//! stop = false         # true: the run ends there
+//!
 //! [[driven]]
 //! name = "steering"    # position = offset + amplitude sin(frequency t + phase)
 //! offset = 0.0         # default: initial position
@@ -37,6 +55,8 @@
 //! phase = 0.0          # rad
 //! ```
 
+use super::contact::Contact;
+use super::events::{EventLaw, EventQuantity};
 use crate::model::{Model, Nature};
 use robovec_ir::diagnostic::{Diagnostic, Label, clip, did_you_mean};
 use robovec_num::limits::{Amount, NumberLimit};
@@ -51,6 +71,19 @@ const LAW: NumberLimit = NumberLimit::real(
     "motions that stiff have no digits left in binary64",
 );
 
+/// Amounts of friction: it takes energy and gives none.
+const FRICTION: NumberLimit = NumberLimit::real(
+    0.0,
+    1e15,
+    "motions that stiff have no digits left in binary64, and friction gives no energy",
+);
+/// Velocities around which friction turns over.
+const SLIP: NumberLimit = NumberLimit::real(
+    1e-9,
+    1e6,
+    "friction that turns over faster is a jump to an integrator",
+);
+
 /// The limits of the numbers of laws: name, limit, and what it is when the
 /// file does not say.
 pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
@@ -58,6 +91,10 @@ pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
     ("damping", LAW, "0"),
     ("neutral", LAW, "initial"),
     ("force", LAW, "0"),
+    ("friction", FRICTION, "0"),
+    ("slip", SLIP, "0.01"),
+    ("normal", LAW, "[0, 0, 1]"),
+    ("value", LAW, "0"),
     ("torque", LAW, "0"),
     ("place", LAW, "initial"),
     ("offset", LAW, "initial"),
@@ -80,6 +117,21 @@ pub struct Spring {
     pub neutral: Option<f64>,
     /// A constant force: in the direction of the joint, or as a pull.
     pub force: f64,
+    /// Dry friction: its largest force.
+    pub friction: f64,
+    /// The velocity around which friction turns over; `None`:
+    /// [`SLIP_VELOCITY`].
+    pub slip: Option<f64>,
+}
+
+/// The velocity around which friction turns over when a law does not say, m/s
+/// or rad/s.
+pub const SLIP_VELOCITY: f64 = 0.01;
+
+/// The share of dry friction that acts at a velocity: with its sign, smooth,
+/// and 0.7 at `slip`. At rest it lets a load creep instead of holding it.
+pub fn friction_share(velocity: f64, slip: Option<f64>) -> f64 {
+    velocity / velocity.hypot(slip.unwrap_or(SLIP_VELOCITY))
 }
 
 /// An external force on a point, along the axes of the base: constant, and
@@ -103,12 +155,21 @@ pub struct Support {
     pub frequency: f64,
     /// Its phase, rad.
     pub phase: f64,
+    /// Of the point with a plane; a section of its own in a file.
+    #[serde(skip)]
+    pub contact: Contact,
 }
 
 impl Spring {
     /// True where it can give a force.
     pub fn acts(&self) -> bool {
-        self.stiffness != 0.0 || self.damping != 0.0 || self.force != 0.0
+        let parts = [self.stiffness, self.damping, self.force, self.friction];
+        parts.iter().any(|&part| part != 0.0)
+    }
+
+    /// The dry friction at a velocity, against it.
+    pub fn dry(&self, velocity: f64) -> f64 {
+        self.friction * friction_share(velocity, self.slip)
     }
 }
 
@@ -116,7 +177,7 @@ impl Support {
     /// True where it can give a force or a torque.
     pub fn acts(&self) -> bool {
         let parts = [self.force, self.torque, self.stiffness, self.damping];
-        parts.concat().iter().any(|&number| number != 0.0)
+        self.contact.acts() || parts.concat().iter().any(|&number| number != 0.0)
     }
 
     /// How far the place is from its mean at a time, m, and its velocity,
@@ -170,6 +231,8 @@ pub struct Laws {
     pub forces: Vec<Support>,
     /// One for each joint; only those of driven joints count.
     pub drives: Vec<Drive>,
+    /// What a run looks out for.
+    pub events: Vec<EventLaw>,
 }
 
 #[derive(Deserialize, Default)]
@@ -178,6 +241,8 @@ struct LawsFile {
     joint: Vec<toml::Table>,
     link: Vec<toml::Table>,
     force: Vec<toml::Table>,
+    contact: Vec<toml::Table>,
+    event: Vec<toml::Table>,
     driven: Vec<toml::Table>,
 }
 
@@ -188,6 +253,8 @@ struct LawNames {
     joint: Vec<Named>,
     link: Vec<Named>,
     force: Vec<Named>,
+    contact: Vec<Named>,
+    event: Vec<Named>,
     driven: Vec<Named>,
 }
 
@@ -204,6 +271,7 @@ impl Laws {
             links: vec![Spring::default(); model.links.len()],
             forces: vec![Support::default(); model.forces.len()],
             drives: vec![Drive::default(); model.joints.len()],
+            events: Vec::new(),
         }
     }
 
@@ -241,6 +309,33 @@ impl Laws {
             &forces,
             &mut laws.forces,
         );
+        let mut contacts = vec![Contact::default(); model.forces.len()];
+        read.section(
+            "external force",
+            &file.contact,
+            &names.contact,
+            &forces,
+            &mut contacts,
+        );
+        for (law, contact) in laws.forces.iter_mut().zip(contacts) {
+            law.contact = contact;
+        }
+        for (entry, Named { name }) in file.contact.iter().zip(&names.contact) {
+            let zero = |list: &Vec<toml::Value>| {
+                let amount = |value: &toml::Value| {
+                    value
+                        .as_float()
+                        .or(value.as_integer().map(|number| number as f64))
+                };
+                list.iter().all(|value| amount(value) == Some(0.0))
+            };
+            let normal = entry.get("normal").and_then(toml::Value::as_array);
+            if normal.is_some_and(zero) {
+                let message = "the normal of a plane has a direction";
+                read.errors.push(wrong(name.span(), message, None));
+            }
+        }
+        laws.events = read.events(&file.event, &names.event, [&joints, &forces]);
         let driven = read.section(
             "joint",
             &file.driven,
@@ -292,30 +387,17 @@ impl LawReader<'_> {
         let mut found: Vec<(usize, NameRange)> = Vec::new();
         for (entry, Named { name }) in entries.iter().zip(names) {
             let span = name.span();
-            let mut entry = entry.clone();
-            entry.remove("name");
-            if let Some(reason) = refused(&entry) {
-                self.errors.push(wrong(span.clone(), &reason, None));
-            }
-            let law: T = match entry.try_into() {
-                Ok(law) => law,
-                Err(error) => {
-                    self.errors.push(wrong(span, error.message(), None));
-                    continue;
-                }
+            let Some(law) = self.entry::<T>(entry, &span) else {
+                continue;
             };
-            let name = name.get_ref().as_str();
-            if name == "*" {
+            if name.get_ref() == "*" {
                 general = Some(law);
                 continue;
             }
-            let Some(index) = known.iter().position(|known| *known == name) else {
-                let note = did_you_mean(name, known.iter().copied())
-                    .map(|near| format!("did you mean '{near}'?"));
-                let message = format!("the model has no {what} '{}'", clip(name));
-                self.errors.push(wrong(span, &message, note));
+            let Some(index) = self.index(what, name, known) else {
                 continue;
             };
+            let name = name.get_ref().as_str();
             if found.iter().any(|&(other, _)| other == index) {
                 let message = format!("'{}' has a law already", clip(name));
                 self.errors.push(wrong(span, &message, None));
@@ -333,6 +415,62 @@ impl LawReader<'_> {
         }
         found
     }
+
+    /// The law of an entry, without its name.
+    fn entry<T: DeserializeOwned>(&mut self, entry: &toml::Table, span: &NameRange) -> Option<T> {
+        let mut entry = entry.clone();
+        entry.remove("name");
+        if let Some(reason) = refused(&entry) {
+            self.errors.push(wrong(span.clone(), &reason, None));
+        }
+        match entry.try_into() {
+            Ok(law) => Some(law),
+            Err(error) => {
+                let error: toml::de::Error = error;
+                self.errors.push(wrong(span.clone(), error.message(), None));
+                None
+            }
+        }
+    }
+
+    /// The place of a name among those that are known.
+    fn index(&mut self, what: &str, name: &Spanned<String>, known: &[&str]) -> Option<usize> {
+        let text = name.get_ref().as_str();
+        let found = known.iter().position(|known| *known == text);
+        if found.is_none() {
+            let note = did_you_mean(text, known.iter().copied())
+                .map(|near| format!("did you mean '{near}'?"));
+            let message = format!("the model has no {what} '{}'", clip(text));
+            self.errors.push(wrong(name.span(), &message, note));
+        }
+        found
+    }
+
+    /// Reads events of joints and of external forces.
+    fn events(
+        &mut self,
+        entries: &[toml::Table],
+        names: &[Named],
+        [joints, forces]: [&[&str]; 2],
+    ) -> Vec<EventLaw> {
+        let mut events = Vec::new();
+        for (entry, Named { name }) in entries.iter().zip(names) {
+            let Some(mut event) = self.entry::<EventLaw>(entry, &name.span()) else {
+                continue;
+            };
+            let subject = match event.quantity {
+                EventQuantity::Gap => self.index("external force", name, forces),
+                EventQuantity::Position | EventQuantity::Velocity => {
+                    self.index("joint", name, joints)
+                }
+            };
+            if let Some(subject) = subject {
+                event.subject = subject;
+                events.push(event);
+            }
+        }
+        events
+    }
 }
 
 /// What is wrong with a number of an entry, if anything is.
@@ -347,7 +485,9 @@ fn refused(entry: &toml::Table) -> Option<String> {
             toml::Value::Float(number) => Some(*number),
             _ => None,
         });
-        let mut refusals = amounts.filter_map(|number| LAW.check(Amount::Real(number)).err());
+        let field = FIELDS.iter().find(|(name, ..)| name == key);
+        let limit = field.map_or(LAW, |(_, limit, _)| *limit);
+        let mut refusals = amounts.filter_map(|number| limit.check(Amount::Real(number)).err());
         refusals
             .next()
             .map(|reason| format!("'{}': {reason}", clip(key)))
@@ -356,7 +496,7 @@ fn refused(entry: &toml::Table) -> Option<String> {
 
 fn syntax(error: &toml::de::Error) -> Diagnostic {
     let span = error.span().unwrap_or(0..0);
-    let note = "see the manual of `robovec sim` for the sections [[joint]], [[link]], [[force]] and [[driven]]";
+    let note = "see the manual of `robovec sim` for the sections [[joint]], [[link]], [[force]], [[contact]], [[driven]] and [[event]]";
     wrong(span, error.message(), Some(note.to_owned()))
 }
 

@@ -5,26 +5,35 @@
 //! while energies and the work of forces are reckoned from the model. Where
 //! one of them is wrong, energy is lost or a loop opens.
 
+pub mod contact;
 mod energy;
 mod equations;
 mod error;
+pub mod events;
 mod free;
+mod generated_loops;
 pub mod integrate;
 pub mod laws;
+mod loads;
 pub mod plot;
 pub mod runge_kutta;
 mod simulation;
+mod solving;
 mod system;
 mod write_laws;
 
+pub use contact::Contact;
 pub use equations::{EquationSetting, MotionEquations};
 pub use error::MotionError;
+pub use events::{EVENT_TOLERANCE, EventDirection, EventLaw, EventQuantity, EventRecord};
 pub use free::{Calculus, Drift, FreeMotion, Stepping};
+pub use generated_loops::LoopKeeping;
 pub use laws::{Drive, Laws, Spring, Support};
+pub use loads::Energy;
 pub use simulation::{
     IntegrationMethod, MotionSample, SimulationPlan, SimulationRun, mean_position, simulate,
 };
-pub use system::{Energy, MultibodySystem};
+pub use system::{EvaluationWork, MultibodySystem};
 
 #[cfg(test)]
 mod tests;

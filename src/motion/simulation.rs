@@ -1,8 +1,9 @@
 //! A run in time: steps, samples and what they say of the whole.
 
-use super::MotionError;
+use super::events::{EventBracket, EventRecord, EventWatch, Signal};
 use super::integrate::{dormand_prince, growth, runge_kutta};
-use super::system::{Energy, MultibodySystem};
+use super::system::{EvaluationWork, MultibodySystem};
+use super::{Energy, MotionError};
 use crate::kinematics::MotionState;
 
 /// How a step is made.
@@ -33,8 +34,11 @@ pub struct SimulationPlan {
     pub samples: u32,
     /// How steps are made.
     pub method: IntegrationMethod,
-    /// Steps, rejected ones included, after which the run is given up.
+    /// Steps, rejected ones and those that look for events included, after
+    /// which the run is given up.
     pub step_limit: u64,
+    /// How exactly the times of events are found, s.
+    pub event_tolerance: f64,
 }
 
 /// The system at a time.
@@ -60,6 +64,16 @@ pub struct SimulationRun {
     pub steps: u64,
     /// Steps that missed the tolerance and were repeated.
     pub rejected: u64,
+    /// Steps that looked for the times of events.
+    pub searched: u64,
+    /// What all of them evaluated.
+    pub work: EvaluationWork,
+    /// The events of the laws that happened, in time.
+    pub events: Vec<EventRecord>,
+    /// How often contacts opened or closed.
+    pub contacts: u64,
+    /// When an event ended the run, s.
+    pub stopped: Option<f64>,
 }
 
 impl SimulationRun {
@@ -115,18 +129,18 @@ pub fn simulate(
     plan: &SimulationPlan,
     progress: &mut dyn FnMut(f64),
 ) -> Result<SimulationRun, MotionError> {
+    let before = system.work;
     let mut integrator = Integrator {
+        watch: EventWatch::new(&system.laws),
+        signals: Vec::new(),
         system,
         plan,
         packed: MultibodySystem::pack(initial, 0.0),
         step: plan.duration / f64::from(plan.samples.max(1)) / 10.0,
-        run: SimulationRun {
-            samples: Vec::new(),
-            steps: 0,
-            rejected: 0,
-        },
+        run: SimulationRun::default(),
     };
     integrator.sample(initial.time)?;
+    integrator.look(initial);
     for sample in 1..=plan.samples {
         // Times are products, so that they do not drift.
         let at = |sample: u32| {
@@ -135,12 +149,19 @@ pub fn simulate(
         let (from, to) = (at(sample - 1), at(sample));
         match plan.method {
             IntegrationMethod::RungeKutta { step } => integrator.fixed(from, to, step, progress)?,
-            IntegrationMethod::DormandPrince { relative, absolute } => {
-                integrator.adaptive(from, to, (relative, absolute), progress)?;
-            }
+            IntegrationMethod::DormandPrince { .. } => integrator.adaptive(from, to, progress)?,
+        }
+        if let Some(stopped) = integrator.run.stopped {
+            integrator.sample(stopped)?;
+            break;
         }
         integrator.sample(to)?;
     }
+    let after = integrator.system.work;
+    integrator.run.work = EvaluationWork {
+        slopes: after.slopes - before.slopes,
+        rounds: after.rounds - before.rounds,
+    };
     Ok(integrator.run)
 }
 
@@ -150,6 +171,18 @@ struct Integrator<'a, 's, 'm> {
     packed: Vec<f64>,
     step: f64,
     run: SimulationRun,
+    watch: EventWatch,
+    /// What is watched, in the state the run has reached.
+    signals: Vec<Signal>,
+}
+
+/// A step that was tried.
+struct TriedStep {
+    /// How long it is, s.
+    length: f64,
+    next: Vec<f64>,
+    /// Its error over the tolerance; none where steps are fixed.
+    ratio: f64,
 }
 
 impl Integrator<'_, '_, '_> {
@@ -157,33 +190,121 @@ impl Integrator<'_, '_, '_> {
         let state = self.system.unpack(time, &self.packed)?;
         self.run.samples.push(MotionSample {
             energy: self.system.energy(&state),
-            work: self.work(),
+            work: work_of(&self.packed),
             gap: self.system.gap(&state),
             state,
         });
         Ok(())
     }
 
-    fn work(&self) -> f64 {
-        work_of(&self.packed)
-    }
-
     fn count(&mut self) -> Result<(), MotionError> {
-        let count = self.run.steps + self.run.rejected;
+        let count = self.run.steps + self.run.rejected + self.run.searched;
         if count >= self.plan.step_limit {
             return Err(MotionError::TooManySteps(count));
         }
         Ok(())
     }
 
-    /// Takes over the result of a step, with loops closed.
+    /// Takes over the result of a step; with loops closed where they are
+    /// projected.
     fn accept(&mut self, time: f64, next: &[f64]) -> Result<(), MotionError> {
         let state = self.system.unpack(time, next)?;
         self.system.renew(&state);
         let work = work_of(next);
         self.packed = MultibodySystem::pack(&state, work);
         self.run.steps += 1;
+        self.look(&state);
         Ok(())
+    }
+
+    /// Looks at what is watched in a state that the run has reached.
+    fn look(&mut self, state: &MotionState) {
+        if self.watch.is_empty() {
+            return;
+        }
+        self.signals = self.signals(state);
+        let reached = self.watch.reach(state.time, &self.signals);
+        self.run.events.extend(reached.records);
+        self.run.contacts += reached.contacts;
+        if reached.stop {
+            self.run.stopped = Some(state.time);
+        }
+    }
+
+    fn signals(&self, state: &MotionState) -> Vec<Signal> {
+        let system = &*self.system;
+        self.watch.signals(system.model, &system.laws, state)
+    }
+
+    /// Tries a step from where the run is.
+    fn attempt(&mut self, time: f64, length: f64) -> Result<TriedStep, MotionError> {
+        let slope = |time: f64, packed: &[f64]| self.system.slope(time, packed);
+        let (next, ratio) = match self.plan.method {
+            IntegrationMethod::RungeKutta { .. } => {
+                (runge_kutta(time, &self.packed, length, slope)?, 0.0)
+            }
+            IntegrationMethod::DormandPrince { relative, absolute } => {
+                let (next, error) = dormand_prince(time, &self.packed, length, slope)?;
+                let ratio = self.ratio(&next, &error, (relative, absolute));
+                (next, ratio)
+            }
+        };
+        Ok(TriedStep {
+            length,
+            next,
+            ratio,
+        })
+    }
+
+    /// What is watched after a step.
+    fn after(&mut self, time: f64, tried: &TriedStep) -> Result<Vec<Signal>, MotionError> {
+        let state = self.system.unpack(time + tried.length, &tried.next)?;
+        Ok(self.signals(&state))
+    }
+
+    /// The step, or where something happens in it the shorter one to just
+    /// after the first time at which it does.
+    fn cut(&mut self, time: f64, whole: TriedStep) -> Result<TriedStep, MotionError> {
+        if self.watch.is_empty() {
+            return Ok(whole);
+        }
+        let mut ends = self.after(time, &whole)?;
+        let mut last = whole;
+        if self.watch.passed(&ends).is_empty() {
+            let part = self.watch.dip(last.length, &self.signals, &ends);
+            let Some(length) = part.map(|part| part * last.length).filter(|&x| x > 0.0) else {
+                return Ok(last);
+            };
+            let (tried, signals) = self.search(time, length)?;
+            if self.watch.passed(&signals).is_empty() {
+                return Ok(last);
+            }
+            (last, ends) = (tried, signals);
+        }
+        let tolerance = self.plan.event_tolerance;
+        let mut bracket = EventBracket::new(last.length);
+        let mut starts = self.signals.clone();
+        while !bracket.is_narrow(tolerance) {
+            let passed = self.watch.passed(&ends);
+            let of = |&place: &usize| [starts[place].value, ends[place].value];
+            let length = bracket.next(tolerance, passed.first().map(of));
+            let (tried, signals) = self.search(time, length)?;
+            if self.watch.passed(&signals).is_empty() {
+                (bracket.from, starts) = (length, signals);
+            } else {
+                (bracket.to, last, ends) = (length, tried, signals);
+            }
+        }
+        Ok(last)
+    }
+
+    /// A step that looks for an event.
+    fn search(&mut self, time: f64, length: f64) -> Result<(TriedStep, Vec<Signal>), MotionError> {
+        self.count()?;
+        self.run.searched += 1;
+        let tried = self.attempt(time, length)?;
+        let signals = self.after(time, &tried)?;
+        Ok((tried, signals))
     }
 
     fn fixed(
@@ -198,14 +319,25 @@ impl Integrator<'_, '_, '_> {
         let step = (to - from) / steps;
         let mut done = 0.0;
         while done < steps {
-            self.count()?;
-            let time = from + step * done;
-            let next = runge_kutta(time, &self.packed, step, |time, packed| {
-                self.system.slope(time, packed)
-            })?;
+            let (mut time, mut rest) = (from + step * done, step);
             done += 1.0;
-            self.accept(from + step * done, &next)?;
-            progress(from + step * done);
+            let end = from + step * done;
+            while rest > 0.0 {
+                self.count()?;
+                let whole = self.attempt(time, rest)?;
+                let tried = self.cut(time, whole)?;
+                time = if tried.length < rest {
+                    time + tried.length
+                } else {
+                    end
+                };
+                self.accept(time, &tried.next)?;
+                rest = end - time;
+                if self.run.stopped.is_some() {
+                    return Ok(());
+                }
+            }
+            progress(end);
         }
         Ok(())
     }
@@ -214,31 +346,33 @@ impl Integrator<'_, '_, '_> {
         &mut self,
         from: f64,
         to: f64,
-        tolerance: (f64, f64),
         progress: &mut dyn FnMut(f64),
     ) -> Result<(), MotionError> {
         let smallest = 1e-14 * self.plan.duration;
         let mut time = from;
-        while time < to {
+        while time < to && self.run.stopped.is_none() {
             self.count()?;
             let last = self.step >= to - time;
             let step = if last { to - time } else { self.step };
-            let attempt = dormand_prince(time, &self.packed, step, |time, packed| {
-                self.system.slope(time, packed)
-            });
             // A stage may leave what the loops allow: a shorter one may not.
-            let (next, ratio, failure) = match attempt {
-                Ok((next, error)) => {
-                    let ratio = self.ratio(&next, &error, tolerance);
-                    (next, ratio, None)
+            let (ratio, failure) = match self.attempt(time, step) {
+                Ok(whole) if whole.ratio <= 1.0 => {
+                    let ratio = whole.ratio;
+                    let tried = self.cut(time, whole)?;
+                    let cut = tried.length < step;
+                    time = if last && !cut {
+                        to
+                    } else {
+                        time + tried.length
+                    };
+                    self.accept(time, &tried.next)?;
+                    progress(time);
+                    (ratio, None)
                 }
-                Err(failure) => (Vec::new(), f64::INFINITY, Some(failure)),
+                Ok(missed) => (missed.ratio, None),
+                Err(failure) => (f64::INFINITY, Some(failure)),
             };
-            if ratio <= 1.0 {
-                time = if last { to } else { time + step };
-                self.accept(time, &next)?;
-                progress(time);
-            } else {
+            if ratio > 1.0 {
                 self.run.rejected += 1;
             }
             // A last step says little about how long others may be.

@@ -1,13 +1,15 @@
 //! The differential equation of a model.
 //!
 //! The state of the integrator holds all positions, all velocities and the
-//! work done so far. Dependent and driven joints are put where the loops and
-//! their laws want them before anything is computed; what the integrator
-//! predicts for them only serves as a start.
+//! work done so far. Driven joints are put where their laws want them before
+//! anything is computed, and so are dependent joints where loops are projected
+//! ([`LoopKeeping`]); what the integrator predicts for them then only serves
+//! as a start.
 
 use super::equations::EquationSetting;
-use super::{Laws, MotionEquations, MotionError, Spring, Support, energy};
-use crate::kinematics::linear::{DenseMatrix, column, dot, largest, solve_positive, solve_square};
+use super::generated_loops::LoopKeeping;
+use super::{Laws, MotionEquations, MotionError, energy};
+use crate::kinematics::linear::largest;
 use crate::kinematics::{LoopClosure, MotionState, Partition, StateError};
 use crate::model::{Model, Nature};
 
@@ -15,40 +17,29 @@ use crate::model::{Model, Nature};
 pub struct MultibodySystem<'m> {
     pub(super) model: &'m Model,
     pub(super) equations: MotionEquations,
-    laws: Laws,
+    pub(super) laws: Laws,
     /// The positions that joints start from.
-    initial: Vec<f64>,
+    pub(super) initial: Vec<f64>,
     /// The lengths of links there, as the equations give them. Along one axis
     /// of the common frame they have the axis' sign, and keep it.
-    lengths: Vec<f64>,
+    pub(super) lengths: Vec<f64>,
     /// Where springs hold the points of external forces.
-    places: Vec<[f64; 3]>,
-    partition: Partition,
+    pub(super) places: Vec<[f64; 3]>,
+    pub(super) partition: Partition,
+    pub(super) keeping: LoopKeeping,
+    pub(super) work: EvaluationWork,
+    /// When the joints that generated functions move first came near a dead
+    /// point, s.
+    weak_since: Option<f64>,
 }
 
-/// Energies of a state, J.
-#[derive(Clone, Copy, PartialEq, Default, Debug)]
-pub struct Energy {
-    /// Of motion.
-    pub kinetic: f64,
-    /// In gravity.
-    pub gravity: f64,
-    /// In springs.
-    pub springs: f64,
-}
-
-impl Energy {
-    /// The sum.
-    pub fn total(&self) -> f64 {
-        self.kinetic + self.gravity + self.springs
-    }
-}
-
-/// What the equations say of a state.
-struct SystemMotion {
-    accelerations: Vec<f64>,
-    /// What dampers, constant forces and drives put in, W.
-    power: f64,
+/// What a run has evaluated.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct EvaluationWork {
+    /// Right-hand sides of the differential equation.
+    pub slopes: u64,
+    /// Rounds of Newton's method, each with the constraints of all loops.
+    pub rounds: u64,
 }
 
 impl<'m> MultibodySystem<'m> {
@@ -73,9 +64,15 @@ impl<'m> MultibodySystem<'m> {
             lengths: Vec::new(),
             places: Vec::new(),
             partition: Partition::default(),
+            keeping: LoopKeeping::Project,
+            work: EvaluationWork::default(),
+            weak_since: None,
         };
         system.drive(&mut state);
         system.partition = system.loops().start(&mut state)?;
+        if let Some(loops) = system.equations.generated_loops() {
+            system.partition = loops.partition(model);
+        }
         system.initial.clone_from(&state.q);
         system.places = energy::force_points(model, &state);
         for (place, law) in system.places.iter_mut().zip(&system.laws.forces) {
@@ -112,7 +109,19 @@ impl<'m> MultibodySystem<'m> {
         for (law, &initial) in laws.drives.iter_mut().zip(&self.initial) {
             law.offset.get_or_insert(initial);
         }
+        // What a run looks out for moves nothing.
+        laws.events.clear();
         laws
+    }
+
+    /// The laws.
+    pub fn laws(&self) -> &Laws {
+        &self.laws
+    }
+
+    /// Sets how loops are kept closed from now on.
+    pub fn keep_loops(&mut self, keeping: LoopKeeping) {
+        self.keeping = keeping;
     }
 
     /// The roles of the joints.
@@ -143,214 +152,6 @@ impl<'m> MultibodySystem<'m> {
         }
     }
 
-    /// Sets all forces; the power of those that are no springs.
-    fn load(&self, state: &mut MotionState) -> f64 {
-        let mut power = 0.0;
-        for (index, law) in self.laws.joints.iter().enumerate() {
-            let neutral = law.neutral.unwrap_or(self.initial[index]);
-            let outside = law.force - law.damping * state.qd[index];
-            state.joint_forces[index] = outside - law.stiffness * (state.q[index] - neutral);
-            // What moves a driven joint is its drive, whatever the law says.
-            if self.model.joints[index].nature != Nature::Driven {
-                power += outside * state.qd[index];
-            }
-        }
-        if self.laws.links.iter().any(Spring::acts) {
-            power += self.load_links(state);
-        }
-        if self.laws.forces.iter().any(Support::acts) {
-            power += self.load_points(state);
-        }
-        power
-    }
-
-    fn load_links(&self, state: &mut MotionState) -> f64 {
-        let mut power = 0.0;
-        let lengths = self.equations.link_lengths(state);
-        for (index, ([length, rate], law)) in lengths.iter().zip(&self.laws.links).enumerate() {
-            let start = self.lengths[index];
-            let (length, rate) = (length * start.signum(), rate * start.signum());
-            let outside = law.force + law.damping * rate;
-            let neutral = law.neutral.unwrap_or(start.abs());
-            let pull = outside + law.stiffness * (length - neutral);
-            state.links[index] = pull * start.signum();
-            power -= outside * rate;
-        }
-        self.equations.add_links(state);
-        power
-    }
-
-    fn load_points(&self, state: &mut MotionState) -> f64 {
-        let mut power = 0.0;
-        let motions = self.equations.force_motion(state);
-        for (index, (motion, law)) in motions.iter().zip(&self.laws.forces).enumerate() {
-            let point = &self.model.points[self.model.forces[index].point];
-            let [place, velocity, spin] = motion;
-            let [ground, rate] = law.ground(state.time);
-            let mut outside = [0.0; 3];
-            for k in 0..3 {
-                outside[k] = law.force[k] - law.damping[k] * (velocity[k] - rate[k]);
-                let held = self.places[index][k] + ground[k];
-                let spring = law.stiffness[k] * (place[k] - held);
-                // What moves the place works on the spring.
-                power -= spring * rate[k];
-                state.external[index][k] = outside[k] - spring;
-                state.external[index][3 + k] = law.torque[k];
-                state.external[index][6 + k] = point.coordinates[k];
-            }
-            if point.body.is_some() {
-                power += dot(&outside, velocity) + dot(&law.torque, spin);
-            }
-        }
-        self.equations.add_forces(state);
-        power
-    }
-
-    /// The state with every force that the laws give in it.
-    pub fn loaded(&self, state: &MotionState) -> MotionState {
-        let mut loaded = state.clone();
-        self.load(&mut loaded);
-        loaded
-    }
-
-    /// Accelerations, and the power of what is not conservative.
-    fn motion(&self, state: &mut MotionState) -> Result<SystemMotion, MotionError> {
-        let mut power = self.load(state);
-        let accelerations = match self.equations.accelerations(state) {
-            Some(accelerations) => accelerations,
-            None => self.solve(state)?,
-        };
-        if !largest(&accelerations).is_finite() {
-            return Err(not_finite("an acceleration", state.time));
-        }
-        // A joint that is held takes no power.
-        let moves = |&joint: &usize| self.model.joints[joint].has_velocity;
-        if self.partition.driven.iter().any(moves) {
-            power += self.drive_power(state, &accelerations);
-        }
-        Ok(SystemMotion {
-            accelerations,
-            power,
-        })
-    }
-
-    /// Solves the equations of motion for the accelerations.
-    fn solve(&self, state: &MotionState) -> Result<Vec<f64>, MotionError> {
-        let (matrix, bias) = self.equations.dynamics(state);
-        if !largest(&bias).is_finite() {
-            return Err(not_finite("a force", state.time));
-        }
-        let Partition {
-            independent: u,
-            dependent: v,
-            driven: c,
-            rows,
-            ..
-        } = &self.partition;
-        // Dependent accelerations: B (independent ones) + b.
-        let mut given = vec![0.0; bias.len()];
-        for &joint in c {
-            given[joint] = state.qdd[joint];
-        }
-        let (slopes, offset) = if rows.is_empty() {
-            (DenseMatrix::zeros(0, u.len()), Vec::new())
-        } else {
-            let jacobian = self.equations.constraints().evaluate(state).1;
-            let quadratic = self.equations.quadratic(state);
-            self.dependence(state, &jacobian, &quadratic, &given)?
-        };
-        for (&joint, &part) in v.iter().zip(&offset) {
-            given[joint] = part;
-        }
-        let rest: Vec<f64> = (0..bias.len())
-            .map(|i| state.joint_forces[i] - bias[i] - dot(matrix.row(i), &given))
-            .collect();
-        // M reduced to the independent joints: T' M T with T = [1; B].
-        let transform = stack(u, v, &slopes, bias.len());
-        let (reduced, right) = if rows.is_empty() {
-            (matrix.select(u, u), u.iter().map(|&i| rest[i]).collect())
-        } else {
-            let reduced = transform.transposed().product(&matrix.product(&transform));
-            (reduced, transform.transposed_times(&rest))
-        };
-        let threshold = 16.0 * self.equations.epsilon();
-        let free =
-            solve_positive(reduced, right, threshold).map_err(|place| MotionError::Singular {
-                joint: self.model.joints[u[place]].name.clone(),
-                time: state.time,
-            })?;
-        let mut accelerations = transform.times(&free);
-        for (sum, given) in accelerations.iter_mut().zip(&given) {
-            *sum += given;
-        }
-        Ok(accelerations)
-    }
-
-    /// `B` and `b` of the dependent accelerations.
-    fn dependence(
-        &self,
-        state: &MotionState,
-        jacobian: &DenseMatrix,
-        quadratic: &[f64],
-        given: &[f64],
-    ) -> Result<(DenseMatrix, Vec<f64>), MotionError> {
-        let Partition {
-            independent: u,
-            dependent: v,
-            rows,
-            ..
-        } = &self.partition;
-        let mut right = DenseMatrix::zeros(rows.len(), u.len() + 1);
-        for (place, &row) in rows.iter().enumerate() {
-            for (column, &joint) in u.iter().enumerate() {
-                right[(place, column)] = -jacobian[(row, joint)];
-            }
-            right[(place, u.len())] = -quadratic[row] - dot(jacobian.row(row), given);
-        }
-        let square = jacobian.select(rows, v);
-        let solution = solve_square(square, right)
-            .ok_or_else(|| not_finite("the motion of a dependent joint", state.time))?;
-        let every: Vec<usize> = (0..rows.len()).collect();
-        let columns: Vec<usize> = (0..u.len()).collect();
-        let offset = (0..rows.len()).map(|row| solution[(row, u.len())]);
-        Ok((solution.select(&every, &columns), offset.collect()))
-    }
-
-    /// What the drives put in: the forces that the equations leave open on
-    /// driven joints, less those of the loops.
-    fn drive_power(&self, state: &MotionState, accelerations: &[f64]) -> f64 {
-        let Partition {
-            dependent: v,
-            driven: c,
-            rows,
-            ..
-        } = &self.partition;
-        let (matrix, bias) = self.equations.dynamics(state);
-        let needed: Vec<f64> = (0..bias.len())
-            .map(|i| dot(matrix.row(i), accelerations) + bias[i] - state.joint_forces[i])
-            .collect();
-        let mut of_loops = vec![0.0; bias.len()];
-        if !rows.is_empty() {
-            let jacobian = self.equations.constraints().evaluate(state).1;
-            let all: Vec<usize> = (0..bias.len()).collect();
-            let right: Vec<f64> = v.iter().map(|&joint| needed[joint]).collect();
-            let square = jacobian.select(rows, v).transposed();
-            if let Some(solution) = solve_square(square, column(&right)) {
-                let multipliers: Vec<f64> = (0..rows.len()).map(|k| solution[(k, 0)]).collect();
-                of_loops = jacobian.select(rows, &all).transposed_times(&multipliers);
-            }
-        }
-        // A law on a driven joint only shares the work with the drive; its
-        // spring does not.
-        let share = |joint: usize| {
-            let law = &self.laws.joints[joint];
-            law.force - law.damping * state.qd[joint]
-        };
-        c.iter()
-            .map(|&joint| (needed[joint] - of_loops[joint] + share(joint)) * state.qd[joint])
-            .sum()
-    }
-
     /// Positions, velocities and work, as the integrator holds them.
     pub(super) fn pack(state: &MotionState, work: f64) -> Vec<f64> {
         let mut packed = state.q.clone();
@@ -359,9 +160,9 @@ impl<'m> MultibodySystem<'m> {
         packed
     }
 
-    /// The state of an integrator's numbers: driven joints driven, loops
-    /// closed.
-    pub(super) fn unpack(&self, time: f64, packed: &[f64]) -> Result<MotionState, MotionError> {
+    /// The state of an integrator's numbers: driven joints driven, and loops
+    /// closed where they are projected.
+    pub(super) fn unpack(&mut self, time: f64, packed: &[f64]) -> Result<MotionState, MotionError> {
         let joints = self.model.joints.len();
         if !largest(packed).is_finite() {
             return Err(not_finite("a position or velocity", time));
@@ -371,58 +172,76 @@ impl<'m> MultibodySystem<'m> {
         state.q.copy_from_slice(&packed[..joints]);
         state.qd.copy_from_slice(&packed[joints..2 * joints]);
         self.drive(&mut state);
-        self.loops().close(&mut state, &self.partition)?;
+        if self.keeping == LoopKeeping::Project {
+            let rounds = match self.equations.generated_loops() {
+                None => self.loops().close(&mut state, &self.partition)?,
+                Some(loops) => loops.close(self.model, self.equations.constraints(), &mut state)?,
+            };
+            self.work.rounds += u64::from(rounds);
+        }
         Ok(state)
     }
 
     /// The right-hand side of the differential equation.
-    pub(super) fn slope(&self, time: f64, packed: &[f64]) -> Result<Vec<f64>, MotionError> {
+    pub(super) fn slope(&mut self, time: f64, packed: &[f64]) -> Result<Vec<f64>, MotionError> {
         let mut state = self.unpack(time, packed)?;
-        let motion = self.motion(&mut state)?;
+        let mut motion = self.motion(&mut state)?;
+        self.work.slopes += 1;
+        if let LoopKeeping::Stabilise { rate } = self.keeping {
+            self.stabilise(&state, rate, &mut motion.accelerations)?;
+        }
         let mut slope = state.qd;
         slope.extend_from_slice(&motion.accelerations);
         slope.push(motion.power);
         Ok(slope)
     }
 
+    /// Adds to the accelerations of dependent joints what pulls positions and
+    /// velocities back onto the constraints.
+    fn stabilise(
+        &mut self,
+        state: &MotionState,
+        rate: f64,
+        accelerations: &mut [f64],
+    ) -> Result<(), MotionError> {
+        if self.partition.dependent.is_empty() {
+            return Ok(());
+        }
+        let near = match self.equations.generated_loops() {
+            None => self.loops().nearest(state, &self.partition)?,
+            Some(loops) => loops.nearest(state),
+        };
+        self.work.rounds += 1;
+        for &joint in &self.partition.dependent {
+            let (away, faster) = (
+                state.q[joint] - near.q[joint],
+                state.qd[joint] - near.qd[joint],
+            );
+            accelerations[joint] -= rate * (2.0 * faster + rate * away);
+        }
+        Ok(())
+    }
+
     /// Chooses other dependent joints when those in use have come near a dead
-    /// point.
+    /// point; where they are fixed, the first time is remembered.
     pub(super) fn renew(&mut self, state: &MotionState) {
         if self.equations.constraints().rows() > 0 {
             let jacobian = self.equations.constraints().evaluate(state).1;
-            if !self.partition.holds(&jacobian) {
+            if self.partition.holds(&jacobian) {
+                return;
+            }
+            if self.equations.generated_loops().is_some() {
+                self.weak_since.get_or_insert(state.time);
+            } else {
                 self.partition = self.loops().divide(state);
             }
         }
     }
 
-    /// The energies of a state, from the model and the laws.
-    pub fn energy(&self, state: &MotionState) -> Energy {
-        let (kinetic, gravity) = energy::energies(self.model, state);
-        let of = |stiffness: f64, stretch: f64| 0.5 * stiffness * stretch * stretch;
-        let mut springs = 0.0;
-        for (index, law) in self.laws.joints.iter().enumerate() {
-            let neutral = law.neutral.unwrap_or(self.initial[index]);
-            springs += of(law.stiffness, state.q[index] - neutral);
-        }
-        let lengths = energy::lengths(self.model, state);
-        for (index, law) in self.laws.links.iter().enumerate() {
-            let neutral = law.neutral.unwrap_or(self.lengths[index].abs());
-            springs += of(law.stiffness, lengths[index] - neutral);
-        }
-        let places = energy::force_points(self.model, state);
-        for (index, law) in self.laws.forces.iter().enumerate() {
-            let [ground, _] = law.ground(state.time);
-            for k in 0..3 {
-                let held = self.places[index][k] + ground[k];
-                springs += of(law.stiffness[k], places[index][k] - held);
-            }
-        }
-        Energy {
-            kinetic,
-            gravity,
-            springs,
-        }
+    /// The first time at which the joints that generated functions move had
+    /// come near a dead point, s.
+    pub fn weak_since(&self) -> Option<f64> {
+        self.weak_since
     }
 
     /// The largest residual of the constraints.
@@ -431,21 +250,8 @@ impl<'m> MultibodySystem<'m> {
     }
 }
 
-/// The matrix that takes the independent motions to all motions.
-fn stack(u: &[usize], v: &[usize], slopes: &DenseMatrix, joints: usize) -> DenseMatrix {
-    let mut matrix = DenseMatrix::zeros(joints, u.len());
-    for (place, &joint) in u.iter().enumerate() {
-        matrix[(joint, place)] = 1.0;
-    }
-    for (row, &joint) in v.iter().enumerate() {
-        for place in 0..u.len() {
-            matrix[(joint, place)] = slopes[(row, place)];
-        }
-    }
-    matrix
-}
-
-fn not_finite(what: &str, time: f64) -> MotionError {
+/// The error of something that has become infinite or undefined.
+pub(super) fn not_finite(what: &str, time: f64) -> MotionError {
     MotionError::State(StateError::NotFinite {
         what: what.to_owned(),
         time,

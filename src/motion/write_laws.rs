@@ -1,5 +1,7 @@
 //! Laws as the text of a file.
 
+use super::contact::Contact;
+use super::events::EventLaw;
 use super::laws::{Drive, Laws, Spring, Support};
 use crate::model::Model;
 use toml::{Table, Value};
@@ -20,11 +22,24 @@ impl Laws {
         let forces = model.forces.iter().map(|force| &*force.name);
         section("joint", springs(joints.clone(), &self.joints));
         section("link", springs(links, &self.links));
-        let acting = forces.zip(&self.forces).filter(|(_, law)| law.acts());
+        let acting = forces
+            .clone()
+            .zip(&self.forces)
+            .filter(|(_, law)| law.acts());
         section(
             "force",
             acting.map(|(name, law)| support(name, law)).collect(),
         );
+        let planes = forces.clone().zip(&self.forces);
+        let planes = planes.filter(|(_, law)| law.contact != Contact::default());
+        section(
+            "contact",
+            planes
+                .map(|(name, law)| contact(name, &law.contact))
+                .collect(),
+        );
+        let events = self.events.iter().map(|law| event(model, law));
+        section("event", events.collect());
         let moved = model
             .joints
             .iter()
@@ -57,6 +72,8 @@ fn springs<'a>(names: impl Iterator<Item = &'a str>, laws: &[Spring]) -> Vec<Tab
                 ("stiffness", law.stiffness),
                 ("damping", law.damping),
                 ("force", law.force),
+                ("friction", law.friction),
+                ("slip", law.slip.unwrap_or(0.0)),
             ];
             let mut spring = entry(name, &numbers);
             if let Some(neutral) = law.neutral {
@@ -82,11 +99,41 @@ fn support(name: &str, law: &Support) -> Table {
         .filter(|(_, vector)| *vector != Some([0.0; 3]));
     for (key, vector) in written.chain([("place", law.place)]) {
         if let Some(vector) = vector {
-            let list = vector.into_iter().map(Value::Float).collect();
-            support.insert(key.to_owned(), Value::Array(list));
+            support.insert(key.to_owned(), list(vector));
         }
     }
     support
+}
+
+fn list(vector: [f64; 3]) -> Value {
+    Value::Array(vector.into_iter().map(Value::Float).collect())
+}
+
+fn contact(name: &str, law: &Contact) -> Table {
+    let numbers = [
+        ("stiffness", law.stiffness),
+        ("damping", law.damping),
+        ("friction", law.friction),
+        ("slip", law.slip.unwrap_or(0.0)),
+    ];
+    let mut contact = entry(name, &numbers);
+    for (key, vector) in [("place", law.place), ("normal", law.normal)] {
+        contact.insert(key.to_owned(), list(vector));
+    }
+    contact
+}
+
+fn event(model: &Model, law: &EventLaw) -> Table {
+    let mut event = entry(law.subject(model), &[("value", law.value)]);
+    let words = [
+        ("quantity", law.quantity.name()),
+        ("direction", law.direction.name()),
+    ];
+    for (key, word) in words {
+        event.insert(key.to_owned(), Value::String(word.to_owned()));
+    }
+    event.insert("stop".to_owned(), Value::Boolean(law.stop));
+    event
 }
 
 fn drive(name: &str, law: &Drive) -> Table {

@@ -9,7 +9,8 @@ use crate::generate::{GenerationRequest, generate};
 use crate::kinematics::MotionState;
 use crate::model::Model;
 use crate::motion::{
-    IntegrationMethod, Laws, MotionError, MultibodySystem, SimulationPlan, SimulationRun, simulate,
+    EVENT_TOLERANCE, IntegrationMethod, Laws, MotionError, MultibodySystem, SimulationPlan,
+    SimulationRun, simulate,
 };
 use crate::robotran::FunctionKind;
 use crate::scene::{self, ModelSubject, PIPELINE, SceneFile, SceneMotion, SceneSubject, USUAL};
@@ -199,6 +200,7 @@ impl NeglectJudge<'_> {
                 absolute: tolerance,
             },
             step_limit: self.step_limit,
+            event_tolerance: EVENT_TOLERANCE,
         }
     }
 

@@ -56,10 +56,16 @@ impl SceneFile {
             passes: Some((&pipeline, machine)),
             format: Format::BINARY64,
             accelerations: subject.function == FunctionKind::Accelred,
+            whole_step: false,
             scene: Some((&scene, &subject.options)),
             program,
         };
-        let (mut system, initial) = MultibodySystem::new(&model, laws.clone(), &setting)?;
+        // What a run of `sim` looks out for does not end the motions of scenes.
+        let laws = Laws {
+            events: Vec::new(),
+            ..laws.clone()
+        };
+        let (mut system, initial) = MultibodySystem::new(&model, laws, &setting)?;
         action(&mut system, &initial)
     }
 }

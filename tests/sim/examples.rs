@@ -2,7 +2,8 @@
 
 use robovec::model::{Model, mbs::read_mbs};
 use robovec::motion::{
-    EquationSetting, IntegrationMethod, Laws, MultibodySystem, SimulationPlan, simulate,
+    EVENT_TOLERANCE, EquationSetting, IntegrationMethod, Laws, MultibodySystem, SimulationPlan,
+    simulate,
 };
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -40,6 +41,7 @@ fn all_example_models_keep_their_energy() {
             samples: 1,
             method: IntegrationMethod::RungeKutta { step: 1e-3 },
             step_limit: 1000,
+            event_tolerance: EVENT_TOLERANCE,
         };
         let laws = Laws::none(&model);
         let run = MultibodySystem::new(&model, laws, &EquationSetting::default())
@@ -92,6 +94,7 @@ fn example_laws_bring_their_models_to_rest() {
                 absolute: 1e-7,
             },
             step_limit: 20_000,
+            event_tolerance: EVENT_TOLERANCE,
         };
         let run = MultibodySystem::new(model, laws, &EquationSetting::default())
             .and_then(|(mut system, state)| simulate(&mut system, &state, &plan, &mut |_| {}))

@@ -4,8 +4,8 @@ use super::models::{Builder, Solid, double_pendulum, four_bar, runge_kutta};
 use robovec::kinematics::{Partition, StateError};
 use robovec::model::{CutKind, Model, Nature};
 use robovec::motion::{
-    EquationSetting, IntegrationMethod, Laws, MotionError, MultibodySystem, SimulationPlan,
-    simulate,
+    EVENT_TOLERANCE, EquationSetting, IntegrationMethod, Laws, MotionError, MultibodySystem,
+    SimulationPlan, simulate,
 };
 
 fn error(model: &Model, text: &str, method: IntegrationMethod, limit: u64) -> MotionError {
@@ -15,6 +15,7 @@ fn error(model: &Model, text: &str, method: IntegrationMethod, limit: u64) -> Mo
         samples: 10,
         method,
         step_limit: limit,
+        event_tolerance: EVENT_TOLERANCE,
     };
     MultibodySystem::new(model, laws, &EquationSetting::default())
         .and_then(|(mut system, initial)| simulate(&mut system, &initial, &plan, &mut |_| {}))

@@ -4,8 +4,8 @@ use robovec::model::{
     Anchor, Asks, Body, Cut, CutKind, Joint, JointKind, Link, Model, ModelPoint, Nature, Sensor,
 };
 use robovec::motion::{
-    EquationSetting, IntegrationMethod, Laws, MultibodySystem, SimulationPlan, SimulationRun,
-    simulate,
+    EVENT_TOLERANCE, EquationSetting, IntegrationMethod, Laws, MultibodySystem, SimulationPlan,
+    SimulationRun, simulate,
 };
 
 /// A builder of models body by body.
@@ -246,6 +246,7 @@ pub(crate) fn run_with(
         samples: 20,
         method,
         step_limit: 1_000_000,
+        event_tolerance: EVENT_TOLERANCE,
     };
     let (mut system, initial) = MultibodySystem::new(model, laws, setting).expect("a system");
     simulate(&mut system, &initial, &plan, &mut |_| {}).expect("a run")

@@ -1,0 +1,102 @@
+//! Contact of a point with a plane: a spring and a damper that push and never
+//! pull, and dry friction along the plane.
+
+use super::energy::{CartesianVector, dot};
+use super::laws::friction_share;
+use serde::Deserialize;
+
+/// Contact of the point of an external force with a plane.
+#[derive(Clone, Copy, PartialEq, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Contact {
+    /// A point of the plane, m.
+    pub place: [f64; 3],
+    /// Out of the ground, of any length but zero.
+    pub normal: [f64; 3],
+    /// Force per way into the ground, N/m.
+    pub stiffness: f64,
+    /// Force per velocity there, N s/m.
+    pub damping: f64,
+    /// The share of the pressure that acts against slip.
+    pub friction: f64,
+    /// The velocity around which friction turns over, m/s; `None`:
+    /// [`SLIP_VELOCITY`](super::laws::SLIP_VELOCITY).
+    pub slip: Option<f64>,
+}
+
+impl Default for Contact {
+    fn default() -> Contact {
+        Contact {
+            place: [0.0; 3],
+            normal: [0.0, 0.0, 1.0],
+            stiffness: 0.0,
+            damping: 0.0,
+            friction: 0.0,
+            slip: None,
+        }
+    }
+}
+
+/// What a contact does to its point.
+#[derive(Clone, Copy, PartialEq, Default, Debug)]
+pub(super) struct ContactForce {
+    /// On the point, along the axes of the base, N.
+    pub(super) force: CartesianVector,
+    /// The part of it that its spring keeps and gives back, N.
+    pub(super) spring: CartesianVector,
+}
+
+impl Contact {
+    /// True where it can give a force.
+    pub fn acts(&self) -> bool {
+        self.stiffness != 0.0 || self.damping != 0.0
+    }
+
+    /// The normal of length one.
+    fn direction(&self) -> CartesianVector {
+        // Scaled first, so that no square leaves the range.
+        let most = self.normal.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+        let scaled = self.normal.map(|x| x / most);
+        let length = dot(scaled, scaled).sqrt();
+        scaled.map(|x| x / length)
+    }
+
+    /// How far a point is above the plane, m, and the rate of that, m/s.
+    pub fn gap(&self, place: [f64; 3], velocity: [f64; 3]) -> [f64; 2] {
+        let normal = self.direction();
+        let arm: CartesianVector = std::array::from_fn(|k| place[k] - self.place[k]);
+        [dot(normal, arm), dot(normal, velocity)]
+    }
+
+    /// The energy of the spring, J.
+    pub(super) fn energy(&self, place: CartesianVector) -> f64 {
+        let [gap, _] = self.gap(place, [0.0; 3]);
+        let way = (-gap).max(0.0);
+        0.5 * self.stiffness * way * way
+    }
+
+    /// The force on a point.
+    pub(super) fn force(&self, place: CartesianVector, velocity: CartesianVector) -> ContactForce {
+        let [gap, rate] = self.gap(place, velocity);
+        if gap >= 0.0 {
+            return ContactForce::default();
+        }
+        let spring = -self.stiffness * gap;
+        let pressure = (spring - self.damping * rate).max(0.0);
+        let normal = self.direction();
+        let slip: CartesianVector = std::array::from_fn(|k| velocity[k] - rate * normal[k]);
+        let speed = dot(slip, slip).sqrt();
+        let share = self.friction * pressure * friction_share(speed, self.slip);
+        let along = |k: usize| {
+            if speed > 0.0 {
+                share * slip[k] / speed
+            } else {
+                0.0
+            }
+        };
+        ContactForce {
+            force: std::array::from_fn(|k| pressure * normal[k] - along(k)),
+            spring: normal.map(|part| spring * part),
+        }
+    }
+}
