@@ -216,6 +216,37 @@ pub fn eliminate(mut matrix: DenseMatrix, weights: &[f64], threshold: f64) -> Ve
     pivots
 }
 
+/// The sign of the determinant of a square matrix, by elimination with partial
+/// pivoting: 1 or -1, and 0 where it is singular or not finite.
+pub fn determinant_sign(mut matrix: DenseMatrix) -> i8 {
+    let n = matrix.rows();
+    let mut sign = 1;
+    for k in 0..n {
+        let size = |row: &usize| matrix[(*row, k)].abs();
+        let pivot = (k..n).max_by(|a, b| size(a).total_cmp(&size(b)));
+        let pivot = pivot.expect("rows are left");
+        let value = matrix[(pivot, k)];
+        if value == 0.0 || !value.is_finite() {
+            return 0;
+        }
+        if (pivot != k) != (value < 0.0) {
+            sign = -sign;
+        }
+        for column in 0..n {
+            let (upper, lower) = (matrix[(k, column)], matrix[(pivot, column)]);
+            (matrix[(k, column)], matrix[(pivot, column)]) = (lower, upper);
+        }
+        for row in k + 1..n {
+            let factor = matrix[(row, k)] / value;
+            for column in k..n {
+                let known = factor * matrix[(k, column)];
+                matrix[(row, column)] -= known;
+            }
+        }
+    }
+    sign
+}
+
 /// Solves a square system for several right sides, the columns of `right`, by
 /// elimination with partial pivoting. `None` when the matrix is singular.
 pub fn solve_square(mut matrix: DenseMatrix, mut right: DenseMatrix) -> Option<DenseMatrix> {

@@ -1,6 +1,6 @@
 //! Which joints move freely and which follow from the loops.
 
-use super::linear::{DenseMatrix, eliminate};
+use super::linear::{DenseMatrix, Pivot, determinant_sign, eliminate};
 use crate::model::{Model, Nature};
 
 /// A pivot that is smaller than this fraction of what another choice of
@@ -36,7 +36,7 @@ impl Partition {
         let free = weights(&[Nature::Independent, Nature::Dependent]);
         let best = eliminate(jacobian.clone(), &free, threshold);
         let named = eliminate(jacobian.clone(), &weights(&[Nature::Dependent]), threshold);
-        let smallest = |pivots: &[super::linear::Pivot]| {
+        let smallest = |pivots: &[Pivot]| {
             let sizes = pivots.iter().map(|pivot| pivot.size);
             sizes.fold(f64::INFINITY, f64::min)
         };
@@ -73,8 +73,44 @@ impl Partition {
 
     /// True when the dependent joints still determine the loops well.
     pub fn holds(&self, jacobian: &DenseMatrix) -> bool {
+        self.weakest(jacobian)
+            .is_none_or(|pivot| pivot.size >= WEAK)
+    }
+
+    /// On which side of a dead point a state is: the sign of the determinant
+    /// that dependent joints follow from, 0 at the point itself.
+    pub fn side(&self, jacobian: &DenseMatrix) -> i8 {
+        determinant_sign(jacobian.select(&self.rows, &self.dependent))
+    }
+
+    /// The row of the constraints and the dependent joint that the loops
+    /// determine least; its size is that of the pivot as a fraction of the
+    /// smallest one of the best choice among the joints that are not driven.
+    /// `None` where nothing depends.
+    pub fn weakest(&self, jacobian: &DenseMatrix) -> Option<Pivot> {
+        let count = self.dependent.len();
         let square = jacobian.select(&self.rows, &self.dependent);
-        let pivots = eliminate(square, &vec![1.0; self.dependent.len()], WEAK * 0.1);
-        pivots.len() == self.dependent.len()
+        let pivots = eliminate(square, &vec![1.0; count], 0.0);
+        let mut free = vec![0.0; jacobian.columns()];
+        for &joint in self.dependent.iter().chain(&self.independent) {
+            free[joint] = 1.0;
+        }
+        let best = eliminate(jacobian.clone(), &free, 0.0);
+        // Rows that say what others say come last.
+        let best = best
+            .get(count.wrapping_sub(1))
+            .map_or(0.0, |pivot| pivot.size);
+        let lost = |taken: fn(&Pivot) -> usize| {
+            (0..count).find(|place| pivots.iter().all(|pivot| taken(pivot) != *place))
+        };
+        let (row, column, size) = match (lost(|p| p.row), lost(|p| p.column), pivots.last()) {
+            (Some(row), Some(column), _) => (row, column, 0.0),
+            (_, _, last) => last.map(|last| (last.row, last.column, last.size))?,
+        };
+        Some(Pivot {
+            row: self.rows[row],
+            column: self.dependent[column],
+            size: if best > 0.0 { size / best } else { 0.0 },
+        })
     }
 }

@@ -28,18 +28,18 @@ pub enum MotionError {
         time: f64,
     },
     /// The generated functions of the whole step cannot close a loop with the
-    /// joints they move.
+    /// joints they move, or have gone past the point where they could.
     #[error(
-        "at {time:?} s the generated functions cannot close the cut '{cut}': its ends stay \
-         {gap:.3e} apart, and the loops determine '{joint}' least of the joints that these \
-         functions move (its pivot is {pivot:.1e} of the largest)"
+        "at {time:?} s the generated functions have reached a dead point of the cut '{cut}': of \
+         the joints that they move the loops determine '{joint}' least (its pivot is {pivot:.1e} \
+         of that of the best choice), and the ends stay {gap:.1e} apart"
     )]
     DeadPoint {
         /// Name of the joint with the smallest pivot.
         joint: String,
         /// Name of the cut of the row it stands in.
         cut: String,
-        /// The pivot, relative to the largest.
+        /// The pivot, as a fraction of the smallest one of the best choice.
         pivot: f64,
         /// The largest residual of the constraints.
         gap: f64,

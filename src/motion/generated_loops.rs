@@ -7,7 +7,7 @@
 
 use super::MotionError;
 use super::system::not_finite;
-use crate::kinematics::linear::{eliminate, largest};
+use crate::kinematics::linear::largest;
 use crate::kinematics::{ClosingLimits, CompiledFunction, LoopConstraints, MotionState, Partition};
 use crate::model::{Model, Nature};
 
@@ -133,7 +133,7 @@ impl GeneratedLoops {
 
     /// The error that names the joint which the loops determine least, and
     /// its cut.
-    fn dead_point(
+    pub(super) fn dead_point(
         &self,
         model: &Model,
         constraints: &LoopConstraints,
@@ -143,23 +143,14 @@ impl GeneratedLoops {
         if !largest(&residual).is_finite() {
             return not_finite("the residual of a loop", state.time);
         }
-        let square = jacobian.select(&self.rows, &self.dependent);
-        let count = self.dependent.len();
-        let pivots = eliminate(square, &vec![1.0; count], 0.0);
-        let first = pivots.first().map_or(1.0, |pivot| pivot.size);
-        let without = |place: &usize| pivots.iter().all(|pivot| pivot.column != *place);
-        let rowless = |place: &usize| pivots.iter().all(|pivot| pivot.row != *place);
-        let lost = (0..count).find(without).zip((0..count).find(rowless));
-        let (column, row, size) = match (lost, pivots.last()) {
-            (Some((column, row)), _) => (column, row, 0.0),
-            (None, Some(last)) => (last.column, last.row, last.size),
-            // Functions without dependent joints close nothing.
-            (None, None) => return not_finite("the residual of a loop", state.time),
+        // Functions without dependent joints close nothing.
+        let Some(weakest) = self.partition(model).weakest(&jacobian) else {
+            return not_finite("the residual of a loop", state.time);
         };
         MotionError::DeadPoint {
-            joint: model.joints[self.dependent[column]].name.clone(),
-            cut: model.cuts[constraints.cut_of(self.rows[row])].name.clone(),
-            pivot: size / first,
+            joint: model.joints[weakest.column].name.clone(),
+            cut: model.cuts[constraints.cut_of(weakest.row)].name.clone(),
+            pivot: weakest.size,
             gap: largest(&residual),
             time: state.time,
         }

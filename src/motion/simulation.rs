@@ -209,7 +209,7 @@ impl Integrator<'_, '_, '_> {
     /// projected.
     fn accept(&mut self, time: f64, next: &[f64]) -> Result<(), MotionError> {
         let state = self.system.unpack(time, next)?;
-        self.system.renew(&state);
+        self.system.renew(&state)?;
         let work = work_of(next);
         self.packed = MultibodySystem::pack(&state, work);
         self.run.steps += 1;

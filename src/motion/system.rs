@@ -31,6 +31,8 @@ pub struct MultibodySystem<'m> {
     /// When the joints that generated functions move first came near a dead
     /// point, s.
     weak_since: Option<f64>,
+    /// On which side of a dead point they are.
+    side: Option<i8>,
 }
 
 /// What a run has evaluated.
@@ -67,11 +69,13 @@ impl<'m> MultibodySystem<'m> {
             keeping: LoopKeeping::Project,
             work: EvaluationWork::default(),
             weak_since: None,
+            side: None,
         };
         system.drive(&mut state);
         system.partition = system.loops().start(&mut state)?;
         if let Some(loops) = system.equations.generated_loops() {
             system.partition = loops.partition(model);
+            system.renew(&state)?;
         }
         system.initial.clone_from(&state.q);
         system.places = energy::force_points(model, &state);
@@ -223,19 +227,32 @@ impl<'m> MultibodySystem<'m> {
     }
 
     /// Chooses other dependent joints when those in use have come near a dead
-    /// point; where they are fixed, the first time is remembered.
-    pub(super) fn renew(&mut self, state: &MotionState) {
-        if self.equations.constraints().rows() > 0 {
-            let jacobian = self.equations.constraints().evaluate(state).1;
-            if self.partition.holds(&jacobian) {
-                return;
-            }
-            if self.equations.generated_loops().is_some() {
-                self.weak_since.get_or_insert(state.time);
-            } else {
+    /// point. Where they are fixed the first such time is remembered.
+    ///
+    /// # Errors
+    ///
+    /// [`MotionError::DeadPoint`] where fixed ones have gone past it: there
+    /// the others follow in two ways, and nothing tells which.
+    pub(super) fn renew(&mut self, state: &MotionState) -> Result<(), MotionError> {
+        let constraints = self.equations.constraints();
+        if constraints.rows() == 0 {
+            return Ok(());
+        }
+        let jacobian = constraints.evaluate(state).1;
+        let Some(loops) = self.equations.generated_loops() else {
+            if !self.partition.holds(&jacobian) {
                 self.partition = self.loops().divide(state);
             }
+            return Ok(());
+        };
+        if !self.partition.holds(&jacobian) {
+            self.weak_since.get_or_insert(state.time);
         }
+        let side = self.partition.side(&jacobian);
+        if *self.side.get_or_insert(side) != side {
+            return Err(loops.dead_point(self.model, constraints, state));
+        }
+        Ok(())
     }
 
     /// The first time at which the joints that generated functions move had
