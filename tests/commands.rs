@@ -46,7 +46,7 @@ const NOT_RUN: &[(&str, &str)] = &[
 ];
 
 /// Options whose values are written.
-const WRITTEN: &[&str] = &["-o", "--plot", "--report"];
+const WRITTEN: &[&str] = &["-o", "--plot", "--report", "--events"];
 
 /// The commands in the blocks of code of a document.
 fn commands(document: &str) -> Vec<String> {

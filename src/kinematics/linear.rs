@@ -344,6 +344,24 @@ mod tests {
     }
 
     #[test]
+    fn determinants_have_signs() {
+        let entries = |list: [f64; 9]| {
+            let mut matrix = DenseMatrix::zeros(3, 3);
+            for (place, number) in list.into_iter().enumerate() {
+                matrix[(place / 3, place % 3)] = number;
+            }
+            matrix
+        };
+        // By Sarrus 1, -1, 0 and 23.
+        let first = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+        let second = [0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+        let third = [1.0, 2.0, 3.0, 2.0, 4.0, 6.0, 0.0, 1.0, 5.0];
+        let fourth = [2.0, -1.0, 0.0, 3.0, 1.0, -2.0, 1.0, 4.0, 1.0];
+        let signs = [first, second, third, fourth].map(|list| determinant_sign(entries(list)));
+        assert_eq!(signs, [1, -1, 0, 1]);
+    }
+
+    #[test]
     fn elimination_finds_the_rank_and_prefers_weights() {
         let mut matrix = DenseMatrix::zeros(3, 4);
         for j in 0..4 {

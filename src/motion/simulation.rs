@@ -380,11 +380,23 @@ impl Integrator<'_, '_, '_> {
                 self.step = step * growth(ratio);
             }
             if self.step < smallest {
-                let step = self.step;
-                return Err(failure.unwrap_or(MotionError::StepTooSmall { time, step }));
+                let failure = match failure {
+                    Some(failure) => failure,
+                    None => self.too_short(time)?,
+                };
+                return Err(failure);
             }
         }
         Ok(())
+    }
+
+    /// Why steps have become too short: where generated functions are at a
+    /// dead point, this.
+    fn too_short(&mut self, time: f64) -> Result<MotionError, MotionError> {
+        let state = self.system.unpack(time, &self.packed)?;
+        let step = self.step;
+        let dead = self.system.dead_point(&state);
+        Ok(dead.unwrap_or(MotionError::StepTooSmall { time, step }))
     }
 
     /// The largest error of a position or velocity over its tolerance.

@@ -255,6 +255,15 @@ impl<'m> MultibodySystem<'m> {
         Ok(())
     }
 
+    /// The error of generated functions near a dead point; `None` elsewhere.
+    pub(super) fn dead_point(&self, state: &MotionState) -> Option<MotionError> {
+        let constraints = self.equations.constraints();
+        let loops = self.equations.generated_loops()?;
+        let jacobian = constraints.evaluate(state).1;
+        let near = !self.partition.holds(&jacobian);
+        near.then(|| loops.dead_point(self.model, constraints, state))
+    }
+
     /// The first time at which the joints that generated functions move had
     /// come near a dead point, s.
     pub fn weak_since(&self) -> Option<f64> {

@@ -284,6 +284,12 @@ fn laws(row: &LimitRow, value: &str, folder: &Path) -> Vec<Invocation> {
         "stiffness" | "damping" | "neutral" | "force" => {
             format!("[[joint]]\nname = \"R1_Lower\"\n{name} = {value}\n")
         }
+        "friction" | "slip" => format!(
+            "[[joint]]\nname = \"R1_Lower\"\nfriction = 1.0\n{name} = {value}\n"
+        )
+        .replacen("friction = 1.0\nfriction", "friction", 1),
+        "value" => format!("[[event]]\nname = \"R1_Lower\"\n{name} = {value}\n"),
+        "normal" => format!("[[contact]]\nname = \"*\"\n{name} = [0, {value}, 0]\n"),
         "torque" => format!("[[force]]\nname = \"*\"\n{name} = [{value}, 0, 0]\n"),
         _ => format!(
             "[[driven]]\nname = \"R1_Upper\"\namplitude = 0.1\nfrequency = 1.0\n{name} = {value}\n"

@@ -2,8 +2,10 @@
 
 mod command;
 mod conservation;
+mod contact;
 mod equations;
 mod examples;
 mod failures;
 mod forces;
 mod models;
+mod whole_step;
