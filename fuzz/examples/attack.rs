@@ -22,7 +22,7 @@ use std::process::ExitCode;
 
 type Body = fn(&[u8]);
 
-const BODIES: [(&str, Body); 21] = [
+const BODIES: [(&str, Body); 22] = [
     (
         "bounds_hold_over_boxes",
         robovec_fuzz::bounds_hold_over_boxes,
@@ -61,6 +61,10 @@ const BODIES: [(&str, Body); 21] = [
         robovec_fuzz::series_keep_their_errors,
     ),
     ("simulate_garbage", robovec_fuzz::simulate_garbage),
+    (
+        "whole_steps_move_models",
+        robovec_fuzz::loops::whole_steps_move_models,
+    ),
     ("written_reads_back", robovec_fuzz::written_reads_back),
 ];
 

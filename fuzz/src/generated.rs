@@ -55,7 +55,7 @@ fn input(bytes: &mut Unstructured<'_>) -> Result<(Model, GenerationRequest, Lang
 }
 
 /// Adds zeros, joints at rest, points, loops, links, sensors and forces.
-fn decorate(model: &mut Model, bytes: &mut Unstructured<'_>) -> Result<()> {
+pub(crate) fn decorate(model: &mut Model, bytes: &mut Unstructured<'_>) -> Result<()> {
     for body in &mut model.bodies {
         let numbers = body.center.iter_mut().chain(&mut body.inertia);
         for number in numbers {

@@ -14,6 +14,7 @@ pub mod generated;
 mod hostile;
 pub mod images;
 pub mod inlined;
+pub mod loops;
 pub mod models;
 pub mod mutants;
 mod mutations;
