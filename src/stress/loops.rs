@@ -5,16 +5,15 @@ use super::dynamics::{DynamicsSubject, Metric, normwise, sensitivity, worst};
 use super::linear::eigenvalues;
 use super::memo::Memo;
 use super::numbers::WorkingPrecision;
-use super::program::{ModelProgram, ProgramRecipe};
+use super::program::ProgramRecipe;
 use super::treatment::PASSES;
-use super::units::Units;
+use super::whole_step::LoopProgram;
 use super::{ProgramTreatment, StressError};
 use crate::generate::{Formulation, MomentOrigin, PrefixNetwork};
 use crate::kinematics::MotionState;
 use crate::kinematics::linear::{DenseMatrix, dot};
 use crate::model::{Model, Nature};
 use crate::motion::{EquationSetting, MotionEquations};
-use crate::robotran::FunctionKind;
 use robovec_ir::Format;
 use robovec_num::double_double::Double;
 use std::sync::Arc;
@@ -22,12 +21,15 @@ use std::sync::Arc;
 /// Models with closed loops.
 pub(super) struct LoopsSubject {
     closed: Vec<Closed>,
+    /// Closes the loops as well, from what the independent joints say.
+    whole: bool,
 }
 
 /// A model in a state that closes its loops.
 struct Closed {
     model: Model,
     state: MotionState,
+    whole: bool,
 }
 
 impl LoopsSubject {
@@ -51,18 +53,31 @@ impl LoopsSubject {
             Closed {
                 state: shared.states.remove(0),
                 model: shared.model,
+                whole: false,
             }
         });
         LoopsSubject {
             closed: closed.collect(),
+            whole: false,
         }
+    }
+
+    /// The same with the whole step measured: positions and velocities of
+    /// dependent joints are computed from the others, in the same numbers as
+    /// accelerations. Each partition is compared with what it gives exactly.
+    pub(super) fn whole_step(mut self) -> LoopsSubject {
+        self.whole = true;
+        for closed in &mut self.closed {
+            closed.whole = true;
+        }
+        self
     }
 }
 
 impl Closed {
     /// The program for a treatment; a partition of coordinates for which the
     /// model gives no equations is no treatment of it.
-    fn program(&self, treatment: &ProgramTreatment) -> Result<ModelProgram, StressError> {
+    fn program(&self, treatment: &ProgramTreatment) -> Result<LoopProgram, StressError> {
         if !treatment.independent.is_empty() {
             let plain = ProgramTreatment {
                 independent: Vec::new(),
@@ -71,6 +86,7 @@ impl Closed {
             let divided = Closed {
                 model: divided(&self.model, &treatment.independent),
                 state: self.state.clone(),
+                whole: self.whole,
             };
             let program = divided.program(&plain);
             return program.map_err(|error| StressError::Passes(error.to_string()));
@@ -83,17 +99,16 @@ impl Closed {
                 .map(|error| (error, std::slice::from_ref(&self.state))),
             only: None,
         };
-        ModelProgram::new(&self.model, FunctionKind::Accelred, recipe)
+        LoopProgram::new(&self.model, self.whole, recipe)
     }
 
     fn accelerations(
         &self,
-        program: &ModelProgram,
+        program: &LoopProgram,
         numbers: WorkingPrecision,
         inputs: &[f64],
     ) -> Vec<Double> {
-        let flat = program.evaluate(numbers, Units::SI, inputs);
-        program.array("qdd", &flat, self.model.joints.len())
+        program.accelerations(numbers, inputs, self.model.joints.len())
     }
 }
 
@@ -142,10 +157,10 @@ struct LoopsBench<'a> {
 /// A model with its reference.
 struct PreparedLoop<'a> {
     subject: &'a Closed,
-    plain: ModelProgram,
+    plain: LoopProgram,
     exact: Vec<Double>,
     equations: MotionEquations,
-    programs: Memo<ProgramTreatment, Arc<ModelProgram>>,
+    programs: Memo<ProgramTreatment, Arc<LoopProgram>>,
 }
 
 impl StressSubject for LoopsSubject {
@@ -186,7 +201,7 @@ impl StressSubject for LoopsSubject {
     }
 
     fn mixes(&self) -> bool {
-        self.is_small()
+        !self.whole && self.is_small()
     }
 
     fn prepare(&self) -> Result<Box<dyn StressBench + '_>, StressError> {
@@ -247,10 +262,25 @@ impl<'a> PreparedLoop<'a> {
     }
 
     /// The program for a treatment, made once for all formats.
-    fn program(&self, treatment: &ProgramTreatment) -> Result<Arc<ModelProgram>, StressError> {
+    fn program(&self, treatment: &ProgramTreatment) -> Result<Arc<LoopProgram>, StressError> {
         self.programs.get(treatment.in_binary32(), || {
             self.subject.program(treatment).map(Arc::new)
         })
+    }
+
+    /// The exact accelerations. A whole step says with its independent joints
+    /// where the loop is, so that each partition has its own.
+    fn exact(&self, treatment: &ProgramTreatment) -> Result<Vec<Double>, StressError> {
+        if !self.subject.whole || treatment.independent.is_empty() {
+            return Ok(self.exact.clone());
+        }
+        let program = self.program(&ProgramTreatment {
+            independent: treatment.independent.clone(),
+            ..ProgramTreatment::default()
+        })?;
+        let inputs = program.inputs(&self.subject.state);
+        let subject = self.subject;
+        Ok(subject.accelerations(&program, WorkingPrecision::Reference, &inputs))
     }
 
     /// Of the matrix `[M J'; J 0]` of accelerations and multipliers, redundant
@@ -292,7 +322,7 @@ impl<'a> PreparedLoop<'a> {
         let inputs = program.inputs(state);
         let numbers = WorkingPrecision::In(treatment.format);
         let found = self.subject.accelerations(&program, numbers, &inputs);
-        let error = normwise(&found, &self.exact);
+        let error = normwise(&found, &self.exact(treatment)?);
         // All rows, those that were left out as redundant included.
         let accelerations: Vec<f64> = found.iter().map(|number| number.high).collect();
         let (_, jacobian) = self.equations.constraints().evaluate(state);
@@ -302,7 +332,7 @@ impl<'a> PreparedLoop<'a> {
         let size = accelerations
             .iter()
             .fold(1e-300f64, |most, x| most.max(x.abs()));
-        let [outside, all] = program.out_of_range(treatment.format, Units::SI, &inputs);
+        let [outside, all] = program.out_of_range(treatment.format, &inputs);
         Ok(Measured {
             error,
             others: vec![("J qdd + Jdqd", worst(residuals) / size)],

@@ -33,6 +33,7 @@ mod treatment;
 pub mod units;
 mod verdict;
 mod view;
+mod whole_step;
 
 pub use case::{CaseClass, Measured, StressCase};
 pub use cases::cases;

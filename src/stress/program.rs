@@ -37,6 +37,9 @@ pub(super) struct ProgramRecipe<'a> {
 pub(super) struct ModelProgram {
     pub(super) function: Function,
     inputs: InputSources,
+    /// The elements of inputs and outputs, as `q[3]`.
+    pub(super) input_names: Vec<String>,
+    pub(super) output_names: Vec<String>,
     input_dimensions: Vec<Dimension>,
     outputs: Vec<(String, usize, usize)>,
     output_dimensions: Vec<Dimension>,
@@ -101,6 +104,16 @@ impl ModelProgram {
         let dimension = |(array, indices, rank): (&robovec_ir::Array, [u32; 2], usize)| {
             Dimension::of(model, tables.symbols.text(array.name), &indices[..rank])
         };
+        let element = |(array, indices, rank): (&robovec_ir::Array, [u32; 2], usize)| {
+            let name = tables.symbols.text(array.name);
+            format!("{name}{:?}", &indices[..rank])
+        };
+        let input_names = (0..function.input_len())
+            .map(|index| element(function.input_element(Input(index as u32))))
+            .collect();
+        let output_names = (0..function.output_len())
+            .map(|index| element(function.output_element(Output(index as u32))))
+            .collect();
         let input_dimensions = (0..function.input_len())
             .map(|index| dimension(function.input_element(Input(index as u32))))
             .collect();
@@ -116,6 +129,8 @@ impl ModelProgram {
             work: OperationWork::of(&function),
             function,
             inputs,
+            input_names,
+            output_names,
             input_dimensions,
             output_dimensions,
         })

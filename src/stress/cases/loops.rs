@@ -40,6 +40,25 @@ pub(super) fn cases() -> Vec<StressCase> {
         StressVerdict::Fine,
         LoopsSubject::new([parallelogram(1e-3, 0.0, true)]),
     ));
+    for (bend, expected) in [
+        (5e-1, StressVerdict::Fine),
+        (1e-1, StressVerdict::Fine),
+        (1e-2, StressVerdict::Fine),
+        (1e-3, StressVerdict::BadCode),
+    ] {
+        let state = MotionState::initial(&four_bar(bend));
+        let subject = LoopsSubject::in_states([(four_bar(0.5), state)]);
+        cases.push(CaseClass::Loop.case(
+            format!("whole-step-{bend:e}"),
+            format!(
+                "positions, velocities and accelerations of a four-bar from its rocker, \
+                 {bend:e} rad from its dead point"
+            ),
+            "the partition of the coordinates: a rounded rocker leaves the crank uncertain",
+            expected,
+            subject.whole_step(),
+        ));
+    }
     for (power, expected) in [
         (2, StressVerdict::Fine),
         (5, StressVerdict::BadCode),
@@ -99,7 +118,7 @@ fn parallelogram(angle: f64, slope: f64, third: bool) -> Model {
 /// A crank of 0.3 m, a coupler of 0.8 m and a rocker of 0.6 m on pivots 0.9 m
 /// apart; crank and coupler are so far from one line, rad, where the rocker
 /// turns round.
-pub(super) fn four_bar(bend: f64) -> Model {
+pub(in super::super) fn four_bar(bend: f64) -> Model {
     let mut builder = ModelBuilder::new("four_bar");
     let pivot = builder.point(BASE, "Pivot", [0.9, 0.0, 0.0]);
     let rod = |length: f64| [length / 2.0, 0.0, 0.0];

@@ -15,6 +15,9 @@ mod springs;
 
 use super::case::StressCase;
 
+#[cfg(test)]
+pub(super) use loops::four_bar;
+
 /// All cases, in the order of their classes.
 pub fn cases() -> Vec<StressCase> {
     let mut cases = chains::cases();
