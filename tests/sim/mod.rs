@@ -8,4 +8,5 @@ mod examples;
 mod failures;
 mod forces;
 mod models;
+mod runs;
 mod whole_step;
