@@ -20,7 +20,7 @@ const ROUNDS: usize = 3;
 /// What gives the accelerations of a model with loops.
 pub(super) enum LoopProgram {
     /// `accelred`, in a closed state.
-    Accelerations(ModelProgram),
+    Accelerations(Box<ModelProgram>),
     /// All that a step evaluates.
     Whole(Box<StepProgram>),
 }
@@ -47,7 +47,7 @@ impl LoopProgram {
         let part = |kind| ModelProgram::new(model, kind, recipe);
         let accelerations = part(FunctionKind::Accelred)?;
         if !whole {
-            return Ok(LoopProgram::Accelerations(accelerations));
+            return Ok(LoopProgram::Accelerations(Box::new(accelerations)));
         }
         let positions = part(FunctionKind::LoopPositions)?;
         let velocities = part(FunctionKind::LoopVelocities)?;
