@@ -99,13 +99,26 @@ impl LoopClosure<'_> {
     }
 
     /// Moves the dependent joints until the loops are closed, and gives them
-    /// the velocities that keep them so; the evaluations of the constraints
-    /// that it took.
+    /// the velocities that keep them so.
     ///
     /// # Errors
     ///
     /// [`StateError::OpenLoop`] and [`StateError::NotFinite`].
-    pub fn close(&self, state: &mut MotionState, partition: &Partition) -> Result<u32, StateError> {
+    pub fn close(&self, state: &mut MotionState, partition: &Partition) -> Result<(), StateError> {
+        self.close_in_rounds(state, partition).map(|_| ())
+    }
+
+    /// Does as [`LoopClosure::close`]; the evaluations of the constraints that
+    /// it took.
+    ///
+    /// # Errors
+    ///
+    /// As there.
+    pub fn close_in_rounds(
+        &self,
+        state: &mut MotionState,
+        partition: &Partition,
+    ) -> Result<u32, StateError> {
         if self.constraints.rows() == 0 {
             return Ok(0);
         }

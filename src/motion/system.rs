@@ -178,7 +178,7 @@ impl<'m> MultibodySystem<'m> {
         self.drive(&mut state);
         if self.keeping == LoopKeeping::Project {
             let rounds = match self.equations.generated_loops() {
-                None => self.loops().close(&mut state, &self.partition)?,
+                None => self.loops().close_in_rounds(&mut state, &self.partition)?,
                 Some(loops) => loops.close(self.model, self.equations.constraints(), &mut state)?,
             };
             self.work.rounds += u64::from(rounds);
