@@ -226,10 +226,13 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
         names::refuse_wrong(path, true)?;
     }
     let kinds = kinds(&arguments.function);
-    if kinds.contains(&FunctionKind::Accelred) && arguments.language == Some(OutputLanguage::C) {
+    let whole = [FunctionKind::Accelred, FunctionKind::Invdynared];
+    let whole = kinds.iter().find(|kind| whole.contains(kind));
+    if let (Some(kind), Some(OutputLanguage::C)) = (whole, arguments.language) {
         eprintln!(
-            "remark: accelred takes forces as given and loops as closed, and MBsysC asks more of \
-             mbs_accelred; --whole-step writes all of it"
+            "remark: {name} takes forces as given and loops as closed, and MBsysC asks more of \
+             mbs_{name}; --whole-step writes all of it",
+            name = kind.name()
         );
     }
     let forces = kinds.iter().find(|kind| kind.depends_on_link_forces());
