@@ -40,6 +40,12 @@ impl JointRoles {
         Ok(roles)
     }
 
+    /// Joints that no constraint determines, ascending.
+    fn independent(&self) -> Vec<usize> {
+        let moves = |joint: &usize| !self.bound.contains(joint);
+        self.free.iter().copied().filter(moves).collect()
+    }
+
     /// True for joints that constraints determine.
     pub(super) fn follows(&self, joint: usize) -> bool {
         self.dependent.contains(&joint) || self.bound.contains(&joint)
@@ -87,8 +93,7 @@ pub(super) struct ReactionRoles {
 impl ReactionRoles {
     /// Decides where forces act, at the closed initial state.
     pub(super) fn new(model: &Model, roles: &JointRoles) -> Result<ReactionRoles, GenerateError> {
-        let moves = |joint: &usize| !roles.bound.contains(joint);
-        let independent: Vec<usize> = roles.free.iter().copied().filter(moves).collect();
+        let independent = roles.independent();
         let is_free = |joint: &usize| model.joints[*joint].nature != Nature::Driven;
         let all = (0..model.joints.len()).filter(is_free);
         let named: Vec<usize> = all
@@ -177,9 +182,7 @@ pub fn constraints(model: &Model) -> Result<LoopConstraints, GenerateError> {
 ///
 /// See [`generate`].
 pub fn independent_joints(model: &Model, options: &Options) -> Result<Vec<usize>, GenerateError> {
-    let roles = JointRoles::new(model, options)?;
-    let moves = |joint: &usize| !roles.bound.contains(joint);
-    Ok(roles.free.iter().copied().filter(moves).collect())
+    Ok(JointRoles::new(model, options)?.independent())
 }
 
 /// The rows of the constraints, from 0, that say what others say.

@@ -17,17 +17,9 @@ pub(super) fn source(step: &StepPlan<'_>, function: StepFunction, stem: &str) ->
         functions,
         ..
     } = step.generation.structure();
-    let (own, title, last) = match function {
-        StepFunction::Accelerations => (
-            include_str!("accelred.c"),
-            "the accelerations",
-            "accelerations",
-        ),
-        StepFunction::ActuatorForces => (
-            include_str!("invdynared.c"),
-            "the forces of actuators",
-            "actuator_forces",
-        ),
+    let (own, title) = match function {
+        StepFunction::Accelerations => (include_str!("accelred.c"), "the accelerations"),
+        StepFunction::ActuatorForces => (include_str!("invdynared.c"), "the forces of actuators"),
     };
     let loops: &[&str] = match step.is_bound() {
         true => &["loop_positions", "loop_velocities"],
@@ -35,7 +27,7 @@ pub(super) fn source(step: &StepPlan<'_>, function: StepFunction, stem: &str) ->
     };
     let includes: String = loops
         .iter()
-        .chain([&last])
+        .chain([&function.part()])
         .map(|part| format!("#include \"mbs_{part}_{stem}.h\"\n"))
         .collect();
     let joints: Vec<String> = step.independent.iter().map(usize::to_string).collect();
