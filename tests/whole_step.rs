@@ -333,11 +333,13 @@ fn the_error_of_binary32_is_told_in_one_line() {
         line.contains("around the closed initial one, seed 1"),
         "{line}"
     );
-    let source = |part: &str| {
-        let path = folder.path().join(format!("mbs_{part}_four_bar.c"));
-        std::fs::read_to_string(path).expect("the command wrote it")
+    let source = folder.path().join("mbs_accelred_four_bar.c");
+    let source = std::fs::read_to_string(source).expect("the command wrote it");
+    let sines = |part: &str, number: &str| {
+        source.contains(&format!("mbs_{part}_sines({number} *restrict work)"))
     };
-    assert!(source("accelerations").contains("float *restrict work"));
-    assert!(!source("loop_positions").contains("float *"));
-    assert!(!source("loop_velocities").contains("float *"));
+    assert!(sines("accelerations", "float"));
+    assert!(sines("loop_positions", "double"));
+    assert!(sines("loop_velocities", "double"));
+    assert_eq!(source.matches("float *restrict work").count(), 2);
 }

@@ -3,13 +3,13 @@
 //! names between `@` for what a model decides.
 
 use super::{StepFunction, StepPlan};
-use robovec_codegen::kind::{Generation, ProjectStructure};
+use robovec_codegen::kind::{Generation, ProjectStructure, file_stem};
 
 /// What both functions consist of.
 const STEP: &str = include_str!("step.c");
 
-/// The C source.
-pub(super) fn source(step: &StepPlan<'_>, function: StepFunction, stem: &str) -> String {
+/// The C source, with the generated functions in it.
+pub(super) fn source(step: &StepPlan<'_>, function: StepFunction, generated: &str) -> String {
     let ProjectStructure {
         name,
         prefix,
@@ -21,15 +21,6 @@ pub(super) fn source(step: &StepPlan<'_>, function: StepFunction, stem: &str) ->
         StepFunction::Accelerations => (include_str!("accelred.c"), "the accelerations"),
         StepFunction::ActuatorForces => (include_str!("invdynared.c"), "the forces of actuators"),
     };
-    let loops: &[&str] = match step.is_bound() {
-        true => &["loop_positions", "loop_velocities"],
-        false => &[],
-    };
-    let includes: String = loops
-        .iter()
-        .chain([&function.part()])
-        .map(|part| format!("#include \"mbs_{part}_{stem}.h\"\n"))
-        .collect();
     let joints: Vec<String> = step.independent.iter().map(usize::to_string).collect();
     let list = match joints.is_empty() {
         true => "0".to_owned(),
@@ -51,10 +42,9 @@ pub(super) fn source(step: &StepPlan<'_>, function: StepFunction, stem: &str) ->
     let words = [
         ("NAME", function.name().to_owned()),
         ("TITLE", title.to_owned()),
-        ("STEM", stem.to_owned()),
+        ("STEM", file_stem(&step.model.name)),
         ("HEADER", header.to_owned()),
         ("FUNCTIONS", functions.to_owned()),
-        ("INCLUDES", includes),
         ("JOINTS", number(step.model.joints.len())),
         ("INDEPENDENT", number(step.independent.len())),
         ("LOOP_ROWS", number(step.rows)),
@@ -67,6 +57,8 @@ pub(super) fn source(step: &StepPlan<'_>, function: StepFunction, stem: &str) ->
         ("QDDU", qddu.to_owned()),
         ("DATA", name.to_owned()),
         ("PREFIX", prefix.to_owned()),
+        // Last, so that nothing in it is taken for a word.
+        ("GENERATED", generated.to_owned()),
     ];
     let text = STEP.to_owned() + own;
     words.iter().fold(text, |text, (word, value)| {

@@ -32,7 +32,7 @@ use crate::model::{Model, Nature};
 use crate::robotran::FunctionKind;
 use robovec_codegen::c::{self, Real, SignatureError};
 use robovec_codegen::kind::{Generation, file_stem};
-use robovec_ir::{Module, View};
+use robovec_ir::{Function, Module, View};
 use thiserror::Error;
 
 /// A function of MBsysC that does a whole step.
@@ -120,7 +120,8 @@ pub struct StepStyle<'a> {
     pub options: &'a Options,
 }
 
-/// The C of steps, from their functions ([`generate_parts`], with any passes
+/// The C of steps, one file each that needs no other one, so that a project
+/// builds what it built before; from their functions ([`generate_parts`], with any passes
 /// run over them): names and texts of the files. What closes loops computes in
 /// binary64 whatever the style says.
 ///
@@ -133,35 +134,51 @@ pub fn files(
     module: &Module,
     style: &StepStyle<'_>,
 ) -> Result<Vec<(String, String)>, WholeStepError> {
-    let mut files = Vec::new();
-    for function in &module.functions {
-        let mut function = function.clone();
-        let mut options = style.c.clone();
-        let step = steps.iter().find(|step| step.name() == function.name);
-        if let Some(step) = step {
-            step.part().clone_into(&mut function.name);
-            function.metadata.retain(|(key, _)| key != "kind");
-            let kind = ("kind".to_owned(), step.part().to_owned());
-            function.metadata.push(kind);
-        } else {
-            options.real = Real::Double;
-        }
-        style.generation.mark(&mut function);
-        let view = View {
-            tables: &module.tables,
-            function: &function,
-        };
-        files.extend(c::files(view, &options)?);
-    }
     let stem = file_stem(&model.name);
     let plan = StepPlan::new(model, style)?;
-    for &step in steps {
-        files.push((
+    let file = |&step: &StepFunction| {
+        let others = |name: &str| {
+            steps
+                .iter()
+                .any(|other| *other != step && other.name() == name)
+        };
+        let own = module.functions.iter().filter(|own| !others(&own.name));
+        let parts: Result<String, _> = own.map(|part| source(module, part, step, style)).collect();
+        Ok((
             format!("mbs_{}_{stem}.c", step.name()),
-            driver::source(&plan, step, &stem),
-        ));
+            driver::source(&plan, step, &parts?),
+        ))
+    };
+    steps.iter().map(file).collect()
+}
+
+/// The C of a generated function, for the file of a step alone.
+fn source(
+    module: &Module,
+    function: &Function,
+    step: StepFunction,
+    style: &StepStyle<'_>,
+) -> Result<String, SignatureError> {
+    let mut function = function.clone();
+    let mut options = c::Options {
+        is_local: true,
+        ..style.c.clone()
+    };
+    if step.name() == function.name {
+        step.part().clone_into(&mut function.name);
+        function.metadata.retain(|(key, _)| key != "kind");
+        let kind = ("kind".to_owned(), step.part().to_owned());
+        function.metadata.push(kind);
+    } else {
+        options.real = Real::Double;
     }
-    Ok(files)
+    style.generation.mark(&mut function);
+    let view = View {
+        tables: &module.tables,
+        function: &function,
+    };
+    let [(_, source), _header] = c::files(view, &options)?;
+    Ok(source)
 }
 
 /// What the driver of a step must know of a model.
@@ -194,10 +211,5 @@ impl StepPlan<'_> {
     fn has_driven_joints(&self) -> bool {
         let mut joints = self.model.joints.iter();
         joints.any(|joint| joint.nature == Nature::Driven)
-    }
-
-    /// True when joints follow from constraints.
-    fn is_bound(&self) -> bool {
-        self.rows + self.user_rows > 0
     }
 }

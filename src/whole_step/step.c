@@ -9,7 +9,7 @@
 #include "@HEADER@"
 #include "@FUNCTIONS@"
 
-@INCLUDES@
+@GENERATED@
 /* What this was made for: joints and independent ones of them, rows of
    constraints of loops and of the user, multipliers wanted or not. */
 #define JOINTS @JOINTS@

@@ -267,6 +267,7 @@ impl Codegen {
             sines: self.sines,
             order: self.order,
             part: self.part,
+            ..Options::default()
         }
     }
 }

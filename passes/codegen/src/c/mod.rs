@@ -87,6 +87,8 @@ pub struct Options {
     pub order: StatementOrder,
     /// Operations per part.
     pub part: u32,
+    /// The function is for the file alone that it stands in (`static`).
+    pub is_local: bool,
 }
 
 impl Default for Options {
@@ -97,6 +99,7 @@ impl Default for Options {
             sines: Sines::Inline,
             order: StatementOrder::Depth,
             part: 500,
+            is_local: false,
         }
     }
 }

@@ -103,6 +103,7 @@ impl Slots {
 /// The loop. `shifted` has the number of quarter turns in its last bits.
 const KERNEL: &str = r"
 /* Sines and cosines of EXACT angle(s), within 1.1 units in the last place. */
+#undef ROBOVEC_ANGLES
 #if defined(__AVX2__) || defined(ROBOVEC_CLONED)
 #define ROBOVEC_ANGLES COUNT
 #else

@@ -14,6 +14,7 @@ use std::fmt::Write;
 pub(super) struct PlainWriter<'a> {
     function: &'a Function,
     real: Real,
+    is_local: bool,
     plan: &'a CodePlan,
     interface: &'a Interface<'a>,
     parts: Vec<String>,
@@ -74,6 +75,7 @@ impl<'a> PlainWriter<'a> {
         PlainWriter {
             function,
             real: options.real,
+            is_local: options.is_local,
             plan,
             interface,
             parts,
@@ -117,7 +119,8 @@ impl<'a> PlainWriter<'a> {
             // A few operations are not worth a choice.
             false => "",
         };
-        let _ = write!(text, "\n{clones}{}\n{{\n", self.declared());
+        let linkage = if self.is_local { "static " } else { "" };
+        let _ = write!(text, "\n{clones}{linkage}{}\n{{\n", self.declared());
         self.main(&mut text);
         if self.interface.result() == "int" {
             text.push_str("    return 0;\n");
@@ -224,7 +227,7 @@ impl<'a> PlainWriter<'a> {
             "/* {} by robovec. Arrays count from 1; element 0 is not used.\n",
             self.interface.name()
         );
-        if self.interface.is_robotran() {
+        if self.interface.is_robotran() && !self.is_local {
             let model = self.function.metadata("model").unwrap_or("model");
             let _ = writeln!(
                 text,
