@@ -17,7 +17,8 @@
 #   file      each of them written anew by robovec
 #   model     each of them generated from the model
 #   step      accelred from the model: the whole step; only with
-#             --step-configure or --step-run, which switch the project to it
+#             --step-configure or --step-run, which switch the project to it.
+#             Joints that the project drives must be driven in the model
 #
 # NAMES are the functions to replace (dirdyna,extforces,sensor,gensensor,
 # cons_hJ,cons_jdqd,link,invdyna where DIR has them). Exit code 1 when a number
@@ -26,7 +27,7 @@
 set -euo pipefail
 
 usage() {
-    sed -n '2,29s/^# \{0,1\}//p' "$0"
+    sed -n '2,30s/^# \{0,1\}//p' "$0"
     exit 2
 }
 declare -A option=([functions]=dirdyna,extforces,sensor,gensensor,cons_hJ,cons_jdqd,link,invdyna
@@ -111,6 +112,9 @@ make_set() {
             --generation "$generation" -o "$folder" >"$work/log" 2>&1 || refused "$name"
     done
 }
+put() {
+    find "$work/$1" -name '*.[ch]' -exec cp {} "$copy/${option[symbolic]}/" \;
+}
 refused() {
     echo "$1 stays Robotran's: $(grep -m1 '^error' "$work/log" || head -1 "$work/log")" >&2
 }
@@ -141,15 +145,19 @@ for set in "${sets[@]}"; do
     command=${option[run]}
     rm -rf "$copy/${option[symbolic]:?}"
     cp -r "$work/symbolic" "$copy/${option[symbolic]}"
-    if [ "$set" = step ]; then
-        command=${option[step-run]:-$command}
-        [ "${option[step-configure]:-}" ] && in_copy "${option[step-configure]}"
-    fi
     files=0
     if [ "$set" != Robotran ]; then
         make_set "$set" || { status=1; continue; }
-        cp "$work/$set"/*.[ch] "$copy/${option[symbolic]}/" || { status=1; continue; }
+        put "$set"
         files=$(find "$work/$set" -name '*.c' | wc -l)
+    fi
+    if [ "$set" = step ]; then
+        command=${option[step-run]:-$command}
+        if [ "${option[step-configure]:-}" ]; then
+            # It may look for the file, and it may fetch Robotran's own again.
+            in_copy "${option[step-configure]}" || { status=1; continue; }
+            put "$set"
+        fi
     fi
     run_set "$set" "$command" || { status=1; continue; }
     apart=$(difference "$work/Robotran.result" "$work/$set.result")
