@@ -6,13 +6,16 @@
 
 use crate::files::limited::{self, FileLimit};
 use crate::fpcore;
+use crate::model::Model;
 use crate::model::mbs::{ReadModel, read_mbs};
+use crate::model::urdf::{RobotBase, RobotReading, read_urdf};
 use crate::robotran::{self, Language};
 use robovec_ir::diagnostic::{Diagnostic, Label, Report, did_you_mean};
 use robovec_ir::machine::{self, MachineError};
 use robovec_ir::states::Ranges;
 use robovec_ir::{Format, Machine, Module, parse};
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// A language that equations are written in.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -112,14 +115,68 @@ fn own_text(name: String, bytes: Vec<u8>) -> Result<ReadEquations, Report> {
     }
 }
 
-/// Reads a model.
+/// True while robots move freely.
+static FLOATING: AtomicBool = AtomicBool::new(false);
+
+/// The bits of [`RobotReading::right_angle`].
+static RIGHT_ANGLE: AtomicU64 = AtomicU64::new(0);
+
+/// Sets how robots are read from now on, in the whole process; as
+/// [`RobotReading::default`] where nothing is said.
+pub fn set_reading(reading: RobotReading) {
+    FLOATING.store(reading.base == RobotBase::Floating, Ordering::Relaxed);
+    RIGHT_ANGLE.store(reading.right_angle.to_bits(), Ordering::Relaxed);
+}
+
+/// Reads a model, a `.mbs` or a URDF file, a robot as [`set_reading`] said.
 ///
 /// # Errors
 ///
 /// Says why the file is not read, or where its text is wrong.
 pub fn model(path: &Path) -> Result<ReadModel, Report> {
     let bytes = limited::read(path, &limited::MODEL)?;
-    read_mbs(&display_name(path), &bytes).map_err(|error| error.report)
+    let name = display_name(path);
+    let base = match FLOATING.load(Ordering::Relaxed) {
+        true => RobotBase::Floating,
+        false => RobotBase::Fixed,
+    };
+    let read = match is_urdf(&name, &bytes) {
+        true => {
+            let right_angle = f64::from_bits(RIGHT_ANGLE.load(Ordering::Relaxed));
+            read_urdf(&name, &bytes, RobotReading { base, right_angle })
+        }
+        false => read_mbs(&name, &bytes),
+    };
+    read.map_err(|error| error.report)
+}
+
+/// True for the name of a model file.
+pub fn is_model_path(path: &Path) -> bool {
+    let is = |kind: &str| {
+        path.extension()
+            .is_some_and(|extension| extension.eq_ignore_ascii_case(kind))
+    };
+    is("mbs") || is("urdf")
+}
+
+/// The ranges of positions that a model limits, those of the model's joints.
+pub fn limits_of_joints(model: &Model) -> Ranges {
+    let mut ranges = Ranges::default();
+    for (index, joint) in model.joints.iter().enumerate() {
+        if let Some([least, most]) = joint.limits {
+            ranges.set("q", [index as u32 + 1, 0], least, most);
+        }
+    }
+    ranges
+}
+
+/// How far into a file its first element is looked for.
+const HEAD: usize = 4096;
+
+/// True for a URDF file, by its name or else its first element.
+pub fn is_urdf(name: &str, bytes: &[u8]) -> bool {
+    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(HEAD)]);
+    name.ends_with(".urdf") || (!name.ends_with(".mbs") && head.contains("<robot"))
 }
 
 /// Reads a text of a kind.

@@ -151,7 +151,7 @@ fn programs_understand_every_command_of_the_documents() {
 /// Whether a word names a file by its extension.
 fn is_file(word: &str) -> bool {
     [
-        ".mbs", ".c", ".m", ".py", ".rvir", ".toml", ".rules", ".rkt",
+        ".mbs", ".urdf", ".c", ".m", ".py", ".rvir", ".toml", ".rules", ".rkt",
     ]
     .iter()
     .any(|extension| word.ends_with(extension))

@@ -40,6 +40,7 @@ mod provenance;
 mod quartus;
 mod reader;
 mod reduce;
+mod robots;
 mod rooms;
 mod rtl;
 mod rtl_fits;

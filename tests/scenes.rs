@@ -369,7 +369,7 @@ fn held_joints_are_no_unknowns() {
 
 #[test]
 fn a_scene_is_told() {
-    for name in ["bogie-straight", "quarter-car-rig"] {
+    for name in ["bogie-straight", "quarter-car-rig", "arm-torques"] {
         let path = format!("examples/scenes/{name}.scene.toml");
         let output = robovec(&["scene", &path]);
         let message = stderr(&output);
@@ -416,4 +416,21 @@ fn broken_scene_files_are_answered() {
         let report = read("broken", &text, &folder()).expect_err("it is wrong");
         assert!(!report.render_plain().is_empty());
     }
+}
+
+/// Limits of joints are the least that is said of positions: a word of the
+/// scene about the same joint wins.
+#[test]
+fn positions_of_a_robot_lie_within_its_limits() {
+    let scene = load("arm-torques.scene.toml");
+    let range = |joint: u32| scene.scene.ranges.get("q", [joint, 0]);
+    assert_eq!(range(1), Some([-2.9, 2.9]));
+    assert_eq!(range(4), Some([-3.0, 0.1]));
+    assert_eq!(range(6), Some([0.2, 1.8]));
+    let all = ("q = { joint_6 = [0.2, 1.8] }", "q = [-9, 9]");
+    let scene = changed("arm-torques.scene.toml", &[all]);
+    assert_eq!(scene.scene.ranges.get("q", [6, 0]), Some([-9.0, 9.0]));
+    let free = ("[[output]]", "free = [\"q[1]\"]\n\n[[output]]");
+    let scene = changed("arm-torques.scene.toml", &[free]);
+    assert_eq!(scene.scene.ranges.get("q", [1, 0]), None);
 }

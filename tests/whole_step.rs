@@ -85,7 +85,7 @@ fn data(model: &Model, plan: &HostPlan) -> String {
     line(model.gravity.to_vec());
     let rods = model.cuts.iter().filter_map(|cut| match cut.kind {
         CutKind::Rod(length) => Some(length),
-        CutKind::Ball | CutKind::Solid => None,
+        CutKind::Ball | CutKind::Solid | CutKind::Coupling(_) => None,
     });
     let rods: Vec<f64> = rods.collect();
     line(vec![rods.len() as f64]);

@@ -1,6 +1,7 @@
 """CasADi: a task of peer.h in body frames as one function of q, qd, what is
 given and loads, written as C by CasADi's own code generator: composite rigid
-bodies and Newton-Euler, Newton-Euler alone, or articulated bodies.
+bodies and Newton-Euler, Newton-Euler alone, articulated bodies, or the
+derivatives of the last two.
 
 Usage: casadi_functions.py TASK loads|free MODEL C_FILE
 (peer.h tells tasks and the model's format)
@@ -14,15 +15,29 @@ import casadi as ca
 def read(name):
     words = iter(open(name).read().split())
     expect = lambda word: next(words) == word or sys.exit(f"{name}: no '{word}'")
-    expect("robovec-tree"), expect("1"), expect("gravity")
+    expect("robovec-tree"), expect("2"), expect("gravity")
     gravity = [float(next(words)) for _ in range(3)]
     expect("joints")
     joints = []
     for _ in range(int(next(words))):
         parent, kind = int(next(words)) - 1, next(words)
-        numbers = [float(next(words)) for _ in range(13)]
-        joints.append((parent, kind[0] == "R", int(kind[1]) - 1, numbers))
+        # The sign of the joint is seen where states come in and results go out.
+        next(words)
+        d, turn, own = ([float(next(words)) for _ in range(count)] for count in (3, 9, 10))
+        axis = int(kind[1]) - 1
+        joints.append((parent, kind[0] == "R", axis, d + own, rows_of(turn)))
     return gravity, joints
+
+
+def rows_of(turn):
+    """The rows of a constant rotation; none where nothing is turned."""
+    rows = [turn[0:3], turn[3:6], turn[6:9]]
+    return None if rows == [[1, 0, 0], [0, 1, 0], [0, 0, 1]] else rows
+
+
+def combined(rows, v):
+    """A matrix of numbers times a vector; zeros are no terms."""
+    return [sum((x * y for x, y in zip(row, v) if x), ca.SX(0.0)) for row in rows]
 
 
 def cross(a, b):
@@ -50,14 +65,16 @@ def unit(axis):
 
 
 class Turn:
-    """A rotation about an axis, or none: a vector of the parent in the child's
-    frame, and back."""
+    """A constant rotation, or none, and then one about an axis, or none: a
+    vector of the parent in the child's frame, and back."""
 
-    def __init__(self, revolute, axis, q):
+    def __init__(self, revolute, axis, q, rows):
         self.b, self.d = (axis + 1) % 3, (axis + 2) % 3
         self.cosine, self.sine = (ca.cos(q), ca.sin(q)) if revolute else (None, None)
+        self.rows, self.columns = rows, rows and [list(column) for column in zip(*rows)]
 
     def down(self, v):
+        v = combined(self.columns, v) if self.rows else v
         if self.cosine is None:
             return list(v)
         w, b, d = list(v), self.b, self.d
@@ -66,15 +83,14 @@ class Turn:
         return w
 
     def up(self, v):
-        if self.cosine is None:
-            return list(v)
         w, b, d = list(v), self.b, self.d
-        w[b] = self.cosine * v[b] - self.sine * v[d]
-        w[d] = self.cosine * v[d] + self.sine * v[b]
-        return w
+        if self.cosine is not None:
+            w[b] = self.cosine * v[b] - self.sine * v[d]
+            w[d] = self.cosine * v[d] + self.sine * v[b]
+        return combined(self.rows, w) if self.rows else w
 
     def up_symmetric(self, i):
-        if self.cosine is None:
+        if self.cosine is None and not self.rows:
             return list(i)
         rows = [[i[0], i[1], i[2]], [i[1], i[3], i[4]], [i[2], i[4], i[5]]]
         rows = [self.up(row) for row in rows]
@@ -99,11 +115,12 @@ class Tree:
         self.base = [ca.SX(-g) for g in gravity]
         self.turn, self.arm, self.om, self.omp, self.acc = [], [], [], [], []
         self.mass, self.first, self.inertia, self.load = [], [], [], []
-        for k, (h, revolute, axis, x) in enumerate(joints):
-            self.turn.append(Turn(revolute, axis, self.q[k]))
+        for k, (h, revolute, axis, x, rows) in enumerate(joints):
+            self.turn.append(Turn(revolute, axis, self.q[k], rows))
             d = [ca.SX(v) for v in x[0:3]]
             if not revolute:
-                d[axis] = d[axis] + self.q[k]
+                slide = times(self.q[k], unit(axis))
+                d = plus(d, combined(rows, slide) if rows else slide)
             self.arm.append(d)
             m, l, i = x[3], x[4:7], x[7:13]
             ll = [l[1] ** 2 + l[2] ** 2, -l[0] * l[1], -l[0] * l[2], l[0] ** 2 + l[2] ** 2, -l[1] * l[2], l[0] ** 2 + l[1] ** 2]
@@ -116,7 +133,7 @@ class Tree:
     def velocity(self, k):
         """Enters the angular velocity, and tells what velocities add to the
         accelerations of a joint's frame."""
-        h, revolute, axis, _ = self.joints[k]
+        h, revolute, axis, *_ = self.joints[k]
         e, qd, turn = unit(axis), self.qd[k], self.turn[k]
         before = self.om[h] if h >= 0 else self.zero
         o = turn.down(before)
@@ -135,7 +152,7 @@ class Tree:
 
     def add(self, k, own):
         """Adds a joint's own acceleration."""
-        _, revolute, axis, _ = self.joints[k]
+        _, revolute, axis, *_ = self.joints[k]
         vector = self.omp[k] if revolute else self.acc[k]
         vector[axis] = vector[axis] + own
 
@@ -167,7 +184,7 @@ def newton_euler(tree, accelerations):
             tree.add(k, tree.given[k])
         force.append(tree.needed(k))
     result = ca.SX(len(tree.joints), 1)
-    for k, (h, revolute, axis, _) in reversed(list(enumerate(tree.joints))):
+    for k, (h, revolute, axis, *_) in reversed(list(enumerate(tree.joints))):
         f, tau = force[k]
         result[k] = tau[axis] if revolute else f[axis]
         if h >= 0:
@@ -180,7 +197,7 @@ def mass_matrix(tree):
     n = len(tree.joints)
     M = ca.SX(n, n)
     mass, first, inertia = list(tree.mass), list(tree.first), list(tree.inertia)
-    for k, (h, revolute, axis, _) in reversed(list(enumerate(tree.joints))):
+    for k, (h, revolute, axis, *_) in reversed(list(enumerate(tree.joints))):
         e = unit(axis)
         if revolute:
             f, tau = cross(e, first[k]), symmetric(inertia[k], e)
@@ -188,7 +205,7 @@ def mass_matrix(tree):
             f, tau = times(mass[k], e), cross(first[k], e)
         i = k
         while True:
-            before, turns, a, _ = tree.joints[i]
+            before, turns, a, *_ = tree.joints[i]
             M[k, i] = M[i, k] = tau[a] if turns else f[a]
             if before < 0:
                 break
@@ -239,7 +256,7 @@ def articulated(tree):
         m, o = tree.mass[k], ca.SX(0.0)
         body.append((tree.inertia[k], skew(tree.first[k]), [m, o, o, m, o, m]))
     column, driving = [None] * n, [None] * n
-    for k, (h, revolute, a, _) in reversed(list(enumerate(tree.joints))):
+    for k, (h, revolute, a, *_) in reversed(list(enumerate(tree.joints))):
         (A, B, C), (f, tau) = body[k], force[k]
         if revolute:
             u = [entry(A, r, a) for r in range(3)] + B[a]
@@ -283,7 +300,13 @@ if task == "dirdyna":
     results = [mass_matrix(tree), newton_euler(tree, False)]
 elif task == "invdyna":
     results = [newton_euler(tree, True)]
+elif task == "invdyna_d":
+    forces = newton_euler(tree, True)
+    results = [ca.densify(ca.jacobian(forces, by)) for by in (tree.q, tree.qd)]
+elif task == "dirdyna_d":
+    found = articulated(tree)
+    results = [ca.densify(ca.jacobian(found, by)) for by in (tree.q, tree.qd, tree.given)]
 else:
     results = [articulated(tree)]
-f = ca.Function("dynamics", [tree.q, tree.qd, tree.given, tree.loads], results)
+f = ca.Function("dynamics", [tree.q, tree.qd, tree.given, tree.loads], results, {"cse": task.endswith("_d")})
 f.generate(sys.argv[4], {"with_header": False})

@@ -84,7 +84,7 @@ inline number element(const double *group, int i)
 // Bodies count from 1, the base is 0; joint i carries body i + 1.
 enum { MOST = PEER_MOST_JOINTS + 8 };
 int parent[MOST], kind[MOST], joints;
-bool chain, unmoved[MOST];
+bool chain, unmoved[MOST], turned_at[MOST];
 const number zero = {};
 number result[MOST];
 
@@ -117,6 +117,19 @@ template <class X, class Y> inline void add_cross(const X *x, const Y *y, number
 template <class X> inline number dot(const X *x, const number *y)
 {
     return x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
+}
+
+// The constant rotation of a joint: from its frame to the one before, and back.
+inline void turned_out(int i, const number *v, number *w)
+{
+    const double *T = peer_joint_list[i].turn;
+    for (int k = 0; k < 3; k++) w[k] = T[3 * k] * v[0] + T[3 * k + 1] * v[1] + T[3 * k + 2] * v[2];
+}
+
+inline void turned_in(int i, const number *v, number *w)
+{
+    const double *T = peer_joint_list[i].turn;
+    for (int k = 0; k < 3; k++) w[k] = T[k] * v[0] + T[3 + k] * v[1] + T[6 + k] * v[2];
 }
 
 inline void symmetric_times(const double *i, const number *v, number *w)
@@ -174,6 +187,7 @@ int main(int count, char **words)
         const double *d = joint.anchor;
         parent[i] = joint.parent;
         kind[i] = 3 * joint.revolute + joint.axis;
+        turned_at[i] = joint.turned;
         unmoved[i] = joint.revolute && d[0] == 0.0 && d[1] == 0.0 && d[2] == 0.0;
         chain = chain && parent[i] == i - 1;
     }

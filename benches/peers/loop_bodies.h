@@ -28,6 +28,11 @@ void start_bodies()
 template <class Kind> inline void down(int i, const number *v, number *w)
 {
     constexpr int a = Kind::a, b = Kind::b, d = Kind::d;
+    number turned[3];
+    if (turned_at[i]) {
+        turned_in(i, v, turned);
+        v = turned;
+    }
     w[a] = v[a];
     if constexpr (Kind::turns) {
         w[b] = cosines[i] * v[b] + sines[i] * v[d];
@@ -47,6 +52,9 @@ template <class Kind> inline void up(int i, const number *v, number *w)
     } else {
         w[b] = v[b], w[d] = v[d];
     }
+    if (!turned_at[i]) return;
+    const number own[3] = {w[0], w[1], w[2]};
+    turned_out(i, own, w);
 }
 
 // Angle or slide, and the angular velocity behind the joint.
@@ -57,7 +65,9 @@ template <class Kind> inline void entered(int i, number q, number qd)
     if constexpr (Kind::turns)
         sine_and_cosine(q, sines[i], cosines[i]);
     else
-        arm[i][Kind::a] += q;
+        for (int k = 0; k < 3; k++)
+            if (turned_at[i] || k == Kind::a)
+                arm[i][k] += peer_joint_list[i].turn[3 * k + Kind::a] * q;
     down<Kind>(i, om[parent[i] + 1], om[i + 1]);
     if constexpr (Kind::turns) om[i + 1][Kind::a] += qd;
 }
@@ -185,6 +195,18 @@ void velocities(int i, number q, number qd, const double *loads)
     add_cross(l, push, n);
 }
 
+// A matrix by a joint's constant rotation: T M T'.
+inline void turn_out(int i, number *m)
+{
+    number half[9], column[3], turned[3];
+    for (int r = 0; r < 3; r++) turned_out(i, m + 3 * r, half + 3 * r);
+    for (int c = 0; c < 3; c++) {
+        for (int r = 0; r < 3; r++) column[r] = half[3 * r + c];
+        turned_out(i, column, turned);
+        for (int r = 0; r < 3; r++) m[3 * r + c] = turned[r];
+    }
+}
+
 // The matrices of a body turned into the frame before its joint; what the
 // joint gives way to is zero in them.
 template <class Kind> inline void turn_up(int i, number *A, number *B, number *C)
@@ -207,6 +229,16 @@ template <class Kind> inline void turn_up(int i, number *A, number *B, number *C
         other = C[at(b, d)];
         block(C[at(b, b)], C[at(b, d)], other, C[at(d, d)]);
         pair(C[at(a, b)], C[at(a, d)]);
+    }
+    if (turned_at[i]) {
+        number full[9];
+        turn_out(i, B);
+        number *const halves[2] = {A, C};
+        for (number *half : halves) {
+            for (int k = 0; k < 9; k++) full[k] = half[at(k / 3, k % 3)];
+            turn_out(i, full);
+            for (int k = 0; k < 9; k++) half[at(k / 3, k % 3)] = full[k];
+        }
     }
 }
 

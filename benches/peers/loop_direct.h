@@ -32,10 +32,15 @@ template <class Kind> inline void placed(int i, number q, number *s)
     constexpr int a = Kind::a, b = Kind::b, d = Kind::d;
     const int h = parent[i] + 1;
     const number *Rh = R[h], *Ph = P[h];
+    number turned[9];
     number *Ri = R[i + 1], *Pi = P[i + 1];
     const double *anchor = peer_joint_list[i].anchor;
     for (int k = 0; k < 3; k++)
         Pi[k] = Ph[k] + Rh[3 * k] * anchor[0] + Rh[3 * k + 1] * anchor[1] + Rh[3 * k + 2] * anchor[2];
+    if (turned_at[i]) {
+        for (int k = 0; k < 3; k++) turned_in(i, Rh + 3 * k, turned + 3 * k);
+        Rh = turned;
+    }
     const number e[3] = {Rh[a], Rh[3 + a], Rh[6 + a]};
     if constexpr (Kind::turns) {
         number sine, cosine;

@@ -16,12 +16,40 @@ static int massless(const peer_joint *j)
     return j->mass == 0.0;
 }
 
-static void text_of_joint(FILE *out, int i, const double *place)
+/* Where the frame of a joint at rest stands: columns of the turn are its axes. */
+typedef struct {
+    double turn[9], place[3];
+} rest_frame;
+
+/* The frame of a joint, given that of the joint before it. */
+static rest_frame behind(const rest_frame *before, const peer_joint *j)
+{
+    rest_frame frame = *before;
+    for (int r = 0; r < 3; r++) {
+        const double *row = before->turn + 3 * r;
+        for (int c = 0; c < 3; c++) {
+            frame.place[r] += row[c] * j->anchor[c];
+            frame.turn[3 * r + c] =
+                row[0] * j->turn[c] + row[1] * j->turn[3 + c] + row[2] * j->turn[6 + c];
+        }
+    }
+    return frame;
+}
+
+/* A joint as its body sees it. */
+static void text_of_joint(FILE *out, int i, const rest_frame *own, const rest_frame *body)
 {
     const peer_joint *j = &peer_joint_list[i];
-    fprintf(out, "<joint name='j%d' type='%s' axis='%d %d %d' pos='%.17g %.17g %.17g'/>\n", i,
-            j->revolute ? "hinge" : "slide", j->axis == 0, j->axis == 1, j->axis == 2, place[0],
-            place[1], place[2]);
+    double axis[3] = {0, 0, 0}, place[3] = {0, 0, 0};
+    for (int k = 0; k < 3; k++)
+        for (int r = 0; r < 3; r++) {
+            axis[k] += body->turn[3 * r + k] * own->turn[3 * r + j->axis];
+            place[k] += body->turn[3 * r + k] * (own->place[r] - body->place[r]);
+        }
+    fprintf(out,
+            "<joint name='j%d' type='%s' axis='%.17g %.17g %.17g' pos='%.17g %.17g %.17g'/>\n", i,
+            j->revolute ? "hinge" : "slide", axis[0], axis[1], axis[2], place[0], place[1],
+            place[2]);
 }
 
 /* The last joint of the body that joint i begins: over massless joints that
@@ -42,22 +70,21 @@ static int last_of_body(int i)
    depth first with a stack of what is still to be written. */
 static void text_of_body(FILE *out, int first, int last)
 {
-    const double *d = peer_joint_list[first].anchor;
-    double place[PEER_MOST_JOINTS][3];
+    rest_frame frames[PEER_MOST_JOINTS], frame = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     int chain[PEER_MOST_JOINTS], length = 0;
     for (int i = last;; i = peer_joint_list[i].parent) {
         chain[length++] = i;
         if (i == first) break;
     }
+    for (int k = length - 1; k >= 0; k--) {
+        frame = behind(&frame, &peer_joint_list[chain[k]]);
+        frames[k] = frame;
+    }
     /* The body's frame is that of its last joint at rest. */
-    double whole[3] = {0, 0, 0};
-    for (int k = length - 1; k >= 0; k--)
-        for (int x = 0; x < 3; x++) {
-            if (chain[k] != first) whole[x] += peer_joint_list[chain[k]].anchor[x];
-            place[k][x] = whole[x];
-        }
-    fprintf(out, "<body pos='%.17g %.17g %.17g'>\n", d[0] + whole[0], d[1] + whole[1],
-            d[2] + whole[2]);
+    const double *t = frame.turn, *d = frame.place;
+    fprintf(out,
+            "<body pos='%.17g %.17g %.17g' xyaxes='%.17g %.17g %.17g %.17g %.17g %.17g'>\n", d[0],
+            d[1], d[2], t[0], t[3], t[6], t[1], t[4], t[7]);
     const peer_joint *j = &peer_joint_list[last];
     const double *c = j->center, *I = j->inertia;
     if (!massless(j))
@@ -65,11 +92,7 @@ static void text_of_body(FILE *out, int first, int last)
                 "<inertial mass='%.17g' pos='%.17g %.17g %.17g' "
                 "fullinertia='%.17g %.17g %.17g %.17g %.17g %.17g'/>\n",
                 j->mass, c[0], c[1], c[2], I[0], I[3], I[5], I[1], I[2], I[4]);
-    for (int k = length - 1; k >= 0; k--) {
-        const double back[3] = {place[k][0] - whole[0], place[k][1] - whole[1],
-                                place[k][2] - whole[2]};
-        text_of_joint(out, chain[k], back);
-    }
+    for (int k = length - 1; k >= 0; k--) text_of_joint(out, chain[k], &frames[k], &frame);
 }
 
 static char *text_of_model(void)

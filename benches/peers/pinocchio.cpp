@@ -1,11 +1,13 @@
-// Pinocchio: crba and nonLinearEffects, rnea, or aba, on the model built joint
-// by joint.
+// Pinocchio: crba and nonLinearEffects, rnea, aba, or the derivatives of the last
+// two, on the model built joint by joint.
 //
 // Of crba and aba both conventions are compiled; CONVENTION selects one of
 // them.
 #include "peer.h"
+#include <pinocchio/algorithm/aba-derivatives.hpp>
 #include <pinocchio/algorithm/aba.hpp>
 #include <pinocchio/algorithm/crba.hpp>
+#include <pinocchio/algorithm/rnea-derivatives.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
 #include <pinocchio/multibody.hpp>
 
@@ -33,7 +35,8 @@ static void build()
     model.gravity.linear() = Eigen::Vector3d(peer_gravity);
     for (int i = 0; i < peer_joints; i++) {
         const peer_joint &joint = peer_joint_list[i];
-        const pin::SE3 place(Eigen::Matrix3d::Identity(), Eigen::Vector3d(joint.anchor));
+        const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> turn(joint.turn);
+        const pin::SE3 place(Eigen::Matrix3d(turn), Eigen::Vector3d(joint.anchor));
         const auto id = model.addJoint((pin::JointIndex)(joint.parent + 1), joint_model(joint), place,
                                        "j" + std::to_string(i + 1));
         const double *I = joint.inertia;
@@ -91,6 +94,18 @@ static void peer_evaluate(int s)
             pin::aba(model, *data, q, v, given, loads, convention);
         else
             pin::aba(model, *data, q, v, given, convention);
+        break;
+    case PEER_INVDYNA_D:
+        if (peer_has_loads)
+            pin::computeRNEADerivatives(model, *data, q, v, given, loads);
+        else
+            pin::computeRNEADerivatives(model, *data, q, v, given);
+        break;
+    case PEER_DIRDYNA_D:
+        if (peer_has_loads)
+            pin::computeABADerivatives(model, *data, q, v, given, loads);
+        else
+            pin::computeABADerivatives(model, *data, q, v, given);
     }
 }
 
@@ -100,20 +115,32 @@ static void peer_result(int lane, double *out)
     const int n = peer_joints;
     (void)lane;
     auto place = [](int i) { return model.joints[(size_t)i + 1].idx_v(); };
+    auto write = [&](const auto &matrix, bool half) {
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j < n; j++) {
+                const int row = place(i), column = place(j);
+                *out++ = half && row > column ? matrix(column, row) : matrix(row, column);
+            }
+    };
+    if (peer_wanted == PEER_INVDYNA_D) {
+        write(data->dtau_dq, false);
+        write(data->dtau_dv, false);
+        return;
+    }
+    if (peer_wanted == PEER_DIRDYNA_D) {
+        write(data->ddq_dq, false);
+        write(data->ddq_dv, false);
+        write(data->Minv, true);
+        return;
+    }
     if (peer_wanted != PEER_DIRDYNA) {
         const Eigen::VectorXd &found = peer_wanted == PEER_INVDYNA ? data->tau : data->ddq;
         for (int i = 0; i < n; i++) out[i] = found[place(i)];
         return;
     }
     const Eigen::VectorXd &forces = peer_has_loads ? data->tau : data->nle;
-    for (int i = 0; i < n; i++) {
-        const int row = place(i);
-        out[n * n + i] = forces[row];
-        for (int j = 0; j < n; j++) {
-            const int column = place(j);
-            out[i * n + j] = row <= column ? data->M(row, column) : data->M(column, row);
-        }
-    }
+    write(data->M, true);
+    for (int i = 0; i < n; i++) *out++ = forces[place(i)];
 }
 
 int main(int count, char **words)

@@ -22,7 +22,7 @@ use std::process::ExitCode;
 
 type Body = fn(&[u8]);
 
-const BODIES: [(&str, Body); 22] = [
+const BODIES: [(&str, Body); 23] = [
     (
         "bounds_hold_over_boxes",
         robovec_fuzz::bounds_hold_over_boxes,
@@ -52,6 +52,7 @@ const BODIES: [(&str, Body); 22] = [
     ("random_pipeline", robovec_fuzz::pipelines::random_pipeline),
     ("read_fpcore", robovec_fuzz::read_fpcore),
     ("read_model", robovec_fuzz::read_model),
+    ("read_robot", robovec_fuzz::read_robot),
     ("read_robotran", robovec_fuzz::read_robotran),
     ("results_stay_in_class", robovec_fuzz::results_stay_in_class),
     ("round_trip", robovec_fuzz::round_trip),

@@ -138,7 +138,7 @@ fn holds(model: &Model, request: &GenerationRequest, language: Language) {
         Err(error) => {
             assert!(!error.to_string().is_empty());
             let plain = request.formulation == Formulation::Recursive;
-            assert!(!plain || request.function.is_part_of_step(), "{error}");
+            assert!(!plain || request.function.is_special(), "{error}");
             return;
         }
     };

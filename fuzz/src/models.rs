@@ -4,6 +4,7 @@ use arbitrary::{Arbitrary, Result, Unstructured};
 use robovec::model::build::{BASE, BodyPlace, ModelBuilder};
 use robovec::model::mbs::{read_mbs, write_mbs};
 use robovec::model::{Asks, CutKind, JointKind, Model, Nature, UserModel};
+use robovec_ir::diagnostic::Report;
 
 /// Any bytes: reading neither panics nor hangs, complains with places inside
 /// the text, and what it accepts is sound and is read back from what is
@@ -18,22 +19,22 @@ pub fn read_model(data: &[u8]) {
             check_round_trip(&read.model);
             assert!(read.warnings.render_plain().len() < 200_000);
         }
-        Err(error) => {
-            assert!(error.report.has_errors(), "a refusal gives a reason");
-            let files = error.report.files();
-            for label in error
-                .report
-                .diagnostics()
-                .iter()
-                .flat_map(|error| &error.labels)
-            {
-                let length = files[label.file_id].text().len();
-                assert!(label.range.start <= label.range.end && label.range.end <= length);
-            }
-            let shown = error.report.render_plain();
-            assert!(shown.len() < 200_000, "{} bytes of messages", shown.len());
-        }
+        Err(error) => check_refusal(&error.report),
     }
+}
+
+/// A refusal gives a reason, with places inside the text, and no more of them
+/// than one reads.
+pub(crate) fn check_refusal(report: &Report) {
+    assert!(report.has_errors(), "a refusal gives a reason");
+    let files = report.files();
+    let labels = report.diagnostics().iter().flat_map(|error| &error.labels);
+    for label in labels {
+        let length = files[label.file_id].text().len();
+        assert!(label.range.start <= label.range.end && label.range.end <= length);
+    }
+    let shown = report.render_plain();
+    assert!(shown.len() < 200_000, "{} bytes of messages", shown.len());
 }
 
 /// A random model with everything that models can have: it is read as it was
@@ -52,7 +53,8 @@ fn check_random(bytes: &mut Unstructured<'_>) -> Result<()> {
     Ok(())
 }
 
-fn check_round_trip(model: &Model) {
+/// A model is read as it was written.
+pub(crate) fn check_round_trip(model: &Model) {
     assert!(model.check());
     let text = write_mbs(model);
     match read_mbs("written.mbs", text.as_bytes()) {

@@ -47,6 +47,8 @@ pub struct Contestant {
     pub outputs: Vec<OutputKey>,
     /// The largest difference that is rounding.
     pub tolerance: f64,
+    /// The rounding of its numbers in parts of that of binary64.
+    pub coarseness: f64,
     /// Why it cannot take part.
     pub missing: Option<String>,
     /// The folder of a program that serves every model.
@@ -96,6 +98,7 @@ impl Contestant {
             arguments: vec![RESULTS.to_owned()],
             outputs,
             tolerance: 1e-12,
+            coarseness: 1.0,
             missing: None,
             shared: None,
         }

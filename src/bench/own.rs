@@ -138,6 +138,24 @@ pub fn batch(plan: &ContestantPlan<'_>) -> Contestant {
     generated.contestant(plan)
 }
 
+/// C for sixteen states at once in binary32, in vectors of the same size.
+pub fn batch_single(plan: &ContestantPlan<'_>) -> Contestant {
+    let options = batch::Options {
+        real: Real::Float,
+        lanes: 16,
+        ..batch::Options::default()
+    };
+    let generated = Generated {
+        call: CallingConvention::Batch(options.lanes, options.shared.clone()),
+        real: options.real,
+        ..Generated::plain(batch::batch_files(plan.view, &options), FLAGS)
+    };
+    Contestant {
+        coarseness: f64::from(f32::EPSILON) / f64::EPSILON,
+        ..generated.contestant(plan)
+    }
+}
+
 /// The same C for states that lie one after the other: one call for all of
 /// them, which prepares what they share and copies each batch in and out.
 pub fn batch_of_states(plan: &ContestantPlan<'_>) -> Contestant {

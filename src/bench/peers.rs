@@ -79,20 +79,24 @@ pub fn peers(
         if Compiler::find(command).is_err() {
             continue;
         }
-        if wanted("loop") {
-            list.push(asked.hand_written(command, 1));
-        }
-        if wanted("batched-loop") {
-            list.push(asked.hand_written(command, LOOP_LANES));
+        let loops = [("loop", 1), ("batched-loop", LOOP_LANES)];
+        for (_, lanes) in loops.into_iter().filter(|(name, _)| wanted(name)) {
+            list.push(match task.is_derivative() {
+                true => asked.missing(TITLES[usize::from(lanes > 1)], NO_DERIVATIVES),
+                false => asked.hand_written(command, lanes),
+            });
         }
         if wanted("pinocchio") {
             list.extend(asked.pinocchio(command));
         }
     }
     if wanted("mujoco") {
-        list.push(match question.has_loads {
-            true => asked.missing("MuJoCo", "its loads on bodies are in the frame of the base"),
-            false => asked.mujoco(),
+        list.push(match (task.is_derivative(), question.has_loads) {
+            (true, _) => asked.missing("MuJoCo", NO_DERIVATIVES),
+            (_, true) => {
+                asked.missing("MuJoCo", "its loads on bodies are in the frame of the base")
+            }
+            (false, false) => asked.mujoco(),
         });
     }
     if wanted("casadi") {
@@ -103,6 +107,9 @@ pub fn peers(
     }
     list
 }
+
+/// Why some peers do not take part. MuJoCo's are quotients of differences.
+const NO_DERIVATIVES: &str = "it has no derivatives of its own";
 
 /// What the peers are called in the table, in the order of their names.
 const TITLES: [&str; 5] = [
@@ -216,7 +223,7 @@ impl PeerQuestion<'_> {
         let convention = |convention: &str| {
             let said = match self.task {
                 BenchTask::Dirdyna | BenchTask::Accelred => convention.to_lowercase() + ", ",
-                BenchTask::Invdyna => String::new(),
+                BenchTask::Invdyna | BenchTask::InvdynaD | BenchTask::DirdynaD => String::new(),
             };
             let remark = format!("{version}, {said}{command} {FLAGS}");
             let step = BuildStep::new(command, &format!("{FLAGS} {PINOCCHIO_FLAGS}"))
@@ -232,8 +239,10 @@ impl PeerQuestion<'_> {
         };
         match self.task {
             BenchTask::Dirdyna | BenchTask::Accelred => ["WORLD", "LOCAL"].map(convention).into(),
-            // Of inverse dynamics there is one kind.
-            BenchTask::Invdyna => vec![convention("LOCAL")],
+            // Of the others there is one kind.
+            BenchTask::Invdyna | BenchTask::InvdynaD | BenchTask::DirdynaD => {
+                vec![convention("LOCAL")]
+            }
         }
     }
 
@@ -328,7 +337,7 @@ mod tests {
     use crate::bench::bench;
     use crate::files::TemporaryFolder;
     use crate::generate::{GenerationRequest, generate};
-    use crate::model::family;
+    use crate::model::{Axis, ConstantTurn, JointMounting, family};
     use robovec_ir::Module;
     use robovec_ir::states::States;
 
@@ -354,14 +363,30 @@ mod tests {
         }
     }
 
+    /// A tree with constant turns before joints, and joints against their axes.
+    fn placed_tree(seed: u64) -> Model {
+        let mut model = family::random_tree(seed, 9);
+        for (place, joint) in model.joints.iter_mut().enumerate() {
+            let turn = |axis, angle| ConstantTurn { axis, angle };
+            let all = [turn(Axis::Z, 0.4), turn(Axis::Y, -1.1), turn(Axis::X, 2.0)];
+            joint.mounting = JointMounting {
+                turns: all[..place % 4].to_vec(),
+                reversed: place % 3 == 1,
+            };
+        }
+        model
+    }
+
     /// Loops of one and of eight states compute what the generator's equations
-    /// do, of a tree whose joints turn and slide; where there is a compiler.
+    /// do, of a tree whose joints turn and slide in general positions; where
+    /// there is a compiler.
     #[test]
     fn hand_written_loops_agree_with_the_equations() {
-        let model = family::random_tree(5, 9);
+        let model = placed_tree(5);
         let names = ["loop", "batched-loop"].map(str::to_owned);
         let folder = TemporaryFolder::new().expect("a folder");
-        for task in BenchTask::ALL {
+        let tasks = BenchTask::ALL.into_iter();
+        for task in tasks.filter(|task| !task.is_derivative()) {
             let module = generate(&model, &GenerationRequest::new(task.kind()));
             let module = module.expect("a tree has all functions");
             for has_loads in [false, true] {
@@ -385,6 +410,8 @@ mod tests {
             (BenchTask::Dirdyna, 2),
             (BenchTask::Invdyna, 3),
             (BenchTask::Accelred, 3),
+            (BenchTask::InvdynaD, 3),
+            (BenchTask::DirdynaD, 3),
         ] {
             let module = generate(&model, &GenerationRequest::new(task.kind()));
             let module = module.expect("a tree has all functions");

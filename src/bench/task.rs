@@ -17,11 +17,21 @@ pub enum BenchTask {
     Invdyna,
     /// Accelerations, of forces of joints.
     Accelred,
+    /// Derivatives of the forces of joints by positions and velocities.
+    InvdynaD,
+    /// Derivatives of accelerations by positions, velocities and forces.
+    DirdynaD,
 }
 
 impl BenchTask {
     /// All tasks.
-    pub const ALL: [BenchTask; 3] = [BenchTask::Dirdyna, BenchTask::Invdyna, BenchTask::Accelred];
+    pub const ALL: [BenchTask; 5] = [
+        BenchTask::Dirdyna,
+        BenchTask::Invdyna,
+        BenchTask::Accelred,
+        BenchTask::InvdynaD,
+        BenchTask::DirdynaD,
+    ];
 
     /// The function that Robotran and the generator call so.
     pub fn kind(self) -> FunctionKind {
@@ -29,12 +39,30 @@ impl BenchTask {
             BenchTask::Dirdyna => FunctionKind::Dirdyna,
             BenchTask::Invdyna => FunctionKind::Invdyna,
             BenchTask::Accelred => FunctionKind::Accelred,
+            BenchTask::InvdynaD => FunctionKind::InvdynaD,
+            BenchTask::DirdynaD => FunctionKind::DirdynaD,
         }
     }
 
     /// The name on the command line, in files, and for peers.
     pub fn name(self) -> &'static str {
         self.kind().name()
+    }
+
+    /// True for derivatives, which not all peers offer.
+    pub fn is_derivative(self) -> bool {
+        matches!(self, BenchTask::InvdynaD | BenchTask::DirdynaD)
+    }
+
+    /// What it is called where robots are concerned.
+    pub fn title(self) -> &'static str {
+        match self {
+            BenchTask::Dirdyna => "M and c",
+            BenchTask::Invdyna => "inverse dynamics",
+            BenchTask::Accelred => "forward dynamics",
+            BenchTask::InvdynaD => "derivatives of inverse dynamics",
+            BenchTask::DirdynaD => "derivatives of forward dynamics",
+        }
     }
 
     /// The task of a function with this name, if it is one.
@@ -55,6 +83,8 @@ impl BenchTask {
                 Formulation::CompositeBase,
                 Formulation::Articulated,
             ],
+            // There is one kind, by composites.
+            BenchTask::InvdynaD | BenchTask::DirdynaD => &[Formulation::Composite],
         }
     }
 
@@ -62,13 +92,13 @@ impl BenchTask {
     pub(super) fn given(self) -> Option<&'static str> {
         match self {
             BenchTask::Dirdyna => None,
-            BenchTask::Invdyna => Some("qdd"),
-            BenchTask::Accelred => Some("Qq"),
+            BenchTask::Invdyna | BenchTask::InvdynaD => Some("qdd"),
+            BenchTask::Accelred | BenchTask::DirdynaD => Some("Qq"),
         }
     }
 
-    /// What peers write for a state: the mass matrix in full, then the forces,
-    /// or the vector that is asked for.
+    /// What peers write for a state: matrices in full, one after the other, then
+    /// the vector.
     pub(super) fn outputs(self, joints: u32) -> Vec<OutputKey> {
         let vector = |array: &str| -> Vec<OutputKey> {
             let key = |row| OutputKey {
@@ -77,18 +107,25 @@ impl BenchTask {
             };
             (1..=joints).map(key).collect()
         };
+        let matrices = |arrays: &[&str]| -> Vec<OutputKey> {
+            let matrix = |array: &&str| {
+                let array = (*array).to_owned();
+                (1..=joints).flat_map(move |row| {
+                    let array = array.clone();
+                    (1..=joints).map(move |column| OutputKey {
+                        array: array.clone(),
+                        indices: [row, column],
+                    })
+                })
+            };
+            arrays.iter().flat_map(matrix).collect()
+        };
         match self {
-            BenchTask::Dirdyna => {
-                let pairs =
-                    (1..=joints).flat_map(|row| (1..=joints).map(move |other| [row, other]));
-                let matrix = pairs.map(|indices| OutputKey {
-                    array: "M".to_owned(),
-                    indices,
-                });
-                matrix.chain(vector("c")).collect()
-            }
+            BenchTask::Dirdyna => [matrices(&["M"]), vector("c")].concat(),
             BenchTask::Invdyna => vector("Qq"),
             BenchTask::Accelred => vector("qdd"),
+            BenchTask::InvdynaD => matrices(&["Qq_q", "Qq_qd"]),
+            BenchTask::DirdynaD => matrices(&["qdd_q", "qdd_qd", "qdd_Qq"]),
         }
     }
 
@@ -103,8 +140,8 @@ impl BenchTask {
             }
         };
         match self {
-            BenchTask::Dirdyna | BenchTask::Invdyna => formulas,
-            BenchTask::Accelred => 1e3 * formulas,
+            BenchTask::Dirdyna | BenchTask::Invdyna | BenchTask::InvdynaD => formulas,
+            BenchTask::Accelred | BenchTask::DirdynaD => 1e3 * formulas,
         }
     }
 
@@ -113,14 +150,16 @@ impl BenchTask {
     pub(super) fn unknown_to_peers(self, model: &Model) -> Option<&'static str> {
         let is_driven = |nature: Nature| nature == Nature::Driven;
         match self {
-            BenchTask::Dirdyna | BenchTask::Invdyna => None,
+            BenchTask::Dirdyna | BenchTask::Invdyna | BenchTask::InvdynaD => None,
             BenchTask::Accelred if !model.cuts.is_empty() => {
                 Some("the model has loops, which it does not close here")
             }
-            BenchTask::Accelred if model.joints.iter().any(|joint| is_driven(joint.nature)) => {
+            BenchTask::Accelred | BenchTask::DirdynaD
+                if model.joints.iter().any(|joint| is_driven(joint.nature)) =>
+            {
                 Some("the model has driven joints, whose forces are unknown")
             }
-            BenchTask::Accelred => None,
+            BenchTask::Accelred | BenchTask::DirdynaD => None,
         }
     }
 }

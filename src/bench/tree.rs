@@ -8,7 +8,7 @@ use std::fmt::Write;
 pub(super) fn text(model: &Model) -> String {
     let [x, y, z] = model.gravity;
     let mut text = format!(
-        "robovec-tree 1\ngravity {x} {y} {z}\njoints {}\n",
+        "robovec-tree 2\ngravity {x} {y} {z}\njoints {}\n",
         model.joints.len()
     );
     for (index, joint) in model.joints.iter().enumerate() {
@@ -24,9 +24,11 @@ pub(super) fn text(model: &Model) -> String {
             .point
             .map_or([0.0; 3], |point| model.points[point].coordinates);
         let parent = joint.parent.map_or(0, |parent| parent + 1);
-        let _ = write!(text, "{parent} {}", joint.kind.name());
+        let sign = joint.mounting.sign();
+        let _ = write!(text, "{parent} {} {sign}", joint.kind.name());
         let numbers = anchor
             .into_iter()
+            .chain(joint.mounting.rotation().into_iter().flatten())
             .chain([mass])
             .chain(center)
             .chain(inertia);
@@ -49,7 +51,7 @@ mod tests {
         let model = family::random_tree(3, 12);
         let text = text(&model);
         let mut lines = text.lines();
-        assert_eq!(lines.next(), Some("robovec-tree 1"));
+        assert_eq!(lines.next(), Some("robovec-tree 2"));
         assert!(
             lines
                 .next()
@@ -58,7 +60,7 @@ mod tests {
         assert_eq!(lines.next(), Some("joints 12"));
         for (index, line) in lines.enumerate() {
             let words: Vec<&str> = line.split_whitespace().collect();
-            assert_eq!(words.len(), 15, "{line}");
+            assert_eq!(words.len(), 25, "{line}");
             let parent = words[0].parse::<usize>();
             assert!(parent.is_ok_and(|parent| parent <= index), "{line}");
             assert_eq!(words[1], model.joints[index].kind.name());

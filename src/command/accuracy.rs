@@ -12,7 +12,7 @@ use std::path::PathBuf;
 /// What is measured.
 #[derive(Args, Debug)]
 pub(super) struct AccuracyArguments {
-    /// Files of equations, or models (.mbs)
+    /// Files of equations, or models (.mbs, .urdf)
     #[arg(required = true)]
     pub(super) files: Vec<PathBuf>,
     /// Pipeline whose passes are compared, by default $shorten; with

@@ -1,7 +1,7 @@
 //! `robovec bench`: how fast the same function is in the hands of others.
 
 use super::flags::{SEED, states, whole};
-use super::{CommandFailure, generation, input, opt, output, progress, subjects};
+use super::{CommandFailure, generation, input, opt, output, progress, robot_bench, subjects};
 use crate::bench::contestant::{Contestant, ContestantFamily};
 use crate::bench::task::BenchTask;
 use crate::bench::{self, BenchOutcome, BenchQuestion, Compiler, own, peers, robotran, text};
@@ -11,6 +11,7 @@ use crate::model::Model;
 use crate::yardstick::account::random_states;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
+use indicatif::ProgressBar;
 use robovec_ir::states::States;
 use robovec_ir::{Module, View};
 use std::path::{Path, PathBuf};
@@ -18,16 +19,21 @@ use std::path::{Path, PathBuf};
 /// Times Robotran's file, robovec's C and other libraries on this computer, results compared first
 #[derive(Args, Debug)]
 pub(super) struct BenchArguments {
-    /// Files of equations, models (.mbs) or built-in models (serial-23, bogie)
-    #[arg(required = true)]
-    subjects: Vec<String>,
-    /// Model (.mbs) that a file of equations comes from
+    /// Files of equations, models (.mbs, .urdf) or built-in models (serial-23, bogie)
+    #[arg(required_unless_present = "robots")]
+    pub(super) subjects: Vec<String>,
+    /// All functions of robots (.urdf) in one table: C for one state and for many, in f64 and f32,
+    /// and cycles on an array, beside Pinocchio, CasADi and MuJoCo; without files, of the robots
+    /// that ship
+    #[arg(long, conflicts_with_all = ["model", "forces"])]
+    pub(super) robots: bool,
+    /// Model (.mbs, .urdf) that a file of equations comes from
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Function of a model, or of a file that has several [default: dirdyna]
     #[arg(long, value_name = "NAME",
           value_parser = PossibleValuesParser::new(BenchTask::ALL.map(BenchTask::name)))]
-    function: Option<String>,
+    pub(super) function: Option<String>,
     /// Forces and torques on the bodies of a model, drawn like other inputs, instead of none
     #[arg(long)]
     forces: bool,
@@ -42,7 +48,7 @@ pub(super) struct BenchArguments {
     /// many in pieces
     #[arg(long, default_value_t = 60_000, value_name = "OPERATIONS",
           add = whole(0, 100_000_000, "no function has more operations"))]
-    largest: usize,
+    pub(super) largest: usize,
     /// Random states
     #[arg(long, default_value_t = 16,
           add = states(16, 1024))]
@@ -74,30 +80,14 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<String, CommandFailure> 
     let bar = progress::spinner();
     let mut text = String::new();
     let mut results = Vec::new();
-    for subject in &arguments.subjects {
+    if arguments.robots {
+        text += &robot_bench::run(arguments, folder, &bar, &mut results)?;
+    }
+    let subjects = arguments.subjects.iter().filter(|_| !arguments.robots);
+    for subject in subjects {
         let loaded = load(subject, arguments)?;
-        let view = view(&loaded.module);
-        let states = States::new(arguments.seed);
-        let question = BenchQuestion {
-            name: loaded.name.clone(),
-            view,
-            model: loaded.model.as_ref(),
-            has_loads: arguments.forces,
-            states: &states,
-            count: arguments.states.next_multiple_of(16),
-            flags: arguments.flags.as_deref(),
-        };
-        let contestants = contestants(&question, &loaded, arguments)?;
-        let outcomes = bench::bench(
-            &question,
-            &contestants,
-            folder,
-            arguments.rounds,
-            arguments.milliseconds,
-            &mut |what| bar.set_message(format!("{}: {what}", loaded.name)),
-        )
-        .map_err(|error| CommandFailure::plain(format!("{}: {error}", folder.display())))?;
-        let drawn = random_states(question.count as usize, arguments.seed, false);
+        let outcomes = outcomes(&loaded, arguments, folder, &bar)?;
+        let drawn = drawn(arguments);
         text += &text::text(&loaded.name, &drawn, &outcomes);
         text.push('\n');
         results.push((loaded.name, outcomes));
@@ -117,6 +107,45 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<String, CommandFailure> 
     Err(CommandFailure::advised("some programs failed", failed))
 }
 
+/// How many states there are: full vectors of all kinds.
+fn count(arguments: &BenchArguments) -> u32 {
+    arguments.states.next_multiple_of(16)
+}
+
+/// At which states results are compared, in words.
+pub(super) fn drawn(arguments: &BenchArguments) -> String {
+    random_states(count(arguments) as usize, arguments.seed, false)
+}
+
+/// How everybody did who takes part.
+pub(super) fn outcomes(
+    loaded: &LoadedSubject,
+    arguments: &BenchArguments,
+    folder: &Path,
+    bar: &ProgressBar,
+) -> Result<Vec<BenchOutcome>, CommandFailure> {
+    let states = States::new(arguments.seed);
+    let question = BenchQuestion {
+        name: loaded.name.clone(),
+        view: view(&loaded.module),
+        model: loaded.model.as_ref(),
+        has_loads: arguments.forces,
+        states: &states,
+        count: count(arguments),
+        flags: arguments.flags.as_deref(),
+    };
+    let contestants = contestants(&question, loaded, arguments)?;
+    bench::bench(
+        &question,
+        &contestants,
+        folder,
+        arguments.rounds,
+        arguments.milliseconds,
+        &mut |what| bar.set_message(format!("{}: {what}", loaded.name)),
+    )
+    .map_err(|error| CommandFailure::plain(format!("{}: {error}", folder.display())))
+}
+
 /// What could take part and did not come to an end; others lack a library or
 /// are too large.
 fn failures(results: &[(String, Vec<BenchOutcome>)]) -> Vec<String> {
@@ -132,16 +161,16 @@ fn failures(results: &[(String, Vec<BenchOutcome>)]) -> Vec<String> {
 }
 
 /// What a subject is.
-struct LoadedSubject {
-    name: String,
+pub(super) struct LoadedSubject {
+    pub(super) name: String,
     /// The file of equations; a model has none.
-    file: Option<PathBuf>,
-    module: Module,
-    model: Option<Model>,
+    pub(super) file: Option<PathBuf>,
+    pub(super) module: Module,
+    pub(super) model: Option<Model>,
     /// What the function is, if a model gives it and peers know it.
-    task: Option<BenchTask>,
+    pub(super) task: Option<BenchTask>,
     /// Why the equations are not those that Robotran prints, if they are not.
-    replaced: Option<String>,
+    pub(super) replaced: Option<String>,
 }
 
 fn load(subject: &str, arguments: &BenchArguments) -> Result<LoadedSubject, CommandFailure> {
@@ -182,7 +211,7 @@ fn load(subject: &str, arguments: &BenchArguments) -> Result<LoadedSubject, Comm
 
 /// The equations of a model as Robotran prints them; where these are too long
 /// for any compiler, those of the shortest formulation and why.
-fn usual_equations(
+pub(super) fn usual_equations(
     model: &Model,
     task: BenchTask,
     largest: usize,
@@ -213,7 +242,9 @@ fn contestants(
 ) -> Result<Vec<Contestant>, CommandFailure> {
     let found = compilers(arguments)?;
     let mut list = Vec::new();
+    let ways = if arguments.robots { ROBOT_WAYS } else { WAYS };
     match &loaded.replaced {
+        _ if arguments.robots => {}
         None => from_equations(question, loaded, arguments.largest, &found, &mut list)?,
         Some(why) => {
             list.push(robotran::missing(question, why.clone()));
@@ -221,7 +252,7 @@ fn contestants(
         }
     }
     if let (Some(model), Some(task)) = (&loaded.model, loaded.task) {
-        from_model(question, model, task, &found, &mut list)?;
+        from_model(question, model, task, (&found, ways), &mut list)?;
         // What CasADi prints is about as long as the shortest of ours.
         let shortest = list.iter().filter_map(|own| own.operations).min();
         let too_long = shortest
@@ -233,7 +264,9 @@ fn contestants(
     }
     if let Some(task) = loaded.task {
         for contestant in &mut list {
-            contestant.tolerance = task.tolerance(contestant.family);
+            let rounding = task.tolerance(contestant.family) * contestant.coarseness;
+            // No result is right of which a tenth is wrong.
+            contestant.tolerance = rounding.min(0.1);
         }
     }
     Ok(list)
@@ -267,7 +300,7 @@ fn from_equations(
         String::new(),
         loaded.module.clone(),
     )?;
-    equations.enter(question, compilers, list);
+    equations.enter(question, (compilers, WAYS), list);
     Ok(())
 }
 
@@ -291,7 +324,7 @@ fn compilers(arguments: &BenchArguments) -> Result<Vec<Compiler>, CommandFailure
 }
 
 /// How many formulations of a model take part.
-const FORMULATIONS: usize = 2;
+pub(super) const FORMULATIONS: usize = 2;
 
 /// Enters the formulations with the fewest operations, and tells of those that
 /// the generator does not give for this model.
@@ -299,7 +332,7 @@ fn from_model(
     question: &BenchQuestion<'_>,
     model: &Model,
     task: BenchTask,
-    compilers: &[Compiler],
+    means: BenchMeans<'_>,
     list: &mut Vec<Contestant>,
 ) -> Result<(), CommandFailure> {
     let options = Options {
@@ -314,7 +347,7 @@ fn from_model(
     let mut programs: Vec<BenchProgram> = programs.collect::<Result<_, _>>()?;
     programs.sort_by_key(|program| length(&program.shorter));
     for program in programs.iter().take(FORMULATIONS) {
-        program.enter(question, compilers, list);
+        program.enter(question, means, list);
     }
     for (formulation, why) in found.refused {
         let (family, name) = (ContestantFamily::Model, formulation.name());
@@ -389,23 +422,16 @@ impl BenchProgram {
     fn enter(
         &self,
         question: &BenchQuestion<'_>,
-        compilers: &[Compiler],
+        (compilers, ways): BenchMeans<'_>,
         list: &mut Vec<Contestant>,
     ) {
-        let ways: [(&str, own::ContestantMaker, &Module); 5] = [
-            ("drop-in", robotran::drop_in, &self.shorter),
-            ("straight-line", own::straight, &self.shorter),
-            ("rolled", own::rolled, &self.module),
-            ("batch", own::batch, &self.shorter),
-            (
-                "batch, array of states",
-                own::batch_of_states,
-                &self.shorter,
-            ),
-        ];
         for compiler in compilers {
-            for (way, contestant, module) in ways {
+            for &(way, contestant) in ways {
                 let name = format!("{}{way}", self.name);
+                let module = match way {
+                    ROLLED => &self.module,
+                    _ => &self.shorter,
+                };
                 list.push(contestant(&own::ContestantPlan {
                     question,
                     compiler,
@@ -417,6 +443,28 @@ impl BenchProgram {
         }
     }
 }
+
+/// Compilers, and the ways to write C by name.
+type BenchMeans<'a> = (&'a [Compiler], &'a [(&'static str, own::ContestantMaker)]);
+
+/// The way that finds loops in the equations as they are.
+const ROLLED: &str = "rolled";
+
+/// All ways to write equations as C.
+const WAYS: &[(&str, own::ContestantMaker)] = &[
+    ("drop-in", robotran::drop_in),
+    ("straight-line", own::straight),
+    (ROLLED, own::rolled),
+    ("batch", own::batch),
+    ("batch, array of states", own::batch_of_states),
+];
+
+/// Those that robots are compared in.
+const ROBOT_WAYS: &[(&str, own::ContestantMaker)] = &[
+    ("straight-line", own::straight),
+    ("batch", own::batch),
+    (robot_bench::SINGLE, own::batch_single),
+];
 
 /// What shortens straight-line code for processors.
 const PASSES: &str = "$cpu";

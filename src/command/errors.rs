@@ -5,6 +5,7 @@ use super::arguments::InputLanguage;
 use super::flags::{SEED, states, whole};
 use super::input::{self, InputModule};
 use crate::errors::{self, ErrorMethod, ErrorSettings, ErrorTable};
+use crate::sources;
 use clap::{Args, ValueEnum};
 use robovec_analysis::interval::GivenData;
 use robovec_framework::manager::{self, Config};
@@ -20,7 +21,7 @@ use std::path::PathBuf;
 /// equations they come from
 #[derive(Args, Debug)]
 pub(super) struct ErrorsArguments {
-    /// File of equations, or model (.mbs)
+    /// File of equations, or model (.mbs, .urdf)
     file: PathBuf,
     /// Language of the file, if its name does not say it
     #[arg(long, value_name = "LANGUAGE")]
@@ -177,8 +178,7 @@ pub(super) fn run(arguments: &ErrorsArguments) -> Result<String, CommandFailure>
 /// True for the function asked for, and for all that a model has under its
 /// name: `sensor` are `sensor_1`, `sensor_2` ….
 fn asked(arguments: &ErrorsArguments, function: &Function) -> bool {
-    let kind = arguments.file.extension();
-    let is_model = arguments.language.is_none() && kind.is_some_and(|kind| kind == "mbs");
+    let is_model = arguments.language.is_none() && sources::is_model_path(&arguments.file);
     arguments.function.as_ref().is_none_or(|name| {
         *name == function.name || is_model && function.name.starts_with(name.as_str())
     })

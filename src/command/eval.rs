@@ -8,6 +8,7 @@ use crate::files::limited;
 use crate::generate::Options;
 use crate::model::Model;
 use crate::robotran::FunctionKind;
+use crate::sources;
 use clap::{Args, ValueEnum};
 use robovec_ir::Module;
 use robovec_ir::diagnostic::{Report, clip};
@@ -27,7 +28,7 @@ enum FormatName {
 /// What is evaluated, and how.
 #[derive(Args, Debug)]
 pub(super) struct EvalArguments {
-    /// Robotran file, robovec text, or model (.mbs)
+    /// Robotran file, robovec text, or model (.mbs, .urdf)
     file: PathBuf,
     /// Lines `name[indices] number`; a line `state` starts the next state
     #[arg(long, value_name = "FILE", required_unless_present = "random")]
@@ -39,7 +40,7 @@ pub(super) struct EvalArguments {
     /// Seed of the random states
     #[arg(long, default_value_t = 1, requires = "random", add = SEED)]
     seed: u64,
-    /// Model (.mbs) that parameters are taken from where states do not give
+    /// Model (.mbs, .urdf) that parameters are taken from where states do not give
     /// them; a model as FILE is its own
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
@@ -65,7 +66,7 @@ pub(super) struct EvalArguments {
 
 /// Runs the command: the text for the standard output.
 pub(super) fn run(arguments: &EvalArguments) -> Result<String, CommandFailure> {
-    let own = is_model(&arguments.file);
+    let own = sources::is_model_path(&arguments.file);
     let model_path = arguments.model.as_deref();
     let model_path = model_path.or(own.then_some(arguments.file.as_path()));
     let model = model_path.map(read_model).transpose()?;
@@ -100,11 +101,6 @@ pub(super) fn run(arguments: &EvalArguments) -> Result<String, CommandFailure> {
         let text = text.clone().unwrap_or_default();
         CommandFailure(Report::of(&name.display().to_string(), text, diagnostics))
     })
-}
-
-fn is_model(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("mbs"))
 }
 
 fn read_model(path: &Path) -> Result<Model, CommandFailure> {

@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Speed against error: every way to compute a function as a point, with the thesis' choices among them
 #[derive(Args, Debug)]
 pub(super) struct FrontArguments {
-    /// Files of equations, models (.mbs) or built-in models (serial-23, bogie)
+    /// Files of equations, models (.mbs, .urdf) or built-in models (serial-23, bogie)
     #[arg(required = true)]
     subjects: Vec<String>,
     /// Function of the models

@@ -28,7 +28,7 @@ use std::path::{Path, PathBuf};
 /// What is generated, and how.
 #[derive(Args, Debug)]
 pub(super) struct GenArguments {
-    /// Model (.mbs)
+    /// Model (.mbs, .urdf)
     model: PathBuf,
     /// Functions, separated by commas; 'all' for every one but those of the whole step
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "dirdyna",
@@ -140,7 +140,7 @@ fn kinds(names: &[String]) -> Vec<FunctionKind> {
     let asked = |kind: &FunctionKind| {
         names
             .iter()
-            .any(|name| name == kind.name() || name == "all" && !kind.is_part_of_step())
+            .any(|name| name == kind.name() || name == "all" && !kind.is_special())
     };
     FunctionKind::ALL.into_iter().filter(asked).collect()
 }

@@ -75,7 +75,7 @@ pub(crate) fn equations_or_model(
     language: Option<InputLanguage>,
     function: Option<&str>,
 ) -> Result<InputModule, CommandFailure> {
-    let is_model = path.extension().is_some_and(|extension| extension == "mbs");
+    let is_model = sources::is_model_path(path);
     if !is_model || language.is_some() {
         return equations_of(path, language, function);
     }
@@ -86,7 +86,7 @@ pub(crate) fn equations_or_model(
         .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
     Ok(InputModule {
         module,
-        ranges: Ranges::default(),
+        ranges: sources::limits_of_joints(&read.model),
         format: None,
         name: display_name(path),
         path: path.to_owned(),
@@ -222,7 +222,7 @@ pub(crate) fn machine(name: &str) -> Result<Machine, CommandFailure> {
 pub(crate) const USUAL_MACHINE: &str = "thesis";
 
 /// The machine without whose divider nothing could be placed.
-const WITH_DIVIDER: &str = "solver";
+pub(crate) const WITH_DIVIDER: &str = "solver";
 
 /// The name of the machine for a function where nobody asks for one.
 pub(crate) fn usual_machine(function: &Function) -> Result<&'static str, CommandFailure> {

@@ -5,7 +5,7 @@ use super::{CommandFailure, input, output};
 use crate::files::Replace;
 use crate::model::Model;
 use crate::model::family::{self, ModelFamily};
-use crate::model::mbs::write_mbs;
+use crate::model::mbs::{unsayable, write_mbs};
 use crate::model::summary::summarise;
 use crate::stale;
 use clap::Args;
@@ -20,7 +20,7 @@ const DEFAULT_JOINTS: usize = 23;
 /// Which model, and what is done with it.
 #[derive(Args, Debug)]
 pub(super) struct ModelArguments {
-    /// A .mbs file to summarise, or a family to write a model of: serial,
+    /// A .mbs or .urdf file to summarise, or a family to write a model of: serial,
     /// semi-serial, parallel, thesis-70, random, bogie, train,
     /// double-pendulum, four-bar, slider-crank, quarter-car
     #[arg(value_name = "FILE|FAMILY")]
@@ -131,7 +131,10 @@ fn unknown(name: &str) -> CommandFailure {
     if let Some(near) = did_you_mean(name, names.iter().copied()) {
         notes.push(format!("did you mean '{near}'?"));
     }
-    notes.push(format!("families: {}; or a .mbs file", names.join(", ")));
+    notes.push(format!(
+        "families: {}; or a .mbs or .urdf file",
+        names.join(", ")
+    ));
     CommandFailure::advised(format!("there is no file or family '{name}'"), notes)
 }
 
@@ -157,6 +160,12 @@ fn member(family: ModelFamily, arguments: &ModelArguments) -> Result<Model, Comm
 }
 
 fn write(model: &Model, arguments: &ModelArguments) -> Result<String, CommandFailure> {
+    if let Some(reason) = unsayable(model) {
+        return Err(CommandFailure::advised(
+            format!("a .mbs file cannot say '{}': {reason}", model.name),
+            vec!["every command takes the file it comes from as a model".to_owned()],
+        ));
+    }
     let text = write_mbs(model);
     let Some(path) = &arguments.output else {
         return Ok(text);
@@ -164,5 +173,20 @@ fn write(model: &Model, arguments: &ModelArguments) -> Result<String, CommandFai
     // Models are edited by hand, so none is known to be robovec's still.
     let replace = output::forced(arguments.force, Replace::Nothing);
     output::write_over(path, replace, |writer| writer.write_all(text.as_bytes()))?;
+    warn_of_limits(model);
     Ok(String::new())
+}
+
+/// Warns of limits of joints, which `.mbs` files do not have.
+fn warn_of_limits(model: &Model) {
+    let limited = model.joints.iter().filter(|joint| joint.limits.is_some());
+    let count = limited.count();
+    if count == 0 {
+        return;
+    }
+    let mut report = Report::new();
+    report.push(Diagnostic::warning().with_message(format!(
+        "the limits of {count} joints are left out: a .mbs file has no words for them"
+    )));
+    report.emit_to_stderr(ColorChoice::Auto).unwrap_or_default();
 }

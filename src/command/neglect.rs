@@ -2,8 +2,10 @@
 
 use super::{CommandFailure, input, output, progress};
 use crate::files::limited;
+use crate::model::mbs::unsayable;
 use crate::neglect::{self, NeglectError, NeglectTask};
 use crate::present::plot;
+use crate::scene::SceneSubject;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -41,6 +43,14 @@ pub(super) fn run(arguments: &NeglectArguments) -> Result<String, CommandFailure
         .to_string_lossy();
     let folder = path.parent().unwrap_or(Path::new(""));
     let module = file.module().map_err(|error| fail(error.into()))?;
+    if let (SceneSubject::Model(subject), true) = (&file.subject, arguments.output.is_some())
+        && let Some(reason) = unsayable(&subject.model)
+    {
+        return Err(CommandFailure::advised(
+            format!("the reduced model would be a .mbs file, which cannot say it: {reason}"),
+            vec!["without -o the findings are told".to_owned()],
+        ));
+    }
     let named = arguments.machine.as_ref().or(file.scene.machine.as_ref());
     let machine = input::machine(match named {
         Some(name) => name,

@@ -48,7 +48,7 @@ enum KeepingChoice {
 /// What is simulated, and how.
 #[derive(Args, Debug)]
 pub(super) struct SimArguments {
-    /// Model (.mbs)
+    /// Model (.mbs, .urdf)
     model: PathBuf,
     /// How long, s
     #[arg(long, value_name = "SECONDS", default_value_t = 1.0,
@@ -185,7 +185,7 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, CommandFailure> {
 
 /// Refuses a model with forces that are in no equation: its motion would be
 /// that of another model.
-fn refuse_left_out(read: &ReadModel) -> Result<(), CommandFailure> {
+pub(super) fn refuse_left_out(read: &ReadModel) -> Result<(), CommandFailure> {
     let (false, Some(file)) = (read.left_out.is_empty(), read.left_out.files().first()) else {
         return Ok(());
     };
@@ -206,7 +206,7 @@ fn refuse_left_out(read: &ReadModel) -> Result<(), CommandFailure> {
 }
 
 /// Makes joints driven, which holds them unless a law moves them.
-fn hold(model: &mut Model, names: &[String]) -> Result<(), CommandFailure> {
+pub(super) fn hold(model: &mut Model, names: &[String]) -> Result<(), CommandFailure> {
     for name in names {
         let Some(joint) = model.joints.iter_mut().find(|joint| joint.name == *name) else {
             let known = model.joints.iter().map(|joint| joint.name.as_str());
@@ -247,7 +247,7 @@ fn keeping(arguments: &SimArguments) -> LoopKeeping {
     }
 }
 
-fn failure(error: MotionError) -> CommandFailure {
+pub(super) fn failure(error: MotionError) -> CommandFailure {
     let notes = error.advice().map(str::to_owned).into_iter().collect();
     CommandFailure::advised(error.to_string(), notes)
 }

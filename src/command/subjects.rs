@@ -6,6 +6,7 @@ use crate::generate::{Formulation, Options, TermOrder};
 use crate::model::Model;
 use crate::model::family::{JOINTS, ModelFamily};
 use crate::robotran::FunctionKind;
+use crate::sources;
 use crate::study::plan::StudySubject;
 use crate::study::program::ProgramSources;
 use robovec_ir::Module;
@@ -52,7 +53,7 @@ pub(super) fn locate(subject: &StudySubject) -> Result<SubjectSource, CommandFai
             path.display()
         )));
     }
-    if extension.is_some_and(|extension| extension == "mbs") {
+    if sources::is_model_path(&path) {
         return Ok(SubjectSource::ModelFile(path));
     }
     Ok(SubjectSource::Equations(path))
@@ -136,7 +137,7 @@ fn equations(subject: &StudySubject) -> Result<Module, CommandFailure> {
 pub(super) fn named_model(subject: &str) -> Result<(String, Option<Model>), CommandFailure> {
     check_number(subject)?;
     let path = Path::new(subject);
-    let is_model = path.extension().is_some_and(|extension| extension == "mbs");
+    let is_model = sources::is_model_path(path);
     let model = match built_in(subject) {
         Some(model) => Some(model),
         None if is_model => Some(input::model(path)?.model),

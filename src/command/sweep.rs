@@ -27,7 +27,7 @@ use std::sync::Arc;
 /// Resources against time: every design of a space of machines, and those that no other one beats
 #[derive(Args, Debug)]
 pub(super) struct SweepArguments {
-    /// Files of equations, models (.mbs) or built-in models (serial-23, bogie)
+    /// Files of equations, models (.mbs, .urdf) or built-in models (serial-23, bogie)
     #[arg(required = true)]
     subjects: Vec<String>,
     /// Function of the models

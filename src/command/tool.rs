@@ -7,7 +7,7 @@ use super::compare::{self, CheckArguments};
 use super::errors::{self, ErrorsArguments};
 use super::eval::{self, EvalArguments};
 use super::fit::{self, FitArguments};
-use super::flags::{NUMBER, whole};
+use super::flags::{NUMBER, real, whole};
 use super::front::{self, FrontArguments};
 use super::generation::{self, GenArguments};
 use super::model::{self, ModelArguments};
@@ -15,10 +15,13 @@ use super::neglect::{self, NeglectArguments};
 use super::optimise::{self, OptimiseArguments};
 use super::scene::{self, SceneArguments};
 use super::sim::{self, SimArguments};
+use super::standing::{self, EquilibriumArguments, ModalArguments};
 use super::{CommandFailure, flags, input, output, write};
 use crate::files::limited;
+use crate::model::urdf::{RobotBase, RobotReading};
 use crate::process::{ProcessLimits, set_limits};
 use crate::simulate::LoadedProgram;
+use crate::sources::set_reading;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 use std::fmt::Write;
@@ -38,6 +41,22 @@ struct ToolArguments {
     #[arg(long, global = true, value_name = "SECONDS", default_value_t = 1800,
           add = whole(1, MAX_SECONDS, "a tool that takes longer than a day has gone astray"))]
     tool_seconds: u64,
+    /// What the base of a robot (.urdf) does: it stands still, or moves freely
+    /// by x, y, z, yaw, pitch and roll
+    #[arg(long, global = true, value_name = "fixed|floating", value_enum,
+          default_value_t = BaseChoice::Fixed, hide_possible_values = true)]
+    base: BaseChoice,
+    /// How far from a right angle an angle of a robot is taken as one, rad
+    #[arg(long, global = true, value_name = "RADIANS", default_value_t = 0.0,
+          add = real(0.0, 1e-3, "the robot would be another one"))]
+    right_angles: f64,
+}
+
+/// The base of robots, as the command line names it.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum BaseChoice {
+    Fixed,
+    Floating,
 }
 
 /// A week.
@@ -51,6 +70,8 @@ enum ToolCommand {
     /// Measure what every pass of a pipeline does to the rounding errors
     Accuracy(AccuracyArguments),
     Bench(BenchArguments),
+    /// Find where a model stands still under its laws
+    Equilibrium(EquilibriumArguments),
     Errors(ErrorsArguments),
     /// Evaluate functions at given or random states
     Eval(EvalArguments),
@@ -58,6 +79,8 @@ enum ToolCommand {
     Front(FrontArguments),
     /// Generate the equations of a model
     Gen(GenArguments),
+    /// Find the modes of a model under its laws: frequencies, damping, shapes
+    Modal(ModalArguments),
     /// Summarise a model, or write one of a family
     Model(ModelArguments),
     Neglect(NeglectArguments),
@@ -113,14 +136,23 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         time: Duration::from_secs(arguments.tool_seconds),
         ..ProcessLimits::USUAL
     });
+    set_reading(RobotReading {
+        base: match arguments.base {
+            BaseChoice::Fixed => RobotBase::Fixed,
+            BaseChoice::Floating => RobotBase::Floating,
+        },
+        right_angle: arguments.right_angles,
+    });
     let result = match &arguments.command {
         ToolCommand::Accuracy(arguments) => accuracy::run(arguments),
         ToolCommand::Bench(arguments) => bench::run(arguments),
+        ToolCommand::Equilibrium(arguments) => standing::equilibrium(arguments),
         ToolCommand::Errors(arguments) => errors::run(arguments),
         ToolCommand::Eval(arguments) => eval::run(arguments),
         ToolCommand::Fit(arguments) => fit::run(arguments),
         ToolCommand::Front(arguments) => front::run(arguments),
         ToolCommand::Gen(arguments) => generation::run(arguments),
+        ToolCommand::Modal(arguments) => standing::modal(arguments),
         ToolCommand::Model(arguments) => model::run(arguments),
         ToolCommand::Neglect(arguments) => neglect::run(arguments),
         ToolCommand::Scene(arguments) => scene::run(arguments),

@@ -4,6 +4,7 @@ use super::flags::{SEED, real, states, whole};
 use super::output::result_files;
 use super::{CommandFailure, input, output};
 use crate::present::json::json_text;
+use crate::sources;
 use crate::trigonometry::{self, TrigonometryEffect, TrigonometrySetting};
 use clap::{Args, ValueEnum};
 use robovec_ir::{Format, Module};
@@ -23,7 +24,7 @@ enum SeriesChoice {
 /// What is measured.
 #[derive(Args, Debug)]
 pub(super) struct TrigArguments {
-    /// Files of equations, or models (.mbs)
+    /// Files of equations, or models (.mbs, .urdf)
     #[arg(required = true)]
     files: Vec<PathBuf>,
     /// Orders of the polynomials: the largest power of the angle
@@ -90,7 +91,7 @@ pub(super) fn run(arguments: &TrigArguments) -> Result<String, CommandFailure> {
         if let Some(wanted) = function {
             super::opt::select(&mut module, wanted)?;
         }
-        let model = match path.extension().is_some_and(|extension| extension == "mbs") {
+        let model = match sources::is_model_path(path) {
             true => Some(input::model(path)?.model),
             false => None,
         };

@@ -68,7 +68,7 @@ pub(super) fn write(
             equations.define(QuantityLabel::new("phi", 0, joint + 1), sum)
         })
         .collect();
-    let roles = ReactionRoles::new(model, &closing.roles)?;
+    let roles = ReactionRoles::new(parameters.frames, &closing.roles)?;
     let multipliers = multipliers(equations, &closing, &roles, &needed)?;
     for (joint, &needed) in needed.iter().enumerate() {
         let name = match model.joints[joint].nature {

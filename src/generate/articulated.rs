@@ -19,7 +19,7 @@
 
 use super::algebra::{Scalar, Sum};
 use super::equations::{Equations, QuantityLabel};
-use super::inertia::{Inertia, SumInertia, SumWrench, Wrench, turn_symmetric};
+use super::inertia::{Inertia, SumInertia, SumWrench, Wrench, turn_general, turn_symmetric};
 use super::parameters::ModelParameters;
 use super::reduced::residual_input;
 use super::vector::{
@@ -46,6 +46,9 @@ pub(super) fn accelerations(
     bodies.outward(&joints);
     Ok(())
 }
+
+/// What turning the coupling block names.
+const COUPLING_NAMES: [&str; 5] = ["YD", "YS", "YW", "YV", "YU"];
 
 /// The blocks of an articulated inertia.
 #[derive(Clone, Copy)]
@@ -337,57 +340,11 @@ impl Blocks {
         let linear = turn_symmetric(equations, names, joint, turn, &self.linear);
         SumBlocks {
             angular,
-            coupling: turn_general(equations, joint, turn, &self.coupling),
+            coupling: turn_general(equations, COUPLING_NAMES, joint, turn, &self.coupling),
             linear,
         }
         .define(equations, ["TA", "TB", "TD"], joint)
     }
-}
-
-/// A matrix of a joint's frame in its parent's axes. In the plane of the
-/// rotation, with `w = S (H_bb - H_cc) + C (H_bc + H_cb)`, the entries become
-/// `H_bb - S w`, `H_cc + S w`, `C w - H_cb` and `C w - H_bc`.
-fn turn_general(
-    equations: &mut Equations,
-    joint: usize,
-    turn: &AxisRotation,
-    matrix: &Matrix,
-) -> [SumVector; 3] {
-    let a = turn.axis;
-    let (b, c) = cyclic(a);
-    let (cos, sin) = (turn.cos, turn.sin);
-    let mut turned = matrix.map(|row| row.map(Sum::of));
-    if sin.is_zero() {
-        return turned;
-    }
-    let row = turn.up(&matrix[a]);
-    let column = turn.up(&matrix.map(|row| row[a]));
-    for k in [b, c] {
-        turned[a][k] = row[k].clone();
-        turned[k][a] = column[k].clone();
-    }
-    let mut name = |name, sum| equations.define(QuantityLabel::new(name, 0, joint + 1), sum);
-    let mut difference = Sum::of(matrix[b][b]);
-    difference.subtract(&[matrix[c][c]]);
-    let mut total = Sum::of(matrix[b][c]);
-    total.add(&[matrix[c][b]]);
-    let (difference, total) = (name("YD", difference), name("YS", total));
-    let mut swing = Sum::new();
-    swing.add(&[sin, difference]).add(&[cos, total]);
-    let swing = name("YW", swing);
-    let mut part = Sum::new();
-    part.add(&[sin, swing]);
-    let part = name("YV", part);
-    let mut cross = Sum::new();
-    cross.add(&[cos, swing]);
-    let cross = name("YU", cross);
-    turned[b][b].subtract(&[part]);
-    turned[c][c].add(&[part]);
-    for (row, column) in [(b, c), (c, b)] {
-        turned[row][column] = Sum::of(cross);
-        turned[row][column].subtract(&[matrix[column][row]]);
-    }
-    turned
 }
 
 impl SumBlocks {

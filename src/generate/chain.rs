@@ -230,7 +230,10 @@ impl Chain {
             let linear = self.define(equations, "JT", 0, step.joint + 1, cross);
             (step.joint, linear, step.axis)
         };
-        self.steps.iter().zip(&arms).map(column).collect()
+        // Nothing moves a constant rotation.
+        let moves = |step: &ChainJoint| !parameters.frames.is_constant(step.joint);
+        let pairs = self.steps.iter().zip(&arms);
+        pairs.filter(|(step, _)| moves(step)).map(column).collect()
     }
 
     /// Velocities and accelerations of the end for given velocities and

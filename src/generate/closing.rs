@@ -93,9 +93,9 @@ impl<'p, 'm> Closing<'p, 'm> {
     ) -> Result<Closing<'p, 'm>, GenerateError> {
         Ok(Closing {
             parameters,
-            roles: JointRoles::new(parameters.model, options)?,
+            roles: JointRoles::of_frames(parameters.frames, options)?,
             constraints: constraints::rows(equations, parameters, options, part),
-            user: user_constraints::rows(equations, parameters.joints(), options),
+            user: user_constraints::rows(equations, parameters.frames, options),
         })
     }
 

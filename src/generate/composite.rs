@@ -122,7 +122,7 @@ fn body_by_body(parameters: &ModelParameters<'_>, options: &Options, accelerated
             leading_signs: options.leading_signs,
         });
         let equations = &mut trial;
-        let parameters = &ModelParameters::new(parameters.model, options, equations);
+        let parameters = &ModelParameters::new(parameters.frames, options, equations);
         let offsets = parameters.named_offsets(equations);
         let composites = Inertia::composites(equations, parameters, &offsets);
         let accelerations: Vec<Scalar> = if accelerated {
@@ -171,6 +171,7 @@ fn column(
             equations,
             parameters,
             &wrench,
+            ("FT", "NT"),
             (below, joint),
             &offsets[below],
         );
@@ -186,12 +187,13 @@ pub(super) fn carry(
     equations: &mut Equations,
     parameters: &ModelParameters<'_>,
     wrench: &Wrench,
+    names: (&'static str, &'static str),
     (joint, column): (usize, usize),
     offset: &Vector,
 ) -> Wrench {
     let place = (joint, column + 1);
     let turn = &parameters.turns[joint];
     wrench
-        .to_parent(equations, "FT", place, turn, offset)
-        .define(equations, ("FT", "NT"), joint, column + 1)
+        .to_parent(equations, names.0, place, turn, offset)
+        .define(equations, names, joint, column + 1)
 }

@@ -125,7 +125,14 @@ impl<'a, 'm> Frames<'a, 'm> {
         column: usize,
     ) -> Wrench {
         let offset = &self.offsets[joint];
-        carry(equations, self.parameters, wrench, (joint, column), offset)
+        carry(
+            equations,
+            self.parameters,
+            wrench,
+            ("FT", "NT"),
+            (joint, column),
+            offset,
+        )
     }
 
     /// A wrench of a joint's frame in the axes and about the origin of its hub.

@@ -15,7 +15,7 @@ use super::chain::Chain;
 use super::equations::{Equations, QuantityLabel};
 use super::parameters::{ModelParameters, ParameterSource};
 use super::vector::{Vector, ZERO, define_as, subtracted};
-use crate::model::{Anchor, Cut, CutKind};
+use crate::model::{Anchor, Cut, CutKind, JointCoupling};
 
 /// One row.
 #[derive(Clone)]
@@ -86,6 +86,10 @@ pub(super) fn rows(
             part,
             number,
         };
+        if let CutKind::Coupling(coupling) = cut.kind {
+            rows.push(writer.coupling(&coupling));
+            continue;
+        }
         let ends = writer.ends(cut, options);
         match cut.kind {
             CutKind::Ball => writer.ball(cut, &ends, &mut rows),
@@ -96,6 +100,7 @@ pub(super) fn rows(
                 writer.ball(cut, &ends, &mut rows);
                 writer.rotation(&ends, &mut rows);
             }
+            CutKind::Coupling(_) => {}
         }
     }
     rows.retain(|row| !row.jacobian.is_empty());
@@ -111,7 +116,7 @@ fn rod_length(parameters: &ModelParameters<'_>, cut: usize) -> (usize, f64) {
         .count();
     match cuts[cut].kind {
         CutKind::Rod(length) => (before, length),
-        CutKind::Ball | CutKind::Solid => (before, 0.0),
+        CutKind::Ball | CutKind::Solid | CutKind::Coupling(_) => (before, 0.0),
     }
 }
 
@@ -168,6 +173,31 @@ impl ConstraintWriter<'_, '_, '_> {
 
     fn label(&self, prefix: &'static str, row: usize) -> QuantityLabel {
         QuantityLabel::new(prefix, row + 1, self.number + 1)
+    }
+
+    /// `q_joint - factor q_leader - offset`.
+    fn coupling(&mut self, coupling: &JointCoupling) -> ConstraintRow {
+        let frames = self.parameters.frames;
+        let [joint, leader] = [coupling.joint, coupling.leader].map(|joint| frames.place(joint));
+        let (factor, offset) = (
+            self.equations.number(coupling.factor),
+            self.equations.number(coupling.offset),
+        );
+        // Symbols of reversed joints have their signs already.
+        let [one, ratio] = [(joint, Scalar::ONE), (leader, -factor)]
+            .map(|(joint, value)| value.negated_if(frames.is_reversed(joint)));
+        let mut h = Sum::new();
+        h.add(&[one, self.parameters.q[joint]])
+            .add(&[ratio, self.parameters.q[leader]])
+            .subtract(&[offset]);
+        let mut jacobian = vec![(joint, one), (leader, ratio)];
+        jacobian.retain(|(_, value)| !value.is_zero());
+        jacobian.sort_unstable_by_key(|&(joint, _)| joint);
+        ConstraintRow {
+            h: self.equations.define(self.label("h", 0), h),
+            jacobian,
+            jdqd: Scalar::ZERO,
+        }
     }
 
     /// From the second end to the first.

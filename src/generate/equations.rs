@@ -7,6 +7,7 @@
 //! cost nothing.
 
 use super::algebra::{ProductFactor, Scalar, SignedProduct, Sum};
+use super::joint_arrays::JointNumbers;
 use hashbrown::HashTable;
 use robovec_ir::Boundary;
 use rustc_hash::FxBuildHasher;
@@ -130,6 +131,8 @@ pub(super) struct Equations {
     pub(super) outputs: Vec<(u32, [u32; 2], Scalar)>,
     /// Calls of user functions.
     pub(super) calls: Vec<Boundary>,
+    /// Which joints the indices of arrays are.
+    pub(super) numbers_of_joints: JointNumbers,
     inputs: hashbrown::HashMap<(u32, [u32; 2]), u32, FxBuildHasher>,
     numbers: hashbrown::HashMap<u64, u32, FxBuildHasher>,
     /// Hash, atom (with the sign that belongs to the key's) of every equation.
@@ -155,6 +158,7 @@ impl Equations {
             results: Vec::new(),
             outputs: Vec::new(),
             calls: Vec::new(),
+            numbers_of_joints: JointNumbers::default(),
             inputs: hashbrown::HashMap::default(),
             numbers: hashbrown::HashMap::default(),
             known: HashTable::new(),
@@ -172,26 +176,28 @@ impl Equations {
         self.atoms.len() as u32 - 1
     }
 
-    /// An element of an input array; indices count from 1.
+    /// An element of an input array; indices count from 1, and frames where
+    /// the array counts joints. Of a joint that moves against its axis the
+    /// negative of the symbol; of a constant rotation nothing.
     pub(super) fn input(&mut self, array: &str, indices: &[usize]) -> Scalar {
+        let Some((padded, negative)) = self.numbers_of_joints.element(array, padded(indices))
+        else {
+            return Scalar::ZERO;
+        };
         let found = self.arrays.iter().position(|(name, _)| name == array);
         let number = found.unwrap_or_else(|| {
             self.arrays.push((array.to_owned(), indices.len()));
             self.arrays.len() - 1
         }) as u32;
-        let mut padded = [0; 2];
-        for (place, &index) in padded.iter_mut().zip(indices) {
-            *place = index as u32;
-        }
         if let Some(&atom) = self.inputs.get(&(number, padded)) {
-            return Scalar::of_atom(atom);
+            return Scalar::of_atom(atom).negated_if(negative);
         }
         let atom = self.atom(Atom::Input {
             array: number,
             indices: padded,
         });
         self.inputs.insert((number, padded), atom);
-        Scalar::of_atom(atom)
+        Scalar::of_atom(atom).negated_if(negative)
     }
 
     /// A number.
@@ -214,18 +220,25 @@ impl Equations {
         Scalar::of_atom(atom).negated_if(number < 0.0)
     }
 
-    /// Sets an output element.
+    /// Sets an output element, in frames until [`Equations::number_outputs`];
+    /// constant rotations have none.
     pub(super) fn output(&mut self, array: &str, indices: &[usize], value: Scalar) {
+        let padded = padded(indices);
+        if self.numbers_of_joints.element(array, padded).is_none() {
+            return;
+        }
         let found = self.results.iter().position(|name| name == array);
         let array = found.unwrap_or_else(|| {
             self.results.push(array.to_owned());
             self.results.len() - 1
         }) as u32;
-        let mut padded = [0; 2];
-        for (place, &index) in padded.iter_mut().zip(indices) {
-            *place = index as u32;
-        }
         self.outputs.push((array, padded, value));
+    }
+
+    /// Gives the elements of outputs the numbers and signs of joints.
+    pub(super) fn number_outputs(&mut self) {
+        self.numbers_of_joints
+            .outputs(&self.results, &mut self.outputs);
     }
 
     /// The value of a sum: a new equation, an earlier one or a scalar.
@@ -437,6 +450,15 @@ impl Equations {
         }
         negated
     }
+}
+
+/// One or two indices; 0 stands for none.
+fn padded(indices: &[usize]) -> [u32; 2] {
+    let mut padded = [0; 2];
+    for (place, &index) in padded.iter_mut().zip(indices) {
+        *place = index as u32;
+    }
+    padded
 }
 
 /// The scalar that a sum is, when it is one.

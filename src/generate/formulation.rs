@@ -189,10 +189,16 @@ impl Formulation {
                 | FunctionKind::Accelred
                 | FunctionKind::Invdynared
         );
+        // The regressor is a polynomial of velocities and accelerations.
+        let derived = function.is_derived() && function != FunctionKind::Regressor;
         Requirements {
             // The recursive family does with or without, see `Options`.
-            true_sin_cos: self != Formulation::Recursive && dynamics,
-            division: function.is_part_of_step() || function == FunctionKind::Link,
+            true_sin_cos: derived || self != Formulation::Recursive && dynamics,
+            division: function.is_part_of_step()
+                || matches!(
+                    function,
+                    FunctionKind::Link | FunctionKind::DirdynaD | FunctionKind::Minv
+                ),
             square_root: function == FunctionKind::Link,
         }
     }
@@ -238,7 +244,14 @@ pub(super) fn check(model: &Model, request: &GenerationRequest) -> Result<(), Ge
     {
         return Err(reduced::too_large(model));
     }
-    if chosen.requirements(function).true_sin_cos && !request.options.true_angles {
+    let options = &request.options;
+    let substituted = !options.true_angles || !options.small_angles.is_empty();
+    if function.is_derived() && function != FunctionKind::Regressor && substituted {
+        return Err(GenerateError::NeedsSines {
+            function: function.name(),
+        });
+    }
+    if chosen.requirements(function).true_sin_cos && !options.true_angles {
         return Err(GenerateError::NeedsTrueAngles { formulation });
     }
     Ok(())

@@ -2,7 +2,7 @@
 
 use super::tests::serial;
 use super::*;
-use crate::model::{Body, Joint, JointKind, ModelPoint, Nature};
+use crate::model::{Body, Joint, JointKind, JointMounting, ModelPoint, Nature};
 use robovec_ir::Shape;
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate;
@@ -63,6 +63,8 @@ pub(super) fn tree(seed: u64, bodies: usize) -> Model {
                 has_acceleration: !driven,
                 actuated: false,
                 initial: [0.0; 3],
+                mounting: JointMounting::default(),
+                limits: None,
             });
         }
         let massless = random.below(6) == 0;

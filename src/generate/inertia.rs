@@ -109,6 +109,10 @@ impl SumInertia {
         parameters: &ModelParameters<'_>,
         joint: usize,
     ) {
+        if let Some(grouped) = &parameters.grouped {
+            self.add(&grouped[joint].inertia);
+            return;
+        }
         let mass = parameters.masses[joint];
         let (moments, center) = (&parameters.inertias[joint], &parameters.centers[joint]);
         self.add_body(equations, joint, mass, moments, center);
@@ -365,10 +369,17 @@ pub(super) fn turn_symmetric(
     entry(a, b, &[&[cos, matrix[a][b]], &[-sin, matrix[a][c]]]);
     entry(a, c, &[&[sin, matrix[a][b]], &[cos, matrix[a][c]]]);
     if sin.is_zero() {
-        // Only a joint without rotation, whose cosine is one.
+        // No rotation, or half a turn.
         entry(b, b, &[&[bb]]);
         entry(c, c, &[&[cc]]);
         entry(b, c, &[&[bc]]);
+        return turned;
+    }
+    if cos.is_zero() {
+        // A quarter of a turn exchanges the two axes.
+        entry(b, b, &[&[cc]]);
+        entry(c, c, &[&[bb]]);
+        entry(b, c, &[&[-bc]]);
         return turned;
     }
     let twice = twice_cos(equations, joint, turn);
@@ -384,6 +395,63 @@ pub(super) fn turn_symmetric(
     entry(b, b, &[&[bb], &[-part]]);
     entry(c, c, &[&[cc], &[part]]);
     entry(b, c, &[&[cos, swing], &[-bc]]);
+    turned
+}
+
+/// A matrix of a joint's frame in its parent's axes. In the plane of the
+/// rotation, with `w = S (H_bb - H_cc) + C (H_bc + H_cb)`, the entries become
+/// `H_bb - S w`, `H_cc + S w`, `C w - H_cb` and `C w - H_bc`.
+pub(super) fn turn_general(
+    equations: &mut Equations,
+    names: [&'static str; 5],
+    joint: usize,
+    turn: &AxisRotation,
+    matrix: &Matrix,
+) -> [SumVector; 3] {
+    let a = turn.axis;
+    let (b, c) = cyclic(a);
+    let (cos, sin) = (turn.cos, turn.sin);
+    let mut turned = matrix.map(|row| row.map(Sum::of));
+    let row = turn.up(&matrix[a]);
+    let column = turn.up(&matrix.map(|row| row[a]));
+    for k in [b, c] {
+        turned[a][k] = row[k].clone();
+        turned[k][a] = column[k].clone();
+    }
+    if sin.is_zero() {
+        // No rotation, or half a turn.
+        return turned;
+    }
+    if cos.is_zero() {
+        // A quarter of a turn exchanges the two axes.
+        for (row, column) in [(b, c), (c, b)] {
+            turned[row][row] = Sum::of(matrix[column][column]);
+            turned[row][column] = Sum::of(-matrix[column][row]);
+        }
+        return turned;
+    }
+    let mut name =
+        |which: usize, sum| equations.define(QuantityLabel::new(names[which], 0, joint + 1), sum);
+    let mut difference = Sum::of(matrix[b][b]);
+    difference.subtract(&[matrix[c][c]]);
+    let mut total = Sum::of(matrix[b][c]);
+    total.add(&[matrix[c][b]]);
+    let (difference, total) = (name(0, difference), name(1, total));
+    let mut swing = Sum::new();
+    swing.add(&[sin, difference]).add(&[cos, total]);
+    let swing = name(2, swing);
+    let mut part = Sum::new();
+    part.add(&[sin, swing]);
+    let part = name(3, part);
+    let mut cross = Sum::new();
+    cross.add(&[cos, swing]);
+    let cross = name(4, cross);
+    turned[b][b].subtract(&[part]);
+    turned[c][c].add(&[part]);
+    for (row, column) in [(b, c), (c, b)] {
+        turned[row][column] = Sum::of(cross);
+        turned[row][column].subtract(&[matrix[column][row]]);
+    }
     turned
 }
 

@@ -22,12 +22,16 @@ mod composite;
 mod composite_base;
 mod constraints;
 mod contenders;
+mod derivative;
 mod equations;
 mod factor;
 mod forces;
 mod formulation;
+mod frames;
+mod grouping;
 mod hub;
 mod inertia;
+mod joint_arrays;
 mod link;
 mod loads;
 mod lower;
@@ -37,7 +41,9 @@ mod prefix;
 mod reactions;
 mod recursive;
 mod reduced;
+mod regressor;
 mod roles;
+mod sensitivity;
 mod sensor;
 mod turned_body;
 mod user_constraints;
@@ -47,6 +53,7 @@ use self::algebra::Scalar;
 pub use self::contenders::{Contender, Contenders, contenders};
 use self::equations::{EquationStyle, Equations};
 pub use self::formulation::{Formulation, MomentOrigin, PrefixNetwork, Requirements};
+use self::frames::ModelFrames;
 use self::lower::Extents;
 use self::parameters::ModelParameters;
 pub use self::roles::{
@@ -220,6 +227,15 @@ pub enum GenerateError {
         /// The name of the formulation.
         formulation: &'static str,
     },
+    /// The function uses what the options forbid, in every formulation.
+    #[error(
+        "{function} needs sin^2 + cos^2 = 1, and the cosine as the derivative of the sine, which \
+         the options exclude; the pass 'trigonometry' may replace sines and cosines afterwards"
+    )]
+    NeedsSines {
+        /// The name of the function.
+        function: &'static str,
+    },
     /// Forces cannot move a joint in a determined way.
     #[error(
         "no acceleration of the joint '{0}' is determined: \
@@ -273,6 +289,7 @@ fn within_limit(model: &Model, request: &GenerationRequest) -> Result<(), Genera
             request.formulation != Formulation::Articulated
         }
         FunctionKind::Gensensor => true,
+        _ if request.function.is_derived() => true,
         _ => false,
     };
     let pairs = model.pairs();
@@ -345,7 +362,14 @@ fn write(
         leading_signs: options.leading_signs,
     });
     let equations = &mut written;
-    let parameters = &ModelParameters::new(model, options, equations);
+    let frames = &ModelFrames::new(model);
+    let function = request.function;
+    // Numbers may be moved from body to body, and a regressor asks for each.
+    let moves = function.is_derived() && function != FunctionKind::Regressor;
+    let parameters = &match moves && options.parameters == ParameterBinding::Numbers {
+        true => ModelParameters::grouped(frames, options, equations),
+        false => ModelParameters::new(frames, options, equations),
+    };
     match request.function {
         FunctionKind::Dirdyna => {
             formulation::direct(equations, parameters, request);
@@ -360,12 +384,17 @@ fn write(
         FunctionKind::Link => link::write(equations, parameters, options),
         FunctionKind::Extforces => forces::write(equations, parameters, options),
         FunctionKind::Sensor => sensor::sensor(equations, parameters, options, case),
-        FunctionKind::Gensensor => sensor::frame(equations, parameters, case),
+        FunctionKind::Gensensor => sensor::frame(equations, parameters, frames.place(case)),
         FunctionKind::Accelred => formulation::accelerations(equations, parameters, request)?,
         FunctionKind::Invdynared => actuation::write(equations, parameters, request)?,
         FunctionKind::LoopPositions => closing::positions(equations, parameters, options)?,
         FunctionKind::LoopVelocities => closing::velocities(equations, parameters, options)?,
+        FunctionKind::InvdynaD => derivative::inverse(equations, parameters, options),
+        FunctionKind::DirdynaD => sensitivity::forward(equations, parameters, options)?,
+        FunctionKind::Minv => sensitivity::inverse(equations, parameters, options)?,
+        FunctionKind::Regressor => regressor::write(equations, parameters, options),
     }
+    equations.number_outputs();
     Ok(written)
 }
 

@@ -7,12 +7,18 @@
 
 use super::algebra::Scalar;
 use super::equations::{Equations, QuantityLabel};
+use super::frames::ModelFrames;
+use super::grouping::grouped;
+use super::inertia::Inertia;
+use super::joint_arrays::JointNumbers;
 use super::vector::{AxisRotation, Matrix, SumVector, Vector, ZERO, define_as, sums};
 use super::{Options, ParameterBinding};
 use crate::model::Model;
 
 /// Everything the recursions read, by joint index.
 pub(super) struct ModelParameters<'m> {
+    pub(super) frames: &'m ModelFrames<'m>,
+    /// The model whose joints are frames.
     pub(super) model: &'m Model,
     /// Gravity, m/s^2.
     pub(super) gravity: Vector,
@@ -34,12 +40,30 @@ pub(super) struct ModelParameters<'m> {
     pub(super) torques: Vec<Vector>,
     /// The rotation of each joint.
     pub(super) turns: Vec<AxisRotation>,
+    /// What joints move, in place of masses, centres and inertias; `None`
+    /// where these are used.
+    pub(super) grouped: Option<Vec<OriginInertia>>,
+}
+
+/// What a joint moves, about the origin of its frame.
+#[derive(Clone, Copy)]
+pub(super) struct OriginInertia {
+    /// Mass, first moment and moments of inertia.
+    pub(super) inertia: Inertia,
+    /// `tr J - 2 J` of the moments: twice the second moments of mass.
+    pub(super) second: Matrix,
 }
 
 impl<'m> ModelParameters<'m> {
     /// Names the symbols of a model and writes its sines and cosines.
-    pub(super) fn new(model: &'m Model, options: &Options, equations: &mut Equations) -> Self {
+    pub(super) fn new(
+        frames: &'m ModelFrames<'m>,
+        options: &Options,
+        equations: &mut Equations,
+    ) -> Self {
+        let model: &Model = &frames.model;
         let joints = 0..model.joints.len();
+        equations.numbers_of_joints = JointNumbers::new(frames);
         let mut source = ParameterSource { options, equations };
         let gravity = [0, 1, 2].map(|i| source.parameter("g", &[i + 1], model.gravity[i]));
         // Symbols are numbered as they are named: one array after the other.
@@ -69,11 +93,18 @@ impl<'m> ModelParameters<'m> {
                 false => Scalar::ZERO,
             })
             .collect();
-        let small = |joint: usize| options.small_angles.contains(&joint);
+        let small = |frame: usize| {
+            let joint = frames.joint(frame);
+            joint.is_some_and(|joint| options.small_angles.contains(&joint))
+        };
         let turns = joints
-            .map(|i| turn(model, equations, i, (q[i], small(i))))
+            .map(|i| match frames.constant(equations, i) {
+                Some(constant) => constant,
+                None => turn(model, equations, i, (q[i], small(i))),
+            })
             .collect();
         ModelParameters {
+            frames,
             model,
             gravity,
             attachments,
@@ -85,10 +116,41 @@ impl<'m> ModelParameters<'m> {
             forces,
             torques,
             turns,
+            grouped: None,
         }
     }
 
-    /// The number of joints.
+    /// The same with inertias as numbers, of which as much as possible is moved
+    /// to the bodies before (see [`super::grouping`]).
+    pub(super) fn grouped(
+        frames: &'m ModelFrames<'m>,
+        options: &Options,
+        equations: &mut Equations,
+    ) -> Self {
+        let mut parameters = ModelParameters::new(frames, options, equations);
+        let inertias = grouped(frames);
+        let scalars = inertias.iter().map(|own| {
+            let moments = own.moments;
+            let trace: f64 = (0..3).map(|axis| moments[axis][axis]).sum();
+            let second = |row: usize, column: usize| {
+                let diagonal = if row == column { trace } else { 0.0 };
+                diagonal - 2.0 * moments[row][column]
+            };
+            let axes = [0, 1, 2];
+            OriginInertia {
+                inertia: Inertia {
+                    mass: equations.number(own.mass),
+                    first: own.first.map(|number| equations.number(number)),
+                    moments: moments.map(|row| row.map(|number| equations.number(number))),
+                },
+                second: axes.map(|r| axes.map(|c| equations.number(second(r, c)))),
+            }
+        });
+        parameters.grouped = Some(scalars.collect());
+        parameters
+    }
+
+    /// The number of joints, constant rotations included.
     pub(super) fn joints(&self) -> usize {
         self.model.joints.len()
     }

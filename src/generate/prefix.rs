@@ -507,7 +507,14 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
             entries.push((ancestor, wrench.along(parameters, ancestor)));
             let offset = &self.offsets[ancestor];
             let step = (ancestor, joint);
-            wrench = carry(self.equations, parameters, &wrench, step, offset);
+            wrench = carry(
+                self.equations,
+                parameters,
+                &wrench,
+                ("FT", "NT"),
+                step,
+                offset,
+            );
             place = parameters.parent(ancestor);
         }
         entries

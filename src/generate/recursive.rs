@@ -98,9 +98,7 @@ pub(super) fn inverse(
     options: &Options,
     accelerations: &[Scalar],
 ) -> Vec<Scalar> {
-    let mut recursion = Recursion::new(equations, parameters, options, &INVERSE);
-    recursion.forward(accelerations);
-    recursion.backward()
+    Recursion::moving(equations, parameters, options, accelerations).backward()
 }
 
 pub(super) struct Recursion<'e, 'p, 'm> {
@@ -112,9 +110,12 @@ pub(super) struct Recursion<'e, 'p, 'm> {
     expanded: bool,
     pub(super) children: Vec<Vec<usize>>,
     pub(super) offsets: Vec<Vector>,
-    velocities: Vec<Vector>,
-    motions: Vec<FrameMotion>,
-    tildes: Vec<Matrix>,
+    /// `OM`, by joint.
+    pub(super) velocities: Vec<Vector>,
+    /// By joint, the acceleration of the origin minus gravity.
+    pub(super) motions: Vec<FrameMotion>,
+    /// `~OA + ~OM ~OM`, by joint.
+    pub(super) tildes: Vec<Matrix>,
 }
 
 impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
@@ -139,6 +140,18 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
             motions: Vec::new(),
             tildes: Vec::new(),
         }
+    }
+
+    /// A recursion whose frames move with given accelerations of the joints.
+    pub(super) fn moving(
+        equations: &'e mut Equations,
+        parameters: &'p ModelParameters<'m>,
+        options: &Options,
+        accelerations: &[Scalar],
+    ) -> Self {
+        let mut recursion = Recursion::new(equations, parameters, options, &INVERSE);
+        recursion.forward(accelerations);
+        recursion
     }
 
     /// Velocities and accelerations from the base to the leaves; without
@@ -259,6 +272,14 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
     /// Forces and torques from the leaves to the base; the joints' own
     /// components.
     fn backward(&mut self) -> Vec<Scalar> {
+        let loads = self.loads();
+        let each = loads.iter().enumerate();
+        each.map(|(joint, load)| self.component(joint, load))
+            .collect()
+    }
+
+    /// What all joints carry.
+    pub(super) fn loads(&mut self) -> Vec<JointLoad> {
         let count = self.parameters.joints();
         let mut loads = vec![
             JointLoad {
@@ -273,15 +294,21 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
             loads[joint] = self.collect(joint, 0, &own, inertia, &loads);
         }
         loads
-            .iter()
-            .enumerate()
-            .map(|(joint, load)| self.component(joint, load))
-            .collect()
     }
 
     /// `FA_i = m (AF_i + BE_i l_i) - frc_i`.
     fn own_force(&mut self, joint: usize) -> Vector {
         let parameters = self.parameters;
+        if let Some(grouped) = &parameters.grouped {
+            // About the origin: `m AF + BE h - frc`.
+            let own = &grouped[joint].inertia;
+            let mut force = parameters.forces[joint].map(|external| Sum::of(-external));
+            for (component, &value) in force.iter_mut().zip(&self.motions[joint].linear) {
+                component.add(&[own.mass, value]);
+            }
+            add_matrix_product(&mut force, &self.tildes[joint], &own.first);
+            return define(self.equations, self.names.own, joint, 0, force);
+        }
         let mut acceleration = self.motions[joint].linear.map(Sum::of);
         add_matrix_product(
             &mut acceleration,
@@ -309,11 +336,21 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
         for (component, &external) in torque.iter_mut().zip(&parameters.torques[joint]) {
             component.subtract(&[external]);
         }
+        if let Some(grouped) = &parameters.grouped {
+            // `h x AF + J OA + OM x (J OM)`, and the moment of what acts at the
+            // centre.
+            let own = &grouped[joint].inertia;
+            let (center, external) = (&parameters.centers[joint], &parameters.forces[joint]);
+            add_cross(&mut torque, center, external, true);
+            add_cross(&mut torque, &own.first, &self.motions[joint].linear, false);
+            self.add_rotation(&mut torque, joint, &own.moments);
+            return torque;
+        }
         add_cross(&mut torque, &parameters.centers[joint], own, false);
         if self.expanded {
             self.add_expanded_rotation(&mut torque, joint);
         } else {
-            self.add_rotation(&mut torque, joint);
+            self.add_rotation(&mut torque, joint, &parameters.inertias[joint]);
         }
         torque
     }
@@ -339,8 +376,7 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
     /// accelerations need anyway. With (a, b, c) cyclic, component a is
     /// `I_aa OA_a + (I_cc - I_bb) OM_b OM_c + I_ab (OA_b - OM_a OM_c)
     /// + I_ac (OA_c + OM_a OM_b) + I_bc (OM_b^2 - OM_c^2)`.
-    fn add_rotation(&mut self, torque: &mut SumVector, joint: usize) {
-        let inertia = &self.parameters.inertias[joint];
+    fn add_rotation(&mut self, torque: &mut SumVector, joint: usize, inertia: &Matrix) {
         let tilde = &self.tildes[joint];
         let velocity = &self.velocities[joint];
         for a in 0..3 {

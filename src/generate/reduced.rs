@@ -64,7 +64,7 @@ pub(super) fn accelerations(
         masses: dynamics.mass.iter().map(|row| sorted(row)).collect(),
         given: vec![Scalar::ZERO; model.joints.len()],
     };
-    let partition = JointRoles::new(model, options)?;
+    let partition = JointRoles::of_frames(parameters.frames, options)?;
     for joint in 0..model.joints.len() {
         if model.joints[joint].nature == Nature::Driven {
             reduction.given[joint] = parameters.acceleration(reduction.equations, joint);
@@ -225,7 +225,7 @@ impl CoordinateReduction<'_, '_, '_> {
         loops: &DependentAccelerations,
         options: &Options,
     ) -> BoundAccelerations {
-        let rows = user_constraints::rows(self.equations, self.parameters.joints(), options);
+        let rows = user_constraints::rows(self.equations, self.parameters.frames, options);
         let dependent = DependentJoints {
             joints: &partition.dependent,
             matrix: &loops.matrix,

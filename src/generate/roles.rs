@@ -1,6 +1,7 @@
 //! The roles of joints and constraint rows in accelerations, decided in
 //! numbers at the closed initial state of the model.
 
+use super::frames::ModelFrames;
 use super::{GenerateError, GenerationRequest, Options, generate};
 use crate::kinematics::linear::{DenseMatrix, eliminate};
 use crate::kinematics::{
@@ -36,6 +37,21 @@ impl JointRoles {
                     of_loops: roles.dependent.len(),
                 });
             }
+        }
+        Ok(roles)
+    }
+
+    /// The roles, with frames in the place of joints.
+    pub(super) fn of_frames(
+        frames: &ModelFrames<'_>,
+        options: &Options,
+    ) -> Result<JointRoles, GenerateError> {
+        let mut roles = JointRoles::new(frames.source, options)?;
+        for joint in [&mut roles.free, &mut roles.bound, &mut roles.dependent]
+            .into_iter()
+            .flatten()
+        {
+            *joint = frames.place(*joint);
         }
         Ok(roles)
     }
@@ -91,8 +107,13 @@ pub(super) struct ReactionRoles {
 }
 
 impl ReactionRoles {
-    /// Decides where forces act, at the closed initial state.
-    pub(super) fn new(model: &Model, roles: &JointRoles) -> Result<ReactionRoles, GenerateError> {
+    /// Decides where forces act, at the closed initial state; in frames, as the
+    /// roles are.
+    pub(super) fn new(
+        frames: &ModelFrames<'_>,
+        roles: &JointRoles,
+    ) -> Result<ReactionRoles, GenerateError> {
+        let model = &frames.model;
         let independent = roles.independent();
         let is_free = |joint: &usize| model.joints[*joint].nature != Nature::Driven;
         let all = (0..model.joints.len()).filter(is_free);
@@ -114,8 +135,12 @@ impl ReactionRoles {
         let others: Vec<usize> = all.filter(|joint| !actuated.contains(joint)).collect();
         let (mut of_loops, mut rows) = (Vec::new(), Vec::new());
         if !roles.rows.is_empty() {
-            let jacobian = closed_loops(model)?.1;
-            let square = jacobian.select(&roles.rows, &others);
+            let jacobian = closed_loops(frames.source)?.1;
+            let columns: Vec<usize> = others
+                .iter()
+                .filter_map(|&other| frames.joint(other))
+                .collect();
+            let square = jacobian.select(&roles.rows, &columns);
             for pivot in eliminate(square, &vec![1.0; others.len()], 1e-8) {
                 of_loops.push(others[pivot.column]);
                 rows.push(roles.rows[pivot.row]);

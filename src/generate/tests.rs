@@ -1,5 +1,5 @@
 use super::*;
-use crate::model::{Axis, Body, Joint, JointKind, ModelPoint, Nature};
+use crate::model::{Axis, Body, Joint, JointKind, JointMounting, ModelPoint, Nature};
 use robovec_ir::count::Counts;
 
 /// The serial chain of the study: rotations about the first and second axis in
@@ -29,6 +29,8 @@ pub(super) fn serial(joints: usize) -> Model {
             has_acceleration: true,
             actuated: false,
             initial: [0.0; 3],
+            mounting: JointMounting::default(),
+            limits: None,
         });
         model.points.push(ModelPoint {
             name: "next".to_owned(),

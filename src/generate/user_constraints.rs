@@ -15,18 +15,19 @@ use super::algebra::{Scalar, Sum};
 use super::constraints::ConstraintRow;
 use super::equations::{Equations, QuantityLabel};
 use super::factor::{SparseRow, entry, product, solve_square};
+use super::frames::ModelFrames;
 
 /// The rows, all joints in each.
 pub(super) fn rows(
     equations: &mut Equations,
-    joints: usize,
+    frames: &ModelFrames<'_>,
     options: &Options,
 ) -> Vec<ConstraintRow> {
     (1..=options.user_constraints)
         .map(|row| ConstraintRow {
             h: equations.input("huserc", &[row]),
-            jacobian: (0..joints)
-                .map(|joint| (joint, equations.input("Juserc", &[row, joint + 1])))
+            jacobian: (frames.places().iter())
+                .map(|&joint| (joint, equations.input("Juserc", &[row, joint + 1])))
                 .collect(),
             jdqd: equations.input("jdqduserc", &[row]),
         })

@@ -6,6 +6,7 @@ use crate::model::Model;
 use robovec_ir::evaluate::{evaluate, evaluate_mixed};
 use robovec_ir::{Format, Function, Shape, Tables, View};
 use robovec_num::arithmetic::{Arithmetic, Binary32, Binary64};
+use robovec_num::dual::{Dual, Duals};
 use robovec_num::soft_float::FormatArithmetic;
 use robovec_num::trigonometry::host::TrigonometricUnit;
 
@@ -77,6 +78,27 @@ impl CompiledFunction {
             (Format::BINARY64, None) => self.numbers(&Binary64, &inputs),
             (format, None) => self.numbers(&FormatArithmetic::new(format), &inputs),
         };
+        self.outputs_of(numbers)
+    }
+
+    /// The derivatives of the outputs in a state along a direction, in
+    /// binary64: exact but for rounding.
+    pub fn evaluate_along(
+        &self,
+        state: &MotionState,
+        direction: &MotionState,
+    ) -> EvaluatedOutputs<'_> {
+        let values = self.inputs.gather(state);
+        let slopes = self.inputs.gather_along(direction);
+        let inputs = values.into_iter().zip(slopes);
+        let inputs: Vec<Dual<f64>> = inputs.map(|(value, slope)| Dual { value, slope }).collect();
+        let outputs = evaluate(&self.function, &Duals(Binary64), &inputs);
+        let slopes = outputs.into_iter().map(|output| output.slope);
+        self.outputs_of(slopes.map(Option::unwrap_or_default).collect())
+    }
+
+    /// The numbers of the assignments as outputs.
+    fn outputs_of(&self, numbers: Vec<f64>) -> EvaluatedOutputs<'_> {
         let mut flat = vec![0.0; self.function.output_len()];
         for (assignment, number) in self.function.assignments.iter().zip(numbers) {
             flat[assignment.output.index()] = number;

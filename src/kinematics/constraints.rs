@@ -71,4 +71,15 @@ impl LoopConstraints {
             }
         }
     }
+
+    /// The derivative of the Jacobian along a direction.
+    pub fn jacobian_along(&self, state: &MotionState, direction: &MotionState) -> DenseMatrix {
+        match &self.position {
+            None => DenseMatrix::zeros(0, self.joints),
+            Some(compiled) => {
+                let outputs = compiled.evaluate_along(state, direction);
+                outputs.matrix("Jac", self.rows(), self.joints)
+            }
+        }
+    }
 }

@@ -30,6 +30,15 @@ pub struct MotionState {
 }
 
 impl MotionState {
+    /// The direction in which nothing changes.
+    pub fn none(model: &Model) -> MotionState {
+        let mut state = MotionState::initial(model);
+        for numbers in [&mut state.q, &mut state.qd, &mut state.qdd] {
+            numbers.fill(0.0);
+        }
+        state
+    }
+
     /// A model at rest in its initial position, without forces.
     pub fn initial(model: &Model) -> MotionState {
         let joints = model.joints.len();
@@ -127,6 +136,19 @@ impl InputSources {
     }
 }
 
+impl InputSources {
+    /// The derivatives of the inputs along a direction, whose numbers are those
+    /// of the state's; `None` for parameters.
+    pub fn gather_along(&self, direction: &MotionState) -> Vec<Option<f64>> {
+        let numbers = self.gather(direction).into_iter().zip(&self.sources);
+        let moves = |(number, source): (f64, &InputSource)| {
+            let fixed = matches!(source, InputSource::Parameter(_));
+            (!fixed).then_some(number)
+        };
+        numbers.map(moves).collect()
+    }
+}
+
 /// An element as Robotran's text form writes it: `dpt[3,1]`.
 pub fn element_name(array: &str, indices: &[u32]) -> String {
     if indices.is_empty() {
@@ -189,7 +211,7 @@ fn source(model: &Model, array: &str, indices: &[u32]) -> Option<InputSource> {
         ("lrod", &[i]) => {
             let lengths = model.cuts.iter().filter_map(|cut| match cut.kind {
                 CutKind::Rod(length) => Some(length),
-                CutKind::Ball | CutKind::Solid => None,
+                CutKind::Ball | CutKind::Solid | CutKind::Coupling(_) => None,
             });
             lengths.skip(place(i)?).map(InputSource::Parameter).next()
         }

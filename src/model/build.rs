@@ -20,7 +20,8 @@
 //! ```
 
 use super::{
-    Anchor, Asks, Body, Cut, CutKind, Joint, JointKind, Link, Model, ModelPoint, Nature, Sensor,
+    Anchor, Asks, Body, Cut, CutKind, Joint, JointKind, JointMounting, Link, Model, ModelPoint,
+    Nature, Sensor,
 };
 
 /// A body of a [`ModelBuilder`], or the base.
@@ -92,6 +93,8 @@ impl ModelBuilder {
                 has_acceleration: true,
                 actuated: false,
                 initial: [0.0; 3],
+                mounting: JointMounting::default(),
+                limits: None,
             });
         }
         self.model.bodies.push(Body {

@@ -16,10 +16,16 @@
 pub mod build;
 pub mod family;
 pub mod mbs;
+mod mounting;
+mod physics;
 mod random;
+mod rotation;
 pub mod summary;
 pub mod systems;
+pub mod urdf;
+mod xml;
 
+pub use mounting::{ConstantTurn, JointCoupling, JointMounting};
 use std::ops::Range;
 
 /// A multibody system. Lengths are in metres, masses in kilograms, angles in
@@ -202,6 +208,10 @@ pub struct Joint {
     pub actuated: bool,
     /// Initial position (m or rad), velocity and acceleration.
     pub initial: [f64; 3],
+    /// Where its frame stands on the one before.
+    pub mounting: JointMounting,
+    /// The least and the greatest position (m or rad), where the model limits it.
+    pub limits: Option<[f64; 2]>,
 }
 
 /// A named point of the base or of a body.
@@ -233,6 +243,8 @@ pub enum CutKind {
     Rod(f64),
     /// Two frames coincide: 6 rows.
     Solid,
+    /// A joint follows another one: 1 row. The ends are the bodies of both.
+    Coupling(JointCoupling),
 }
 
 impl CutKind {
@@ -241,7 +253,7 @@ impl CutKind {
     pub fn rows(self) -> usize {
         match self {
             CutKind::Ball => 3,
-            CutKind::Rod(_) => 1,
+            CutKind::Rod(_) | CutKind::Coupling(_) => 1,
             CutKind::Solid => 6,
         }
     }
@@ -449,6 +461,12 @@ impl Model {
                         && (joint.nature == Nature::Driven
                             || (joint.has_velocity && joint.has_acceleration))
                         && finite(&joint.initial)
+                        && joint.limits.is_none_or(|limits| finite(&limits))
+                        && joint
+                            .mounting
+                            .turns
+                            .iter()
+                            .all(|turn| turn.angle.is_finite())
                         && joint.parent == parent
                         && joint.point == point
                 })
@@ -460,6 +478,13 @@ impl Model {
                 point.body.is_none_or(|body| body < bodies) && finite(&point.coordinates)
             })
             && self.cuts.iter().flat_map(|cut| &cut.ends).all(anchor)
+            && self.cuts.iter().all(|cut| match cut.kind {
+                CutKind::Coupling(coupling) => {
+                    coupling.joint.max(coupling.leader) < self.joints.len()
+                        && finite(&[coupling.factor, coupling.offset])
+                }
+                CutKind::Ball | CutKind::Rod(_) | CutKind::Solid => true,
+            })
             && self.links.iter().flat_map(|link| &link.ends).all(anchor)
             && self.links3d.iter().flat_map(|link| &link.ends).all(anchor)
             && self

@@ -1,6 +1,6 @@
 //! A model as a person reads it: counts, the tree, the loops.
 
-use super::{Anchor, Cut, CutKind, Link, Model, Nature};
+use super::{Anchor, Cut, CutKind, Joint, JointCoupling, Link, Model, Nature};
 use std::fmt::Write;
 
 /// The summary of a model, several lines of text.
@@ -13,8 +13,13 @@ pub fn summarise(model: &Model) -> String {
     // Writing to a string cannot fail, here and below.
     let _ = writeln!(text, "{}", counts(model));
     text.push_str(&tree(model));
+    text.push_str(&placements(model));
     for (index, cut) in model.cuts.iter().enumerate() {
-        let _ = writeln!(text, "loop {}: {}", index + 1, loop_line(model, cut));
+        let word = match cut.kind {
+            CutKind::Coupling(_) => "coupling",
+            CutKind::Ball | CutKind::Rod(_) | CutKind::Solid => "loop",
+        };
+        let _ = writeln!(text, "{word} {}: {}", index + 1, loop_line(model, cut));
     }
     for (kind, links) in [("link", &model.links), ("link3D", &model.links3d)] {
         for (index, link) in links.iter().enumerate() {
@@ -58,7 +63,7 @@ fn counts(model: &Model) -> String {
     };
     let mass: f64 = model.bodies.iter().map(|body| body.mass).sum();
     // The sum without the dust of its additions.
-    let mass: f64 = format!("{mass:.9e}").parse().unwrap_or(mass);
+    let mass: f64 = format!("{mass:.9e}").parse().unwrap_or(mass) + 0.0;
     let rows: usize = model.cuts.iter().map(Cut::rows).sum();
     let [x, y, z] = model.gravity;
     let base_points = model.points.iter().filter(|point| point.body.is_none());
@@ -150,6 +155,46 @@ fn body_line(model: &Model, index: usize) -> String {
     line
 }
 
+/// What joints have beyond those of `.mbs` files, a line for each: constant
+/// turns before them, axes against which they move, and limits.
+fn placements(model: &Model) -> String {
+    let plain = |joint: &Joint| joint.mounting.is_plain() && joint.limits.is_none();
+    if model.joints.iter().all(plain) {
+        return String::new();
+    }
+    let mut text = String::new();
+    for (index, joint) in model.joints.iter().enumerate() {
+        let _ = write!(text, "joint {}: {}", index + 1, joint.name);
+        for turn in &joint.mounting.turns {
+            let axis = ["x", "y", "z"][turn.axis.index()];
+            let _ = write!(text, ", turned by {} rad about {axis}", turn.angle);
+        }
+        if joint.mounting.reversed {
+            text += ", against its axis";
+        }
+        if let Some([least, most]) = joint.limits {
+            let unit = if joint.kind.is_revolute() { "rad" } else { "m" };
+            let _ = write!(text, ", from {least} to {most} {unit}");
+        }
+        text.push('\n');
+    }
+    let turns = model.joints.iter().flat_map(|joint| &joint.mounting.turns);
+    let small: Vec<f64> = turns.map(|turn| turn.angle.abs()).collect();
+    let small: Vec<f64> = small.into_iter().filter(|&angle| angle < NEARLY).collect();
+    if let Some(most) = small.iter().copied().reduce(f64::max) {
+        let _ = writeln!(
+            text,
+            "{} of these turns are at most {most:.1e} rad: angles of the file are nearly right, and \
+             --right-angles takes them as right",
+            small.len()
+        );
+    }
+    text
+}
+
+/// Constant turns smaller than this were hardly meant, rad.
+const NEARLY: f64 = 1e-4;
+
 /// A point with its number.
 fn point_name(model: &Model, point: usize) -> String {
     format!("{} [{}]", model.points[point].name, point + 1)
@@ -173,6 +218,7 @@ fn loop_line(model: &Model, cut: &Cut) -> String {
         CutKind::Ball => "ball".to_owned(),
         CutKind::Rod(length) => format!("rod of {length} m"),
         CutKind::Solid => "solid".to_owned(),
+        CutKind::Coupling(coupling) => return coupling_line(model, cut, &coupling),
     };
     let [first, second] = cut.ends.map(|end| anchor(model, end));
     format!(
@@ -180,6 +226,20 @@ fn loop_line(model: &Model, cut: &Cut) -> String {
         cut.name,
         plural(loop_joints(model, cut), "joint")
     )
+}
+
+/// `follower = 2 leader + 0.1`, by names of joints.
+fn coupling_line(model: &Model, cut: &Cut, coupling: &JointCoupling) -> String {
+    let name = |joint: usize| &model.joints[joint].name;
+    let mut line = format!("{}: {} = ", cut.name, name(coupling.joint));
+    if coupling.factor != 1.0 {
+        line += &format!("{} ", coupling.factor);
+    }
+    line += name(coupling.leader);
+    if coupling.offset != 0.0 {
+        line += &format!(" + {}", coupling.offset);
+    }
+    line
 }
 
 /// The number of joints around a loop: those on the way to one end of the cut

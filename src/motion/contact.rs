@@ -2,7 +2,7 @@
 //! pull, and dry friction along the plane.
 
 use super::energy::{CartesianVector, dot};
-use super::laws::friction_share;
+use super::laws::{SLIP_VELOCITY, friction_share};
 use serde::Deserialize;
 
 /// Contact of the point of an external force with a plane.
@@ -20,7 +20,7 @@ pub struct Contact {
     /// The share of the pressure that acts against slip.
     pub friction: f64,
     /// The velocity around which friction turns over, m/s; `None`:
-    /// [`SLIP_VELOCITY`](super::laws::SLIP_VELOCITY).
+    /// [`SLIP_VELOCITY`].
     pub slip: Option<f64>,
 }
 
@@ -73,6 +73,33 @@ impl Contact {
         let [gap, _] = self.gap(place, [0.0; 3]);
         let way = (-gap).max(0.0);
         0.5 * self.stiffness * way * way
+    }
+
+    /// The derivative of the force on a point along a direction of its place
+    /// and its velocity. Where the point just touches, that of being in the air.
+    pub(super) fn force_along(
+        &self,
+        [place, velocity]: [CartesianVector; 2],
+        [place_slope, velocity_slope]: [CartesianVector; 2],
+    ) -> CartesianVector {
+        let [gap, rate] = self.gap(place, velocity);
+        let normal = self.direction();
+        let (gap_slope, rate_slope) = (dot(normal, place_slope), dot(normal, velocity_slope));
+        let pressure = -self.stiffness * gap - self.damping * rate;
+        if gap >= 0.0 || pressure <= 0.0 {
+            return [0.0; 3];
+        }
+        let slope = -self.stiffness * gap_slope - self.damping * rate_slope;
+        let slip: CartesianVector = std::array::from_fn(|k| velocity[k] - rate * normal[k]);
+        let moved: CartesianVector =
+            std::array::from_fn(|k| velocity_slope[k] - rate_slope * normal[k]);
+        let around = self.slip.unwrap_or(SLIP_VELOCITY);
+        let speed = dot(slip, slip).sqrt().hypot(around);
+        std::array::from_fn(|k| {
+            let turned = moved[k] - slip[k] * dot(slip, moved) / (speed * speed);
+            let along = (slope * slip[k] + pressure * turned) / speed;
+            slope * normal[k] - self.friction * along
+        })
     }
 
     /// The force on a point.

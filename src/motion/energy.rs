@@ -73,11 +73,19 @@ fn frames(model: &Model, state: &MotionState) -> Vec<JointFrame> {
             .map_or([0.0; 3], |point| model.points[point].coordinates);
         let (origin, velocity) = parent.point(place);
         let axis = joint.kind.axis();
-        let direction: CartesianVector = from_fn(|i| parent.rotation[i][axis.index()]);
-        let (q, rate) = (state.q[index], scaled(direction, state.qd[index]));
+        let turns = joint.mounting.turns.iter();
+        let before = turns.fold(parent.rotation, |rotation, turn| {
+            turned(&rotation, turn.axis, turn.angle)
+        });
+        let sign = joint.mounting.sign();
+        let direction: CartesianVector = from_fn(|i| before[i][axis.index()]);
+        let (q, rate) = (
+            sign * state.q[index],
+            scaled(direction, sign * state.qd[index]),
+        );
         frames.push(if joint.kind.is_revolute() {
             JointFrame {
-                rotation: turned(&parent.rotation, axis, q),
+                rotation: turned(&before, axis, q),
                 origin,
                 velocity,
                 spin: add(parent.spin, rate),
@@ -86,7 +94,7 @@ fn frames(model: &Model, state: &MotionState) -> Vec<JointFrame> {
             let slide = scaled(direction, q);
             let carried = add(velocity, cross(parent.spin, slide));
             JointFrame {
-                rotation: parent.rotation,
+                rotation: before,
                 origin: add(origin, slide),
                 velocity: add(carried, rate),
                 spin: parent.spin,

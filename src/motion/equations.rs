@@ -5,7 +5,7 @@ use super::MotionError;
 use super::generated_loops::GeneratedLoops;
 use crate::generate::{Formulation, GenerationRequest, Options, cuts_of_rows, generate};
 use crate::kinematics::linear::DenseMatrix;
-use crate::kinematics::{CompiledFunction, LoopConstraints, MotionState};
+use crate::kinematics::{CompiledFunction, EvaluatedOutputs, LoopConstraints, MotionState};
 use crate::model::Model;
 use crate::robotran::FunctionKind;
 use robovec_framework::manager::{self, Config};
@@ -211,17 +211,9 @@ impl MotionEquations {
     /// Position, velocity and angular velocity of the point of each external
     /// force, in the base frame.
     pub fn force_motion(&self, state: &MotionState) -> Vec<[[f64; 3]; 3]> {
-        let Some(compiled) = &self.forces else {
-            return Vec::new();
-        };
-        let outputs = compiled.evaluate(state);
-        let vector = |prefix: &str, number: usize| {
-            let vector = outputs.vector(&format!("{prefix}{number}"), 3);
-            [vector[0], vector[1], vector[2]]
-        };
-        (1..=state.external.len())
-            .map(|number| ["PxF", "VxF", "OMxF"].map(|prefix| vector(prefix, number)))
-            .collect()
+        self.forces.as_ref().map_or_else(Vec::new, |compiled| {
+            point_motions(&compiled.evaluate(state), state.external.len())
+        })
     }
 
     /// Adds the forces of links to the forces and torques on bodies.
@@ -239,6 +231,88 @@ impl MotionEquations {
             outputs.take_loads(state);
         }
     }
+
+    /// The derivatives of `M` and `c` along a direction.
+    pub(super) fn dynamics_along(
+        &self,
+        state: &MotionState,
+        direction: &MotionState,
+    ) -> (DenseMatrix, Vec<f64>) {
+        let outputs = self.dynamics.evaluate_along(state, direction);
+        (
+            outputs.matrix("M", self.joints, self.joints),
+            outputs.vector("c", self.joints),
+        )
+    }
+
+    /// The derivative of `Jdqd` along a direction.
+    pub(super) fn quadratic_along(&self, state: &MotionState, direction: &MotionState) -> Vec<f64> {
+        let rows = self.constraints.rows();
+        match &self.acceleration {
+            None => vec![0.0; rows],
+            Some(compiled) => compiled
+                .evaluate_along(state, direction)
+                .vector("Jdqd", rows),
+        }
+    }
+
+    /// The derivatives of the links' lengths and their rates.
+    pub(super) fn link_lengths_along(
+        &self,
+        state: &MotionState,
+        direction: &MotionState,
+    ) -> Vec<[f64; 2]> {
+        let Some(compiled) = &self.links else {
+            return Vec::new();
+        };
+        let outputs = compiled.evaluate_along(state, direction);
+        let count = state.links.len();
+        let (lengths, rates) = (outputs.vector("Z", count), outputs.vector("Zd", count));
+        let pairs = lengths.into_iter().zip(rates);
+        pairs.map(<[f64; 2]>::from).collect()
+    }
+
+    /// The derivatives of the motion of the points of external forces.
+    pub(super) fn force_motion_along(
+        &self,
+        state: &MotionState,
+        direction: &MotionState,
+    ) -> Vec<[[f64; 3]; 3]> {
+        self.forces.as_ref().map_or_else(Vec::new, |compiled| {
+            point_motions(
+                &compiled.evaluate_along(state, direction),
+                state.external.len(),
+            )
+        })
+    }
+
+    /// Adds to the derivatives of forces and torques on bodies what links give.
+    pub(super) fn add_links_along(&self, state: &MotionState, direction: &mut MotionState) {
+        if let Some(compiled) = &self.links {
+            let outputs = compiled.evaluate_along(state, direction);
+            outputs.take_loads(direction);
+        }
+    }
+
+    /// Adds to the derivatives of forces and torques on bodies what external
+    /// forces give.
+    pub(super) fn add_forces_along(&self, state: &MotionState, direction: &mut MotionState) {
+        if let Some(compiled) = &self.forces {
+            let outputs = compiled.evaluate_along(state, direction);
+            outputs.take_loads(direction);
+        }
+    }
+}
+
+/// Position, velocity and angular velocity of the points of external forces.
+fn point_motions(outputs: &EvaluatedOutputs<'_>, count: usize) -> Vec<[[f64; 3]; 3]> {
+    let vector = |prefix: &str, number: usize| {
+        let vector = outputs.vector(&format!("{prefix}{number}"), 3);
+        [vector[0], vector[1], vector[2]]
+    };
+    (1..=count)
+        .map(|number| ["PxF", "VxF", "OMxF"].map(|prefix| vector(prefix, number)))
+        .collect()
 }
 
 /// A program as it is evaluated in its own numbers.

@@ -57,6 +57,20 @@ pub enum MotionError {
     /// The limit of work.
     #[error("{0} steps did not reach the end")]
     TooManySteps(u64),
+    /// There is no state of rest, or none was found.
+    #[error(
+        "no equilibrium was found near the initial state{}",
+        free.as_ref().map_or_else(String::new, |joint| format!(
+            ": nothing holds the joint '{joint}', and a force moves it"
+        ))
+    )]
+    NoEquilibrium {
+        /// The name of a joint that a force moves and nothing holds.
+        free: Option<String>,
+    },
+    /// The small motions of a state have no modes in finite numbers.
+    #[error("the modes cannot be computed: {0}")]
+    Modes(String),
     /// A joint whose motion is watched stays where it is.
     #[error("the watched joint '{0}' does not move")]
     Still(String),
@@ -82,6 +96,13 @@ impl MotionError {
             MotionError::Still(_) => {
                 Some("give it a start elsewhere (start = { NAME = … }) or a law that moves it")
             }
+            MotionError::NoEquilibrium { free: Some(_) } => {
+                Some("give the joint a spring (--laws) or hold it (--hold)")
+            }
+            MotionError::NoEquilibrium { free: None } => {
+                Some("start nearer to it: give the model other initial positions")
+            }
+            MotionError::Modes(_) => Some("give every body mass and inertia"),
             MotionError::TooManySteps(_) => Some("take a larger step or a shorter time"),
             MotionError::Generate(_) | MotionError::Passes(_) => None,
         }

@@ -167,6 +167,13 @@ impl Spring {
         parts.iter().any(|&part| part != 0.0)
     }
 
+    /// The derivative of the dry friction by the velocity.
+    pub fn dry_slope(&self, velocity: f64) -> f64 {
+        let slip = self.slip.unwrap_or(SLIP_VELOCITY);
+        let speed = velocity.hypot(slip);
+        self.friction * (slip / speed) * (slip / speed) / speed
+    }
+
     /// The dry friction at a velocity, against it.
     pub fn dry(&self, velocity: f64) -> f64 {
         self.friction * friction_share(velocity, self.slip)
@@ -273,6 +280,18 @@ impl Laws {
             drives: vec![Drive::default(); model.joints.len()],
             events: Vec::new(),
         }
+    }
+
+    /// The laws with everything that they move at rest in its mean: what a
+    /// model stands still under.
+    pub fn standing(mut self) -> Laws {
+        for law in &mut self.forces {
+            law.amplitude = [0.0; 3];
+        }
+        for law in &mut self.drives {
+            law.amplitude = 0.0;
+        }
+        self
     }
 
     /// Reads the laws of a model.

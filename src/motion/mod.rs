@@ -8,13 +8,16 @@
 pub mod contact;
 mod energy;
 mod equations;
+mod equilibrium;
 mod error;
 pub mod events;
 mod free;
 mod generated_loops;
 pub mod integrate;
 pub mod laws;
+mod linearise;
 mod loads;
+mod modes;
 pub mod plot;
 pub mod runge_kutta;
 mod simulation;
@@ -24,12 +27,15 @@ mod write_laws;
 
 pub use contact::Contact;
 pub use equations::{EquationSetting, MotionEquations};
+pub use equilibrium::Equilibrium;
 pub use error::MotionError;
 pub use events::{EVENT_TOLERANCE, EventDirection, EventLaw, EventQuantity, EventRecord};
 pub use free::{Calculus, Drift, FreeMotion, Stepping};
 pub use generated_loops::LoopKeeping;
 pub use laws::{Drive, Laws, Spring, Support};
+pub use linearise::SmallMotions;
 pub use loads::Energy;
+pub use modes::{ComplexNumber, Mode, modes};
 pub use simulation::{
     IntegrationMethod, MotionSample, SimulationPlan, SimulationRun, mean_position, simulate,
 };

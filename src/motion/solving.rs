@@ -88,7 +88,7 @@ impl MultibodySystem<'_> {
     }
 
     /// `B` and `b` of the dependent accelerations.
-    fn dependence(
+    pub(super) fn dependence(
         &self,
         state: &MotionState,
         jacobian: &DenseMatrix,
@@ -154,7 +154,7 @@ impl MultibodySystem<'_> {
 }
 
 /// The matrix that takes the independent motions to all motions.
-fn stack(u: &[usize], v: &[usize], slopes: &DenseMatrix, joints: usize) -> DenseMatrix {
+pub(super) fn stack(u: &[usize], v: &[usize], slopes: &DenseMatrix, joints: usize) -> DenseMatrix {
     let mut matrix = DenseMatrix::zeros(joints, u.len());
     for (place, &joint) in u.iter().enumerate() {
         matrix[(joint, place)] = 1.0;

@@ -28,11 +28,21 @@ pub enum FunctionKind {
     LoopPositions,
     /// The velocities of dependent joints.
     LoopVelocities,
+    /// Derivatives of the forces of inverse dynamics by positions and
+    /// velocities.
+    InvdynaD,
+    /// Derivatives of forward dynamics by positions, velocities and forces,
+    /// loops left open.
+    DirdynaD,
+    /// The inverse of the mass matrix.
+    Minv,
+    /// The forces of inverse dynamics for a unit of each inertia of a body.
+    Regressor,
 }
 
 impl FunctionKind {
     /// All functions.
-    pub const ALL: [FunctionKind; 12] = [
+    pub const ALL: [FunctionKind; 16] = [
         FunctionKind::Dirdyna,
         FunctionKind::Invdyna,
         FunctionKind::ConsHJ,
@@ -45,6 +55,10 @@ impl FunctionKind {
         FunctionKind::Invdynared,
         FunctionKind::LoopPositions,
         FunctionKind::LoopVelocities,
+        FunctionKind::InvdynaD,
+        FunctionKind::DirdynaD,
+        FunctionKind::Minv,
+        FunctionKind::Regressor,
     ];
 
     /// Robotran's name, without `mbs_`.
@@ -62,6 +76,10 @@ impl FunctionKind {
             FunctionKind::Invdynared => "invdynared",
             FunctionKind::LoopPositions => "loop_positions",
             FunctionKind::LoopVelocities => "loop_velocities",
+            FunctionKind::InvdynaD => "invdyna_d",
+            FunctionKind::DirdynaD => "dirdyna_d",
+            FunctionKind::Minv => "minv",
+            FunctionKind::Regressor => "regressor",
         }
     }
 
@@ -73,14 +91,18 @@ impl FunctionKind {
             | FunctionKind::Invdyna
             | FunctionKind::Link
             | FunctionKind::Accelred
-            | FunctionKind::Invdynared => true,
+            | FunctionKind::Invdynared
+            | FunctionKind::InvdynaD
+            | FunctionKind::DirdynaD => true,
             FunctionKind::ConsHJ
             | FunctionKind::ConsJdqd
             | FunctionKind::Extforces
             | FunctionKind::Sensor
             | FunctionKind::Gensensor
             | FunctionKind::LoopPositions
-            | FunctionKind::LoopVelocities => false,
+            | FunctionKind::LoopVelocities
+            | FunctionKind::Minv
+            | FunctionKind::Regressor => false,
         }
     }
 
@@ -93,6 +115,23 @@ impl FunctionKind {
                 | FunctionKind::Invdynared
                 | FunctionKind::LoopPositions
                 | FunctionKind::LoopVelocities
+        )
+    }
+
+    /// True for what is generated when it is asked for by name only.
+    pub fn is_special(self) -> bool {
+        self.is_part_of_step() || self.is_derived()
+    }
+
+    /// True for what Robotran has no function for: derivatives, and what
+    /// identification and control take of the equations.
+    pub fn is_derived(self) -> bool {
+        matches!(
+            self,
+            FunctionKind::InvdynaD
+                | FunctionKind::DirdynaD
+                | FunctionKind::Minv
+                | FunctionKind::Regressor
         )
     }
 
@@ -111,6 +150,8 @@ impl FunctionKind {
                 "F10"
             }
             FunctionKind::Invdynared => "F11",
+            FunctionKind::InvdynaD | FunctionKind::Regressor => "F2",
+            FunctionKind::DirdynaD | FunctionKind::Minv => "F1",
         }
     }
 

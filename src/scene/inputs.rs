@@ -48,7 +48,24 @@ impl InputReader<'_> {
                 }
             }
         }
-        self.joints(file)
+        let held = self.joints(file);
+        self.limits();
+        held
+    }
+
+    /// Positions lie within the limits of the model's joints, where the scene
+    /// says nothing else of them.
+    fn limits(&mut self) {
+        let joints = self.model.map_or(&[][..], |model| &model.joints);
+        for (joint, number) in joints.iter().zip(1..) {
+            let Some([low, high]) = joint.limits else {
+                continue;
+            };
+            let known = ElementKnowledge::Range(low, high);
+            let (rank, nowhere) = (Rank::Model, 0..0);
+            self.words
+                .element("q", [number, 0], rank, known, &nowhere, self.problems);
+        }
     }
 
     fn say(

@@ -20,7 +20,7 @@ pub(super) enum ElementKnowledge {
 /// How much a word is about one element.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) enum Rank {
-    /// All parameters of the model.
+    /// All parameters of the model, or the limits of its joints.
     Model,
     /// A whole array.
     Array,

@@ -27,6 +27,7 @@ pub(super) fn closed(seed: u64) -> Option<Case> {
         zeros: 0.4 * (seed % 2) as f64,
         massless: false,
         driven: true,
+        placed: seed.is_multiple_of(3),
         cuts: 0,
         devices: 0,
     };
@@ -37,6 +38,9 @@ pub(super) fn closed(seed: u64) -> Option<Case> {
     }
     for _ in 0..1 + random.below(3) {
         add_cut(&mut random, &mut model, &state);
+    }
+    if recipe.placed {
+        random::add_coupling(&mut random, &mut model, &state.q);
     }
     let rows: usize = model.cuts.iter().map(Cut::rows).sum();
     let free = model.joints.iter();

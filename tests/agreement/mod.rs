@@ -6,9 +6,11 @@
 
 mod accelerations;
 mod closing;
+mod derivatives;
 mod devices;
 mod dynamics;
 mod loops;
+mod standing;
 mod turn;
 mod user_constraints;
 
@@ -97,6 +99,7 @@ pub(crate) fn each(recipe: Recipe, test: impl Fn(&Case)) {
             bodies: recipe.bodies.max(1 + random.below(12)),
             // Every other model has no zeros at all.
             zeros: recipe.zeros * (seed % 2) as f64,
+            placed: seed % 3 == 0,
             ..recipe
         };
         let model = random::model(&mut random, &recipe);
@@ -111,6 +114,7 @@ pub(crate) const PLAIN: Recipe = Recipe {
     zeros: 0.5,
     massless: true,
     driven: true,
+    placed: false,
     cuts: 0,
     devices: 0,
 };

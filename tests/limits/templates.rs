@@ -120,6 +120,7 @@ fn flag(row: &LimitRow, value: &str) -> Option<Invocation> {
         ("robovec-opt", "--reduce-work") => "p.mbs -passes=atomise --auto-reduce -o out.rvir",
         ("robovec-opt", "--simulate") => "f.rvir -passes=atomise,place,codegen -o out",
         ("robovec-opt", _) => "f.rvir -passes=atomise --check-each=1 -o out.rvir",
+        ("robovec", "--right-angles") => "model p.mbs",
         ("robovec", "--tool-seconds") => "eval f.rvir --random=1",
         ("robovec accuracy", "--most" | "--print-state") => "f.rvir --outputs --states=8",
         ("robovec accuracy", _) => "f.rvir --states=8",

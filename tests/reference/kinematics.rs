@@ -67,7 +67,7 @@ pub(crate) fn frames<T: Real>(
         let (slide, subspace) = if revolute {
             (zeros(), join(link.axis(), zeros()))
         } else {
-            (scale(state.q[i], link.axis()), join(zeros(), link.axis()))
+            (link.slide(state.q[i]), join(zeros(), link.axis()))
         };
         let place = add(link.offset, slide);
         let rotation = link.rotation(state.q[i]);

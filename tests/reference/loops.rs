@@ -3,7 +3,7 @@
 use super::kinematics::{Point, anchor, base, frames, point};
 use super::spatial::*;
 use super::{Real, State, Tree};
-use robovec::model::{Cut, CutKind, Model};
+use robovec::model::{Cut, CutKind, JointCoupling, Model};
 
 /// The rows of one cut.
 pub(crate) struct Constraint<T> {
@@ -75,7 +75,24 @@ fn difference<T: Real>(reference: &Matrix3<T>, a: &Point<T>, b: &Point<T>) -> Di
     }
 }
 
+/// `q_joint - factor q_leader - offset`.
+fn coupling<T: Real>(state: &State<T>, coupling: &JointCoupling) -> Constraint<T> {
+    let factor = T::from(coupling.factor);
+    let mut row = vec![T::zero(); state.q.len()];
+    row[coupling.joint] = T::from(1.0);
+    row[coupling.leader] = -factor;
+    let [follower, leader] = [coupling.joint, coupling.leader].map(|joint| state.q[joint]);
+    Constraint {
+        residual: vec![follower - factor * leader - T::from(coupling.offset)],
+        jacobian: vec![row],
+        quadratic: vec![T::zero()],
+    }
+}
+
 fn constraint<T: Real>(model: &Model, state: &State<T>, cut: &Cut) -> Constraint<T> {
+    if let CutKind::Coupling(ratio) = &cut.kind {
+        return coupling(state, ratio);
+    }
     let tree = Tree::new(model);
     let ends = cut.ends.each_ref().map(|end| anchor::<T>(model, end));
     let shared = common(&tree, ends[0].0, ends[1].0);
@@ -101,6 +118,7 @@ fn constraint<T: Real>(model: &Model, state: &State<T>, cut: &Cut) -> Constraint
                 quadratic: kept.iter().map(|&i| d.acceleration[i]).collect(),
             }
         }
+        CutKind::Coupling(_) => unreachable!("couplings have no chains"),
         CutKind::Rod(length) => rod(&d, T::from(length)),
         CutKind::Solid => {
             let mut residual = d.position.to_vec();

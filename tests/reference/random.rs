@@ -2,7 +2,8 @@
 
 use super::State;
 use robovec::model::{
-    Anchor, Asks, Body, Cut, CutKind, Joint, JointKind, Link, Model, ModelPoint, Nature, Sensor,
+    Anchor, Asks, Axis, Body, ConstantTurn, Cut, CutKind, Joint, JointCoupling, JointKind,
+    JointMounting, Link, Model, ModelPoint, Nature, Sensor,
 };
 use robovec_num::random::Random;
 
@@ -29,6 +30,9 @@ pub(crate) struct Recipe {
     /// True when some joints are driven, with and without symbols for
     /// velocity and acceleration.
     pub(crate) driven: bool,
+    /// True when some joints stand in general positions, or move against
+    /// their axis.
+    pub(crate) placed: bool,
     /// How many cuts of each kind.
     pub(crate) cuts: usize,
     /// How many sensors, external forces and links each.
@@ -122,6 +126,11 @@ fn add_body(random: &mut Random, recipe: &Recipe, model: &mut Model, index: usiz
             has_acceleration: has_velocity,
             actuated: false,
             initial: [0.0; 3],
+            mounting: match recipe.placed {
+                true => mounting(random, place == 0),
+                false => JointMounting::default(),
+            },
+            limits: None,
         });
     }
     let mut product = || {
@@ -142,6 +151,51 @@ fn add_body(random: &mut Random, recipe: &Recipe, model: &mut Model, index: usiz
         mass: random.between(0.5, 5.0),
         center: random.vector(recipe.zeros),
         inertia: [xx, xy, xz, yy, yz, zz],
+    });
+}
+
+/// How a joint may stand. Quarters of a turn only where no joint of the same
+/// body comes before: they would make axes parallel, and the mass matrix
+/// singular.
+fn mounting(random: &mut Random, first: bool) -> JointMounting {
+    const QUARTER: f64 = std::f64::consts::FRAC_PI_2;
+    let turns = (0..random.below(4)).map(|_| ConstantTurn {
+        axis: Axis::ALL[random.below(3)],
+        angle: match first && random.chance(0.5) {
+            true => QUARTER * [-2.0, -1.0, 1.0, 2.0][random.below(4)],
+            false => 3.1 * random.signed(),
+        },
+    });
+    JointMounting {
+        turns: turns.collect(),
+        reversed: random.chance(0.4),
+    }
+}
+
+/// Binds two joints that are not driven, so that a state keeps the rule.
+pub(crate) fn add_coupling(random: &mut Random, model: &mut Model, q: &[f64]) {
+    let free = |&joint: &usize| model.joints[joint].nature != Nature::Driven;
+    let free: Vec<usize> = (0..model.joints.len()).filter(free).collect();
+    if free.len() < 2 {
+        return;
+    }
+    let joint = random.below(free.len());
+    let leader = (joint + 1 + random.below(free.len() - 1)) % free.len();
+    let (joint, leader) = (free[joint], free[leader]);
+    let factor = random.signed();
+    model.cuts.push(Cut {
+        name: format!("coupling{}", model.cuts.len() + 1),
+        kind: CutKind::Coupling(JointCoupling {
+            joint,
+            leader,
+            factor,
+            offset: q[joint] - factor * q[leader],
+        }),
+        ends: [joint, leader].map(|joint| Anchor {
+            body: Some(model.joints[joint].body),
+            point: None,
+        }),
+        ignore: [false; 3],
     });
 }
 
@@ -168,6 +222,10 @@ fn places(random: &mut Random, bodies: usize) -> [Anchor; 2] {
 }
 
 fn add_devices(random: &mut Random, recipe: &Recipe, model: &mut Model) {
+    if recipe.placed && recipe.cuts > 0 {
+        let origin = vec![0.0; model.joints.len()];
+        add_coupling(random, model, &origin);
+    }
     for _ in 0..recipe.cuts {
         let length = random.between(0.3, 1.5);
         for kind in [CutKind::Ball, CutKind::Rod(length), CutKind::Solid] {

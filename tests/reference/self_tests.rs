@@ -20,6 +20,7 @@ const RECIPE: Recipe = Recipe {
     zeros: 0.2,
     massless: false,
     driven: false,
+    placed: false,
     cuts: 1,
     devices: 2,
 };
@@ -32,7 +33,11 @@ const TOLERANCE: f64 = 1e-13;
 fn each(test: impl Fn(&Model, &State<Double>)) {
     for seed in 1..=8 {
         let mut random = Random::new(seed);
-        let model = random::model(&mut random, &RECIPE);
+        let recipe = Recipe {
+            placed: seed % 2 == 0,
+            ..RECIPE
+        };
+        let model = random::model(&mut random, &recipe);
         let state = random::state(&mut random, &model);
         test(&model, &state.convert(Double::from));
     }

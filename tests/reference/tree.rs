@@ -1,8 +1,8 @@
 //! A model as a tree of joints with numbers, and its state.
 
 use super::Real;
-use super::spatial::{Matrix3, Vector3, zeros};
-use robovec::model::{Axis, JointKind, Model};
+use super::spatial::{Matrix3, Vector3, apply, identity, product, scale, transpose, zeros};
+use robovec::model::{Axis, JointKind, JointMounting, Model};
 use std::array::from_fn;
 
 /// A joint with the (perhaps massless) body behind it.
@@ -13,6 +13,10 @@ pub(crate) struct Link<T> {
     pub(crate) kind: JointKind,
     /// Where it is attached, in the frame of the parent.
     pub(crate) offset: Vector3<T>,
+    /// The constant rotation that comes before the joint's: `x = R x_parent`.
+    pub(crate) turn: Matrix3<T>,
+    /// `-1` for a joint that moves against its axis, else `1`.
+    pub(crate) sign: f64,
     /// Mass.
     pub(crate) mass: T,
     /// Centre of mass, in the frame behind the joint.
@@ -58,6 +62,8 @@ impl<T: Real> Tree<T> {
                 parent: joint.parent,
                 kind: joint.kind,
                 offset: offset.map(T::from),
+                turn: turned(&joint.mounting),
+                sign: joint.mounting.sign(),
                 mass: T::from(body.map_or(0.0, |body| body.mass)),
                 center: body.map_or([0.0; 3], |body| body.center).map(T::from),
                 inertia: from_fn(|i| from_fn(|j| T::from(inertia[3 * i + j]))),
@@ -76,22 +82,43 @@ impl<T: Real> Tree<T> {
 }
 
 impl<T: Real> Link<T> {
-    /// The unit vector of the axis.
+    /// The unit vector along which the joint moves, in its own frame.
     pub(crate) fn axis(&self) -> Vector3<T> {
-        from_fn(|i| T::from(f64::from(u8::from(i == self.kind.axis().index()))))
+        let along = |i| f64::from(u8::from(i == self.kind.axis().index()));
+        from_fn(|i| T::from(self.sign * along(i)))
+    }
+
+    /// The way a prismatic joint has gone, in the frame of the parent.
+    pub(crate) fn slide(&self, q: T) -> Vector3<T> {
+        apply(&transpose(&self.turn), scale(q, self.axis()))
     }
 
     /// The rotation into the frame behind the joint: `x_i = R x_parent`.
     pub(crate) fn rotation(&self, q: T) -> Matrix3<T> {
-        let (o, l) = (T::zero(), T::from(1.0));
-        let (s, c) = q.sin_cos();
         match self.kind {
-            JointKind::Revolute(Axis::X) => [[l, o, o], [o, c, s], [o, -s, c]],
-            JointKind::Revolute(Axis::Y) => [[c, o, -s], [o, l, o], [s, o, c]],
-            JointKind::Revolute(Axis::Z) => [[c, s, o], [-s, c, o], [o, o, l]],
-            JointKind::Prismatic(_) => [[l, o, o], [o, l, o], [o, o, l]],
+            JointKind::Revolute(axis) => product(&about(axis, T::from(self.sign) * q), &self.turn),
+            JointKind::Prismatic(_) => self.turn,
         }
     }
+}
+
+/// The rotation about an axis of a frame.
+fn about<T: Real>(axis: Axis, angle: T) -> Matrix3<T> {
+    let (o, l) = (T::zero(), T::from(1.0));
+    let (s, c) = angle.sin_cos();
+    match axis {
+        Axis::X => [[l, o, o], [o, c, s], [o, -s, c]],
+        Axis::Y => [[c, o, -s], [o, l, o], [s, o, c]],
+        Axis::Z => [[c, s, o], [-s, c, o], [o, o, l]],
+    }
+}
+
+/// The constant rotations of a joint, one after the other.
+fn turned<T: Real>(mounting: &JointMounting) -> Matrix3<T> {
+    let turns = mounting.turns.iter();
+    turns.fold(identity(), |before, turn| {
+        product(&about(turn.axis, T::from(turn.angle)), &before)
+    })
 }
 
 impl<T: Real> State<T> {

@@ -1,7 +1,8 @@
 //! Small models for simulations.
 
 use robovec::model::{
-    Anchor, Asks, Body, Cut, CutKind, Joint, JointKind, Link, Model, ModelPoint, Nature, Sensor,
+    Anchor, Asks, Body, Cut, CutKind, Joint, JointKind, JointMounting, Link, Model, ModelPoint,
+    Nature, Sensor,
 };
 use robovec::motion::{
     EVENT_TOLERANCE, EquationSetting, IntegrationMethod, Laws, MultibodySystem, SimulationPlan,
@@ -77,6 +78,8 @@ impl Builder {
                 has_acceleration: true,
                 actuated: false,
                 initial: [initial, 0.0, 0.0],
+                mounting: JointMounting::default(),
+                limits: None,
             });
         }
         let [xx, yy, zz] = solid.inertia;

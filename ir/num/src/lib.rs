@@ -3,13 +3,15 @@
 //!
 //! The [`operation`]s, the [`arithmetic`] trait that evaluation is generic
 //! over, and its kinds of number: IEEE formats of any width ([`mod@format`],
-//! [`soft_float`]), numbers of twice the length ([`double_double`]), prime
+//! [`soft_float`]), numbers of twice the length ([`double_double`]), numbers with derivatives
+//! ([`dual`]), prime
 //! fields ([`field`]), and sine and cosine by series ([`trigonometry`]).
 
 pub mod arithmetic;
 pub mod ball;
 pub mod batch;
 pub mod double_double;
+pub mod dual;
 pub mod field;
 pub mod fnv;
 pub mod format;

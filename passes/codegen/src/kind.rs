@@ -22,7 +22,7 @@ pub struct EquationKind {
 }
 
 /// All kinds.
-pub const KINDS: [EquationKind; 16] = [
+pub const KINDS: [EquationKind; 20] = [
     kind(
         "dirdyna",
         1,
@@ -83,6 +83,25 @@ pub const KINDS: [EquationKind; 16] = [
         0,
         "Forces of Actuators for Given Accelerations",
         &[("Juserc", 2), ("jdqduserc", 1)],
+    ),
+    kind(
+        "invdyna_d",
+        0,
+        "Derivatives of Inverse Dynamics by Positions and Velocities",
+        &[("Qq_q", 2), ("Qq_qd", 2)],
+    ),
+    kind(
+        "dirdyna_d",
+        0,
+        "Derivatives of Direct Dynamics by Positions, Velocities and Forces",
+        &[("qdd_q", 2), ("qdd_qd", 2), ("qdd_Qq", 2)],
+    ),
+    kind("minv", 0, "Inverse of the Mass Matrix", &[("Minv", 2)]),
+    kind(
+        "regressor",
+        0,
+        "Forces of Inverse Dynamics by Inertias of Bodies",
+        &[("Y", 2)],
     ),
 ];
 

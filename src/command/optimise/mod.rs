@@ -20,9 +20,9 @@ use std::path::PathBuf;
 /// Finds the best program for a target, proves it and writes it ready to use
 #[derive(Args, Clone, Debug)]
 pub(super) struct OptimiseArguments {
-    /// Robotran file, robovec text, model (.mbs), scene (.scene.toml) or built-in model (serial-23)
+    /// Robotran file, robovec text, model (.mbs, .urdf), scene (.scene.toml) or built-in model (serial-23)
     input: String,
-    /// Model (.mbs) that a file of equations comes from: its other formulations are tried, too
+    /// Model (.mbs, .urdf) that a file of equations comes from: its other formulations are tried, too
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// What the program is for

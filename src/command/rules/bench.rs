@@ -18,7 +18,7 @@ use std::path::PathBuf;
 /// What is measured.
 #[derive(Args, Debug)]
 pub(super) struct RuleBenchArguments {
-    /// Equations or models (.mbs) to try the rules on
+    /// Equations or models (.mbs, .urdf) to try the rules on
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
     /// Rules beside those that ship: a .rules file; false ones are told and

@@ -25,7 +25,7 @@ const PIPELINE: &str = "atomise,zero-removal,balance,cse,dce";
 /// Which terms are tried, and on what.
 #[derive(Args, Debug)]
 pub(super) struct FindArguments {
-    /// Equations, models (.mbs) or names such as bogie and serial-23, on
+    /// Equations, models (.mbs, .urdf) or names such as bogie and serial-23, on
     /// whose critical paths rules are ranked
     #[arg(default_values = ["bogie", "serial-23", "semi-serial-23", "parallel-23"])]
     files: Vec<String>,

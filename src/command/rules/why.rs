@@ -20,7 +20,7 @@ use std::path::PathBuf;
 pub(super) struct WhyArguments {
     /// The value, as in the text after the passes: `OM16.2`
     value: String,
-    /// Equations or a model (.mbs)
+    /// Equations or a model (.mbs, .urdf)
     input: PathBuf,
     /// Rules beside those that ship: a .rules file
     #[arg(long, value_name = "FILE")]

@@ -3,7 +3,7 @@
 use super::fields::{ElementFields, Messages, place, second};
 use super::number::numbers;
 use super::scope::body_title;
-use crate::model::{Joint, JointKind, Model, Nature};
+use crate::model::{Joint, JointKind, JointMounting, Model, Nature};
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use roxmltree::Node;
 use rustc_hash::FxHashMap;
@@ -59,6 +59,8 @@ pub(super) fn read_joint(
         has_acceleration,
         actuated: fields.one("actuated").is_some(),
         initial,
+        mounting: JointMounting::default(),
+        limits: None,
     }
 }
 

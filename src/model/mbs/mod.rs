@@ -1,7 +1,7 @@
 //! The reader and the writer of `.mbs` files, the XML in which Robotran's
 //! editor keeps a model.
 //!
-//! A file passes through [`document`] (bytes to a tree, with guards against
+//! A file passes through [`super::xml`] (bytes to a tree, with guards against
 //! hostile files), [`fields`] (what an element may hold, and messages about
 //! the rest), [`bodies`] with [`joints`], [`points`] and [`tree`], [`ends`]
 //! (cuts and links) and [`user`] (user models); [`scope`] knows the names.
@@ -13,26 +13,24 @@
 //! element spelt wrong would otherwise be a parameter that silently stays zero.
 
 mod bodies;
-mod document;
 mod ends;
 mod fields;
 mod joints;
 mod number;
-mod physics;
 mod points;
 mod scope;
 mod tree;
 mod user;
 mod write;
 
-use super::Model;
+use super::{Model, physics, xml};
 use crate::robotran::FunctionKind;
 use crate::robotran::conventions::JOINTS;
 use robovec_ir::diagnostic::Report;
 use robovec_num::limits::NumberLimit;
 use std::fmt;
 
-pub use write::write_mbs;
+pub use write::{unsayable, write_mbs};
 
 /// The numbers of a model, in SI units.
 pub const NUMBER: NumberLimit = NumberLimit::real(
@@ -45,6 +43,13 @@ pub const NUMBER: NumberLimit = NumberLimit::real(
 /// say.
 pub const FIELDS: &[(&str, NumberLimit, &str)] =
     &[("joint", JOINTS, ""), ("any number", NUMBER, "0")];
+
+/// What a `.mbs` file is, for messages.
+const KIND: xml::DocumentKind = xml::DocumentKind {
+    last: "</mbsDescR7>",
+    what: "a model is a `.mbs` file as Robotran's editor saves it",
+    first: "a model is a `.mbs` file, whose first element is `<mbsDescR7>`",
+};
 
 /// A model that was read.
 #[derive(Debug)]
@@ -105,7 +110,7 @@ impl std::error::Error for ModelError {}
 /// joint or without the mass its inertia needs, more than
 /// [`JOINT_LIMIT`](crate::robotran::conventions::JOINT_LIMIT) joints.
 pub fn read_mbs(name: &str, bytes: &[u8]) -> Result<ReadModel, ModelError> {
-    let text = document::decode(bytes).map_err(|mut error| {
+    let text = xml::decode(bytes).map_err(|mut error| {
         // There is no text to point into, so the message names the file.
         error.message = format!("{name}: {}", error.message);
         ModelError {
@@ -113,7 +118,7 @@ pub fn read_mbs(name: &str, bytes: &[u8]) -> Result<ReadModel, ModelError> {
         }
     })?;
     let mut messages = fields::Messages::default();
-    let model = document::parse(&text)
+    let model = xml::parse(&text, &KIND)
         .map_err(|error| messages.push_error(error))
         .ok()
         .and_then(|document| read_document(name, &document, &mut messages));
@@ -152,7 +157,7 @@ fn read_document(
     if messages.has_errors() {
         return None;
     }
-    physics::remark(&model, &scope, messages);
+    physics::remark(&model, &scope.body_places, messages);
     debug_assert!(model.check(), "the reader upholds the invariants");
     Some(model)
 }

@@ -2,6 +2,7 @@
 //! a body or of the base) that other elements name by them.
 
 use super::fields::{ElementFields, Messages};
+pub(super) use crate::model::physics::body_title;
 use crate::model::{Anchor, Model};
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use rustc_hash::FxHashMap;
@@ -27,11 +28,6 @@ pub(super) struct ModelScope {
     /// Where each body's name is written, in bytes of the file, by the index
     /// of the body.
     pub(super) body_places: Vec<Range<usize>>,
-}
-
-/// How messages call a body.
-pub(super) fn body_title(name: &str) -> String {
-    format!("body '{}'", clip(name))
 }
 
 impl ModelScope {

@@ -6,7 +6,7 @@ use crate::model::{Anchor, Asks, Body, CutKind, Joint, Link, Model, Nature, Sens
 /// A model as compact `.mbs` text: no drawings, and nothing that is zero or
 /// false. [`read_mbs`](super::read_mbs) reads an equal model back, provided
 /// that names are not empty and hold neither line breaks nor blanks at their
-/// ends.
+/// ends, and that the model is one that such files can say ([`unsayable`]).
 pub fn write_mbs(model: &Model) -> String {
     let mut writer = ModelWriter {
         text: "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned(),
@@ -34,6 +34,42 @@ pub fn write_mbs(model: &Model) -> String {
     writer.user_models(model);
     writer.close("mbsDescR7");
     writer.text
+}
+
+/// What keeps `.mbs` files from saying a model: the first thing that they have
+/// no words for, and which words that are; `None` for a model they can say.
+pub fn unsayable(model: &Model) -> Option<String> {
+    let joint = |name: &str, what: &str| Some(format!("joint '{name}' {what}"));
+    if model.bodies.is_empty() {
+        return Some("nothing moves, and such a file has a body".to_owned());
+    }
+    if model.bodies.iter().any(|body| body.name == BASE) {
+        return Some(format!(
+            "a body is called '{BASE}', which is the name of what does not move"
+        ));
+    }
+    for one in &model.joints {
+        if !one.mounting.turns.is_empty() {
+            return joint(
+                &one.name,
+                "stands turned on the frame before, and axes of `.mbs` joints are those of that \
+                 frame",
+            );
+        }
+        if one.mounting.reversed {
+            return joint(
+                &one.name,
+                "moves against its axis, and `.mbs` joints move along theirs",
+            );
+        }
+    }
+    model.cuts.iter().find_map(|cut| match cut.kind {
+        CutKind::Coupling(coupling) => joint(
+            &model.joints[coupling.joint].name,
+            "follows another one, which is a user constraint in Robotran and not part of the file",
+        ),
+        CutKind::Ball | CutKind::Rod(_) | CutKind::Solid => None,
+    })
 }
 
 struct ModelWriter {
@@ -193,6 +229,7 @@ impl ModelWriter {
         self.open("cuts");
         for cut in &model.cuts {
             let kind = match cut.kind {
+                CutKind::Coupling(_) => continue,
                 CutKind::Ball => "ball",
                 CutKind::Rod(_) => "rod",
                 CutKind::Solid => "solid",

@@ -20,18 +20,18 @@ pub const DIRECTIONS: usize = 8;
 /// take a reverse sweep for each.
 pub struct Sensitivities {
     plan: EvaluationPlan,
-    memory: Vec<Dual>,
+    memory: Vec<SlopedNumber>,
 }
 
 /// A value with its derivatives along the directions.
 #[derive(Clone, Copy, Debug)]
-struct Dual {
+struct SlopedNumber {
     value: f64,
     slopes: [f64; DIRECTIONS],
 }
 
-/// The arithmetic of [`Dual`].
-struct Duals;
+/// The arithmetic of [`SlopedNumber`].
+struct SlopedArithmetic;
 
 impl Sensitivities {
     /// Makes a function ready.
@@ -59,82 +59,86 @@ impl Sensitivities {
                     *slope = -value;
                 }
             }
-            Dual { value, slopes }
+            SlopedNumber { value, slopes }
         };
-        let inputs: Vec<Dual> = inputs.iter().enumerate().map(direction).collect();
-        let outputs = self.plan.run(&Duals, &inputs, &mut self.memory);
-        let mean_square = |dual: &Dual| {
-            let squares = dual.slopes.iter().map(|slope| slope * slope);
+        let inputs: Vec<SlopedNumber> = inputs.iter().enumerate().map(direction).collect();
+        let outputs = self.plan.run(&SlopedArithmetic, &inputs, &mut self.memory);
+        let mean_square = |sloped: &SlopedNumber| {
+            let squares = sloped.slopes.iter().map(|slope| slope * slope);
             squares.sum::<f64>() / DIRECTIONS as f64
         };
         outputs
             .iter()
-            .map(|dual| mean_square(dual).sqrt())
+            .map(|sloped| mean_square(sloped).sqrt())
             .collect()
     }
 }
 
-impl Dual {
+impl SlopedNumber {
     /// The value with slopes that are a combination of two others.
     #[inline]
-    fn combined(value: f64, (a, by_a): (&Dual, f64), (b, by_b): (&Dual, f64)) -> Dual {
+    fn combined(
+        value: f64,
+        (a, by_a): (&SlopedNumber, f64),
+        (b, by_b): (&SlopedNumber, f64),
+    ) -> SlopedNumber {
         let mut slopes = [0.0; DIRECTIONS];
         for (direction, slope) in slopes.iter_mut().enumerate() {
             *slope = by_a * a.slopes[direction] + by_b * b.slopes[direction];
         }
-        Dual { value, slopes }
+        SlopedNumber { value, slopes }
     }
 
     /// The value with the slopes of another one times a factor.
     #[inline]
-    fn scaled(value: f64, a: &Dual, factor: f64) -> Dual {
-        Dual {
+    fn scaled(value: f64, a: &SlopedNumber, factor: f64) -> SlopedNumber {
+        SlopedNumber {
             value,
             slopes: a.slopes.map(|slope| factor * slope),
         }
     }
 }
 
-impl Arithmetic for Duals {
-    type Number = Dual;
+impl Arithmetic for SlopedArithmetic {
+    type Number = SlopedNumber;
 
-    fn literal(&self, number: f64) -> Dual {
-        Dual {
+    fn literal(&self, number: f64) -> SlopedNumber {
+        SlopedNumber {
             value: number,
             slopes: [0.0; DIRECTIONS],
         }
     }
     #[inline]
-    fn neg(&self, a: Dual) -> Dual {
-        Dual::scaled(-a.value, &a, -1.0)
+    fn neg(&self, a: SlopedNumber) -> SlopedNumber {
+        SlopedNumber::scaled(-a.value, &a, -1.0)
     }
     #[inline]
-    fn add(&self, a: Dual, b: Dual) -> Dual {
-        Dual::combined(a.value + b.value, (&a, 1.0), (&b, 1.0))
+    fn add(&self, a: SlopedNumber, b: SlopedNumber) -> SlopedNumber {
+        SlopedNumber::combined(a.value + b.value, (&a, 1.0), (&b, 1.0))
     }
     #[inline]
-    fn sub(&self, a: Dual, b: Dual) -> Dual {
-        Dual::combined(a.value - b.value, (&a, 1.0), (&b, -1.0))
+    fn sub(&self, a: SlopedNumber, b: SlopedNumber) -> SlopedNumber {
+        SlopedNumber::combined(a.value - b.value, (&a, 1.0), (&b, -1.0))
     }
     #[inline]
-    fn mul(&self, a: Dual, b: Dual) -> Dual {
-        Dual::combined(a.value * b.value, (&a, b.value), (&b, a.value))
+    fn mul(&self, a: SlopedNumber, b: SlopedNumber) -> SlopedNumber {
+        SlopedNumber::combined(a.value * b.value, (&a, b.value), (&b, a.value))
     }
-    fn div(&self, a: Dual, b: Dual) -> Dual {
+    fn div(&self, a: SlopedNumber, b: SlopedNumber) -> SlopedNumber {
         let value = a.value / b.value;
-        Dual::combined(value, (&a, 1.0 / b.value), (&b, -value / b.value))
+        SlopedNumber::combined(value, (&a, 1.0 / b.value), (&b, -value / b.value))
     }
-    fn sin(&self, a: Dual) -> Dual {
-        Dual::scaled(a.value.sin(), &a, a.value.cos())
+    fn sin(&self, a: SlopedNumber) -> SlopedNumber {
+        SlopedNumber::scaled(a.value.sin(), &a, a.value.cos())
     }
-    fn cos(&self, a: Dual) -> Dual {
-        Dual::scaled(a.value.cos(), &a, -a.value.sin())
+    fn cos(&self, a: SlopedNumber) -> SlopedNumber {
+        SlopedNumber::scaled(a.value.cos(), &a, -a.value.sin())
     }
-    fn sqrt(&self, a: Dual) -> Dual {
+    fn sqrt(&self, a: SlopedNumber) -> SlopedNumber {
         let value = a.value.sqrt();
-        Dual::scaled(value, &a, 0.5 / value)
+        SlopedNumber::scaled(value, &a, 0.5 / value)
     }
-    fn fma(&self, a: Dual, b: Dual, c: Dual) -> Dual {
+    fn fma(&self, a: SlopedNumber, b: SlopedNumber, c: SlopedNumber) -> SlopedNumber {
         self.add(self.mul(a, b), c)
     }
 }

@@ -1,29 +1,45 @@
 //! Remarks on models that can be read but hardly be meant.
 
-use super::fields::Messages;
-use super::scope::{ModelScope, body_title};
-use crate::model::{Body, Model, Nature};
+use super::xml::Messages;
+use super::{Body, Model, Nature};
+use robovec_ir::diagnostic::clip;
+use std::ops::Range;
 
-/// Warns of massless ends of the tree and of impossible inertias.
-pub(super) fn remark(model: &Model, scope: &ModelScope, messages: &mut Messages) {
-    massless(model, scope, messages);
-    for (body, place) in model.bodies.iter().zip(&scope.body_places) {
-        let scale = scale(&body.inertia);
-        let label = if !is_positive(&body.inertia, scale) {
-            "its matrix has a negative principal moment"
-        } else if !is_positive(&spread(&body.inertia), scale) {
-            "one of its principal moments is larger than the sum of the other two"
-        } else {
-            continue;
-        };
-        messages.warn(
-            place.clone(),
-            &format!("the inertia of {} is impossible", body_title(&body.name)),
-            label,
-            "check signs and units: Ixy is an entry of the matrix, the negative of the \
-             integral of xy",
-        );
+/// Warns of massless ends of the tree and of impossible inertias; `places` are
+/// where the names of bodies stand.
+pub(super) fn remark(model: &Model, places: &[Range<usize>], messages: &mut Messages) {
+    massless(model, places, messages);
+    for (body, place) in model.bodies.iter().zip(places) {
+        impossible(&body_title(&body.name), &body.inertia, place, messages);
     }
+}
+
+/// Warns of an inertia that no body has.
+pub(super) fn impossible(
+    title: &str,
+    inertia: &[f64; 6],
+    place: &Range<usize>,
+    messages: &mut Messages,
+) {
+    let scale = scale(inertia);
+    let label = if !is_positive(inertia, scale) {
+        "its matrix has a negative principal moment"
+    } else if !is_positive(&spread(inertia), scale) {
+        "one of its principal moments is larger than the sum of the other two"
+    } else {
+        return;
+    };
+    messages.warn(
+        place.clone(),
+        &format!("the inertia of {title} is impossible"),
+        label,
+        "check signs and units: Ixy is an entry of the matrix, the negative of the integral of xy",
+    );
+}
+
+/// How messages call a body.
+pub(super) fn body_title(name: &str) -> String {
+    format!("body '{}'", clip(name))
 }
 
 fn is_massless(body: &Body) -> bool {
@@ -33,7 +49,7 @@ fn is_massless(body: &Body) -> bool {
 /// A body that carries no mass, directly or on bodies that hang on it, makes
 /// the rows of its joints in `M` zero. Only the first such body of a branch is
 /// named.
-fn massless(model: &Model, scope: &ModelScope, messages: &mut Messages) {
+pub(super) fn massless(model: &Model, places: &[Range<usize>], messages: &mut Messages) {
     let mut carries: Vec<bool> = model.bodies.iter().map(|body| !is_massless(body)).collect();
     for (index, body) in model.bodies.iter().enumerate().rev() {
         if let Some(parent) = body.parent {
@@ -46,7 +62,7 @@ fn massless(model: &Model, scope: &ModelScope, messages: &mut Messages) {
         if named && !body.joints.clone().all(driven) {
             let joint = &model.joints[body.joints.end - 1].name;
             messages.warn(
-                scope.body_places[index].clone(),
+                places[index].clone(),
                 &format!("{} moves no mass", body_title(&body.name)),
                 &format!("the row of joint '{joint}' in the mass matrix is zero"),
                 "give it a mass, or do not solve for this joint's acceleration",

@@ -5,7 +5,7 @@
 //! (document types are refused). It does compare the attributes of one element
 //! with each other, so their number is limited here.
 
-use super::fields::diagnostic;
+use super::messages::diagnostic;
 use crate::robotran;
 use robovec_ir::diagnostic::{Diagnostic, clip};
 use roxmltree::{Document, Error, ParsingOptions, TextPos};
@@ -19,8 +19,18 @@ const LARGEST_FILE: usize = 16 << 20;
 /// The most equals signs, hence attributes, of one tag.
 const ATTRIBUTE_LIMIT: usize = 200;
 
+/// What a kind of file is, for messages.
+pub(in crate::model) struct DocumentKind {
+    /// What a whole file ends with: its last tag.
+    pub(in crate::model) last: &'static str,
+    /// What a file is, as `a model is …`.
+    pub(in crate::model) what: &'static str,
+    /// As short as it goes: `.mbs`.
+    pub(in crate::model) first: &'static str,
+}
+
 /// The text of a file: UTF-8, UTF-16 with its mark, or else Latin-1.
-pub(super) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Diagnostic> {
+pub(in crate::model) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Diagnostic> {
     if bytes.len() > LARGEST_FILE {
         return Err(Diagnostic::error()
             .with_message("the file is larger than 16 MiB")
@@ -30,13 +40,16 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Diagnostic> {
 }
 
 /// The document of a text.
-pub(super) fn parse(text: &str) -> Result<Document<'_>, Diagnostic> {
+pub(in crate::model) fn parse<'t>(
+    text: &'t str,
+    kind: &DocumentKind,
+) -> Result<Document<'t>, Diagnostic> {
     guard(text)?;
     let options = ParsingOptions {
         allow_dtd: false,
         ..ParsingOptions::default()
     };
-    Document::parse_with_options(text, options).map_err(|error| explain(&error, text))
+    Document::parse_with_options(text, options).map_err(|error| explain(&error, text, kind))
 }
 
 /// Refuses tags with so many attributes that comparing them takes long.
@@ -68,7 +81,7 @@ fn guard(text: &str) -> Result<(), Diagnostic> {
     Ok(())
 }
 
-fn explain(error: &Error, text: &str) -> Diagnostic {
+fn explain(error: &Error, text: &str, kind: &DocumentKind) -> Diagnostic {
     let position = error.pos();
     let at = byte_at(text, position);
     let end = text.trim_end().len();
@@ -77,7 +90,7 @@ fn explain(error: &Error, text: &str) -> Diagnostic {
             end..end,
             "the file is cut short",
             label,
-            "copy or save it again: a model ends with `</mbsDescR7>`",
+            &format!("copy or save it again: a model ends with `{}`", kind.last),
         )
     };
     match error {
@@ -95,7 +108,7 @@ fn explain(error: &Error, text: &str) -> Diagnostic {
             end..end,
             "there is no element in the file",
             "nothing before here is XML",
-            "a model is a `.mbs` file, whose first element is `<mbsDescR7>`",
+            kind.first,
         ),
         _ if at >= end => cut("it ends inside a tag"),
         Error::UnexpectedCloseTag(open, close, _) => diagnostic(
@@ -123,7 +136,7 @@ fn explain(error: &Error, text: &str) -> Diagnostic {
                 at..after(text, at),
                 "this is not XML",
                 &clip(reason),
-                "a model is a `.mbs` file as Robotran's editor saves it",
+                kind.what,
             )
         }
     }

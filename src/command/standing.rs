@@ -1,0 +1,267 @@
+//! `robovec equilibrium` and `robovec modal`: where a model stands under its
+//! laws, and how it moves around that place.
+
+use super::sim::{failure, hold, refuse_left_out};
+use super::{CommandFailure, input, output};
+use crate::model::{JointKind, Model};
+use crate::motion::{
+    EquationSetting, Equilibrium, Laws, Mode, MotionError, MultibodySystem, SmallMotions, modes,
+};
+use crate::present::text_lines;
+use clap::{Args, ValueEnum};
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// A model and its laws.
+#[derive(Args, Debug)]
+pub(super) struct EquilibriumArguments {
+    /// Model (.mbs, .urdf)
+    model: PathBuf,
+    /// Laws of springs, dampers, forces and driven joints (TOML)
+    #[arg(long, value_name = "FILE")]
+    laws: Option<PathBuf>,
+    /// Joints held where they start, whatever the model calls them
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    hold: Vec<String>,
+    /// JSON file for all numbers
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+/// Around which state.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
+enum PlaceChoice {
+    /// Where the forces balance
+    Equilibrium,
+    /// The initial positions, at rest, whatever forces are left there
+    Initial,
+}
+
+/// What oscillates, and where.
+#[derive(Args, Debug)]
+pub(super) struct ModalArguments {
+    #[command(flatten)]
+    standing: EquilibriumArguments,
+    /// The state that motions are small around
+    #[arg(long, value_enum, default_value_t = PlaceChoice::Equilibrium)]
+    at: PlaceChoice,
+}
+
+/// A model with its laws.
+struct Subject {
+    model: Model,
+    laws: Laws,
+}
+
+fn subject(arguments: &EquilibriumArguments) -> Result<Subject, CommandFailure> {
+    let mut read = input::model(&arguments.model)?;
+    refuse_left_out(&read)?;
+    hold(&mut read.model, &arguments.hold)?;
+    let laws = match &arguments.laws {
+        None => Laws::none(&read.model),
+        Some(path) => input::laws(&read.model, path)?,
+    };
+    Ok(Subject {
+        model: read.model,
+        laws: laws.standing(),
+    })
+}
+
+/// Runs `robovec equilibrium`: the text for the standard output.
+pub(super) fn equilibrium(arguments: &EquilibriumArguments) -> Result<String, CommandFailure> {
+    let Subject { model, laws } = subject(arguments)?;
+    let found = rest(&model, laws).map_err(failure)?;
+    if let Some(path) = &arguments.output {
+        write(path, &equilibrium_json(&model, &found))?;
+    }
+    Ok(equilibrium_text(&model, &found))
+}
+
+fn rest(model: &Model, laws: Laws) -> Result<Equilibrium, MotionError> {
+    let (mut system, initial) = MultibodySystem::new(model, laws, &EquationSetting::default())?;
+    system.equilibrium(&initial)
+}
+
+/// Runs `robovec modal`: the text for the standard output.
+pub(super) fn modal(arguments: &ModalArguments) -> Result<String, CommandFailure> {
+    let Subject { model, laws } = subject(&arguments.standing)?;
+    let (motions, found) = around(&model, laws, arguments.at).map_err(failure)?;
+    if let Some(path) = &arguments.standing.output {
+        write(path, &modal_json(&model, &motions, &found))?;
+    }
+    Ok(modal_text(&model, (arguments.at, &motions), &found))
+}
+
+fn around(
+    model: &Model,
+    laws: Laws,
+    place: PlaceChoice,
+) -> Result<(SmallMotions, Vec<Mode>), MotionError> {
+    let (mut system, mut initial) = MultibodySystem::new(model, laws, &EquationSetting::default())?;
+    let motions = match place {
+        PlaceChoice::Equilibrium => system.equilibrium(&initial)?.motions,
+        PlaceChoice::Initial => {
+            initial.qd.fill(0.0);
+            initial.qdd.fill(0.0);
+            system.linearise(&initial)?
+        }
+    };
+    let found = modes(&motions)?;
+    Ok((motions, found))
+}
+
+fn write(path: &std::path::Path, value: &Value) -> Result<(), CommandFailure> {
+    let text = format!("{value:#}\n");
+    output::write_file(path, |writer| writer.write_all(text.as_bytes()))
+}
+
+fn unit(kind: JointKind) -> &'static str {
+    if kind.is_revolute() { "rad" } else { "m" }
+}
+
+fn equilibrium_text(model: &Model, found: &Equilibrium) -> String {
+    let mut rows = Vec::new();
+    for (index, joint) in model.joints.iter().enumerate() {
+        let place = found.motions.joints.binary_search(&index).ok();
+        let remark = match place.map(|place| found.errors[place]) {
+            Some(Some(error)) => format!("{error:.1e}"),
+            Some(None) => "free".to_owned(),
+            None => String::new(),
+        };
+        let [position, start] = [found.state.q[index], joint.initial[0]];
+        rows.push(vec![
+            (index + 1).to_string(),
+            joint.name.clone(),
+            format!("{position:.12}"),
+            unit(joint.kind).to_owned(),
+            format!("{:.3e}", position - start),
+            joint.nature.name().to_owned(),
+            remark,
+        ]);
+    }
+    let head = ">joint | name | >position | | >from start | nature | >error";
+    format!(
+        "{}: equilibrium after {} round(s) of Newton's method\n\n{}\n\
+         'free' is what nothing holds: it stays where it starts. The error is what rounding of the forces\n\
+         may do to the position.\n",
+        model.name,
+        found.rounds,
+        text_lines(head, &rows)
+    )
+}
+
+fn equilibrium_json(model: &Model, found: &Equilibrium) -> Value {
+    let joints = model.joints.iter().enumerate().map(|(index, joint)| {
+        let place = found.motions.joints.binary_search(&index).ok();
+        json!({
+            "name": joint.name,
+            "nature": joint.nature.name(),
+            "position": found.state.q[index],
+            "error": place.and_then(|place| found.errors[place]),
+        })
+    });
+    json!({
+        "model": model.name,
+        "rounds": found.rounds,
+        "joints": joints.collect::<Vec<Value>>(),
+    })
+}
+
+/// Joints that a line of a mode names.
+const NAMED: usize = 3;
+
+/// Joints that move less than this share of the largest motion are not named.
+const SEEN: f64 = 0.05;
+
+/// The joints that move most, with the share and the phase of their motion.
+fn movers(model: &Model, motions: &SmallMotions, mode: &Mode) -> String {
+    let mut order: Vec<usize> = motions.joints.clone();
+    // What is alike but for rounding stays in the order of the joints.
+    let share = |joint: usize| (mode.shape[joint].norm() * 1e6).round();
+    order.sort_by(|&one, &other| share(other).total_cmp(&share(one)));
+    let seen = order.into_iter().take(NAMED);
+    let seen = seen.filter(|&joint| mode.shape[joint].norm() >= SEEN);
+    let named = seen.map(|joint| {
+        let motion = mode.shape[joint];
+        let degrees = motion.arg().to_degrees().round();
+        let name = &model.joints[joint].name;
+        match degrees.abs() {
+            0.0 => format!("{name} {:.2}", motion.norm()),
+            180.0 => format!("{name} -{:.2}", motion.norm()),
+            _ => format!("{name} {:.2} at {degrees}\u{b0}", motion.norm()),
+        }
+    });
+    named.collect::<Vec<String>>().join(", ")
+}
+
+fn modal_text(
+    model: &Model,
+    (at, motions): (PlaceChoice, &SmallMotions),
+    found: &[Mode],
+) -> String {
+    let mut rows = Vec::new();
+    for (index, mode) in found.iter().enumerate() {
+        let oscillates = mode.eigenvalue.im > 0.0;
+        let number = |number: f64, shown: bool| match shown {
+            true => format!("{number:.6}"),
+            false => String::new(),
+        };
+        rows.push(vec![
+            (index + 1).to_string(),
+            number(mode.frequency(), oscillates),
+            number(100.0 * mode.damping_ratio(), oscillates),
+            format!("{:.6}", mode.eigenvalue.re),
+            number(mode.eigenvalue.im, oscillates),
+            mode.error
+                .map_or_else(|| "several".to_owned(), |error| format!("{error:.1e}")),
+            movers(model, motions, mode),
+        ]);
+    }
+    let head = ">mode | >Hz | >damping % | >Re 1/s | >Im 1/s | >error 1/s | joints that move most";
+    let mut text = format!(
+        "{}: {} degree(s) of freedom\n\n{}",
+        model.name,
+        motions.joints.len(),
+        text_lines(head, &rows)
+    );
+    let unbalanced = motions.residual.iter().zip(&motions.rounding);
+    if at == PlaceChoice::Initial
+        && unbalanced
+            .into_iter()
+            .any(|(left, rounding)| left.abs() > 1e3 * rounding)
+    {
+        text += "\nForces are left over in this state: it is no equilibrium.\n";
+    }
+    if found.iter().any(|mode| mode.error.is_none()) {
+        text += "\n'several': eigenvalues fall together here, as those of a motion that nothing holds do.\n";
+    }
+    text
+}
+
+fn modal_json(model: &Model, motions: &SmallMotions, found: &[Mode]) -> Value {
+    let rows = |matrix: &crate::kinematics::linear::DenseMatrix| -> Vec<Vec<f64>> {
+        (0..matrix.rows())
+            .map(|row| matrix.row(row).to_vec())
+            .collect()
+    };
+    let modes = found.iter().map(|mode| {
+        let shape = mode.shape.iter().map(|x| json!([x.re, x.im]));
+        json!({
+            "frequency": mode.frequency(),
+            "damping_ratio": mode.damping_ratio(),
+            "eigenvalue": [mode.eigenvalue.re, mode.eigenvalue.im],
+            "error": mode.error,
+            "shape": shape.collect::<Vec<Value>>(),
+        })
+    });
+    let name = |&joint: &usize| model.joints[joint].name.clone();
+    json!({
+        "model": model.name,
+        "independent": motions.joints.iter().map(name).collect::<Vec<String>>(),
+        "joints": model.joints.iter().map(|joint| joint.name.clone()).collect::<Vec<String>>(),
+        "mass": rows(&motions.mass),
+        "damping": rows(&motions.damping),
+        "stiffness": rows(&motions.stiffness),
+        "modes": modes.collect::<Vec<Value>>(),
+    })
+}

@@ -1,0 +1,87 @@
+//! Which indices of arrays are joints, and what the arrays of functions make
+//! of frames: constant rotations are in none, and symbols of joints that move
+//! against their axis have the opposite sign.
+
+use super::algebra::Scalar;
+use super::frames::ModelFrames;
+
+/// What an index of an array counts.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum IndexMeaning {
+    /// Something else, or nothing.
+    Other,
+    /// The bodies that joints move.
+    Body,
+    /// Joints: the sign of an element follows the joint's.
+    Coordinate,
+}
+
+/// What the two indices of an array count.
+fn meanings(array: &str) -> [IndexMeaning; 2] {
+    use IndexMeaning::{Body, Coordinate, Other};
+    match array {
+        // The columns of a regressor are numbers of bodies.
+        "Y" | "q" | "qd" | "qdd" | "Qq" | "Qa" | "Qc" | "c" => [Coordinate, Other],
+        "M" | "Minv" | "Qq_q" | "Qq_qd" | "qdd_q" | "qdd_qd" | "qdd_Qq" => [Coordinate, Coordinate],
+        "Jac" | "Juserc" | "sens.J" => [Other, Coordinate],
+        "m" => [Body, Other],
+        "l" | "In" | "frc" | "trq" => [Other, Body],
+        // The Jacobians that laws of external forces are given.
+        _ if array.starts_with("JxF") => [Other, Coordinate],
+        _ => [Other, Other],
+    }
+}
+
+/// The numbers of joints by frame, both from 1, and who is reversed.
+#[derive(Clone, Default, Debug)]
+pub(super) struct JointNumbers {
+    /// By frame: 0 for a constant rotation. Empty where frames are joints.
+    numbers: Vec<u32>,
+    reversed: Vec<bool>,
+}
+
+impl JointNumbers {
+    /// The numbers of a model's joints.
+    pub(super) fn new(frames: &ModelFrames<'_>) -> JointNumbers {
+        let all = 0..frames.model.joints.len();
+        let plain = |frame| frames.joint(frame) == Some(frame) && !frames.is_reversed(frame);
+        if all.clone().all(plain) {
+            return JointNumbers::default();
+        }
+        let number = |frame| frames.joint(frame).map_or(0, |joint| joint as u32 + 1);
+        JointNumbers {
+            numbers: all.clone().map(number).collect(),
+            reversed: all.map(|frame| frames.is_reversed(frame)).collect(),
+        }
+    }
+
+    /// The indices of an element in arrays of joints, and whether its sign
+    /// changes; `None` for one of a constant rotation.
+    pub(super) fn element(&self, array: &str, mut indices: [u32; 2]) -> Option<([u32; 2], bool)> {
+        if self.numbers.is_empty() {
+            return Some((indices, false));
+        }
+        let mut negative = false;
+        for (index, meaning) in indices.iter_mut().zip(meanings(array)) {
+            if meaning == IndexMeaning::Other || *index == 0 {
+                continue;
+            }
+            let frame = *index as usize - 1;
+            if self.numbers[frame] == 0 {
+                return None;
+            }
+            *index = self.numbers[frame];
+            negative ^= meaning == IndexMeaning::Coordinate && self.reversed[frame];
+        }
+        Some((indices, negative))
+    }
+
+    /// The elements of outputs as functions give them.
+    pub(super) fn outputs(&self, arrays: &[String], outputs: &mut [(u32, [u32; 2], Scalar)]) {
+        for (array, indices, value) in outputs {
+            if let Some((numbers, negative)) = self.element(&arrays[*array as usize], *indices) {
+                (*indices, *value) = (numbers, value.negated_if(negative));
+            }
+        }
+    }
+}
