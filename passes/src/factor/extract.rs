@@ -389,7 +389,15 @@ impl DivisorOccurrence {
             rest.sort_unstable();
             return network.below(&rest, position).then_some((kind, rest));
         }
-        let [(left, _), (right, _)] = self.pair.map(|edge| factors(network, edge));
+        let [(left, in_left), (right, in_right)] = self.pair.map(|edge| factors(network, edge));
+        // What a term was a product of when the divisors were found may have
+        // become part of one of its factors since.
+        if let Common::One(node) = self.common {
+            let factor = Edge::new(node, false);
+            if ![in_left, in_right].iter().all(|all| all.contains(&factor)) {
+                return None;
+            }
+        }
         let (common, [p, q]) = self.split(network);
         let terms = match self.common {
             Common::Nothing => self.pair,
