@@ -41,6 +41,7 @@ folders! {
     composite "composite"
     cse "cse"
     dce "dce"
+    differentiate "differentiate"
     eqsat "eqsat"
     factor "factor"
     fma "fma"

@@ -5,6 +5,7 @@ pub mod adjoints;
 pub mod boxes;
 #[cfg(test)]
 mod cases;
+pub mod derivatives;
 pub mod equations;
 pub mod errors;
 pub mod formats;
@@ -36,6 +37,7 @@ pub mod written;
 
 pub use adjoints::errors_are_predicted;
 pub use boxes::bounds_hold_over_boxes;
+pub use derivatives::derivatives_hold;
 pub use errors::errors_stay_within_bounds;
 pub use formats::formats_agree;
 pub use fpcore::read_fpcore;

@@ -239,7 +239,7 @@ fn operand(bytes: &mut Unstructured<'_>, function: &mut Function, limit: u32) ->
 }
 
 /// The function with one operation or operand changed.
-fn mutate(bytes: &mut Unstructured<'_>, original: &Function) -> Result<Function> {
+pub(crate) fn mutate(bytes: &mut Unstructured<'_>, original: &Function) -> Result<Function> {
     let mut mutated = original.clone();
     let place = bytes.int_in_range(0..=original.nodes().len() as u32 - 1)?;
     let mut node = *original.node(Value(place));
@@ -276,7 +276,7 @@ fn commuted(original: &Function) -> Function {
 }
 
 /// True when some output differs beyond doubt in double-double.
-fn differ(tables: &Tables, original: &Function, mutated: &Function, seed: u64) -> bool {
+pub(crate) fn differ(tables: &Tables, original: &Function, mutated: &Function, seed: u64) -> bool {
     (0..STATES).any(|state| {
         let inputs: Vec<_> = States::new(seed)
             .draw(view(tables, original), state)

@@ -8,22 +8,24 @@ use std::fmt::Write;
 
 /// A pipeline of up to `most` passes, with random options, for a function at
 /// the equations level; placement and code generation stay out, and passes
-/// with bounds of their own ([`crate::precision`]).
+/// that are tested on their own ([`crate::precision`],
+/// [`crate::derivatives`]).
 ///
 /// # Errors
 ///
 /// When the bytes run out.
 pub fn pipeline(bytes: &mut Unstructured<'_>, most: u32) -> Result<String> {
-    Ok(chosen(bytes, most, &["accurate", "mixed"])?.join(","))
+    Ok(chosen(bytes, most, &["accurate", "mixed", "differentiate"])?.join(","))
 }
 
-/// As [`pipeline`], one text for each pass, and with every pass.
+/// As [`pipeline`], one text for each pass, and with every pass that leaves
+/// the function what it is.
 ///
 /// # Errors
 ///
 /// When the bytes run out.
 pub fn steps(bytes: &mut Unstructured<'_>, most: u32) -> Result<Vec<String>> {
-    chosen(bytes, most, &[])
+    chosen(bytes, most, &["differentiate"])
 }
 
 fn chosen(bytes: &mut Unstructured<'_>, most: u32, without: &[&str]) -> Result<Vec<String>> {

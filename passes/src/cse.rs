@@ -63,7 +63,7 @@ impl Key {
 ///
 /// Holds value numbers only and compares with the function's nodes, four
 /// bytes per operation.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct KnownValues {
     table: HashTable<Value>,
 }

@@ -14,6 +14,7 @@ mod choice;
 pub mod composite;
 pub mod cse;
 pub mod dce;
+pub mod differentiate;
 pub mod eqsat;
 pub mod factor;
 pub mod fma;

@@ -2,9 +2,9 @@
 //! are listed.
 
 use crate::{
-    accurate, asap_alap, atomise, balance, cancellation, composite, cse, dce, eqsat, factor, fma,
-    fold, inline, interleave, lookahead, mixed, optimise, recurrence, specialise, swap,
-    trigonometry, zero_removal,
+    accurate, asap_alap, atomise, balance, cancellation, composite, cse, dce, differentiate, eqsat,
+    factor, fma, fold, inline, interleave, lookahead, mixed, optimise, recurrence, specialise,
+    swap, trigonometry, zero_removal,
 };
 use robovec_codegen::Codegen;
 use robovec_framework::pass::{PassInfo, Preset, Registry};
@@ -20,6 +20,7 @@ pub static REGISTRY: Registry = Registry {
 const PASSES: &[PassInfo] = &[
     trigonometry::Trigonometry::INFO,
     atomise::Atomise::INFO,
+    differentiate::Differentiate::INFO,
     specialise::Specialise::INFO,
     fold::Fold::INFO,
     zero_removal::ZeroRemoval::INFO,

@@ -15,10 +15,12 @@ use crate::yardstick::Yardstick;
 use crate::yardstick::account::{ErrorAccount, random_states};
 use robovec_analysis::critical_path::critical_path;
 use robovec_codegen::hardware;
-use robovec_framework::pipeline::Pipeline;
+use robovec_framework::manager::{self, Config};
+use robovec_framework::pipeline::{PassStep, Pipeline, PipelineStep};
 use robovec_ir::count::Counts;
 use robovec_ir::states::States;
-use robovec_ir::{Format, Function, Machine, Module, View};
+use robovec_ir::{Format, Function, Level, Machine, Module, View};
+use std::borrow::Cow;
 use std::io::{self, IsTerminal};
 use std::path::Path;
 
@@ -64,12 +66,14 @@ impl<'a> RunSummary<'a> {
         if !is_told(arguments, pipeline) {
             return None;
         }
-        let nodes: usize = module.functions.iter().map(|f| f.nodes().len()).sum();
+        let exact = measured_by(pipeline, module, machine);
+        let nodes: usize = exact.functions.iter().map(|f| f.nodes().len()).sum();
         let count = (EVALUATIONS / nodes.max(1)).min(MOST_STATES) / LANES * LANES;
-        let before = module.functions.iter().map(|function| {
+        let pairs = module.functions.iter().zip(&exact.functions);
+        let before = pairs.map(|(function, exact_function)| {
             let view = View {
-                tables: &module.tables,
-                function,
+                tables: &exact.tables,
+                function: exact_function,
             };
             let exact = || Yardstick::new(view, &states.0, count as u32);
             FunctionBefore {
@@ -152,6 +156,39 @@ impl<'a> RunSummary<'a> {
             Ok(account) => account.text(),
             Err(reason) => format!("error not measured: {reason}"),
         }
+    }
+}
+
+/// The functions whose exact results are compared with: those that came, or,
+/// where the pipeline differentiates, their derivatives and no other pass.
+fn measured_by<'m>(pipeline: &Pipeline, module: &'m Module, machine: &Machine) -> Cow<'m, Module> {
+    let differentiates = |step: &&PassStep| {
+        let pass = (step.info.build)(&step.options);
+        pass.is_ok_and(|pass| pass.differentiation().is_some())
+    };
+    let steps: Vec<PassStep> = pipeline.passes().filter(differentiates).cloned().collect();
+    let is_at = |level: Level| {
+        let mut functions = module.functions.iter();
+        functions.all(|function| function.level == level)
+    };
+    let lowered = match is_at(Level::Equations) {
+        true => "atomise",
+        false => "",
+    };
+    if steps.is_empty() || !is_at(Level::Equations) && !is_at(Level::Atomic) {
+        return Cow::Borrowed(module);
+    }
+    let lowered = pipeline.registry.pipeline(lowered);
+    let mut wanted = lowered.expect("every registry can lower equations");
+    wanted
+        .steps
+        .extend(steps.into_iter().map(PipelineStep::Pass));
+    let mut derivatives = module.clone();
+    let mut silent = io::sink();
+    // What cannot be differentiated is told by the run itself.
+    match manager::run(&mut derivatives, &wanted, Config::new(machine, &mut silent)) {
+        Ok(_) => Cow::Owned(derivatives),
+        Err(_) => Cow::Borrowed(module),
     }
 }
 

@@ -119,6 +119,7 @@ impl CheckReport {
                 FailureKind::Field { .. } => "field",
                 FailureKind::Numbers(_) => "numbers",
                 FailureKind::Pole(_) => "pole",
+                FailureKind::Derivative(_) => "derivative",
                 FailureKind::Promise(_) => "promise",
                 FailureKind::Bits { .. } => "bits",
                 FailureKind::Constants { .. } => "constants",

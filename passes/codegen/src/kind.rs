@@ -4,6 +4,7 @@
 //! MBsysC compiles. They are data here, so that every writer of files that
 //! take the place of Robotran's agrees on them.
 
+use robovec_framework::differentiation;
 use robovec_ir::Function;
 
 /// A kind of file of equations.
@@ -126,8 +127,12 @@ impl EquationKind {
     }
 
     /// The kind of a function and, for sensors, its number: by what its
-    /// metadata say of the file it came from, else by its name.
+    /// metadata say of the file it came from, else by its name. A function
+    /// that was differentiated has other arrays and is of no kind.
     pub fn of(function: &Function) -> Option<(EquationKind, Option<u32>)> {
+        if function.metadata(differentiation::KEY).is_some() {
+            return None;
+        }
         let name = function.name.strip_prefix("mbs_").unwrap_or(&function.name);
         let numbered = name
             .rsplit_once('_')

@@ -5,7 +5,7 @@
 //! check: array `A` of the original is `A_1` of the first instance, `A_2` of
 //! the second, and `A` itself where it is shared by all.
 
-use crate::options::OptionValue;
+use crate::options::{OptionValue, joined_names};
 
 /// The most instances in one program.
 pub const MAX_INSTANCES: u32 = 64;
@@ -63,11 +63,7 @@ impl OptionValue for InstanceNames {
         if text == "none" {
             return Ok(InstanceNames::default());
         }
-        let names: Vec<String> = text.split('+').map(str::to_owned).collect();
-        if names.iter().any(String::is_empty) {
-            return Err(format!("'{text}' is not a list of names joined by '+'"));
-        }
-        Ok(InstanceNames(names))
+        joined_names(text).map(InstanceNames)
     }
     fn print(&self) -> String {
         match self.0.is_empty() {

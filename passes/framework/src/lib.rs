@@ -7,6 +7,7 @@
 //! reads and writes no files.
 
 pub mod check;
+pub mod differentiation;
 pub mod fingerprint;
 pub mod instances;
 pub mod manager;

@@ -99,6 +99,24 @@ impl OptionValue for Format {
     }
 }
 
+/// Reads names joined by `+`, each once.
+///
+/// # Errors
+///
+/// When one is empty or stands there twice.
+pub fn joined_names(text: &str) -> Result<Vec<String>, String> {
+    let names: Vec<String> = text.split('+').map(str::to_owned).collect();
+    if names.iter().any(String::is_empty) {
+        return Err(format!("'{text}' is not a list of names joined by '+'"));
+    }
+    let mut sorted: Vec<&String> = names.iter().collect();
+    sorted.sort_unstable();
+    match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => Err(format!("'{}' is named twice", pair[0])),
+        None => Ok(names),
+    }
+}
+
 /// What the registry knows of an option.
 #[derive(Clone, Copy, Debug)]
 pub struct OptionInfo {

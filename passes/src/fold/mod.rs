@@ -156,7 +156,7 @@ fn minus(function: &mut Function, node: Node, operand: Operand) -> Simple {
 /// The result of an operation on constants, where it is exact in binary32
 /// and therefore in every format that holds binary32. Roots are left alone:
 /// the prime field of the semantic check does not know their values.
-fn known(operation: Operation, a: Option<f64>, b: Option<f64>) -> Option<f64> {
+pub(crate) fn known(operation: Operation, a: Option<f64>, b: Option<f64>) -> Option<f64> {
     let a = a.filter(|&number| is_binary32(number))?;
     let b = b.filter(|&number| is_binary32(number))?;
     // Sums, differences and products of binary32 numbers whose result is a

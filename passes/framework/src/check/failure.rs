@@ -53,6 +53,9 @@ pub enum FailureKind {
     },
     /// They differ in numbers.
     Numbers(Values),
+    /// An element of a derivative is not what dual numbers give, which stands
+    /// for the value before.
+    Derivative(Values),
     /// One divides by what becomes zero where the other is defined.
     Pole(Values),
     /// A constant is not the number it was computed from.
@@ -229,6 +232,11 @@ impl fmt::Display for Failure {
             FailureKind::Numbers(values) => {
                 write!(formatter, "{} is another function: {values}", self.name)?;
             }
+            FailureKind::Derivative(values) => write!(
+                formatter,
+                "{} is not the derivative: {:?} by dual numbers and {:?} as computed in {}",
+                self.name, values.before, values.after, values.state
+            )?,
             FailureKind::Pole(values) => write!(
                 formatter,
                 "{} divides by a number that becomes zero where it did not: {values}",

@@ -28,6 +28,10 @@
 //! - *approximating*: what the pass promised ([`Promise`]) holds, and the
 //!   distance between the versions is measured in double-double.
 //!
+//! A pass that differentiates makes another function; what it makes is
+//! compared, in the same two images, with dual numbers of the function before
+//! ([`check_derivative`]).
+//!
 //! Beside the verdict stands what the pass did to the rounding error of the
 //! outputs, in binary32 and binary64 against double-double.
 //!
@@ -37,6 +41,7 @@
 //! rejected too.
 
 mod constants;
+mod derivative;
 mod failure;
 mod field;
 mod numbers;
@@ -46,6 +51,7 @@ mod poles;
 mod promise;
 mod states;
 
+use crate::differentiation::Differentiation;
 use crate::instances::Instances;
 use crate::scene::Scene;
 use failure::{Failed, explain};
@@ -79,8 +85,8 @@ pub struct CheckVerdict {
     /// Outputs that divide by zero at every point before: these were compared
     /// in double-double only, where that gives a number.
     pub undefined: u32,
-    /// Rounding errors in binary32 and binary64; `None` after a failure,
-    /// when comparing them means nothing.
+    /// Rounding errors in binary32 and binary64; `None` after a failure and
+    /// for derivatives, when comparing them means nothing.
     pub errors: Option<[ErrorChange; 2]>,
     /// The distance by which an *approximating* pass moved the outputs.
     pub deviation: Option<Deviation>,
@@ -169,6 +175,24 @@ pub fn check_instances(
         }
     }
     verdict.errors = Some(error_changes([before, after], states, verdict.points));
+    verdict
+}
+
+/// Checks a program for a derivative: its values, and its products with a
+/// random direction (or with random weights), must be those that dual numbers
+/// of the function before give ([`robovec_num::dual`]).
+///
+/// The verdict has no rounding errors: there is nothing before that they
+/// could be compared with.
+pub fn check_derivative(
+    before: View<'_>,
+    after: View<'_>,
+    differentiation: &Differentiation,
+    states: &States,
+    points: u32,
+) -> CheckVerdict {
+    let mut verdict = CheckVerdict::new(NumericClass::Real, states, points);
+    derivative::judge(before, after, differentiation, states, &mut verdict);
     verdict
 }
 

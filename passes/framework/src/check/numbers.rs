@@ -175,7 +175,8 @@ impl<'a> OutputComparison<'a> {
             // What may be beyond the range is no number in binary64.
             (true, false) if self.precise > 0 && old.reach(lane).is_finite() => {
                 self.precise -= 1;
-                is_lost(self.pairs, pair, inputs)
+                let place = self.pairs.list[pair].after;
+                is_lost(self.pairs.after.function, &[place], &inputs[1])
             }
             _ => false,
         };
@@ -197,20 +198,17 @@ impl<'a> OutputComparison<'a> {
 
 /// So many outputs are evaluated in arbitrary precision to find out whether a
 /// number was lost or only overflowed, and those of larger functions never.
-const MAX_PRECISE: u32 = 4;
+pub(super) const MAX_PRECISE: u32 = 4;
 const LARGEST_PRECISE: usize = 20_000;
 
-/// Whether an output that is a number before is none after: over the real
-/// numbers, and not because an intermediate result was too large.
-fn is_lost(pairs: &Pairs<'_>, pair: usize, inputs: &[Vec<f64>; 2]) -> bool {
-    let function = pairs.after.function;
+/// Whether one of the outputs of a function, by their places among its
+/// assignments, is no number: over the real numbers, and not because an
+/// intermediate result was too large.
+pub(super) fn is_lost(function: &Function, places: &[usize], inputs: &[f64]) -> bool {
     if function.nodes().len() > LARGEST_PRECISE {
         return false;
     }
-    let place = pairs.list[pair].after;
     let mut reference = ReferenceEvaluator::new(function, ReferenceEffort::Audit);
-    let exact = reference.evaluate_places(&inputs[1], &[place]);
-    exact
-        .first()
-        .is_some_and(|exact| !exact.value.high.is_finite())
+    let exact = reference.evaluate_places(inputs, places);
+    exact.iter().any(|exact| !exact.value.high.is_finite())
 }

@@ -233,14 +233,6 @@ impl<'a> Pairs<'a> {
         &self.sizes
     }
 
-    /// The seed that primes are drawn from: the given seed and the constants of
-    /// both versions, so that no constant is a multiple of a prime but by
-    /// accident.
-    fn prime_seed(&self, seed: u64) -> u64 {
-        let constants = self.sizes.iter();
-        constants.fold(mix(seed), |seed, size| mix(seed ^ size.to_bits()))
-    }
-
     /// True when both versions take roots.
     pub(super) fn both_take_roots(&self) -> bool {
         let roots = |view: View<'_>| {
@@ -250,13 +242,10 @@ impl<'a> Pairs<'a> {
         roots(self.before) && roots(self.after)
     }
 
-    /// Two primes, modulo which the first constants under roots have roots.
+    /// Two primes for both versions ([`primes`]).
     pub(super) fn primes(&self, seed: u64) -> [Prime; 2] {
-        let functions = [self.before.function, self.after.function];
-        let mut radicands: Vec<f64> = functions.into_iter().flat_map(under_roots).collect();
-        radicands.sort_by(f64::total_cmp);
-        radicands.dedup();
-        Prime::pair_for(self.prime_seed(seed), &radicands)
+        let versions = [self.before.function, self.after.function];
+        primes(versions, &self.sizes, seed)
     }
 
     /// The inputs of both versions in a random state.
@@ -299,6 +288,17 @@ impl<'a> Pairs<'a> {
             }
         }
     }
+}
+
+/// Two primes, modulo which the first constants under roots have roots. They
+/// are drawn from the given seed and the sizes of the constants of both
+/// versions, so that no constant is a multiple of a prime but by accident.
+pub(super) fn primes(versions: [&Function; 2], sizes: &[f64], seed: u64) -> [Prime; 2] {
+    let mut radicands: Vec<f64> = versions.into_iter().flat_map(under_roots).collect();
+    radicands.sort_by(f64::total_cmp);
+    radicands.dedup();
+    let mixed = |seed, size: &f64| mix(seed ^ size.to_bits());
+    Prime::pair_for(sizes.iter().fold(mix(seed), mixed), &radicands)
 }
 
 /// For every element of the inputs (or outputs) after, the instance it
@@ -379,7 +379,7 @@ fn one_sided(view: View<'_>, output: Output, what: &str) -> Unpaired {
 }
 
 /// For each output element the assignment that sets it.
-fn by_output(view: View<'_>) -> Result<Vec<Option<usize>>, Unpaired> {
+pub(super) fn by_output(view: View<'_>) -> Result<Vec<Option<usize>>, Unpaired> {
     let mut found = vec![None; view.function.output_len()];
     for (index, assignment) in view.function.assignments.iter().enumerate() {
         let entry = &mut found[assignment.output.index()];

@@ -22,6 +22,7 @@ pub use plan::PlanError;
 pub use walk::apply;
 
 use crate::check::{self, CheckVerdict, Promise};
+use crate::differentiation::Differentiation;
 use crate::instances::Instances;
 use crate::pass::{Artifact, Context, NestedReport, Pass, PassError, PassInfo, Registry};
 use crate::pipeline::{PassStep, Pipeline};
@@ -270,6 +271,8 @@ struct Claim {
     class: NumericClass,
     /// Of a pass that makes several instances of a function.
     instances: Option<Instances>,
+    /// Of a pass that differentiates.
+    differentiation: Option<Differentiation>,
     /// Of an approximating pass.
     promise: Option<Promise>,
 }
@@ -354,6 +357,7 @@ impl PipelineRun<'_> {
         let claim = Claim {
             class: pass.class(step.info.class),
             instances: pass.instances(),
+            differentiation: pass.differentiation(),
             promise: report.promise,
         };
         let versions = before.as_ref().map(|before| {
@@ -547,6 +551,8 @@ impl PipelineRun<'_> {
         let verdict = if let Some(instances) = &claim.instances {
             let states = &config.states;
             check::check_instances(before, after, instances, class, states, points)
+        } else if let Some(differentiation) = &claim.differentiation {
+            check::check_derivative(before, after, differentiation, &config.states, points)
         } else if std::ptr::eq(witness.function, after.function) {
             let claim = (class, claim.promise.as_ref());
             check::check_promise(before, after, claim, &config.states, points)

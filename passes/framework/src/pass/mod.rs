@@ -13,6 +13,7 @@ pub use info::{BuildPass, Gives, PassInfo, Property};
 pub use registry::{Preset, Registry};
 
 use crate::check::Promise;
+use crate::differentiation::Differentiation;
 use crate::instances::Instances;
 use crate::rewrite_limit::RewriteLimit;
 use crate::scene::Scene;
@@ -44,6 +45,13 @@ pub trait Pass {
     /// none. The semantic check compares each of them with the function
     /// before the pass.
     fn instances(&self) -> Option<Instances> {
+        None
+    }
+
+    /// The derivative that the pass makes of the function; `None` for a pass
+    /// that makes none. The semantic check compares it with dual numbers of
+    /// the function before the pass.
+    fn differentiation(&self) -> Option<Differentiation> {
         None
     }
 }
