@@ -171,18 +171,19 @@ fn measured_by<'m>(pipeline: &Pipeline, module: &'m Module, machine: &Machine) -
         let mut functions = module.functions.iter();
         functions.all(|function| function.level == level)
     };
-    let lowered = match is_at(Level::Equations) {
-        true => "atomise",
-        false => "",
+    let mut wanted = Pipeline {
+        steps: Vec::new(),
+        registry: pipeline.registry,
     };
-    if steps.is_empty() || !is_at(Level::Equations) && !is_at(Level::Atomic) {
+    if is_at(Level::Equations) {
+        let lowered = pipeline.registry.pipeline("atomise");
+        wanted = lowered.expect("every registry can lower equations");
+    }
+    if steps.is_empty() || wanted.steps.is_empty() && !is_at(Level::Atomic) {
         return Cow::Borrowed(module);
     }
-    let lowered = pipeline.registry.pipeline(lowered);
-    let mut wanted = lowered.expect("every registry can lower equations");
-    wanted
-        .steps
-        .extend(steps.into_iter().map(PipelineStep::Pass));
+    let steps = steps.into_iter().map(PipelineStep::Pass);
+    wanted.steps.extend(steps);
     let mut derivatives = module.clone();
     let mut silent = io::sink();
     // What cannot be differentiated is told by the run itself.

@@ -32,7 +32,7 @@ use robovec_ir::{Output, View};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::ball::{Ball, Balls};
 use robovec_num::dual::{Dual, Duals};
-use robovec_num::field::{Field, FieldPoint, PrimeField};
+use robovec_num::field::{Field, FieldPoint, Prime, PrimeField};
 use robovec_num::random::mix;
 use std::array;
 
@@ -152,7 +152,13 @@ impl<'a> DerivativeCheck<'a> {
         let seed = verdict.seed;
         for (index, [known, both]) in defined.into_iter().enumerate() {
             match (known, both) {
-                (0, 0) => verdict.undefined += 1,
+                (0, 0) => {
+                    verdict.undefined += 1;
+                    let found = self.in_single_columns(index, primes, verdict);
+                    if found.is_some() {
+                        return found;
+                    }
+                }
                 (_, 0) => {
                     return Some((index, PrimeField::at(primes[0], FieldPoint { seed })));
                 }
@@ -160,6 +166,32 @@ impl<'a> DerivativeCheck<'a> {
             }
         }
         None
+    }
+
+    /// A sum is undefined with one of its terms, where the others may have a
+    /// value along their own columns: one of them that differs.
+    fn in_single_columns(
+        &self,
+        index: usize,
+        primes: [Prime; 2],
+        verdict: &CheckVerdict,
+    ) -> Option<(usize, PrimeField)> {
+        let points = (0..verdict.points).flat_map(|point| primes.map(|prime| (point, prime)));
+        let mut fields = points.map(|(point, prime)| {
+            let seed = nth_seed(verdict.seed, point);
+            PrimeField::at(prime, FieldPoint { seed })
+        });
+        fields.find_map(|field| {
+            let equation = &self.equations[index];
+            let sample = self.field_sample(&field);
+            let after = evaluate(self.after.function, &field, &self.inputs(&sample));
+            let differs = |left: &u64, right: &u64| {
+                let sides = [left, right].map(|side| PrimeField::is_undefined(*side));
+                sides == [false, false] && left != right
+            };
+            let found = self.first_element(&field, equation, &sample, &after, differs);
+            found.map(|_| (index, field))
+        })
     }
 
     /// The first equation that does not hold at a point; counts, by equation,
