@@ -39,12 +39,7 @@ pub(super) fn positions(
     for &number in &closing.roles.rows {
         equations.output("h", &[number + 1], closing.constraints[number].h);
     }
-    let names = ["Jplu", "Jpl", "Jpi", "Jpx", "dqv"];
-    let changes = closing.solve(equations, names, |_, row| Sum::of(row.h))?;
-    for (joint, change) in changes {
-        let mut sum = Sum::of(equations.input("q", &[joint + 1]));
-        sum.add(&[change]);
-        let value = equations.define(QuantityLabel::new("qv", 0, joint + 1), sum);
+    for (joint, value) in closing.positions(equations)? {
         equations.output("q", &[joint + 1], value);
     }
     Ok(())
@@ -57,18 +52,7 @@ pub(super) fn velocities(
     options: &Options,
 ) -> Result<(), GenerateError> {
     let closing = Closing::new(equations, parameters, options, ConstraintPart::Position)?;
-    let names = ["Jdlu", "Jdl", "Jdi", "Jdx", "qdv"];
-    let solution = closing.solve(equations, names, |equations, row| {
-        let mut sum = Sum::new();
-        for &(joint, value) in &row.jacobian {
-            if !closing.roles.follows(joint) {
-                let velocity = equations.input("qd", &[joint + 1]);
-                sum.add(&[value, velocity]);
-            }
-        }
-        sum
-    })?;
-    for (joint, velocity) in solution {
+    for (joint, velocity) in closing.velocities(equations)? {
         equations.output("qd", &[joint + 1], velocity);
     }
     Ok(())
@@ -96,6 +80,40 @@ impl<'p, 'm> Closing<'p, 'm> {
             roles: JointRoles::of_frames(parameters.frames, options)?,
             constraints: constraints::rows(equations, parameters, options, part),
             user: user_constraints::rows(equations, parameters.frames, options),
+        })
+    }
+
+    /// The positions of the joints that follow, after one round.
+    pub(super) fn positions(
+        &self,
+        equations: &mut Equations,
+    ) -> Result<Vec<(usize, Scalar)>, GenerateError> {
+        let names = ["Jplu", "Jpl", "Jpi", "Jpx", "dqv"];
+        let changes = self.solve(equations, names, |_, row| Sum::of(row.h))?;
+        let changed = changes.into_iter().map(|(joint, change)| {
+            let mut sum = Sum::of(equations.input("q", &[joint + 1]));
+            sum.add(&[change]);
+            let label = QuantityLabel::new("qv", 0, joint + 1);
+            (joint, equations.define(label, sum))
+        });
+        Ok(changed.collect())
+    }
+
+    /// The velocities of the joints that follow.
+    pub(super) fn velocities(
+        &self,
+        equations: &mut Equations,
+    ) -> Result<Vec<(usize, Scalar)>, GenerateError> {
+        let names = ["Jdlu", "Jdl", "Jdi", "Jdx", "qdv"];
+        self.solve(equations, names, |equations, row| {
+            let mut sum = Sum::new();
+            for &(joint, value) in &row.jacobian {
+                if !self.roles.follows(joint) {
+                    let velocity = equations.input("qd", &[joint + 1]);
+                    sum.add(&[value, velocity]);
+                }
+            }
+            sum
         })
     }
 

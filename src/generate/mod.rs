@@ -32,6 +32,7 @@ mod grouping;
 mod hub;
 mod inertia;
 mod joint_arrays;
+mod linearised;
 mod link;
 mod loads;
 mod lower;
@@ -55,7 +56,6 @@ use self::equations::{EquationStyle, Equations};
 pub use self::formulation::{Formulation, MomentOrigin, PrefixNetwork, Requirements};
 use self::frames::ModelFrames;
 use self::lower::Extents;
-use self::parameters::ModelParameters;
 pub use self::roles::{
     constraints as loop_constraints, cuts_of_rows, independent_joints, redundant_rows,
 };
@@ -272,6 +272,21 @@ pub enum GenerateError {
          other joints may"
     )]
     Unactuated,
+    /// Derivatives would need those of what the user computes.
+    #[error(
+        "{function} needs the derivatives of constraints that the user computes, which are not \
+         known"
+    )]
+    UserDerivatives {
+        /// The name of the function.
+        function: &'static str,
+    },
+    /// There is nothing to linearise.
+    #[error("no joint of '{0}' moves freely")]
+    Motionless(String),
+    /// The equations cannot be differentiated.
+    #[error("the accelerations cannot be differentiated: {0}")]
+    Derivative(String),
     /// The loops cannot be closed at the model's initial state.
     #[error("the dependent joints cannot be chosen: {0}")]
     Loops(String),
@@ -347,7 +362,10 @@ pub fn generate_into(
         let function = head(model, request, case);
         lower::lower(equations, &extents, function, module);
     }
-    Ok(())
+    match request.function {
+        FunctionKind::AccelD | FunctionKind::Linear => linearised::finish(module, model, request),
+        _ => Ok(()),
+    }
 }
 
 /// Writes the equations of a function, or of one case of a function of sensors
@@ -363,13 +381,7 @@ fn write(
     });
     let equations = &mut written;
     let frames = &ModelFrames::new(model);
-    let function = request.function;
-    // Numbers may be moved from body to body, and a regressor asks for each.
-    let moves = function.is_derived() && function != FunctionKind::Regressor;
-    let parameters = &match moves && options.parameters == ParameterBinding::Numbers {
-        true => ModelParameters::grouped(frames, options, equations),
-        false => ModelParameters::new(frames, options, equations),
-    };
+    let parameters = &parameters::of(frames, request, equations);
     match request.function {
         FunctionKind::Dirdyna => {
             formulation::direct(equations, parameters, request);
@@ -391,6 +403,9 @@ fn write(
         FunctionKind::LoopVelocities => closing::velocities(equations, parameters, options)?,
         FunctionKind::InvdynaD => derivative::inverse(equations, parameters, options),
         FunctionKind::DirdynaD => sensitivity::forward(equations, parameters, options)?,
+        FunctionKind::AccelD | FunctionKind::Linear => {
+            linearised::write(equations, frames, parameters, request)?;
+        }
         FunctionKind::Minv => sensitivity::inverse(equations, parameters, options)?,
         FunctionKind::Regressor => regressor::write(equations, parameters, options),
     }

@@ -12,8 +12,9 @@ use super::grouping::grouped;
 use super::inertia::Inertia;
 use super::joint_arrays::JointNumbers;
 use super::vector::{AxisRotation, Matrix, SumVector, Vector, ZERO, define_as, sums};
-use super::{Options, ParameterBinding};
+use super::{GenerationRequest, Options, ParameterBinding};
 use crate::model::Model;
+use crate::robotran::FunctionKind;
 
 /// Everything the recursions read, by joint index.
 pub(super) struct ModelParameters<'m> {
@@ -52,6 +53,26 @@ pub(super) struct OriginInertia {
     pub(super) inertia: Inertia,
     /// `tr J - 2 J` of the moments: twice the second moments of mass.
     pub(super) second: Matrix,
+}
+
+/// The parameters that a function is made of. With numbers they may be moved
+/// from body to body, save where a regressor asks for each or where loops are
+/// closed.
+pub(super) fn of<'m>(
+    frames: &'m ModelFrames<'m>,
+    request: &GenerationRequest,
+    equations: &mut Equations,
+) -> ModelParameters<'m> {
+    let (function, options) = (request.function, &request.options);
+    let moves = match function {
+        FunctionKind::Regressor => false,
+        FunctionKind::AccelD | FunctionKind::Linear => frames.source.cuts.is_empty(),
+        _ => function.is_derived(),
+    };
+    match moves && options.parameters == ParameterBinding::Numbers {
+        true => ModelParameters::grouped(frames, options, equations),
+        false => ModelParameters::new(frames, options, equations),
+    }
 }
 
 impl<'m> ModelParameters<'m> {

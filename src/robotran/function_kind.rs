@@ -34,6 +34,12 @@ pub enum FunctionKind {
     /// Derivatives of forward dynamics by positions, velocities and forces,
     /// loops left open.
     DirdynaD,
+    /// Derivatives of accelerations by positions, velocities and forces, loops
+    /// closed.
+    AccelD,
+    /// The matrices of the linear system that moves as the model does near a
+    /// state, loops closed.
+    Linear,
     /// The inverse of the mass matrix.
     Minv,
     /// The forces of inverse dynamics for a unit of each inertia of a body.
@@ -42,7 +48,7 @@ pub enum FunctionKind {
 
 impl FunctionKind {
     /// All functions.
-    pub const ALL: [FunctionKind; 16] = [
+    pub const ALL: [FunctionKind; 18] = [
         FunctionKind::Dirdyna,
         FunctionKind::Invdyna,
         FunctionKind::ConsHJ,
@@ -57,6 +63,8 @@ impl FunctionKind {
         FunctionKind::LoopVelocities,
         FunctionKind::InvdynaD,
         FunctionKind::DirdynaD,
+        FunctionKind::AccelD,
+        FunctionKind::Linear,
         FunctionKind::Minv,
         FunctionKind::Regressor,
     ];
@@ -78,6 +86,8 @@ impl FunctionKind {
             FunctionKind::LoopVelocities => "loop_velocities",
             FunctionKind::InvdynaD => "invdyna_d",
             FunctionKind::DirdynaD => "dirdyna_d",
+            FunctionKind::AccelD => "accel_d",
+            FunctionKind::Linear => "linear",
             FunctionKind::Minv => "minv",
             FunctionKind::Regressor => "regressor",
         }
@@ -93,7 +103,9 @@ impl FunctionKind {
             | FunctionKind::Accelred
             | FunctionKind::Invdynared
             | FunctionKind::InvdynaD
-            | FunctionKind::DirdynaD => true,
+            | FunctionKind::DirdynaD
+            | FunctionKind::AccelD
+            | FunctionKind::Linear => true,
             FunctionKind::ConsHJ
             | FunctionKind::ConsJdqd
             | FunctionKind::Extforces
@@ -130,6 +142,8 @@ impl FunctionKind {
             self,
             FunctionKind::InvdynaD
                 | FunctionKind::DirdynaD
+                | FunctionKind::AccelD
+                | FunctionKind::Linear
                 | FunctionKind::Minv
                 | FunctionKind::Regressor
         )
@@ -146,9 +160,11 @@ impl FunctionKind {
             FunctionKind::Link => "F7",
             FunctionKind::Extforces => "F19",
             FunctionKind::Sensor | FunctionKind::Gensensor => "F6",
-            FunctionKind::Accelred | FunctionKind::LoopPositions | FunctionKind::LoopVelocities => {
-                "F10"
-            }
+            FunctionKind::Accelred
+            | FunctionKind::LoopPositions
+            | FunctionKind::LoopVelocities
+            | FunctionKind::AccelD
+            | FunctionKind::Linear => "F10",
             FunctionKind::Invdynared => "F11",
             FunctionKind::InvdynaD | FunctionKind::Regressor => "F2",
             FunctionKind::DirdynaD | FunctionKind::Minv => "F1",

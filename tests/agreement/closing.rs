@@ -136,13 +136,18 @@ pub(super) fn outputs(case: &Case, kind: FunctionKind, forces: &[f64]) -> Option
     Some(Outputs::of(case, &module, kind.name(), &inputs))
 }
 
-/// The rows of the reference that the equations number.
-pub(super) fn rows(case: &Case, state: &State<Double>) -> Constraint<Double> {
-    let all = constraints(&case.model, state);
+/// The rows of the reference that the equations number, by their places.
+pub(super) fn numbered_rows(case: &Case) -> Vec<usize> {
+    let all = constraints(&case.model, &case.exact().1);
     let forces = vec![0.0; case.model.joints.len()];
     let outputs = outputs(case, FunctionKind::ConsHJ, &forces).expect("every model has them");
     let held = held(case, &all.residual, &outputs);
-    let kept: Vec<usize> = (0..held.len()).filter(|&row| held[row]).collect();
+    (0..held.len()).filter(|&row| held[row]).collect()
+}
+
+/// Some rows of the reference at a state.
+pub(super) fn rows(case: &Case, state: &State<Double>, kept: &[usize]) -> Constraint<Double> {
+    let all = constraints(&case.model, state);
     Constraint {
         residual: kept.iter().map(|&row| all.residual[row]).collect(),
         jacobian: kept.iter().map(|&row| all.jacobian[row].clone()).collect(),
@@ -181,19 +186,26 @@ pub(super) fn solve(mut matrix: Vec<Vec<Double>>, mut right: Vec<Double>) -> Vec
 
 /// The independent rows of the loops at the state of a case.
 pub(super) fn independent(case: &Case, rows: &[usize]) -> Constraint<Double> {
-    let all = self::rows(case, &case.exact().1);
-    Constraint {
-        residual: rows.iter().map(|&row| all.residual[row]).collect(),
-        jacobian: rows.iter().map(|&row| all.jacobian[row].clone()).collect(),
-        quadratic: rows.iter().map(|&row| all.quadratic[row]).collect(),
-    }
+    let numbered = numbered_rows(case);
+    let kept: Vec<usize> = rows.iter().map(|&row| numbered[row]).collect();
+    self::rows(case, &case.exact().1, &kept)
 }
 
 /// The accelerations of the full equations: `M qdd + c = Qq + J^T lambda` for
 /// free joints, `J qdd + Jdqd = 0` for independent rows.
 pub(super) fn full(case: &Case, forces: &[f64], rows: &Constraint<Double>) -> Vec<Double> {
-    let (tree, state) = case.exact();
-    let (mass, bias) = (mass_matrix(&tree, &state), bias(&tree, &state));
+    full_at(case, &case.exact().1, forces, rows)
+}
+
+/// As [`full`], at another state.
+pub(super) fn full_at(
+    case: &Case,
+    state: &State<Double>,
+    forces: &[f64],
+    rows: &Constraint<Double>,
+) -> Vec<Double> {
+    let tree = Tree::new(&case.model);
+    let (mass, bias) = (mass_matrix(&tree, state), bias(&tree, state));
     let n = case.model.joints.len();
     let size = n + rows.jacobian.len();
     let mut matrix = vec![vec![Double::from(0.0); size]; size];
@@ -221,14 +233,14 @@ pub(super) fn full(case: &Case, forces: &[f64], rows: &Constraint<Double>) -> Ve
 
 /// Velocities that the loops allow, by the function itself, and what it
 /// leaves of `J qd` in the independent rows.
-fn with_velocities(case: &mut Case, forces: &[f64], independent: &[usize]) -> f64 {
+pub(super) fn with_velocities(case: &mut Case, forces: &[f64], independent: &[usize]) -> f64 {
     let velocities =
         outputs(case, FunctionKind::LoopVelocities, forces).expect("the loops can be closed");
     for (joint, velocity) in velocities.assigned("qd") {
         case.state.qd[joint] = velocity;
     }
     let state = case.exact().1;
-    let loops = rows(case, &state);
+    let loops = rows(case, &state, &numbered_rows(case));
     let sums = independent.iter().map(|&row| {
         let entries = loops.jacobian[row].iter();
         let terms = entries.zip(&state.qd).map(|(&entry, &qd)| entry * qd);

@@ -173,6 +173,8 @@ fn derivatives_of_forward_dynamics_are_its_differences() {
             compare(case, &outputs, "qdd_q", &by_position);
             compare(case, &outputs, "qdd_qd", &by_velocity);
             compare(case, &outputs, "qdd_Qq", &inverse);
+            let same = given(FunctionKind::AccelD);
+            compare(case, &same, "qdd_q", &by_position);
             compare(case, &given(FunctionKind::Minv), "Minv", &inverse);
         }
     });

@@ -9,6 +9,7 @@ mod closing;
 mod derivatives;
 mod devices;
 mod dynamics;
+mod linearised;
 mod loops;
 mod standing;
 mod turn;

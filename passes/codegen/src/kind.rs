@@ -23,7 +23,7 @@ pub struct EquationKind {
 }
 
 /// All kinds.
-pub const KINDS: [EquationKind; 20] = [
+pub const KINDS: [EquationKind; 22] = [
     kind(
         "dirdyna",
         1,
@@ -96,6 +96,18 @@ pub const KINDS: [EquationKind; 20] = [
         0,
         "Derivatives of Direct Dynamics by Positions, Velocities and Forces",
         &[("qdd_q", 2), ("qdd_qd", 2), ("qdd_Qq", 2)],
+    ),
+    kind(
+        "accel_d",
+        0,
+        "Derivatives of Accelerations of Closed Loops by Positions, Velocities and Forces",
+        &[("qdd_q", 2), ("qdd_qd", 2), ("qdd_Qq", 2)],
+    ),
+    kind(
+        "linear",
+        0,
+        "Linear System near a State",
+        &[("A", 2), ("B", 2)],
     ),
     kind("minv", 0, "Inverse of the Mass Matrix", &[("Minv", 2)]),
     kind(

@@ -44,8 +44,7 @@ impl<'a> DerivativeJob<'a> {
         result: DerivativeResult,
         tables: &mut Tables,
     ) -> DerivativeJob<'a> {
-        let mut rewriter = Rewriter::new(old, old.level);
-        rewriter.new = signature(old, &arrays, tables);
+        let mut rewriter = Rewriter::into_function(old, signature(old, &arrays, tables));
         for node in old.nodes() {
             let operands = rewriter.translate_operands(node);
             rewriter.keep(Node { operands, ..*node });
