@@ -19,10 +19,14 @@ use super::{
 };
 use crate::model::Model;
 use crate::robotran::FunctionKind;
+use hashbrown::HashSet;
 use robovec_framework::differentiation;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::rewrite::Rewriter;
-use robovec_ir::{Assignment, Function, Machine, Module, Node, Operand, Output, Shape, SourceSet};
+use robovec_ir::{
+    Assignment, Function, Machine, Module, Name, Node, Operand, Output, Shape, SourceSet, Symbol,
+    Value,
+};
 use robovec_passes::registry::REGISTRY;
 
 /// Inputs that accelerations are differentiated by.
@@ -112,7 +116,33 @@ fn differentiated(
         is_linear,
     };
     own.functions[0] = outputs.of(own);
-    run(own, "fold,cse,dce,inline{operations=12}")
+    run(own, "fold,cse,dce,inline{operations=12}")?;
+    name_plainly(own);
+    Ok(())
+}
+
+/// Gives the values that passes made names as the generator gives them, which
+/// Robotran's languages can write.
+fn name_plainly(own: &mut Module) {
+    let (function, symbols) = (&mut own.functions[0], &mut own.tables.symbols);
+    let names = function.nodes().iter().map(|node| node.name);
+    let mut taken: HashSet<Symbol> = names
+        .filter(|name| name.suffix == 0)
+        .map(|name| name.base)
+        .collect();
+    for index in 0..function.nodes().len() {
+        let node = function.node_mut(Value(index as u32));
+        if node.name.is_none() || node.name.suffix == 0 {
+            continue;
+        }
+        let mut text = format!("{}_{}", symbols.text(node.name.base), node.name.suffix);
+        let mut symbol = symbols.intern(&text);
+        while !taken.insert(symbol) {
+            text.push('d');
+            symbol = symbols.intern(&text);
+        }
+        node.name = Name::plain(symbol);
+    }
 }
 
 fn run(own: &mut Module, text: &str) -> Result<(), GenerateError> {
