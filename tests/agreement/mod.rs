@@ -8,6 +8,7 @@ mod accelerations;
 mod closing;
 mod derivatives;
 mod devices;
+mod differentiated;
 mod dynamics;
 mod linearised;
 mod loops;
