@@ -13,6 +13,7 @@ use super::closing::Closing;
 use super::constraints::ConstraintPart;
 use super::equations::Equations;
 use super::frames::ModelFrames;
+use super::lower::Extents;
 use super::parameters::ModelParameters;
 use super::{
     GenerateError, GenerationRequest, formulation, independent_joints, parameters, sensitivity,
@@ -24,13 +25,16 @@ use robovec_framework::differentiation;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::rewrite::Rewriter;
 use robovec_ir::{
-    Assignment, Function, Machine, Module, Name, Node, Operand, Output, Shape, SourceSet, Symbol,
-    Value,
+    Array, Assignment, Function, Input, Machine, Module, Name, Node, Operand, OperandKind, Output,
+    Shape, SourceSet, Symbol, Value,
 };
 use robovec_passes::registry::REGISTRY;
 
 /// Inputs that accelerations are differentiated by.
 const INPUTS: [&str; 3] = ["q", "qd", "Qq"];
+
+/// What their derivatives are called.
+const DERIVATIVES: [&str; 3] = ["qdd_q", "qdd_qd", "qdd_Qq"];
 
 /// Writes the derivatives of accelerations of an open model, or the
 /// accelerations of one with loops.
@@ -91,19 +95,18 @@ fn differentiated(
     request: &GenerationRequest,
     is_linear: bool,
 ) -> Result<(), GenerateError> {
-    let derivative = match model.cuts.is_empty() {
+    let inputs = own.functions[0].inputs().iter();
+    let inputs: Vec<&str> = inputs
+        .map(|array| own.tables.symbols.text(array.name))
+        .filter(|name| INPUTS.contains(name))
+        .collect();
+    // What depends on none of them has no derivatives.
+    let derivative = match model.cuts.is_empty() || inputs.is_empty() {
         true => String::new(),
-        false => {
-            let inputs = own.functions[0].inputs().iter();
-            let inputs: Vec<&str> = inputs
-                .map(|array| own.tables.symbols.text(array.name))
-                .filter(|name| INPUTS.contains(name))
-                .collect();
-            format!(
-                ",fold,cse,differentiate{{of=qdd by={} values=false}}",
-                inputs.join("+")
-            )
-        }
+        false => format!(
+            ",fold,cse,differentiate{{of=qdd by={} values=false}}",
+            inputs.join("+")
+        ),
     };
     run(own, &format!("atomise{derivative}"))?;
     let free = independent_joints(model, &request.options)?;
@@ -118,7 +121,63 @@ fn differentiated(
     own.functions[0] = outputs.of(own);
     run(own, "fold,cse,dce,inline{operations=12}")?;
     name_plainly(own);
+    own.functions[0] = with_read_inputs(own, model);
     Ok(())
+}
+
+/// The function with the inputs that it still reads, of the extents that the
+/// reader of Robotran's files gives them.
+fn with_read_inputs(own: &Module, model: &Model) -> Function {
+    let old = &own.functions[0];
+    let read = old.nodes().iter().flat_map(|node| node.operands());
+    let set = old.assignments.iter().map(|set| &set.operand);
+    let mut used = vec![None; old.inputs().len()];
+    for input in read.chain(set).filter_map(|operand| operand.input()) {
+        let (_, [row, column], _) = old.input_element(input);
+        let most = used[old.input_array(input)].get_or_insert((0, 0));
+        *most = (most.0.max(row), most.1.max(column));
+    }
+    let text = |array: &Array| own.tables.symbols.text(array.name);
+    let points = old.inputs().iter().zip(&used);
+    let points = points.filter(|(array, _)| text(array) == "dpt");
+    let extents = Extents {
+        joints: model.joints.len() as u32,
+        points: points.filter_map(|(_, used)| Some((*used)?.1)).sum(),
+    };
+    let mut new = Function::new(&old.name, old.level);
+    new.metadata.clone_from(&old.metadata);
+    let arrays: Vec<Option<Array>> = old
+        .inputs()
+        .iter()
+        .zip(&used)
+        .map(|(array, used)| {
+            let (_, rank) = array.shape.indices(0);
+            let shape = extents.shape(text(array), rank, (*used)?);
+            Some(new.add_input(array.name, shape))
+        })
+        .collect();
+    for array in old.outputs() {
+        new.add_output(array.name, array.shape);
+    }
+    let moved = |new: &mut Function, operand: Operand| match operand.kind() {
+        OperandKind::Input(input) => {
+            let (_, indices, rank) = old.input_element(input);
+            let array = arrays[old.input_array(input)].expect("what is read stays");
+            let offset = array.shape.offset(&indices[..rank]);
+            Input(array.offset + offset.expect("extents cover what is read")).into()
+        }
+        OperandKind::Constant(constant) => new.constant(old.constant_number(constant)).into(),
+        OperandKind::Value(_) | OperandKind::None => operand,
+    };
+    for node in old.nodes() {
+        let operands = node.operands.map(|operand| moved(&mut new, operand));
+        new.push(Node { operands, ..*node });
+    }
+    for set in &old.assignments {
+        let operand = moved(&mut new, set.operand);
+        new.assignments.push(Assignment { operand, ..*set });
+    }
+    new
 }
 
 /// Gives the values that passes made names as the generator gives them, which
@@ -205,6 +264,9 @@ impl LinearOutputs<'_> {
         for assignment in &old.assignments {
             let (array, indices, _) = old.output_element(assignment.output);
             let name = tables.symbols.text(array.name);
+            if !DERIVATIVES.contains(&name) {
+                continue;
+            }
             if let Some(output) = self.place(&rewriter.new, arrays, name, indices) {
                 assignments.push(Assignment {
                     output,
@@ -252,8 +314,9 @@ impl LinearOutputs<'_> {
         Some(Output(array.offset + array.shape.offset(&indices)?))
     }
 
-    /// Velocities are the derivatives of positions; and every array has an
-    /// element, if only a zero.
+    /// Velocities are the derivatives of positions. And every array has an
+    /// element, if only a zero: the last one where only its indices tell a
+    /// reader how large the array is.
     fn constants(&self, function: &mut Function, assignments: &mut Vec<Assignment>) {
         let mut set = |output: u32, operand: Operand| {
             assignments.push(Assignment {
@@ -272,13 +335,15 @@ impl LinearOutputs<'_> {
         let zero = Operand::from(function.constant(0.0));
         let outputs = function.outputs().to_vec();
         for array in outputs {
-            let elements = array.offset..array.offset + array.shape.len() as u32;
-            if !assignments
-                .iter()
-                .any(|set| elements.contains(&set.output.0))
-            {
+            let last = array.offset + array.shape.len() as u32 - 1;
+            let (wanted, element) = match self.is_linear {
+                true => (last..last + 1, last),
+                false => (array.offset..last + 1, array.offset),
+            };
+            let mut outputs = assignments.iter().map(|set| set.output.0);
+            if !outputs.any(|output| wanted.contains(&output)) {
                 assignments.push(Assignment {
-                    output: Output(array.offset),
+                    output: Output(element),
                     operand: zero,
                     sources: SourceSet::EMPTY,
                 });

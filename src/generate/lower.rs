@@ -27,7 +27,7 @@ pub(super) struct Extents {
 }
 
 impl Extents {
-    fn shape(&self, array: &str, indices: usize, used: (u32, u32)) -> Shape {
+    pub(super) fn shape(&self, array: &str, indices: usize, used: (u32, u32)) -> Shape {
         let (rows, columns) = known_extent(array, self.joints).unwrap_or((0, 0));
         let columns = if array == "dpt" { self.points } else { columns };
         match indices {
