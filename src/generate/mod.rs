@@ -410,6 +410,7 @@ fn write(
         FunctionKind::Regressor => regressor::write(equations, parameters, options),
     }
     equations.number_outputs();
+    equations.close();
     Ok(written)
 }
 
