@@ -35,8 +35,8 @@ declare_pass! {
     ///
     /// Whatever is found on the way is shared with the function itself. In
     /// `mixed` mode every independent part of the function is counted forward,
-    /// in reverse and with the fewest products first, and written in the
-    /// cheapest order.
+    /// in reverse, with the fewest products first and with the fewest new
+    /// edges first, and written in the cheapest order.
     ///
     /// Results of user functions are inputs, and count as constant unless
     /// `by` names them. Where a root is zero there is no derivative; a remark
