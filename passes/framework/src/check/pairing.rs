@@ -6,7 +6,7 @@ use crate::instances::Instances;
 use crate::scene::Scene;
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
-use robovec_ir::{Array, Function, Input, Operation, Output, View};
+use robovec_ir::{Array, Function, Input, Operation, Output, Shape, View};
 use robovec_num::field::{Field, Prime};
 use robovec_num::random::mix;
 use std::collections::BTreeMap;
@@ -69,20 +69,13 @@ pub(super) struct Unpaired {
 
 impl<'a> Pairs<'a> {
     pub(super) fn new(before: View<'a>, after: View<'a>) -> Result<Pairs<'a>, Unpaired> {
-        same_arrays(
-            "input",
-            before,
-            before.function.inputs(),
-            after,
-            after.function.inputs(),
-        )?;
-        same_arrays(
-            "output",
-            before,
-            before.function.outputs(),
-            after,
-            after.function.outputs(),
-        )?;
+        let [old, new] = [before, after].map(|view| {
+            let function = view.function;
+            [function.inputs(), function.outputs()].map(|arrays| described(view, arrays))
+        });
+        for (what, (old, new)) in ["input", "output"].into_iter().zip(old.iter().zip(&new)) {
+            same_arrays(what, old, new, "is not the same in both versions")?;
+        }
         let (first, second) = (by_output(before)?, by_output(after)?);
         let mut list = Vec::with_capacity(before.function.assignments.len());
         for (index, indices) in first.into_iter().zip(second).enumerate() {
@@ -390,28 +383,32 @@ pub(super) fn by_output(view: View<'_>) -> Result<Vec<Option<usize>>, Unpaired> 
     Ok(found)
 }
 
-fn same_arrays(
+/// The names and extents of arrays.
+pub(super) fn described(view: View<'_>, arrays: &[Array]) -> Vec<(String, Shape)> {
+    let text = |array: &Array| view.tables.symbols.text(array.name).to_owned();
+    arrays
+        .iter()
+        .map(|array| (text(array), array.shape))
+        .collect()
+}
+
+/// Refuses arrays that are not these, in this order; `otherwise` is what is
+/// said of the first odd one.
+pub(super) fn same_arrays(
     what: &str,
-    before: View<'_>,
-    left: &[Array],
-    after: View<'_>,
-    right: &[Array],
+    wanted: &[(String, Shape)],
+    found: &[(String, Shape)],
+    otherwise: &str,
 ) -> Result<(), Unpaired> {
-    let describe = |view: View<'_>, array: &Array| {
-        let name = view.tables.symbols.text(array.name).to_owned();
-        (name, array.shape)
-    };
-    let left: Vec<_> = left.iter().map(|array| describe(before, array)).collect();
-    let right: Vec<_> = right.iter().map(|array| describe(after, array)).collect();
-    if left == right {
+    if wanted == found {
         return Ok(());
     }
-    let odd = left.iter().find(|array| !right.contains(array));
-    let odd = odd.or_else(|| right.iter().find(|array| !left.contains(array)));
+    let odd = wanted.iter().find(|array| !found.contains(array));
+    let odd = odd.or_else(|| found.iter().find(|array| !wanted.contains(array)));
     Err(Unpaired {
         output: None,
         reason: match odd {
-            Some((name, _)) => format!("the {what} array {name} is not the same in both versions"),
+            Some((name, _)) => format!("the {what} array {name} {otherwise}"),
             None => format!("the {what} arrays stand in another order"),
         },
     })

@@ -3,7 +3,7 @@
 use super::super::pairing::{Unpaired, by_output};
 use crate::differentiation::{DerivativeArrays, DerivativeResult};
 use robovec_ir::print::print_output;
-use robovec_ir::{Array, Output, Shape, View};
+use robovec_ir::{Output, View};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::dual::Dual;
 
@@ -176,36 +176,4 @@ pub(super) fn equations(
         }
     }
     Ok(equations)
-}
-
-/// The arrays after must be these before, and then those of these names.
-pub(super) fn expect_arrays(
-    kind: &str,
-    [before, after]: [View<'_>; 2],
-    old: &[Array],
-    new: &[(String, Shape)],
-) -> Result<(), Unpaired> {
-    let text = |view: View<'_>, array: &Array| {
-        let name = view.tables.symbols.text(array.name).to_owned();
-        (name, array.shape)
-    };
-    let wanted = old.iter().map(|array| text(before, array));
-    let wanted: Vec<(String, Shape)> = wanted.chain(new.iter().cloned()).collect();
-    let arrays = match kind {
-        "input" => after.function.inputs(),
-        _ => after.function.outputs(),
-    };
-    let found: Vec<(String, Shape)> = arrays.iter().map(|array| text(after, array)).collect();
-    if wanted == found {
-        return Ok(());
-    }
-    let odd = wanted.iter().find(|array| !found.contains(array));
-    let odd = odd.or_else(|| found.iter().find(|array| !wanted.contains(array)));
-    Err(Unpaired {
-        output: None,
-        reason: match odd {
-            Some((name, _)) => format!("the {kind} array {name} is not that of the derivative"),
-            None => format!("the {kind} arrays stand in another order"),
-        },
-    })
 }

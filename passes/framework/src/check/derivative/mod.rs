@@ -18,11 +18,11 @@ mod equations;
 
 use super::failure::{Failure, FailureKind, Values};
 use super::numbers::{LANES, MAX_PRECISE, every_scale, is_lost};
-use super::pairing::{Unpaired, primes};
+use super::pairing::{Unpaired, described, primes, same_arrays};
 use super::states::{self, StatePlace, StateScale};
 use super::{CheckVerdict, nth_seed};
 use crate::differentiation::{DerivativeResult, Differentiation};
-use equations::{DerivativeEquation, DerivativePoint, Factor, equations, expect_arrays};
+use equations::{DerivativeEquation, DerivativePoint, Factor, equations};
 use robovec_analysis::slice::slice;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::plan::EvaluationPlan;
@@ -85,9 +85,26 @@ impl<'a> DerivativeCheck<'a> {
             output: None,
             reason: error.to_string(),
         })?;
-        let old = before.function.inputs();
-        expect_arrays("input", [before, after], old, &arrays.inputs)?;
-        expect_arrays("output", [before, after], &arrays.kept, &arrays.outputs)?;
+        let function = after.function;
+        for (what, old, new, found) in [
+            (
+                "input",
+                before.function.inputs(),
+                &arrays.inputs,
+                function.inputs(),
+            ),
+            (
+                "output",
+                arrays.kept.as_slice(),
+                &arrays.outputs,
+                function.outputs(),
+            ),
+        ] {
+            let mut wanted = described(before, old);
+            wanted.extend(new.iter().cloned());
+            let found = described(after, found);
+            same_arrays(what, &wanted, &found, "is not that of the derivative")?;
+        }
         Ok(DerivativeCheck {
             equations: equations(before, after, differentiation.result, &arrays)?,
             result: differentiation.result,
