@@ -32,6 +32,7 @@ pub mod study;
 pub mod sweep;
 pub mod synthesis;
 pub mod trigonometry;
+pub mod view;
 pub mod whole_step;
 pub mod yardstick;
 

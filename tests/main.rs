@@ -56,5 +56,6 @@ mod text;
 mod told;
 mod trigonometry;
 mod vendors;
+mod view;
 mod whole_step;
 mod write;

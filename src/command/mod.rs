@@ -48,6 +48,7 @@ mod synthesise;
 mod tables;
 pub mod tool;
 mod trig;
+mod view;
 mod write;
 
 use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};

@@ -488,6 +488,22 @@ impl ReadCounts {
     }
 }
 
+/// What was run, as reports tell it.
+pub(super) fn pass_records(outcome: &RunOutcome) -> Vec<report::PassRunRecord> {
+    let records = outcome.records.iter();
+    let records = records.map(|record| report::PassRunRecord {
+        function: record.function.clone(),
+        name: record.name.clone(),
+        cpu_s: record.cpu_s,
+        peak_mb: (record.peak_mb > 0.0).then_some(record.peak_mb),
+        operations: record.operations as usize,
+        asap_cycle: record.asap_cycle,
+        verdict: record.check.clone(),
+        rounding: record.rounding.clone(),
+    });
+    records.collect()
+}
+
 /// Writes the report to its file; returns it instead when it is for the
 /// standard error.
 fn write_report(
@@ -497,20 +513,7 @@ fn write_report(
     machine: &Machine,
     options: &report::ReportOptions,
 ) -> Result<String, CommandFailure> {
-    let records: Vec<report::PassRunRecord> = outcome
-        .records
-        .iter()
-        .map(|record| report::PassRunRecord {
-            function: record.function.clone(),
-            name: record.name.clone(),
-            cpu_s: record.cpu_s,
-            peak_mb: (record.peak_mb > 0.0).then_some(record.peak_mb),
-            operations: record.operations as usize,
-            asap_cycle: record.asap_cycle,
-            verdict: record.check.clone(),
-            rounding: record.rounding.clone(),
-        })
-        .collect();
+    let records = pass_records(outcome);
     let mut report = report::ModuleReport::collect(module, machine, &records, options);
     for (function, read) in report.functions.iter_mut().zip(read) {
         function.equations = read.equations;

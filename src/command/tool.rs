@@ -116,6 +116,7 @@ enum ToolCommand {
     Synthesise(super::synthesise::SynthesiseArguments),
     /// Measure what series for sines and cosines do to the outputs
     Trig(super::trig::TrigArguments),
+    View(super::view::ViewArguments),
     /// Write equations as Robotran's C, Matlab or Python files
     Write(write::WriteArguments),
 }
@@ -171,6 +172,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         ToolCommand::Sweep(arguments) => super::sweep::run(arguments),
         ToolCommand::Synthesise(arguments) => super::synthesise::run(arguments),
         ToolCommand::Trig(arguments) => super::trig::run(arguments),
+        ToolCommand::View(arguments) => super::view::run(arguments),
         ToolCommand::Write(arguments) => write::run(arguments),
     };
     match result.and_then(|text| output::write_stdout(|stdout| stdout.write_all(text.as_bytes()))) {

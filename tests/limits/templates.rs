@@ -132,6 +132,7 @@ fn flag(row: &LimitRow, value: &str) -> Option<Invocation> {
         ("robovec front", _) => "f.rvir --elements=1 --states=8",
         ("robovec model", _) => "serial -o out.mbs",
         ("robovec optimise", _) => "f.rvir --effort=1 --states=8 --elements=1",
+        ("robovec view", _) => "f.rvir --passes=atomise -o out.html",
         ("robovec sim", "--step") => "p.mbs --time=0.1 --method=rk4 --max-steps=1000",
         ("robovec sim", _) => "p.mbs --time=0.1 --samples=2 --max-steps=1000",
         ("robovec simulate", _) => "img --inputs=1,1",

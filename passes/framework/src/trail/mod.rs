@@ -21,10 +21,13 @@ mod follow;
 mod names;
 mod notes;
 mod state;
+mod states;
 
 pub use account::{Account, DefinitionChange, Gone, Moment, PassEntry, explain};
 pub use find::{NotFound, TrackedItem, find};
 pub use notes::{Notes, equal_to};
+pub use state::DefinitionSubject;
+pub use states::{TrailState, states};
 
 pub(crate) use follow::{Follower, begin};
 

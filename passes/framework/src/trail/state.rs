@@ -23,7 +23,7 @@ pub(super) struct Definition {
 
 /// A value or an output of a function.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum DefinitionSubject {
+pub enum DefinitionSubject {
     /// The node of a name.
     Value(Value),
     /// The assignment of this index.

@@ -1,0 +1,222 @@
+//! `robovec view`: a compilation as a page for the browser.
+
+use super::arguments::InputLanguage;
+use super::flags::{SEED, whole};
+use super::input::{self, InputModule, USUAL_MACHINE};
+use super::opt::{pass_records, select};
+use super::{CommandFailure, output, rules};
+use crate::files::{Replace, limited};
+use crate::report::PassRunRecord;
+use crate::sources;
+use crate::view::{self, ModelText, ViewedRun};
+use clap::Args;
+use robovec_framework::manager::{self, Config};
+use robovec_framework::scene::Scene;
+use robovec_framework::trail::{self, Trail};
+use robovec_ir::View;
+use robovec_ir::states::States;
+use std::fmt::Write;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Show a compilation as a page for the browser: every pass side by side, where
+/// values come from, the longest path, the schedule, errors
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    robovec view examples/suspension/mbs_dirdyna_suspension.m -o suspension.html\n  \
+    robovec view examples/models/bogie.mbs --passes '$ahead,place' --check-each -o bogie.html\n  \
+    robovec view examples/models/bogie.mbs --passes '$shorten' --dot bogie.dot --value 'c[3]'")]
+pub(super) struct ViewArguments {
+    /// File of equations, or model (.mbs, .urdf)
+    file: PathBuf,
+    /// Pipeline, e.g. atomise,balance,place; @FILE reads it from a file
+    #[arg(long, value_name = "PIPELINE", default_value = "$shorten,place")]
+    passes: String,
+    /// Page to write; by default NAME.html in the current folder
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Language of the file, if its name does not say it
+    #[arg(long, value_name = "LANGUAGE")]
+    language: Option<InputLanguage>,
+    /// Model (.mbs, .urdf) that the equations come from, to show its joints
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    /// Only this function; of a model, the one to generate
+    #[arg(long, value_name = "NAME")]
+    function: Option<String>,
+    /// Machine compiled for: a name or a .toml file; by default the scene's, or thesis
+    #[arg(long)]
+    machine: Option<String>,
+    /// Scene (.scene.toml) that the functions are needed for
+    #[arg(long, value_name = "FILE")]
+    scene: Option<PathBuf>,
+    /// Rewriting rules to use beside those that ship
+    #[arg(long, value_name = "FILE")]
+    rules: Vec<String>,
+    /// Check after every pass, at N random points, that it kept the function
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "4",
+          require_equals = true, add = whole(1, 1_000_000, "every pass is checked at every point"))]
+    check_each: Option<u32>,
+    /// Seed of all random points and states
+    #[arg(long, default_value_t = 1, add = SEED)]
+    seed: u64,
+    /// Also write the dataflow graph of the last state, for Graphviz
+    #[arg(long, value_name = "FILE")]
+    dot: Option<PathBuf>,
+    /// Of the graph only what a value (%OM16) or an output (M[1,2]) is made from
+    #[arg(long, value_name = "VALUE", requires = "dot")]
+    value: Option<String>,
+    /// Also write the time of the passes and the schedule as trace events (JSON), for Perfetto
+    #[arg(long, value_name = "FILE")]
+    trace: Option<PathBuf>,
+}
+
+/// Runs the command: the text for the standard output.
+pub(super) fn run(arguments: &ViewArguments) -> Result<String, CommandFailure> {
+    let pipeline = input::passes(&arguments.passes)?;
+    let rules = rules::sound(&arguments.rules, true)?;
+    let given = match &arguments.scene {
+        Some(path) => Some(input::scene(path)?.scene),
+        None => None,
+    };
+    let asked = arguments.machine.as_deref();
+    let wished = given.as_ref().and_then(|scene| scene.machine.as_deref());
+    let machine = input::machine(asked.or(wished).unwrap_or(USUAL_MACHINE))?;
+    let function = arguments.function.as_deref();
+    let mut read = input::equations_or_model(&arguments.file, arguments.language, function)?;
+    if let Some(name) = function {
+        select(&mut read.module, name)?;
+    }
+    let scene = read.scene(given);
+    let files = equations(&mut read, arguments);
+    let model = model(arguments)?;
+    let states = match &scene {
+        Some(scene) => scene.states(arguments.seed),
+        None => States::new(arguments.seed),
+    };
+    let mut trail = Trail::new();
+    let mut remarks = io::sink();
+    let config = Config {
+        rules: Some(&rules),
+        check_each: arguments.check_each,
+        rounding: Some(0),
+        states: states.clone(),
+        scene: scene.as_ref(),
+        trail: Some(&mut trail),
+        ..Config::new(&machine, &mut remarks)
+    };
+    let outcome = manager::run(&mut read.module, &pipeline, config)
+        .map_err(|error| CommandFailure::plain(error.to_string()))?;
+    let viewed = ViewedRun {
+        module: &read.module,
+        trail: &trail,
+        passes: &pass_records(&outcome),
+        machine: &machine,
+        states: &states,
+        files: &files,
+        model: model.as_ref(),
+        pipeline: &arguments.passes,
+    };
+    write(arguments, &read, &viewed, scene.as_ref())
+}
+
+/// The text of the equations with its name. Equations of a model have none:
+/// they are printed, and take their places from what is printed.
+fn equations(read: &mut InputModule, arguments: &ViewArguments) -> Vec<(String, String)> {
+    let name = match sources::is_model_path(&arguments.file) {
+        true => format!("equations of {}", read.name),
+        false => read.name.clone(),
+    };
+    let text = view::place_lines(&mut read.module, &name);
+    let text = text.or_else(|| read.text());
+    text.map(|text| (name, text)).into_iter().collect()
+}
+
+/// The model that was read, or that was named beside equations.
+fn model(arguments: &ViewArguments) -> Result<Option<ModelText>, CommandFailure> {
+    let own = sources::is_model_path(&arguments.file).then_some(&arguments.file);
+    let Some(path) = arguments.model.as_ref().or(own) else {
+        return Ok(None);
+    };
+    let read = match own {
+        // Its warnings were told when the equations were made.
+        Some(path) => sources::model(path).map_err(CommandFailure)?,
+        None => input::model(path)?,
+    };
+    let joints = read.model.joints.iter();
+    Ok(Some(ModelText {
+        name: sources::display_name(path),
+        text: input::text(path, &limited::MODEL)?,
+        joints: joints.map(|joint| joint.name.clone()).collect(),
+    }))
+}
+
+/// Writes what was asked for, and tells where it is.
+fn write(
+    arguments: &ViewArguments,
+    read: &InputModule,
+    viewed: &ViewedRun<'_>,
+    scene: Option<&Scene>,
+) -> Result<String, CommandFailure> {
+    let stem = Path::new(&read.name).file_stem();
+    let usual = || PathBuf::from(stem.unwrap_or_default()).with_extension("html");
+    let path = arguments.output.clone().unwrap_or_else(usual);
+    let mut told = String::new();
+    let page = view::page(viewed);
+    put(&path, &page)?;
+    if let Some(scene) = scene.filter(|scene| !scene.name.is_empty()) {
+        let _ = writeln!(told, "scene       {}", scene.name);
+    }
+    for function in &read.module.functions {
+        let passes = viewed.passes.iter();
+        let last = passes.rev().find(|pass| pass.function == function.name);
+        let _ = writeln!(told, "{}", summary(&function.name, last));
+    }
+    let kilobytes = page.len().div_ceil(1000);
+    let _ = writeln!(told, "page        {}, {kilobytes} kB", path.display());
+    if let Some(file) = &arguments.dot {
+        put(file, &graph(arguments, viewed)?)?;
+        let _ = writeln!(told, "graph       {}", file.display());
+    }
+    if let Some(file) = &arguments.trace {
+        let events = view::events(viewed.module, viewed.passes, viewed.machine);
+        put(file, &events)?;
+        let _ = writeln!(told, "events      {}", file.display());
+    }
+    Ok(told)
+}
+
+fn summary(function: &str, last: Option<&PassRunRecord>) -> String {
+    match last {
+        None => format!("{function}: no pass was run"),
+        Some(last) => format!(
+            "{function}: {} operations, longest path {} cycles",
+            last.operations, last.asap_cycle
+        ),
+    }
+}
+
+/// The graph of what was asked for, else of all that the first function gives.
+fn graph(arguments: &ViewArguments, viewed: &ViewedRun<'_>) -> Result<String, CommandFailure> {
+    let module = viewed.module;
+    let (index, item) = match &arguments.value {
+        None => (0, None),
+        Some(asked) => {
+            let found = trail::find(module, viewed.trail, asked);
+            let (index, item) = found
+                .map_err(|error| CommandFailure::advised(error.to_string(), vec![error.help]))?;
+            (index, Some(item))
+        }
+    };
+    let Some(function) = module.functions.get(index) else {
+        return Err(CommandFailure::plain("there is no function to draw"));
+    };
+    let tables = &module.tables;
+    Ok(view::dot(View { tables, function }, viewed.machine, item))
+}
+
+fn put(path: &Path, text: &str) -> Result<(), CommandFailure> {
+    output::write_over(path, Replace::Results, |writer| {
+        writer.write_all(text.as_bytes())
+    })
+}

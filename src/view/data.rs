@@ -1,0 +1,133 @@
+//! What a page holds, as columns: a list of numbers for every property of the
+//! statements of a state, so that the page of a large function stays small and
+//! opens at once. Texts and sets of source places are numbers into tables.
+
+use crate::report::PassReport;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// All of a page.
+#[derive(Serialize)]
+pub(super) struct ViewData {
+    /// The version of robovec.
+    pub(super) robovec: String,
+    /// The file that was read.
+    pub(super) title: String,
+    /// The pipeline as the user wrote it.
+    pub(super) pipeline: String,
+    /// The files that places lie in.
+    pub(super) files: Vec<FileData>,
+    /// Sets of places: file (from 0), line and column (from 1) of each.
+    pub(super) sources: Vec<Vec<[u32; 3]>>,
+    /// The joints of the model, in the order of their numbers; none when no
+    /// model is known.
+    pub(super) joints: Vec<JointData>,
+    /// What the passes of the pipeline do, by name.
+    pub(super) summaries: BTreeMap<String, String>,
+    /// The functions.
+    pub(super) functions: Vec<FunctionData>,
+    /// Texts by their numbers.
+    pub(super) texts: Vec<String>,
+}
+
+/// A joint, which arrays of the equations have an element for.
+#[derive(Serialize)]
+pub(super) struct JointData {
+    /// Its name.
+    pub(super) name: String,
+    /// The file and the line that name it first.
+    pub(super) place: Option<[u32; 2]>,
+}
+
+/// A file that equations come from.
+#[derive(Serialize)]
+pub(super) struct FileData {
+    /// Its name.
+    pub(super) name: String,
+    /// Its lines, where the file is at hand.
+    pub(super) lines: Option<Vec<String>>,
+}
+
+/// A function and what was done to it.
+#[derive(Serialize)]
+pub(super) struct FunctionData {
+    /// Its name.
+    pub(super) name: String,
+    /// The machine compiled for.
+    pub(super) machine: String,
+    /// The number format in which errors are measured.
+    pub(super) format: String,
+    /// The passes that were run, also those that changed nothing.
+    pub(super) passes: Vec<PassReport>,
+    /// The states, from the one that was read on.
+    pub(super) states: Vec<StateData>,
+    /// The schedule of the last state, when it has one.
+    pub(super) schedule: Option<ScheduleData>,
+    /// Share of source lines in the errors of all outputs: file, line, share.
+    pub(super) heat: Vec<(u32, u32, f64)>,
+    /// The report, as text.
+    pub(super) report: String,
+}
+
+/// A state of a function: a column for each property of its statements, values
+/// first and outputs behind them.
+#[derive(Serialize)]
+pub(super) struct StateData {
+    /// The pass that left the function so; absent for the state that was read.
+    pub(super) pass: Option<String>,
+    /// The level of the text form.
+    pub(super) level: &'static str,
+    /// The longest path, in cycles.
+    pub(super) path: u32,
+    /// How many of the statements are values.
+    pub(super) values: usize,
+    /// Names, as texts.
+    pub(super) names: Vec<u32>,
+    /// Right sides, as texts.
+    pub(super) texts: Vec<u32>,
+    /// Sets of places.
+    pub(super) sources: Vec<u32>,
+    /// When the result is available, in cycles.
+    pub(super) arrivals: Vec<u32>,
+    /// How many cycles later it could be.
+    pub(super) slacks: Vec<u32>,
+    /// The statement of the state before that it was made from, or -1.
+    pub(super) origins: Vec<i64>,
+    /// Texts of the rules that made a statement, by its number.
+    pub(super) rules: BTreeMap<u32, Vec<u32>>,
+    /// The rounding error over the exact number at one state, with two digits;
+    /// absent where the exact number is zero or the run overflowed.
+    pub(super) errors: Vec<Option<f32>>,
+}
+
+/// A schedule: a column for each property of the statements of the last state
+/// that are values.
+#[derive(Serialize)]
+pub(super) struct ScheduleData {
+    /// Length, in cycles.
+    pub(super) cycles: u32,
+    /// No schedule is shorter.
+    pub(super) bound: u32,
+    /// The processing elements by name.
+    pub(super) elements: Vec<String>,
+    /// The element of each value, or -1 for values of the host.
+    pub(super) element: Vec<i64>,
+    /// The cycle of its issue.
+    pub(super) cycle: Vec<u32>,
+    /// How long its element works on it until the result can be read.
+    pub(super) delay: Vec<u32>,
+    /// The first cycle in which all its operands can be read on its element.
+    pub(super) ready: Vec<u32>,
+    /// The operand that comes last, or -1 when all are there from the start.
+    pub(super) last: Vec<i64>,
+    /// The first cycle from `ready` on in which some element of its kind was
+    /// free; its own cycle when all were busy until then.
+    pub(super) free: Vec<u32>,
+    /// Writes of results: value, cycle, element that is written.
+    pub(super) writes: Vec<[u32; 3]>,
+    /// How many cycles a slice of `memory` is long.
+    pub(super) slice: u32,
+    /// For every element the words of memory in use, slice by slice, the
+    /// largest number in each.
+    pub(super) memory: Vec<Vec<u32>>,
+}
