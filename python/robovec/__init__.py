@@ -1,0 +1,241 @@
+"""robovec: a compiler for the equations of mechanical systems.
+
+    >>> import robovec
+    >>> arm = robovec.load("arm.urdf", function="invdyna_d", numbers=True)
+    >>> fast = arm.run("$cpu")
+    >>> fast(q=[0.1, 0.2, 0.3], qd=[0, 0, 0], qdd=[0, 0, 0])["Qq_q"]
+
+Arrays count from 0, as everywhere in NumPy: ``M[0, 0]`` is Robotran's
+``M[1][1]``. Units are those of the model (SI). Elements that a function does
+not set are zero.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import Any, Mapping, Sequence
+
+import numpy as np
+
+from . import _robovec
+from ._compiled import Compiled, compile_files
+from ._robovec import Error, __version__
+
+__all__ = ["Compiled", "Error", "Program", "load", "parse", "__version__"]
+
+
+def load(
+    path: str | os.PathLike[str],
+    function: str | None = None,
+    *,
+    formulation: str = "recursive",
+    numbers: bool = False,
+    forces: bool = True,
+    model: str | os.PathLike[str] | None = None,
+) -> Program:
+    """Reads equations (Robotran's C, Matlab or Python, robovec's text) or makes
+    a function of a model (``.mbs``, ``.urdf``).
+
+    ``function`` is one of a file that has several, or what is made of a model
+    (``dirdyna`` without a word). ``formulation``, ``numbers`` (the model's
+    numbers in place of symbols) and ``forces`` (external forces and torques)
+    concern models. ``model`` names the model that gives a file of equations
+    its parameters.
+
+    Raises ``Error`` with the place and the remedy when something is wrong.
+    """
+    other = None if model is None else os.fspath(model)
+    return Program(
+        _robovec.Program.load(
+            os.fspath(path), function, formulation, numbers, forces, other
+        )
+    )
+
+
+def parse(text: str, function: str | None = None) -> Program:
+    """Reads robovec's own text."""
+    return Program(_robovec.Program.parse(text, function))
+
+
+class Program:
+    """A function: it can be transformed, evaluated, written and compiled.
+
+    Objects never change; ``run`` and ``differentiate`` give new ones.
+    """
+
+    def __init__(self, inner: _robovec.Program) -> None:
+        self._inner = inner
+        self.inputs: dict[str, tuple[int, ...]] = {
+            name: tuple(shape) for name, shape in inner.inputs
+        }
+        self.outputs: dict[str, tuple[int, ...]] = {
+            name: tuple(shape) for name, shape in inner.outputs
+        }
+
+    @property
+    def name(self) -> str:
+        """The name of the function."""
+        return self._inner.name
+
+    @property
+    def operations(self) -> int:
+        """Operations: everything but sines, cosines and copies."""
+        return self._inner.operations
+
+    def __str__(self) -> str:
+        return self._inner.text()
+
+    def __repr__(self) -> str:
+        return f"<robovec.Program {self.name}: {self.operations} operations>"
+
+    def run(
+        self, passes: str, *, machine: str = "thesis", check: int | bool = False
+    ) -> Program:
+        """The function after a pipeline, as ``$cpu`` or ``atomise,balance``.
+
+        ``check`` compares it before and after every pass at so many points
+        (``True``: 4) and raises ``Error`` when a pass changed the function.
+        """
+        points = 4 if check is True else int(check) or None
+        return Program(self._inner.run(passes, machine, points))
+
+    def differentiate(
+        self,
+        of: str,
+        by: str | Sequence[str],
+        *,
+        result: str = "jacobian",
+        mode: str | None = None,
+        values: bool = True,
+    ) -> Program:
+        """The function with its derivatives: ``Qq_q`` for ``of="Qq", by="q"``.
+
+        ``result`` is ``jacobian``, ``direction`` (the Jacobian times an input
+        ``q_direction``) or ``gradient`` (the transposed Jacobian times an input
+        ``Qq_weight``); without ``values`` the outputs themselves are left out.
+        """
+        names = by if isinstance(by, str) else "+".join(by)
+        options = f"of={of} by={names} result={result} values={str(values).lower()}"
+        if mode is not None:
+            options += f" mode={mode}"
+        return self.run(f"atomise,differentiate{{{options}}},fold,cse,dce")
+
+    def report(self, machine: str = "thesis") -> dict[str, Any]:
+        """Operations, path, schedule, errors: the report of the command line."""
+        return json.loads(self._inner.report(machine))["functions"][0]
+
+    def parameters(self) -> dict[str, np.ndarray]:
+        """The arrays for which the model has numbers."""
+        found = {}
+        for name, shape in self.inputs.items():
+            numbers = self._inner.parameters(name)
+            if numbers is not None:
+                found[name] = np.array(numbers).reshape(shape)
+        return found
+
+    def __call__(
+        self,
+        *,
+        number: str = "f64",
+        threads: int = 0,
+        **arrays: Any,
+    ) -> dict[str, np.ndarray]:
+        """Outputs at one state, or at many that stand along a first axis.
+
+        Arrays that are left out are the model's parameters; what the model
+        does not know either is an error. An array without the first axis is
+        the same for all states. ``number`` is what is computed with (``f32``,
+        ``float(8,17)``, ``fixed(12,19)``, …) and ``threads`` how many threads
+        share the states (0: as many as there are processors). Results are those
+        of ``robovec eval``, bit for bit, in 64-bit floats.
+        """
+        given, states = self._states(arrays)
+        count = 1 if states is None else states
+        parts = [
+            np.broadcast_to(array, (count, *shape)).reshape(count, -1)
+            for (array, shape) in zip(given, self.inputs.values())
+        ]
+        flat = np.concatenate(parts, axis=1) if parts else np.zeros((count, 0))
+        flat = np.ascontiguousarray(flat, dtype=np.float64)
+        raw = self._inner.evaluate(flat.tobytes(), number, threads)
+        numbers = np.frombuffer(raw).reshape(-1, self._width(self.outputs))
+        if len(numbers) != count:
+            numbers = np.broadcast_to(numbers, (count, numbers.shape[1]))
+        found, start = {}, 0
+        for name, shape in self.outputs.items():
+            size = int(np.prod(shape, dtype=int))
+            part = numbers[:, start : start + size].reshape(count, *shape).copy()
+            found[name] = part if states is not None else part[0]
+            start += size
+        return found
+
+    def compile(
+        self,
+        *,
+        number: str = "double",
+        passes: str = "",
+        compiler: str = "cc",
+        flags: Sequence[str] = ("-O3", "-march=native", "-fopenmp"),
+        lanes: int = 8,
+        folder: str | os.PathLike[str] | None = None,
+    ) -> Compiled:
+        """The function as C that computes many states at once, compiled and
+        loaded; it is called like the program itself.
+
+        ``passes`` run before, as ``$cpu``. ``folder`` keeps the C files and the
+        library; without it they are removed with the object.
+        """
+        options = f"target=batch number={number} lanes={lanes} parameters=own"
+        steps = [passes] if passes else []
+        steps.append(f"codegen{{{options}}}")
+        files = self._inner.files(",".join(steps), "thesis")
+        return compile_files(self, files, number, compiler, flags, folder)
+
+    def plot_schedule(self, axes: Any = None) -> Any:
+        """The schedule of a placed program: elements over cycles (matplotlib)."""
+        import matplotlib.pyplot as plt
+
+        found = self._inner.schedule()
+        if found is None:
+            raise Error("there is no schedule: run a pipeline that ends in place")
+        elements, operations, cycles = found
+        axes = axes or plt.subplots(figsize=(10, 0.3 * len(elements) + 1))[1]
+        rows = [element for _, element, _ in operations]
+        starts = [cycle for _, _, cycle in operations]
+        axes.barh(rows, width=1, left=starts, height=0.8)
+        axes.set_yticks(range(len(elements)), elements)
+        axes.set_xlabel(f"cycle of {cycles}")
+        axes.set_title(f"{self.name}: {len(operations)} operations")
+        return axes
+
+    @staticmethod
+    def _width(arrays: Mapping[str, tuple[int, ...]]) -> int:
+        return sum(int(np.prod(shape, dtype=int)) for shape in arrays.values())
+
+    def _states(self, arrays: Mapping[str, Any]) -> tuple[list[np.ndarray], int | None]:
+        """The inputs in order, and how many states they are; ``None`` for a
+        single one without a first axis."""
+        for name in arrays:
+            if name not in self.inputs:
+                known = ", ".join(self.inputs)
+                raise Error(f"{self.name} has no input '{name}'; there are: {known}")
+        given: list[np.ndarray] = []
+        states: int | None = None
+        for name, shape in self.inputs.items():
+            if name in arrays:
+                array = np.asarray(arrays[name], dtype=np.float64)
+            else:
+                numbers = self._inner.parameters(name)
+                if numbers is None:
+                    raise Error(f"{self.name} needs the input '{name}' of shape {shape}")
+                array = np.array(numbers).reshape(shape)
+            if array.shape[1:] == shape and array.ndim == len(shape) + 1:
+                if states is not None and states != len(array):
+                    raise Error(f"'{name}' has {len(array)} states, others have {states}")
+                states = len(array)
+            elif array.shape != shape:
+                wanted = f"{shape}, or (states, …) before it"
+                raise Error(f"'{name}' has the shape {array.shape} instead of {wanted}")
+            given.append(array)
+        return given, states

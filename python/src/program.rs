@@ -1,0 +1,310 @@
+//! A function with its tables, as Python sees it.
+
+use crate::Error;
+use crate::values;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use robovec::generate::{Formulation, GenerationRequest, ParameterBinding, generate};
+use robovec::kinematics::parameter;
+use robovec::model::Model;
+use robovec::report::{ModuleReport, PassRunRecord, ReportOptions};
+use robovec::robotran::FunctionKind;
+use robovec::sources;
+use robovec_framework::manager::{self, Config};
+use robovec_ir::count::Counts;
+use robovec_ir::diagnostic::Report;
+use robovec_ir::print::print_file;
+use robovec_ir::{Array, Function, Module, Shape, View, parse};
+use robovec_passes::registry::REGISTRY;
+use std::path::Path;
+use std::sync::Arc;
+
+/// One function, and the model that gives its parameters.
+#[pyclass(frozen, name = "Program", module = "robovec._robovec")]
+pub(crate) struct PythonProgram {
+    module: Module,
+    model: Option<Arc<Model>>,
+    passes: Vec<PassRunRecord>,
+}
+
+fn refused(report: &Report) -> PyErr {
+    Error::new_err(report.render_plain())
+}
+
+fn plain(error: impl std::fmt::Display) -> PyErr {
+    Error::new_err(error.to_string())
+}
+
+#[pymethods]
+impl PythonProgram {
+    /// Reads a file of equations, or makes a function of a model.
+    #[staticmethod]
+    #[pyo3(signature = (path, function, formulation, numbers, forces, model))]
+    fn load(
+        py: Python<'_>,
+        path: &str,
+        function: Option<&str>,
+        formulation: &str,
+        numbers: bool,
+        forces: bool,
+        model: Option<&str>,
+    ) -> PyResult<PythonProgram> {
+        py.detach(|| {
+            let path = Path::new(path);
+            if sources::is_model_path(path) {
+                let options = (formulation, numbers, forces);
+                return generated(path, function.unwrap_or("dirdyna"), options);
+            }
+            let read = sources::equations(path, None, function).map_err(|error| refused(&error))?;
+            let model = model
+                .map(|path| sources::model(Path::new(path)))
+                .transpose();
+            let model = model.map_err(|error| refused(&error))?;
+            let model = model.map(|read| Arc::new(read.model));
+            single(read.module, function, model)
+        })
+    }
+
+    /// Reads robovec's own text.
+    #[staticmethod]
+    fn parse(py: Python<'_>, text: &str, function: Option<&str>) -> PyResult<PythonProgram> {
+        py.detach(|| {
+            let module = parse::parse_module("<text>", text).map_err(|diagnostics| {
+                refused(&Report::of("<text>", text.to_owned(), diagnostics))
+            })?;
+            single(module, function, None)
+        })
+    }
+
+    /// The function after a pipeline of passes.
+    fn run(
+        &self,
+        py: Python<'_>,
+        passes: &str,
+        machine: &str,
+        check: Option<u32>,
+    ) -> PyResult<PythonProgram> {
+        py.detach(|| {
+            let (module, records, _) = self.transformed(passes, machine, check)?;
+            Ok(PythonProgram {
+                module,
+                model: self.model.clone(),
+                passes: records,
+            })
+        })
+    }
+
+    /// The files that a pipeline ending in `codegen` writes: name and text.
+    fn files(
+        &self,
+        py: Python<'_>,
+        passes: &str,
+        machine: &str,
+    ) -> PyResult<Vec<(String, String)>> {
+        py.detach(|| Ok(self.transformed(passes, machine, None)?.2))
+    }
+
+    /// The name of the function.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.function().name
+    }
+
+    /// Input arrays in order: name and extents, none for a scalar.
+    #[getter]
+    fn inputs(&self) -> Vec<(String, Vec<usize>)> {
+        self.described(self.function().inputs())
+    }
+
+    /// Output arrays in order: name and extents, none for a scalar.
+    #[getter]
+    fn outputs(&self) -> Vec<(String, Vec<usize>)> {
+        self.described(self.function().outputs())
+    }
+
+    /// Operations: everything but sines, cosines and copies.
+    #[getter]
+    fn operations(&self) -> usize {
+        Counts::of(self.function()).operations
+    }
+
+    /// The text form of the function.
+    fn text(&self, py: Python<'_>) -> String {
+        py.detach(|| print_file(self.view()))
+    }
+
+    /// The numbers that the model gives an input array, row by row; `None`
+    /// when it gives none.
+    fn parameters(&self, array: &str) -> Option<Vec<f64>> {
+        let model = self.model.as_deref()?;
+        let tables = &self.module.tables;
+        let mut inputs = self.function().inputs().iter();
+        let found = inputs.find(|input| tables.symbols.text(input.name) == array)?;
+        let offsets = 0..found.shape.len() as u32;
+        let numbers = offsets.map(|offset| {
+            let (indices, rank) = found.shape.indices(offset);
+            parameter(model, array, &indices[..rank])
+        });
+        numbers.collect()
+    }
+
+    /// Outputs at states, in a number format: flat lists of binary64 as bytes,
+    /// one state after the other, elements that are not set as zero.
+    fn evaluate<'py>(
+        &self,
+        py: Python<'py>,
+        inputs: &[u8],
+        number: &str,
+        threads: usize,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let format = number.parse().map_err(plain)?;
+        let outputs =
+            py.detach(|| values::evaluate_states(self.function(), inputs, format, threads))?;
+        Ok(PyBytes::new(py, &outputs))
+    }
+
+    /// The report of the compilation for a machine, as JSON.
+    fn report(&self, py: Python<'_>, machine: &str) -> PyResult<String> {
+        py.detach(|| {
+            let machine = sources::machine(machine).map_err(|error| refused(&error))?;
+            let options = ReportOptions::default();
+            let report = ModuleReport::collect(&self.module, &machine, &self.passes, &options);
+            Ok(report.to_json())
+        })
+    }
+
+    /// Cycles and elements of a placed function: the elements by name, and of
+    /// every operation its name, element and cycle; `None` before `place`.
+    #[allow(clippy::type_complexity)]
+    fn schedule(&self) -> Option<(Vec<String>, Vec<(String, u32, u32)>, u32)> {
+        let function = self.function();
+        let schedule = function.schedule.as_ref()?;
+        let elements = (0..schedule.element_count()).map(|number| {
+            let element = robovec_ir::placement::Element::new(number);
+            let (kind, number) = schedule.element_name(element);
+            format!("{kind}{number}")
+        });
+        let symbols = &self.module.tables.symbols;
+        let operations = function.values().filter_map(|(value, node)| {
+            let slot = schedule.slots[value.index()]?;
+            Some((
+                node.name.display(symbols),
+                slot.element.number(),
+                slot.cycle,
+            ))
+        });
+        Some((elements.collect(), operations.collect(), schedule.cycles))
+    }
+}
+
+impl PythonProgram {
+    fn function(&self) -> &Function {
+        &self.module.functions[0]
+    }
+
+    fn view(&self) -> View<'_> {
+        View {
+            tables: &self.module.tables,
+            function: self.function(),
+        }
+    }
+
+    fn described(&self, arrays: &[Array]) -> Vec<(String, Vec<usize>)> {
+        let extents = |shape: Shape| match shape {
+            Shape::Scalar => Vec::new(),
+            Shape::Vector(length) => vec![length as usize],
+            Shape::Matrix(rows, columns) => vec![rows as usize, columns as usize],
+        };
+        let name = |array: &Array| self.module.tables.symbols.text(array.name).to_owned();
+        arrays
+            .iter()
+            .map(|array| (name(array), extents(array.shape)))
+            .collect()
+    }
+
+    #[allow(clippy::type_complexity)]
+    fn transformed(
+        &self,
+        passes: &str,
+        machine: &str,
+        check: Option<u32>,
+    ) -> PyResult<(Module, Vec<PassRunRecord>, Vec<(String, String)>)> {
+        let pipeline = REGISTRY
+            .pipeline(passes)
+            .map_err(|error| refused(&error.0))?;
+        let machine = sources::machine(machine).map_err(|error| refused(&error))?;
+        let mut module = self.module.clone();
+        let mut log = Vec::new();
+        let config = Config {
+            check_each: check,
+            ..Config::new(&machine, &mut log)
+        };
+        let outcome = manager::run(&mut module, &pipeline, config).map_err(plain)?;
+        let mut records = self.passes.clone();
+        records.extend(outcome.records.iter().map(|record| PassRunRecord {
+            function: record.function.clone(),
+            name: record.name.clone(),
+            cpu_s: record.cpu_s,
+            peak_mb: (record.peak_mb > 0.0).then_some(record.peak_mb),
+            operations: record.operations as usize,
+            asap_cycle: record.asap_cycle,
+            verdict: record.check.clone(),
+            rounding: record.rounding.clone(),
+        }));
+        let files = outcome.artifacts.into_iter();
+        let files = files.map(|file| (file.name, file.text));
+        Ok((module, records, files.collect()))
+    }
+}
+
+/// A function of a model.
+fn generated(
+    path: &Path,
+    function: &str,
+    (formulation, numbers, forces): (&str, bool, bool),
+) -> PyResult<PythonProgram> {
+    let read = sources::model(path).map_err(|error| refused(&error))?;
+    let known = FunctionKind::ALL.map(FunctionKind::name).join(", ");
+    let kind = FunctionKind::with_name(function)
+        .ok_or_else(|| plain(format!("no function '{function}'; there are {known}")))?;
+    let formulations = Formulation::names().join(", ");
+    let mut request = GenerationRequest::new(kind);
+    request.formulation = Formulation::from_name(formulation).ok_or_else(|| {
+        plain(format!(
+            "no formulation '{formulation}'; there are {formulations}"
+        ))
+    })?;
+    if numbers {
+        request.options.parameters = ParameterBinding::Numbers;
+    }
+    request.options.external_forces = forces;
+    let module = generate(&read.model, &request).map_err(plain)?;
+    single(module, None, Some(Arc::new(read.model)))
+}
+
+/// The one function of a name; without a name the only one there is.
+fn single(
+    mut module: Module,
+    function: Option<&str>,
+    model: Option<Arc<Model>>,
+) -> PyResult<PythonProgram> {
+    let names: Vec<String> = module.functions.iter().map(|f| f.name.clone()).collect();
+    if let Some(name) = function {
+        module.functions.retain(|function| function.name == name);
+    }
+    match module.functions.len() {
+        1 => Ok(PythonProgram {
+            module,
+            model,
+            passes: Vec::new(),
+        }),
+        0 => Err(plain(format!(
+            "there is no such function; there are: {}",
+            names.join(", ")
+        ))),
+        _ => Err(plain(format!(
+            "name one of the functions with function=…: {}",
+            names.join(", ")
+        ))),
+    }
+}

@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# Builds the wheel of the Python package into dist/, with maturin from an
+# environment of its own.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+tools=target/python-tools
+[ -x "$tools/bin/maturin" ] || {
+    python3 -m venv "$tools"
+    "$tools/bin/pip" install --quiet 'maturin>=1.7,<2'
+}
+"$tools/bin/maturin" build --release --quiet --manifest-path python/Cargo.toml --out dist
+ls dist/*.whl
