@@ -36,4 +36,4 @@ pub mod view;
 pub mod whole_step;
 pub mod yardstick;
 
-pub use command::limits;
+pub use command::{grammar, limits};

@@ -6,9 +6,9 @@
 
 use crate::files::limited::{self, FileLimit};
 use crate::fpcore;
-use crate::model::Model;
 use crate::model::mbs::{ReadModel, read_mbs};
 use crate::model::urdf::{RobotBase, RobotReading, read_urdf};
+use crate::model::{Model, family};
 use crate::robotran::{self, Language};
 use robovec_ir::diagnostic::{Diagnostic, Label, Report, did_you_mean};
 use robovec_ir::machine::{self, MachineError};
@@ -134,6 +134,13 @@ pub fn set_reading(reading: RobotReading) {
 ///
 /// Says why the file is not read, or where its text is wrong.
 pub fn model(path: &Path) -> Result<ReadModel, Report> {
+    if let Some(model) = built_in_name(path).and_then(family::built_in) {
+        return Ok(ReadModel {
+            model,
+            warnings: Report::new(),
+            left_out: Report::new(),
+        });
+    }
     let bytes = limited::read(path, &limited::MODEL)?;
     let name = display_name(path);
     let base = match FLOATING.load(Ordering::Relaxed) {
@@ -150,13 +157,20 @@ pub fn model(path: &Path) -> Result<ReadModel, Report> {
     read.map_err(|error| error.report)
 }
 
-/// True for the name of a model file.
+/// True for the name of a model file, or of a built-in model.
 pub fn is_model_path(path: &Path) -> bool {
     let is = |kind: &str| {
         path.extension()
             .is_some_and(|extension| extension.eq_ignore_ascii_case(kind))
     };
-    is("mbs") || is("urdf")
+    is("mbs") || is("urdf") || built_in_name(path).is_some()
+}
+
+/// The name of a built-in model (`bogie`, `serial-23`) that stands in the place
+/// of a file; a file of that name goes before it.
+fn built_in_name(path: &Path) -> Option<&str> {
+    let name = path.to_str()?;
+    (family::is_built_in(name) && !path.exists()).then_some(name)
 }
 
 /// The ranges of positions that a model limits, those of the model's joints.

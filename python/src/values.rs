@@ -3,7 +3,7 @@
 use crate::Error;
 use pyo3::PyErr;
 use rayon::prelude::*;
-use robovec_ir::evaluate::evaluate;
+use robovec_ir::evaluate::evaluate_mixed;
 use robovec_ir::{Format, Function};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::soft_float::FormatArithmetic;
@@ -39,7 +39,7 @@ fn one_state(function: &Function, arithmetic: &FormatArithmetic, state: &[u8]) -
     let numbers = state.as_chunks::<BYTES>().0.iter();
     let inputs = numbers.map(|number| arithmetic.literal(f64::from_ne_bytes(*number)));
     let inputs: Vec<f64> = inputs.collect();
-    let results = evaluate(function, arithmetic, &inputs);
+    let results = evaluate_mixed(function, arithmetic.format(), &inputs);
     let mut outputs = vec![0.0; function.output_len()];
     for (assignment, result) in function.assignments.iter().zip(results) {
         outputs[assignment.output.index()] = result;

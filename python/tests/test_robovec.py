@@ -71,7 +71,7 @@ class Evaluating(unittest.TestCase):
             file.write_text("\n".join(lines) + "\n")
             for number in ["f64", "f32", "float(8,17)"]:
                 command = [program, "eval", str(path), "--function", function]
-                command += ["--states", str(file), "--number", number]
+                command += ["--states", str(file), "--number", number, "--hexadecimal"]
                 told = subprocess.run(command, capture_output=True, text=True, check=True)
                 found = loaded(number=number, **given)
                 seen = 0

@@ -39,7 +39,7 @@ pub(crate) struct OptimiserArguments {
     pub(crate) force: bool,
 
     /// Language of the input; by default told by its name and content
-    #[arg(long, value_enum)]
+    #[arg(long = "input-language", alias = "language", value_enum)]
     pub(crate) language: Option<InputLanguage>,
 
     /// Only this function of the input; of a model, the one to generate
@@ -178,7 +178,7 @@ pub(crate) struct OptimiserArguments {
 
 /// The command line, with the limits of its numbers.
 pub(crate) fn command() -> clap::Command {
-    super::flags::enforce(OptimiserArguments::command())
+    super::grammar::words(super::flags::enforce(OptimiserArguments::command()))
 }
 
 /// The machine compiled for when nobody says.

@@ -24,7 +24,7 @@ pub(super) struct ErrorsArguments {
     /// File of equations, or model (.mbs, .urdf)
     file: PathBuf,
     /// Language of the file, if its name does not say it
-    #[arg(long, value_name = "LANGUAGE")]
+    #[arg(long = "input-language", alias = "language", value_name = "LANGUAGE")]
     language: Option<InputLanguage>,
     /// Only this function; of a model, the one to generate
     #[arg(long, value_name = "NAME")]
@@ -37,7 +37,7 @@ pub(super) struct ErrorsArguments {
     machine: String,
     /// Number format of the run: f32, f16, float(8,17), fixed(12,19) …; by
     /// default that of an FPCore, else f32
-    #[arg(long)]
+    #[arg(long = "number", alias = "format")]
     format: Option<String>,
     /// Output arrays or elements: c, or M[1,2],c[3]; by default all, of large
     /// functions only scalars and vectors
@@ -190,7 +190,7 @@ fn format(arguments: &ErrorsArguments, input: &InputModule) -> Result<Format, Co
         return Ok(input.format.unwrap_or(Format::BINARY32));
     };
     text.parse()
-        .map_err(|error| CommandFailure::plain(format!("--format {}: {error}", clip(text))))
+        .map_err(|error| CommandFailure::plain(format!("--number {}: {error}", clip(text))))
 }
 
 /// Reads the file and runs the pipeline for a scene, to which the file may add

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// How the result is written.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
 enum FormatName {
-    /// Lines, floats in hexadecimal
+    /// Lines
     Text,
     /// A table
     Csv,
@@ -30,15 +30,17 @@ enum FormatName {
 pub(super) struct EvalArguments {
     /// Robotran file, robovec text, or model (.mbs, .urdf)
     file: PathBuf,
-    /// Lines `name[indices] number`; a line `state` starts the next state
-    #[arg(long, value_name = "FILE", required_unless_present = "random")]
-    states: Option<PathBuf>,
-    /// Draw this many states, with the scales of what the inputs mean
-    #[arg(long, value_name = "N", conflicts_with = "states",
+    /// How many random states, with the scales of what the inputs mean; or a
+    /// file of lines `name[indices] number`, in which a line `state` starts the
+    /// next state
+    #[arg(long, required_unless_present = "random", value_parser = given_states)]
+    states: Option<GivenStates>,
+    /// The same as --states N
+    #[arg(long, value_name = "N", conflicts_with = "states", hide = true,
           add = states(1, 1_000_000))]
     random: Option<u32>,
     /// Seed of the random states
-    #[arg(long, default_value_t = 1, requires = "random", add = SEED)]
+    #[arg(long, default_value_t = 1, add = SEED)]
     seed: u64,
     /// Model (.mbs, .urdf) that parameters are taken from where states do not give
     /// them; a model as FILE is its own
@@ -56,12 +58,36 @@ pub(super) struct EvalArguments {
     /// fixed(12,19)), double-double, field (a prime field), or a number of bits
     #[arg(long, value_name = "KIND", default_value = "f64")]
     number: NumberSystem,
-    /// How the result is written
-    #[arg(long, value_enum, default_value_t = FormatName::Text)]
+    /// How the result is written: see --json and --csv
+    #[arg(long, value_enum, default_value_t = FormatName::Text, hide = true)]
     format: FormatName,
+    /// Write JSON instead of lines
+    #[arg(long, conflicts_with_all = ["csv", "hexadecimal"])]
+    json: bool,
+    /// Write a table with commas instead of lines
+    #[arg(long, conflicts_with = "hexadecimal")]
+    csv: bool,
+    /// Write floats in hexadecimal, as C's `%a`
+    #[arg(long)]
+    hexadecimal: bool,
     /// Language of the file; by default told by its name and content
-    #[arg(long, value_enum)]
+    #[arg(long = "input-language", alias = "language", value_enum)]
     language: Option<InputLanguage>,
+}
+
+/// States as the command line gives them.
+#[derive(Clone, Debug)]
+enum GivenStates {
+    Random(u32),
+    File(PathBuf),
+}
+
+fn given_states(text: &str) -> Result<GivenStates, String> {
+    if text.is_empty() || !text.bytes().all(|byte| byte.is_ascii_digit()) {
+        return Ok(GivenStates::File(text.into()));
+    }
+    let count = states(1, 1_000_000).0.read_whole(text)?;
+    Ok(GivenStates::Random(count as u32))
 }
 
 /// Runs the command: the text for the standard output.
@@ -74,11 +100,15 @@ pub(super) fn run(arguments: &EvalArguments) -> Result<String, CommandFailure> {
         Some(model) if own => generated(arguments, model)?,
         _ => read(arguments)?,
     };
-    let text = arguments.states.as_deref();
-    let text = text
+    let (file, count) = match &arguments.states {
+        Some(GivenStates::File(path)) => (Some(path.as_path()), None),
+        Some(GivenStates::Random(count)) => (None, Some(*count)),
+        None => (None, arguments.random),
+    };
+    let text = file
         .map(|path| input::text(path, &limited::STATES))
         .transpose()?;
-    let states = match (&text, arguments.random) {
+    let states = match (&text, count) {
         (Some(text), _) => evaluate_command::StateSource::Text(text),
         (None, count) => evaluate_command::StateSource::Random {
             count: count.unwrap_or(1),
@@ -91,13 +121,16 @@ pub(super) fn run(arguments: &EvalArguments) -> Result<String, CommandFailure> {
         states,
         number: arguments.number,
         format: match arguments.format {
+            _ if arguments.hexadecimal => ResultFormat::Hexadecimal,
+            _ if arguments.json => ResultFormat::Json,
+            _ if arguments.csv => ResultFormat::Csv,
             FormatName::Text => ResultFormat::Text,
             FormatName::Csv => ResultFormat::Csv,
             FormatName::Json => ResultFormat::Json,
         },
     };
     evaluate_at_states(&request).map_err(|diagnostics| {
-        let name = arguments.states.as_deref().unwrap_or(Path::new(""));
+        let name = file.unwrap_or(Path::new(""));
         let text = text.clone().unwrap_or_default();
         CommandFailure(Report::of(&name.display().to_string(), text, diagnostics))
     })

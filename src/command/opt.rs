@@ -82,6 +82,12 @@ fn reproduced(
     })
 }
 
+/// What is told where nothing was asked for.
+const NO_PASSES: &str = "no passes were named: these are the equations as read\n  \
+    -passes='$shorten,place'  places them on the elements of a machine\n  \
+    -passes='$cpu,codegen{target=c}' -o FOLDER  writes C\n  \
+    --list-passes  lists all, --report - tells what the equations cost\n";
+
 /// What the user gave, read.
 struct GivenInputs {
     pipeline: Pipeline,
@@ -182,6 +188,9 @@ fn run(arguments: &OptimiserArguments) -> Result<(), CommandFailure> {
     }
     let stages = [stage, stage_since("(write)", start)];
     let mut text = told;
+    if pipeline.steps.is_empty() && arguments.simulate.is_none() && arguments.report.is_none() {
+        text += NO_PASSES;
+    }
     if let Some(summary) = summary {
         text += &summary.text(&input.module);
     }
@@ -275,12 +284,13 @@ fn information(arguments: &OptimiserArguments) -> Result<Option<String>, Command
         return listing::pass(name).map(Some);
     }
     if let Some(shell) = &arguments.completion {
-        return completion(shell).map(Some);
+        return completion("robovec-opt", shell).map(Some);
     }
     Ok(None)
 }
 
-fn completion(shell: &str) -> Result<String, CommandFailure> {
+/// The script that makes a shell complete a program's command line.
+pub(super) fn completion(program: &str, shell: &str) -> Result<String, CommandFailure> {
     let shells = Shells::builtins();
     let Some(completer) = shells.completer(shell) else {
         return Err(CommandFailure::plain(format!(
@@ -289,13 +299,7 @@ fn completion(shell: &str) -> Result<String, CommandFailure> {
     };
     let mut script = Vec::new();
     completer
-        .write_registration(
-            "COMPLETE",
-            "robovec-opt",
-            "robovec-opt",
-            "robovec-opt",
-            &mut script,
-        )
+        .write_registration("COMPLETE", program, program, program, &mut script)
         .map_err(|error| CommandFailure::plain(format!("cannot write the completion: {error}")))?;
     Ok(String::from_utf8_lossy(&script).into_owned())
 }

@@ -24,7 +24,7 @@ pub(super) struct OutputArguments {
     #[arg(long)]
     pub(super) outputs: bool,
     /// Number formats to measure
-    #[arg(long, value_name = "FORMATS", requires = "outputs",
+    #[arg(long = "number", alias = "formats", value_name = "FORMATS", requires = "outputs",
           default_value = "f32,f64", value_parser = formats)]
     formats: FormatList,
     /// What the outputs are compared with: double-double, certified (proved to

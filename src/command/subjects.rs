@@ -4,7 +4,7 @@
 use super::{CommandFailure, generation, input};
 use crate::generate::{Formulation, Options, TermOrder};
 use crate::model::Model;
-use crate::model::family::{JOINTS, ModelFamily};
+use crate::model::family::{JOINTS, ModelFamily, built_in};
 use crate::robotran::FunctionKind;
 use crate::sources;
 use crate::study::plan::StudySubject;
@@ -12,9 +12,6 @@ use crate::study::program::ProgramSources;
 use robovec_ir::Module;
 use robovec_ir::diagnostic::{Report, did_you_mean};
 use std::path::{Path, PathBuf};
-
-/// Seed of the parameters of built-in models; equations do not depend on it.
-const SEED: u64 = 1;
 
 /// Programs from files and from built-in models.
 pub(super) struct SubjectFiles;
@@ -144,17 +141,6 @@ pub(super) fn named_model(subject: &str) -> Result<(String, Option<Model>), Comm
         None => None,
     };
     Ok((input::stem(path), model))
-}
-
-/// The built-in model of a name like `bogie` or `serial-23`.
-pub(super) fn built_in(name: &str) -> Option<Model> {
-    if let Some(family) = ModelFamily::from_name(name) {
-        return family.joints().map(|joints| family.build(joints, SEED));
-    }
-    let (family, joints) = name.rsplit_once('-')?;
-    let family = ModelFamily::from_name(family).filter(|family| family.joints().is_none())?;
-    let joints = JOINTS.read_whole(joints).ok()?;
-    Some(family.build(joints as usize, SEED))
 }
 
 /// Refuses a name like `serial-1000000`, which is none of a file.

@@ -16,13 +16,14 @@ use super::optimise::{self, OptimiseArguments};
 use super::scene::{self, SceneArguments};
 use super::sim::{self, SimArguments};
 use super::standing::{self, EquilibriumArguments, ModalArguments};
-use super::{CommandFailure, flags, input, output, write};
+use super::{CommandFailure, flags, grammar, input, output, write};
 use crate::files::limited;
 use crate::model::urdf::{RobotBase, RobotReading};
 use crate::process::{ProcessLimits, set_limits};
 use crate::simulate::LoadedProgram;
 use crate::sources::set_reading;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap_complete::env::CompleteEnv;
 use std::ffi::OsString;
 use std::fmt::Write;
 use std::fs;
@@ -73,6 +74,8 @@ enum ToolCommand {
     /// Find where a model stands still under its laws
     Equilibrium(EquilibriumArguments),
     Errors(ErrorsArguments),
+    /// Print the script that makes a shell complete command lines
+    Completion(super::manual::CompletionArguments),
     /// Evaluate functions at given or random states
     Eval(EvalArguments),
     Fit(FitArguments),
@@ -83,6 +86,8 @@ enum ToolCommand {
     Modal(ModalArguments),
     /// Summarise a model, or write one of a family
     Model(ModelArguments),
+    /// Write manual pages of both programs
+    Manual(super::manual::ManualArguments),
     Neglect(NeglectArguments),
     /// Check a scene and tell what it means
     Scene(SceneArguments),
@@ -123,11 +128,12 @@ enum ToolCommand {
 
 /// The command line, with the limits of its numbers.
 pub(crate) fn command() -> clap::Command {
-    flags::enforce(ToolArguments::command())
+    grammar::apply(flags::enforce(ToolArguments::command()))
 }
 
 /// Runs the program.
 pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
+    CompleteEnv::with_factory(command).complete();
     let matches = command().get_matches_from(arguments);
     let arguments = match ToolArguments::from_arg_matches(&matches) {
         Ok(arguments) => arguments,
@@ -154,6 +160,8 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         ToolCommand::Front(arguments) => front::run(arguments),
         ToolCommand::Gen(arguments) => generation::run(arguments),
         ToolCommand::Modal(arguments) => standing::modal(arguments),
+        ToolCommand::Manual(arguments) => super::manual::manual(arguments),
+        ToolCommand::Completion(arguments) => super::manual::completion(arguments),
         ToolCommand::Model(arguments) => model::run(arguments),
         ToolCommand::Neglect(arguments) => neglect::run(arguments),
         ToolCommand::Scene(arguments) => scene::run(arguments),

@@ -22,10 +22,6 @@ use std::path::{Path, PathBuf};
 /// Show a compilation as a page for the browser: every pass side by side, where
 /// values come from, the longest path, the schedule, errors
 #[derive(Args, Debug)]
-#[command(after_help = "Examples:\n  \
-    robovec view examples/suspension/mbs_dirdyna_suspension.m -o suspension.html\n  \
-    robovec view examples/models/bogie.mbs --passes '$ahead,place' --check-each -o bogie.html\n  \
-    robovec view examples/models/bogie.mbs --passes '$shorten' --dot bogie.dot --value 'c[3]'")]
 pub(super) struct ViewArguments {
     /// File of equations, or model (.mbs, .urdf)
     file: PathBuf,
@@ -36,7 +32,7 @@ pub(super) struct ViewArguments {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Language of the file, if its name does not say it
-    #[arg(long, value_name = "LANGUAGE")]
+    #[arg(long = "input-language", alias = "language", value_name = "LANGUAGE")]
     language: Option<InputLanguage>,
     /// Model (.mbs, .urdf) that the equations come from, to show its joints
     #[arg(long, value_name = "FILE")]
@@ -146,7 +142,11 @@ fn model(arguments: &ViewArguments) -> Result<Option<ModelText>, CommandFailure>
     let joints = read.model.joints.iter();
     Ok(Some(ModelText {
         name: sources::display_name(path),
-        text: input::text(path, &limited::MODEL)?,
+        // A model that is built in has no file.
+        text: match path.exists() {
+            true => input::text(path, &limited::MODEL)?,
+            false => String::new(),
+        },
         joints: joints.map(|joint| joint.name.clone()).collect(),
     }))
 }

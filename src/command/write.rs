@@ -29,7 +29,7 @@ pub(crate) struct WriteArguments {
     #[arg(short, long, value_name = "FOLDER", default_value = ".")]
     output: PathBuf,
     /// Name of the model, in file names and headers; by default the input's
-    #[arg(long, value_name = "NAME")]
+    #[arg(long = "name", alias = "model", value_name = "NAME")]
     model: Option<String>,
     /// Passes to run before, as in robovec-opt
     #[arg(long, value_name = "PIPELINE")]

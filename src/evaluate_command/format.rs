@@ -5,10 +5,12 @@ use std::fmt::Write;
 /// How results are written.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum ResultFormat {
-    /// Lines `state 2 dirdyna M[1,1] 0x1.8p+1`; floats in hexadecimal, so
-    /// that no bit is lost.
+    /// Lines `state 2 dirdyna M[1,1] 3.0`; floats as the shortest decimal that
+    /// is read as the same number.
     #[default]
     Text,
+    /// The same lines with floats in hexadecimal, `0x1.8p+1`.
+    Hexadecimal,
     /// A table with the columns state, function, output and value; decimal.
     Csv,
     /// A list of objects with state, function and outputs; decimal, and as a
@@ -36,7 +38,7 @@ pub(super) struct ResultWriter {
 impl ResultWriter {
     pub(super) fn new(format: ResultFormat) -> ResultWriter {
         let text = match format {
-            ResultFormat::Text => String::new(),
+            ResultFormat::Text | ResultFormat::Hexadecimal => String::new(),
             ResultFormat::Csv => "state,function,output,value\n".to_owned(),
             ResultFormat::Json => "[".to_owned(),
         };
@@ -69,7 +71,9 @@ impl ResultWriter {
         let (state, function) = &self.head;
         let value = &shown.text;
         let _ = match self.format {
-            ResultFormat::Text => writeln!(self.text, "state {state} {function} {element} {value}"),
+            ResultFormat::Text | ResultFormat::Hexadecimal => {
+                writeln!(self.text, "state {state} {function} {element} {value}")
+            }
             ResultFormat::Csv => writeln!(self.text, "{state},{function},\"{element}\",{value}"),
             ResultFormat::Json => {
                 let separator = if self.first_element { "\n" } else { ",\n" };

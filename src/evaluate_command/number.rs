@@ -86,12 +86,13 @@ pub(super) trait Show: Arithmetic {
     fn clear(&self) {}
 }
 
-/// A float: hexadecimal in lines, the shortest decimal elsewhere.
+/// A float: the shortest decimal that is this number, or hexadecimal on
+/// request.
 fn float(number: f64, decimal: String, format: ResultFormat) -> Shown {
     Shown {
         text: match format {
-            ResultFormat::Text => hexadecimal::format(number),
-            ResultFormat::Csv | ResultFormat::Json => decimal,
+            ResultFormat::Hexadecimal => hexadecimal::format(number),
+            ResultFormat::Text | ResultFormat::Csv | ResultFormat::Json => decimal,
         },
         quoted: !number.is_finite(),
     }

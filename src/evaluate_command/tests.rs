@@ -67,7 +67,7 @@ fn every_kind_of_number_has_its_digits() {
 
 #[test]
 fn formats_hold_the_same() {
-    let text = evaluated(format("f64"), ResultFormat::Text);
+    let text = evaluated(format("f64"), ResultFormat::Hexadecimal);
     assert_eq!(
         text,
         "state 1 f y[1] 0x1.2cbff9cd9dbccp+1\nstate 1 f y[2] 0x1.6a09e667f3bcdp+0\n"

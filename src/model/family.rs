@@ -410,5 +410,28 @@ fn random_mass(builder: &mut ModelBuilder, body: BodyRef, random: &mut Parameter
     builder.mass(body, mass, center, inertia);
 }
 
+/// The family and the number of joints of a name like `bogie` or `serial-23`.
+fn named(name: &str) -> Option<(ModelFamily, usize)> {
+    if let Some(family) = ModelFamily::from_name(name) {
+        return family.joints().map(|joints| (family, joints));
+    }
+    let (family, joints) = name.rsplit_once('-')?;
+    let family = ModelFamily::from_name(family).filter(|family| family.joints().is_none())?;
+    let joints = JOINTS.read_whole(joints).ok()?;
+    Some((family, joints as usize))
+}
+
+/// Whether a name is that of a built-in model.
+pub fn is_built_in(name: &str) -> bool {
+    named(name).is_some()
+}
+
+/// The built-in model of a name like `bogie` or `serial-23`; its parameters are
+/// those of the seed 1, and equations do not depend on them.
+pub fn built_in(name: &str) -> Option<Model> {
+    let (family, joints) = named(name)?;
+    Some(family.build(joints, 1))
+}
+
 #[cfg(test)]
 mod tests;

@@ -1,11 +1,12 @@
 //! `robovec rules find`.
 
 use super::super::flags::{NUMBER, whole};
-use super::super::subjects::{built_in, check_number};
+use super::super::subjects::check_number;
 use super::super::{CommandFailure, input, progress};
 use super::exchange::deliver;
 use super::{list, read};
 use crate::generate::{GenerationRequest, generate};
+use crate::model::family::built_in;
 use crate::present::text_table;
 use crate::robotran::FunctionKind;
 use clap::Args;
@@ -38,7 +39,8 @@ pub(super) struct FindArguments {
           add = whole(1, 5, "terms grow in number with every variable"))]
     variables: u32,
     /// Numbers that may occur in terms
-    #[arg(long, value_delimiter = ',', allow_hyphen_values = true, add = NUMBER)]
+    #[arg(long = "constants", alias = "numbers", value_name = "NUMBERS", value_delimiter = ',',
+          allow_hyphen_values = true, add = NUMBER)]
     numbers: Vec<f64>,
     /// Add sine and cosine of an angle, which lie on the circle
     #[arg(long)]

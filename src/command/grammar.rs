@@ -1,0 +1,398 @@
+//! One grammar for all commands: the words that mean one thing everywhere, the
+//! groups of commands, and an example or two of each.
+//!
+//! **Invariants.** A word of [`WORDS`] takes the same kind of value in every
+//! command that has it ([`apply`] writes its name); every command stands in one
+//! group and has examples, which tests read as command lines. The page
+//! `docs/commands.md` is made from here.
+
+use clap::{Arg, Command};
+use std::fmt::Write;
+
+/// A word of the command line.
+struct GrammarWord {
+    long: &'static str,
+    /// What its value is called; `None` for a word without one.
+    value: Option<&'static str>,
+    meaning: &'static str,
+}
+
+const fn word(
+    long: &'static str,
+    value: Option<&'static str>,
+    meaning: &'static str,
+) -> GrammarWord {
+    GrammarWord {
+        long,
+        value,
+        meaning,
+    }
+}
+
+const WORDS: [GrammarWord; 16] = [
+    word(
+        "function",
+        Some("NAME"),
+        "a function of a file that has several, or what is made of a model (`dirdyna` without a word); names with commas where several are taken",
+    ),
+    word(
+        "formulation",
+        Some("NAME"),
+        "the recursion that a model's equations come from ([generate.md](generate.md))",
+    ),
+    word(
+        "model",
+        Some("FILE"),
+        "the model that equations come from: its numbers, its joints",
+    ),
+    word(
+        "passes",
+        Some("PIPELINE"),
+        "passes that run first ([passes.md](passes.md)); `@FILE` reads them from a file",
+    ),
+    word(
+        "machine",
+        Some("MACHINE"),
+        "the machine compiled for: a name of `robovec-opt --list-machines`, or a `.toml` file",
+    ),
+    word(
+        "scene",
+        Some("FILE"),
+        "the scene that functions are needed for ([scenes.md](scenes.md))",
+    ),
+    word(
+        "rules",
+        Some("FILE"),
+        "rewriting rules beside those that ship ([rules.md](rules.md))",
+    ),
+    word(
+        "laws",
+        Some("FILE"),
+        "laws of springs, dampers, forces and driven joints ([sim.md](sim.md))",
+    ),
+    word(
+        "number",
+        Some("FORMAT"),
+        "what is computed in: `f32`, `float(8,17)`, `fixed(12,19)` … ([formats.md](formats.md)); `float` or `double` for C",
+    ),
+    word("language", Some("LANGUAGE"), "the language that is written"),
+    word(
+        "input-language",
+        Some("LANGUAGE"),
+        "the language that is read, where name and text do not tell",
+    ),
+    word(
+        "states",
+        Some("STATES"),
+        "random states that are measured at, a number; `eval` also takes a file of states",
+    ),
+    word(
+        "seed",
+        Some("SEED"),
+        "where all random points and states come from; the same seed gives the same bytes",
+    ),
+    word(
+        "jobs",
+        Some("N"),
+        "threads; as many as there are processors without a word",
+    ),
+    word("json", None, "results for programs, in place of text"),
+    word("csv", None, "results as a table, in place of text"),
+];
+
+/// Commands by what one does with them.
+pub(super) const GROUPS: [(&str, &[&str]); 6] = [
+    ("Get the best program", &["optimise", "view", "bench"]),
+    (
+        "From models to equations",
+        &["model", "gen", "write", "equilibrium", "modal", "sim"],
+    ),
+    (
+        "Are they right, and how exact",
+        &["eval", "check", "errors", "accuracy", "trig", "stress"],
+    ),
+    ("Only what is needed", &["scene", "neglect", "fit", "front"]),
+    (
+        "Hardware",
+        &["rtl", "simulate", "synthesise", "sweep", "study"],
+    ),
+    (
+        "Rules, and this program",
+        &["rules", "manual", "completion"],
+    ),
+];
+
+/// Examples of every command, as they are typed in the root of the repository.
+const EXAMPLES: &[(&str, &[&str])] = &[
+    (
+        "accuracy",
+        &[
+            "robovec accuracy examples/suspension/mbs_dirdyna_suspension.m -o accuracy",
+            "robovec accuracy examples/models/quarter-car.mbs --outputs --number f32,f16",
+        ],
+    ),
+    (
+        "bench",
+        &[
+            "robovec bench serial-23 bogie",
+            "robovec bench examples/robots/arm.urdf --function invdyna_d --peers none",
+        ],
+    ),
+    (
+        "equilibrium",
+        &[
+            "robovec equilibrium examples/models/quarter-car.mbs --laws examples/laws/quarter-car.toml",
+        ],
+    ),
+    (
+        "errors",
+        &[
+            "robovec errors bogie",
+            "robovec errors examples/models/bogie.mbs --outputs 'c[3]' --number f16",
+        ],
+    ),
+    (
+        "eval",
+        &[
+            "robovec eval bogie --states 3",
+            "robovec eval examples/models/four-bar.mbs --function accelred --states 3 --csv",
+        ],
+    ),
+    (
+        "fit",
+        &["robovec fit examples/scenes/bogie-1e-4.scene.toml -o fitted"],
+    ),
+    ("front", &["robovec front bogie serial-23 -o results"]),
+    (
+        "gen",
+        &[
+            "robovec gen bogie --formulation composite -o bogie.rvir",
+            "robovec gen examples/robots/arm.urdf --function invdyna_d --numbers --language c -o jacobians",
+        ],
+    ),
+    (
+        "modal",
+        &["robovec modal examples/models/bogie.mbs --laws examples/laws/bogie.toml"],
+    ),
+    (
+        "model",
+        &[
+            "robovec model examples/robots/arm.urdf",
+            "robovec model serial --joints 40 -o serial-40.mbs",
+        ],
+    ),
+    (
+        "neglect",
+        &["robovec neglect examples/scenes/car-ride.scene.toml -o reduced"],
+    ),
+    (
+        "scene",
+        &["robovec scene examples/scenes/bogie-straight.scene.toml"],
+    ),
+    (
+        "sim",
+        &[
+            "robovec sim examples/models/quarter-car.mbs --laws examples/laws/quarter-car.toml --time 2 -o ride.csv",
+        ],
+    ),
+    (
+        "simulate",
+        &["robovec simulate images --machine thesis --inputs 0.1,0.2"],
+    ),
+    (
+        "check",
+        &["robovec check examples/suspension/mbs_dirdyna_suspension.m best/dirdyna.rvir"],
+    ),
+    (
+        "optimise",
+        &[
+            "robovec optimise examples/suspension/mbs_dirdyna_suspension.m -o best",
+            "robovec optimise bogie --for cpu -o best",
+        ],
+    ),
+    (
+        "rtl",
+        &[
+            "robovec rtl bogie --passes '$shorten,place' --machine side-split -o hardware --check verilator",
+        ],
+    ),
+    (
+        "rules",
+        &["robovec rules list", "robovec rules check mine.rules"],
+    ),
+    ("stress", &["robovec stress", "robovec stress --list"]),
+    ("study", &["robovec study -o results"]),
+    ("sweep", &["robovec sweep bogie --cpu -o results"]),
+    ("synthesise", &["robovec synthesise --add 5 --multiply 3"]),
+    ("trig", &["robovec trig bogie -o series"]),
+    (
+        "view",
+        &[
+            "robovec view examples/suspension/mbs_dirdyna_suspension.m -o suspension.html",
+            "robovec view bogie --passes '$ahead,place' --check-each -o bogie.html",
+            "robovec view bogie --dot bogie.dot --value 'c[3]' --trace bogie.json",
+        ],
+    ),
+    (
+        "write",
+        &[
+            "robovec write examples/suspension/mbs_dirdyna_suspension.m --language c --passes '$cpu' -o new",
+        ],
+    ),
+    ("manual", &["robovec manual -o manual"]),
+    ("completion", &["robovec completion bash"]),
+];
+
+/// The command with the words of the grammar written alike, its examples and,
+/// for the whole program, its groups.
+pub(super) fn apply(command: Command) -> Command {
+    let groups = groups(&command);
+    let command = command.mut_subcommands(|sub| {
+        let name = sub.get_name().to_owned();
+        let examples = EXAMPLES.iter().find(|(known, _)| *known == name);
+        let sub = words(sub);
+        match examples {
+            Some((_, lines)) => sub.after_help(format!("Examples:\n  {}", lines.join("\n  "))),
+            None => sub,
+        }
+    });
+    command.help_template(format!(
+        "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n{groups}\nOptions:\n{{options}}\n\n\
+         'robovec COMMAND --help' tells of a command, with examples; docs/commands.md of the words \
+         that mean the same in all.\n"
+    ))
+}
+
+/// The words of the grammar take values of the same names.
+pub(super) fn words(command: Command) -> Command {
+    command.mut_args(value_name).mut_subcommands(words)
+}
+
+fn value_name(flag: Arg) -> Arg {
+    let long = flag.get_long().unwrap_or_default();
+    match WORDS.iter().find(|word| word.long == long) {
+        Some(GrammarWord {
+            value: Some(value), ..
+        }) if flag.get_action().takes_values() => flag.value_name(value),
+        Some(_) | None => flag,
+    }
+}
+
+/// The commands by groups, with what they do.
+fn groups(command: &Command) -> String {
+    let mut text = String::new();
+    for (title, names) in GROUPS {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "\n{title}:");
+        for name in names {
+            let sub = command.find_subcommand(name);
+            let about = sub.and_then(Command::get_about);
+            let about = about.map(ToString::to_string).unwrap_or_default();
+            let about = about.split('\n').collect::<Vec<_>>().join(" ");
+            let _ = writeln!(text, "  {name:<12} {about}");
+        }
+    }
+    text
+}
+
+/// The page `docs/commands.md`.
+pub fn manual() -> String {
+    let [_, tool] = super::commands();
+    let mut text = String::from(
+        "# The commands\n\n`robovec-opt` compiles; `robovec` does the rest. A subject is a file of \
+         equations (Robotran's C, Matlab or Python, `.rvir`, `.fpcore`), a model (`.mbs`, `.urdf`) \
+         or the name of a model that is built in (`bogie`, `serial-23`), for every command that \
+         takes one.\n\n## Words that mean one thing everywhere\n\n| word | meaning |\n|---|---|\n",
+    );
+    for GrammarWord {
+        long,
+        value,
+        meaning,
+    } in WORDS
+    {
+        let value = value.map_or_else(String::new, |value| format!(" {value}"));
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "| `--{long}{value}` | {meaning} |");
+    }
+    text.push_str(
+        "| `-o`, `--output` | where results go: a file, or a folder for several |\n| `--force` | \
+         replace files that robovec did not write |\n| `--base`, `--right-angles` | how robots \
+         (`.urdf`) are read ([robots.md](robots.md)) |\n| `--tool-seconds` | when compilers and \
+         simulators are stopped |\n",
+    );
+    for (title, names) in GROUPS {
+        let _ = writeln!(text, "\n## {title}\n");
+        for name in names {
+            let sub = tool.find_subcommand(name);
+            let about = sub.and_then(Command::get_about);
+            let about = about.map(ToString::to_string).unwrap_or_default();
+            let _ = writeln!(text, "`robovec {name}`: {}\n", about.replace('\n', " "));
+            for (known, lines) in EXAMPLES {
+                for line in lines.iter().filter(|_| known == name) {
+                    let _ = writeln!(text, "    {line}");
+                }
+            }
+            text.push('\n');
+        }
+    }
+    text.truncate(text.trim_end().len());
+    text.push('\n');
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The words of an example, quotes taken away.
+    fn split(line: &str) -> Vec<String> {
+        let words = line.split_whitespace();
+        words.map(|word| word.replace('\'', "")).collect()
+    }
+
+    #[test]
+    fn every_command_is_in_one_group_and_has_examples_that_are_read() {
+        let [_, tool] = super::super::commands();
+        for sub in tool.get_subcommands() {
+            let name = sub.get_name();
+            let groups = GROUPS.iter().filter(|(_, names)| names.contains(&name));
+            assert_eq!(groups.count(), 1, "{name} stands in one group");
+            let known = EXAMPLES.iter().find(|(known, _)| *known == name);
+            let (_, lines) = known.unwrap_or_else(|| panic!("{name} has no example"));
+            for line in *lines {
+                let read = tool.clone().try_get_matches_from(split(line));
+                assert!(read.is_ok(), "{line}: {}", read.expect_err("as seen"));
+                assert_eq!(split(line)[1], name);
+            }
+        }
+    }
+
+    #[test]
+    fn words_of_the_grammar_take_the_same_values_everywhere() {
+        fn check(command: &Command) {
+            for flag in command.get_arguments() {
+                let long = flag.get_long().unwrap_or_default();
+                let place = format!("{} --{long}", command.get_name());
+                if let Some(word) = WORDS.iter().find(|word| word.long == long) {
+                    let takes = flag.get_action().takes_values();
+                    assert_eq!(takes, word.value.is_some(), "{place}");
+                    let names = flag.get_value_names().unwrap_or_default();
+                    let names: Vec<&str> = names.iter().map(|name| name.as_str()).collect();
+                    if let Some(value) = word.value {
+                        assert_eq!(names, [value], "{place}");
+                    }
+                }
+                // Words that went under other names before.
+                assert!(
+                    !["format", "formats", "random"].contains(&long) || flag.is_hide_set(),
+                    "{place}"
+                );
+                if long == "output" {
+                    assert_eq!(flag.get_short(), Some('o'), "{place}");
+                }
+            }
+            command.get_subcommands().for_each(check);
+        }
+        super::super::commands().iter().for_each(check);
+    }
+}
