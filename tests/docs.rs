@@ -43,3 +43,41 @@ fn the_page_of_commands_is_up_to_date() {
         "docs/commands.md is not up to date; INSTA_UPDATE=always cargo test --workspace --test all docs:: writes it"
     );
 }
+
+#[test]
+fn editors_know_every_operation_and_level() {
+    use robovec_ir::{Level, Operation};
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("editors");
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).expect("it ships");
+    // Operations with a sign of their own are not written as words.
+    let signs = ["neg", "add", "sub", "mul", "div"];
+    let operations = Operation::ALL.into_iter().map(Operation::name);
+    let operations: Vec<&str> = operations.filter(|name| !signs.contains(name)).collect();
+    let known = format!("({})", operations.join("|"));
+    for name in ["rvir", "rules"] {
+        let grammar = read(&format!("vscode/syntaxes/{name}.tmLanguage.json"));
+        let parsed: serde_json::Value = serde_json::from_str(&grammar).expect("JSON");
+        assert!(
+            parsed["patterns"]
+                .as_array()
+                .is_some_and(|list| list.len() > 5)
+        );
+        assert!(grammar.contains(&known), "{name}: {known}");
+    }
+    for name in ["rvir", "robovecrules"] {
+        let syntax = read(&format!("vim/syntax/{name}.vim"));
+        assert!(syntax.contains(&known.replace(['(', ')'], "").replace('|', "\\|")));
+    }
+    for level in Level::ALL.map(Level::name) {
+        for name in [
+            "vscode/syntaxes/rvir.tmLanguage.json",
+            "vim/syntax/rvir.vim",
+        ] {
+            assert!(read(name).contains(level), "{name}: {level}");
+        }
+    }
+    for name in ["package", "rvir", "rules"] {
+        let text = read(&format!("vscode/{name}.json"));
+        serde_json::from_str::<serde_json::Value>(&text).expect("JSON");
+    }
+}

@@ -1,0 +1,2 @@
+autocmd BufNewFile,BufRead *.rvir setfiletype rvir
+autocmd BufNewFile,BufRead *.rules setfiletype robovecrules
