@@ -26,6 +26,7 @@ const NOT_RUN: &[(&str, &str)] = &[
     ),
     ("robovec rules bench …", "takes a minute"),
     ("robovec rules why VALUE …", "VALUE stands for a name"),
+    ("robovec simulate images …", "needs images of a program"),
     (
         "robovec stress",
         "takes minutes; tests/stress.rs is smaller",
@@ -42,7 +43,7 @@ const NOT_RUN: &[(&str, &str)] = &[
         "takes minutes; tests/determinism.rs is smaller",
     ),
     ("robovec synthesise", "needs yosys"),
-    ("robovec synthesise --paths", "needs yosys"),
+    ("robovec synthesise …", "needs yosys"),
 ];
 
 /// Options whose values are written.

@@ -191,6 +191,38 @@ fn an_interrupted_study_goes_on_where_it_stopped() {
 }
 
 #[test]
+fn shares_of_a_study_are_the_whole_also_when_one_is_lost_half_way() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let [whole, shared] = ["whole", "shared"].map(|name| folder.path().join(name));
+    run_small(&whole, &[]);
+    run_small(&shared, &["--shard", "1/3"]);
+    run_small(&shared, &["--shard", "2/3"]);
+    let points = files(&shared.join("points"));
+    assert!(
+        !shared.join("results.json").exists(),
+        "a share writes no tables"
+    );
+    // What a worker leaves that is killed: points it never wrote, and one cut off.
+    fs::remove_file(&points[0]).expect("it is there");
+    fs::write(&points[1], "{\"key\": \"").expect("it can be written");
+    let mut found = 0;
+    for share in ["1/3", "2/3", "3/3"] {
+        let said = run_small(&shared, &["--shard", share]);
+        let words: Vec<&str> = said.split_whitespace().collect();
+        found += words[2].parse::<usize>().expect("a number");
+    }
+    assert_eq!(found, points.len() - 2, "what was left is used");
+    assert!(run_small(&shared, &["--resume"]).contains("54 of them"));
+    for file in ["results.json", "report.html"] {
+        assert_eq!(read(&shared.join(file)), read(&whole.join(file)));
+    }
+    for wrong in ["0/3", "4/3", "1", "a/b", "1/0"] {
+        let output = study(&small_plan(), &shared, &["--shard", wrong]);
+        assert_eq!(output.status.code(), Some(2), "{wrong}");
+    }
+}
+
+#[test]
 fn the_command_line_chooses_among_models_pipelines_and_numbers() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let arguments = [

@@ -19,6 +19,7 @@ use robovec_ir::Module;
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 /// Place sets of models on sets of machines, and write tables, figures and a
 /// report for the browser.
@@ -46,6 +47,11 @@ pub(super) struct StudyArguments {
     /// Use the points that an earlier run left in the folder
     #[arg(long)]
     resume: bool,
+    /// Only this share of the placements, as 2/8: results are kept in the
+    /// folder, and those of an earlier run used; a last run with --resume and
+    /// without a share writes the tables
+    #[arg(long, value_name = "K/N", conflicts_with = "cpu")]
+    shard: Option<Shard>,
     /// Also time the same functions on one core of this computer, as C
     /// compiled by cc
     #[arg(long)]
@@ -59,22 +65,68 @@ pub(super) struct StudyArguments {
     jobs: Option<u32>,
 }
 
+/// A share of the work: the `k`-th of `n`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+struct Shard {
+    k: usize,
+    n: usize,
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Shard, String> {
+        let wrong = || "a share is K/N with K from 1 to N, as 2/8".to_owned();
+        let (k, n) = text.split_once('/').ok_or_else(wrong)?;
+        let read = |text: &str| text.parse::<usize>().map_err(|_| wrong());
+        let (k, n) = (read(k)?, read(n)?);
+        match (1..=n).contains(&k) {
+            true => Ok(Shard { k, n }),
+            false => Err(wrong()),
+        }
+    }
+}
+
+impl Shard {
+    /// Keeps the share of a plan. What placements of a program have in common
+    /// is computed once, so all of a model and pipeline stay together.
+    fn keep(self, plan: &mut StudyPlan) {
+        let mut groups: Vec<(usize, usize)> = Vec::new();
+        plan.requests.retain(|request| {
+            let group = (request.model, request.pipeline);
+            let known = groups.iter().position(|&known| known == group);
+            let number = known.unwrap_or_else(|| {
+                groups.push(group);
+                groups.len() - 1
+            });
+            number % self.n == self.k - 1
+        });
+    }
+}
+
 /// What stands beside the bar.
 const PROGRESS: &str = "{pos}/{len} placements, {eta} left, {msg}";
 
 /// Runs the study; the text is for the standard output.
 pub(super) fn study(arguments: &StudyArguments) -> Result<String, CommandFailure> {
-    let plan = read_plan(arguments)?;
+    let mut plan = read_plan(arguments)?;
+    if let Some(shard) = &arguments.shard {
+        shard.keep(&mut plan);
+    }
     // A slip in a name is told before hours of work, not after them.
     for subject in &plan.models {
         locate(subject)?;
     }
     output::make_folder(&arguments.output)?;
-    let store =
-        PointStore::open(&arguments.output.join("points"), arguments.resume).map_err(|error| {
-            CommandFailure::plain(format!("cannot make the folder for points: {error}"))
-        })?;
+    let reuse = arguments.resume || arguments.shard.is_some();
+    let store = PointStore::open(&arguments.output.join("points"), reuse).map_err(|error| {
+        CommandFailure::plain(format!("cannot make the folder for points: {error}"))
+    })?;
     let results = compute(arguments, plan, &store)?;
+    if arguments.shard.is_some() {
+        let (placed, found) = (results.outcome.points.len(), results.outcome.reused);
+        return Ok(format!("{placed} placements, {found} of them found\n"));
+    }
     let times = if arguments.cpu {
         time(arguments, &results)?
     } else {
