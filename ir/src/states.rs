@@ -44,8 +44,12 @@ pub struct States {
 /// The ranges of some input elements.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct Ranges {
-    elements: BTreeMap<(String, [u32; 2]), [f64; 2]>,
+    /// By the name of the array, so that a state looks each name up once.
+    arrays: BTreeMap<String, ElementRanges>,
 }
+
+/// The ranges of the elements of an array, by their indices.
+type ElementRanges = BTreeMap<[u32; 2], [f64; 2]>;
 
 impl Ranges {
     /// Says that an element of an array, by its indices from 1 (0 for those
@@ -56,22 +60,21 @@ impl Ranges {
             low <= high,
             "the low end of a range is not above the high one"
         );
-        let key = (array.to_owned(), indices);
-        self.elements.insert(key, [low, high]);
+        let elements = self.arrays.entry(array.to_owned()).or_default();
+        elements.insert(indices, [low, high]);
     }
 
     /// The range of an element, where one is known.
     pub fn get(&self, array: &str, indices: [u32; 2]) -> Option<[f64; 2]> {
-        if self.elements.is_empty() {
-            return None;
-        }
-        self.elements.get(&(array.to_owned(), indices)).copied()
+        self.arrays.get(array)?.get(&indices).copied()
     }
 
     /// All elements that something is known of, in order of their names.
     pub fn iter(&self) -> impl Iterator<Item = (&str, [u32; 2], [f64; 2])> + '_ {
-        let elements = self.elements.iter();
-        elements.map(|((array, indices), range)| (array.as_str(), *indices, *range))
+        self.arrays.iter().flat_map(|(array, elements)| {
+            let elements = elements.iter();
+            elements.map(|(indices, range)| (array.as_str(), *indices, *range))
+        })
     }
 }
 
@@ -145,12 +148,14 @@ impl States {
                 .fold(mix(self.seed ^ u64::from(index) << 32), |hash, byte| {
                     mix(hash ^ u64::from(byte))
                 });
+            let ranges = self.ranges.arrays.get(name);
             for offset in 0..array.shape.len() as u32 {
                 let (scale, place) = distribution(name, array, offset);
                 let random = mix(salt.wrapping_add(u64::from(place)));
                 let unit = unit(random);
                 let (indices, _) = array.shape.indices(offset);
-                inputs.push(match self.ranges.get(name, indices) {
+                let range = ranges.and_then(|elements| elements.get(&indices).copied());
+                inputs.push(match range {
                     Some(range) => inside(range, unit),
                     None => f64::from(scale.at(unit) as f32),
                 });
