@@ -340,16 +340,8 @@ impl Laws {
             law.contact = contact;
         }
         for (entry, Named { name }) in file.contact.iter().zip(&names.contact) {
-            let zero = |list: &Vec<toml::Value>| {
-                let amount = |value: &toml::Value| {
-                    value
-                        .as_float()
-                        .or(value.as_integer().map(|number| number as f64))
-                };
-                list.iter().all(|value| amount(value) == Some(0.0))
-            };
             let normal = entry.get("normal").and_then(toml::Value::as_array);
-            if normal.is_some_and(zero) {
+            if normal.is_some_and(|normal| is_zero(normal)) {
                 let message = "the normal of a plane has a direction";
                 read.errors.push(wrong(name.span(), message, None));
             }
@@ -383,6 +375,16 @@ impl Laws {
             Err(errors)
         }
     }
+}
+
+/// Whether all numbers of a list are zero.
+fn is_zero(list: &[toml::Value]) -> bool {
+    let amount = |value: &toml::Value| {
+        value
+            .as_float()
+            .or(value.as_integer().map(|number| number as f64))
+    };
+    list.iter().all(|value| amount(value) == Some(0.0))
 }
 
 struct LawReader<'e> {

@@ -69,6 +69,15 @@ impl ModelProgram {
         if !recipe.passes.is_empty() {
             run_passes(&mut module, recipe.passes, None)?;
         }
+        ModelProgram::of_module(model, module, recipe)
+    }
+
+    /// The program of a function that has gone through its passes but `mixed`.
+    fn of_module(
+        model: &Model,
+        mut module: Module,
+        recipe: ProgramRecipe<'_>,
+    ) -> Result<ModelProgram, StressError> {
         let sources = |module: &Module| {
             let Some(function) = module.functions.last() else {
                 return Err(StressError::Passes("no function was left".to_owned()));

@@ -97,9 +97,23 @@ pub(super) fn equations(
     result: DerivativeResult,
     arrays: &DerivativeArrays,
 ) -> Result<Vec<DerivativeEquation>, Unpaired> {
-    let (old, new) = (by_output(before)?, by_output(after)?);
-    let at = |factor: Factor, set: Option<usize>| set.map(|place| (factor, place));
-    let array = |output: u32| before.function.output_array(Output(output));
+    let sides = (by_output(before)?, by_output(after)?);
+    let mut equations = kept_equations(before, arrays, (&sides.0, &sides.1))?;
+    equations.extend(derivative_equations(before, result, arrays, sides));
+    Ok(equations)
+}
+
+/// The place of an assignment, times a factor.
+fn at(factor: Factor, set: Option<usize>) -> Option<(Factor, usize)> {
+    set.map(|place| (factor, place))
+}
+
+/// What must hold of the outputs that the function had before.
+fn kept_equations(
+    before: View<'_>,
+    arrays: &DerivativeArrays,
+    (old, new): (&[Option<usize>], &[Option<usize>]),
+) -> Result<Vec<DerivativeEquation>, Unpaired> {
     let mut equations = Vec::new();
     let kept = arrays.kept.iter().flat_map(|array| {
         let first = array.offset as usize;
@@ -121,9 +135,21 @@ pub(super) fn equations(
             after: at(Factor::One, new[element]).into_iter().collect(),
             element: element as u32,
             elements: Vec::new(),
-            array: array(output as u32),
+            array: before.function.output_array(Output(output as u32)),
         });
     }
+    Ok(equations)
+}
+
+/// What must hold of the derivatives.
+fn derivative_equations(
+    before: View<'_>,
+    result: DerivativeResult,
+    arrays: &DerivativeArrays,
+    (old, new): (Vec<Option<usize>>, Vec<Option<usize>>),
+) -> Vec<DerivativeEquation> {
+    let array = |output: u32| before.function.output_array(Output(output));
+    let mut equations = Vec::new();
     let first = arrays.kept_len();
     let rows = arrays.rows();
     let along = |places: &[u32]| -> Vec<(Factor, usize)> {
@@ -175,5 +201,5 @@ pub(super) fn equations(
             });
         }
     }
-    Ok(equations)
+    equations
 }
