@@ -1,6 +1,7 @@
 //! The command line of `robovec-opt`.
 
 use super::flags::{SEED, whole};
+use super::telling::TellingArguments;
 use clap::builder::{PossibleValuesParser, StyledStr};
 use clap::{CommandFactory, Parser, ValueEnum};
 use clap_complete::engine::{ArgValueCandidates, CompletionCandidate};
@@ -68,9 +69,8 @@ pub(crate) struct OptimiserArguments {
     #[arg(long, value_name = "FILE")]
     pub(crate) report: Option<PathBuf>,
 
-    /// Tell nothing of speed, error and cost after the run
-    #[arg(short, long)]
-    pub(crate) quiet: bool,
+    #[command(flatten)]
+    pub(crate) telling: TellingArguments,
 
     /// Print the function before these passes (all without names)
     #[arg(long, value_name = "PASSES", num_args = 0..=1, default_missing_value = "*",

@@ -2,7 +2,7 @@
 
 use super::flags::whole;
 use super::write::{CFloat, GenerationName, OutputLanguage, save, write_files};
-use super::{CommandFailure, input, names, output};
+use super::{CommandFailure, input, names, output, telling};
 use crate::files::Replace;
 use crate::generate::{
     Formulation, GenerateError, GenerationRequest, Options, ParameterBinding, TermOrder,
@@ -229,7 +229,8 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
     let whole = [FunctionKind::Accelred, FunctionKind::Invdynared];
     let whole = kinds.iter().find(|kind| whole.contains(kind));
     if let (Some(kind), Some(OutputLanguage::C)) = (whole, arguments.language) {
-        eprintln!(
+        let _ = writeln!(
+            telling::remarks(),
             "remark: {name} takes forces as given and loops as closed, and MBsysC asks more of \
              mbs_{name}; --whole-step writes all of it",
             name = kind.name()
@@ -306,7 +307,8 @@ fn tell_redundant(model: &Model) -> Result<(), CommandFailure> {
     let failed = |error: GenerateError| CommandFailure::plain(error.to_string());
     let cuts = cuts_of_rows(model).map_err(failed)?;
     for row in redundant_rows(model).map_err(failed)? {
-        eprintln!(
+        let _ = writeln!(
+            telling::remarks(),
             "remark: row {} of the constraints (cut '{}') says what other rows say, and is left out",
             row + 1,
             model.cuts[cuts[row]].name
@@ -355,7 +357,7 @@ fn steps(names: &[String]) -> Result<Vec<StepFunction>, CommandFailure> {
 /// Runs a pipeline over a module, for the machine of the thesis; what passes
 /// remark goes to the standard error.
 pub(super) fn transform(module: &mut Module, pipeline: &Pipeline) -> Result<(), CommandFailure> {
-    transform_remarking(module, pipeline, &mut std::io::stderr().lock())
+    transform_remarking(module, pipeline, &mut telling::remarks())
 }
 
 /// Does as [`transform`], and tells somebody else what passes remark.

@@ -29,7 +29,7 @@ const fn word(
     }
 }
 
-const WORDS: [GrammarWord; 16] = [
+const WORDS: [GrammarWord; 18] = [
     word(
         "function",
         Some("NAME"),
@@ -98,6 +98,16 @@ const WORDS: [GrammarWord; 16] = [
     ),
     word("json", None, "results for programs, in place of text"),
     word("csv", None, "results as a table, in place of text"),
+    word(
+        "quiet",
+        None,
+        "`-q`: neither progress nor remarks; warnings and errors are always told",
+    ),
+    word(
+        "verbose",
+        None,
+        "`-v`: progress every two seconds, where no terminal is as well (every ten without the word), and how long it took; of `robovec-opt` the time of every pass",
+    ),
 ];
 
 /// Commands by what one does with them.
@@ -201,7 +211,9 @@ const EXAMPLES: &[(&str, &[&str])] = &[
     ),
     (
         "check",
-        &["robovec check examples/suspension/mbs_dirdyna_suspension.m best/dirdyna.rvir"],
+        &[
+            "robovec check examples/suspension/mbs_dirdyna_suspension.m best/program.rvir --class real-trig",
+        ],
     ),
     (
         "optimise",

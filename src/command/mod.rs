@@ -48,6 +48,7 @@ mod summary;
 mod sweep;
 mod synthesise;
 mod tables;
+mod telling;
 pub mod tool;
 mod trig;
 mod view;

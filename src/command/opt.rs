@@ -1,13 +1,13 @@
 //! `robovec-opt`.
 
-use super::arguments::{self, OptimiserArguments, USUAL_MACHINE};
+use super::arguments::{self, OptimiserArguments, TableFormat, USUAL_MACHINE};
 use super::dump::DumpFolder;
 use super::input::{self, InputModule};
 use super::summary::RunSummary;
 use super::tables::{self, MeasuredStage};
 use super::{
-    CommandFailure, explain, listing, names, output, placed, reduction, reproducer, rules,
-    simulation,
+    CommandFailure, explain, listing, names, output, placed, progress, reduction, reproducer,
+    rules, simulation, telling,
 };
 use crate::files::{Replace, limited};
 use crate::report;
@@ -26,7 +26,7 @@ use robovec_ir::states::{Ranges, States};
 use robovec_ir::{Function, Machine, Module, SourceSet, print};
 use robovec_rules::RuleSet;
 use std::ffi::OsString;
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -39,6 +39,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => error.exit(),
     };
+    telling::set(arguments.telling);
     let result = match arguments.run_reproducer {
         true => reproduced(&arguments, &words).and_then(|arguments| run(&arguments)),
         false => run(&arguments),
@@ -197,7 +198,8 @@ fn run(arguments: &OptimiserArguments) -> Result<(), CommandFailure> {
     if let Some(format) = arguments.stats {
         text += &tables::statistics(&outcome.records, format);
     }
-    if let Some(format) = arguments.time_passes {
+    let is_timed = arguments.telling.verbose.then_some(TableFormat::Table);
+    if let Some(format) = arguments.time_passes.or(is_timed) {
         text += &tables::times(&outcome.records, &stages, format);
     }
     // Nobody is left to tell when the standard error is closed.
@@ -347,10 +349,7 @@ fn transform(
         .as_deref()
         .map(DumpFolder::create)
         .transpose()?;
-    let bar = indicatif::ProgressBar::hidden();
-    if io::stderr().is_terminal() && pipeline.passes().count() * input.module.functions.len() > 20 {
-        bar.set_draw_target(indicatif::ProgressDrawTarget::stderr());
-    }
+    let bar = progress::plain();
     let mut progress = |done: usize, total: usize, name: &str| {
         bar.set_length(total as u64);
         bar.set_position(done as u64);
@@ -387,6 +386,7 @@ fn transform(
             progress: Some(&mut progress),
             limit: arguments.bisect_limit,
             executed: None,
+            remarks: !arguments.telling.quiet,
         },
     );
     bar.finish_and_clear();

@@ -1,7 +1,10 @@
-//! How far a command is, told where somebody looks: on a terminal.
+//! How far a command is: a bar on a terminal, elsewhere a line now and then,
+//! so that whoever reads a log of a long run sees that it goes on.
 
+use super::telling;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::io::{IsTerminal, stderr};
+use std::io::{IsTerminal, Write, stderr};
+use std::thread;
 use std::time::Duration;
 
 /// A bar over so many steps; `text` stands beside it.
@@ -12,7 +15,7 @@ pub(super) fn bar(steps: usize, text: &str) -> ProgressBar {
 /// What is being done, for work whose length is not known.
 pub(super) fn spinner() -> ProgressBar {
     let bar = styled(None, "{spinner} {elapsed} {msg}");
-    if stderr().is_terminal() {
+    if is_drawn() {
         bar.enable_steady_tick(Duration::from_millis(200));
     }
     bar
@@ -21,10 +24,46 @@ pub(super) fn spinner() -> ProgressBar {
 /// A bar that is told how many steps there are as it goes.
 pub(super) fn plain() -> ProgressBar {
     let bar = ProgressBar::hidden();
-    if stderr().is_terminal() {
+    if is_drawn() {
         bar.set_draw_target(ProgressDrawTarget::stderr());
+    } else if !telling::is_quiet() {
+        tell_in_lines(&bar);
     }
     bar
+}
+
+fn is_drawn() -> bool {
+    stderr().is_terminal() && !telling::is_quiet()
+}
+
+/// Tells every now and then how far a bar is, until it is finished or dropped.
+fn tell_in_lines(bar: &ProgressBar) {
+    let bar = bar.downgrade();
+    thread::spawn(move || {
+        loop {
+            thread::sleep(telling::interval());
+            let Some(bar) = bar.upgrade() else { return };
+            if bar.is_finished() {
+                return;
+            }
+            // When the standard error is closed there is nobody left to tell.
+            let _ = writeln!(stderr(), "{}", line(&bar));
+        }
+    });
+}
+
+/// How far a bar is, in one line: `40 s: 12/80 cases`.
+fn line(bar: &ProgressBar) -> String {
+    let steps = match bar.length() {
+        Some(length) => format!(" {}/{length}", bar.position()),
+        None => String::new(),
+    };
+    let text = format!(
+        "{} s:{steps} {}",
+        bar.elapsed().as_secs(),
+        bar.message().trim()
+    );
+    text.trim_end().to_owned()
 }
 
 fn styled(steps: Option<usize>, template: &str) -> ProgressBar {
@@ -35,4 +74,19 @@ fn styled(steps: Option<usize>, template: &str) -> ProgressBar {
     }
     bar.set_style(ProgressStyle::with_template(template).expect("templates are written here"));
     bar
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_tells_how_far_a_bar_is() {
+        let bar = ProgressBar::hidden();
+        bar.set_message("bogie, balanced");
+        assert_eq!(line(&bar), "0 s: bogie, balanced");
+        bar.set_length(80);
+        bar.set_position(12);
+        assert_eq!(line(&bar), "0 s: 12/80 bogie, balanced");
+    }
 }

@@ -3,7 +3,7 @@
 use super::flags::whole;
 use super::opt::select;
 use super::rtl_bench::{self, RtlBenchArguments};
-use super::{CommandFailure, input, output, placed};
+use super::{CommandFailure, input, output, placed, telling};
 use crate::explore::device;
 use crate::files::sealed::check_folder;
 use crate::files::{Replace, limited};
@@ -243,7 +243,7 @@ fn program(
     match arguments.passes {
         None => placed::check(&input, &machine)?,
         Some(_) => {
-            let mut log = io::stderr().lock();
+            let mut log = telling::remarks();
             manager::run(
                 &mut input.module,
                 &pipeline,

@@ -202,7 +202,7 @@ fn is_told(arguments: &OptimiserArguments, pipeline: &Pipeline) -> bool {
         _ => io::stdout().is_terminal(),
     };
     let has_other = arguments.report.is_some() || arguments.explain.is_some();
-    goes_to_people && !arguments.quiet && !has_other && !pipeline.steps.is_empty()
+    goes_to_people && !arguments.telling.quiet && !has_other && !pipeline.steps.is_empty()
 }
 
 /// The format that the result computes in: the machine's, or that of the C

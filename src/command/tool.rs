@@ -16,6 +16,7 @@ use super::optimise::{self, OptimiseArguments};
 use super::scene::{self, SceneArguments};
 use super::sim::{self, SimArguments};
 use super::standing::{self, EquilibriumArguments, ModalArguments};
+use super::telling::{self, TellingArguments};
 use super::{CommandFailure, flags, grammar, input, output, write};
 use crate::files::limited;
 use crate::model::urdf::{RobotBase, RobotReading};
@@ -29,7 +30,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Evaluates, simulates and compares equations of multibody systems.
 #[derive(Parser, Debug)]
@@ -37,6 +38,8 @@ use std::time::Duration;
 struct ToolArguments {
     #[command(subcommand)]
     command: ToolCommand,
+    #[command(flatten)]
+    telling: TellingArguments,
     /// Time after which a compiler, a simulator of hardware, yosys or a program
     /// they made is stopped, s
     #[arg(long, global = true, value_name = "SECONDS", default_value_t = 1800,
@@ -150,6 +153,8 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         },
         right_angle: arguments.right_angles,
     });
+    telling::set(arguments.telling);
+    let start = Instant::now();
     let result = match &arguments.command {
         ToolCommand::Accuracy(arguments) => accuracy::run(arguments),
         ToolCommand::Bench(arguments) => bench::run(arguments),
@@ -183,6 +188,9 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         ToolCommand::View(arguments) => super::view::run(arguments),
         ToolCommand::Write(arguments) => write::run(arguments),
     };
+    if telling::is_verbose() {
+        eprintln!("{:.1} s", start.elapsed().as_secs_f64());
+    }
     match result.and_then(|text| output::write_stdout(|stdout| stdout.write_all(text.as_bytes()))) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

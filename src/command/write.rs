@@ -1,7 +1,7 @@
 //! `robovec write`: equations as Robotran's files.
 
 use super::arguments::InputLanguage;
-use super::{CommandFailure, input, output};
+use super::{CommandFailure, input, output, telling};
 use crate::files::Replace;
 use crate::robotran::Language;
 use crate::robotran::drop_in::{DropInOptions, drop_in};
@@ -187,7 +187,7 @@ fn equations(
 ) -> Result<Module, CommandFailure> {
     let mut input = input::equations(path, language)?;
     let machine = input::machine("thesis")?;
-    let mut log = std::io::stderr().lock();
+    let mut log = telling::remarks();
     manager::run(&mut input.module, pipeline, Config::new(&machine, &mut log))
         .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
     Ok(input.module)

@@ -87,6 +87,8 @@ pub struct Config<'a> {
     pub limit: Option<Limit>,
     /// Receives every pass that is started.
     pub executed: Option<&'a mut Vec<Executed>>,
+    /// Whether the remarks of the passes are printed.
+    pub remarks: bool,
 }
 
 impl<'a> Config<'a> {
@@ -110,6 +112,7 @@ impl<'a> Config<'a> {
             progress: None,
             limit: None,
             executed: None,
+            remarks: true,
         }
     }
 }
@@ -455,6 +458,9 @@ impl PipelineRun<'_> {
 
     /// Prints the remarks of a pass.
     fn tell(&mut self, name: &str, function: &Function, remarks: &[String]) -> io::Result<()> {
+        if !self.instruments.config.remarks {
+            return Ok(());
+        }
         let log = &mut self.instruments.config.log;
         let mut each = remarks.iter();
         each.try_for_each(|remark| writeln!(log, "remark: {}: {name}: {remark}", function.name))

@@ -1,0 +1,56 @@
+//! How much a command tells on the standard error while it works: `-q`, `-v`.
+//!
+//! Warnings, errors and results are always told. One setting holds for the
+//! whole process: it is made once, before the command runs, and read where
+//! progress and remarks are told.
+
+use clap::Args;
+use std::io::{self, Write};
+use std::sync::OnceLock;
+use std::time::Duration;
+
+/// The words of the command line.
+#[derive(Args, Clone, Copy, Debug, Default)]
+pub(crate) struct TellingArguments {
+    /// Tell no progress, no remarks and no summary of a compilation
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub(crate) quiet: bool,
+    /// Tell progress every two seconds and, in the end, how long it took
+    #[arg(short, long, global = true)]
+    pub(crate) verbose: bool,
+}
+
+static TELLING: OnceLock<TellingArguments> = OnceLock::new();
+
+/// Sets how much is told; what was set first stays.
+pub(super) fn set(arguments: TellingArguments) {
+    TELLING.get_or_init(|| arguments);
+}
+
+fn current() -> TellingArguments {
+    TELLING.get().copied().unwrap_or_default()
+}
+
+/// Whether nothing but warnings and errors is told.
+pub(super) fn is_quiet() -> bool {
+    current().quiet
+}
+
+/// Whether more than usual is told.
+pub(super) fn is_verbose() -> bool {
+    current().verbose
+}
+
+/// How long nothing is told of work that goes on where no terminal is.
+pub(super) fn interval() -> Duration {
+    Duration::from_secs(if is_verbose() { 2 } else { 10 })
+}
+
+/// Where remarks go: the standard error, or nowhere.
+pub(super) fn remarks() -> Box<dyn Write> {
+    if is_quiet() {
+        Box::new(io::sink())
+    } else {
+        Box::new(io::stderr())
+    }
+}
