@@ -21,7 +21,7 @@ const NOT_RUN: &[(&str, &str)] = &[
         "takes a minute; tests/neglect.rs is smaller",
     ),
     (
-        "robovec rtl examples/models/bogie.mbs …",
+        "robovec rtl examples/models/…",
         "needs verilator; tests/rtl.rs is smaller",
     ),
     ("robovec rules bench …", "takes a minute"),
@@ -41,6 +41,10 @@ const NOT_RUN: &[(&str, &str)] = &[
     (
         "robovec sweep …",
         "takes minutes; tests/determinism.rs is smaller",
+    ),
+    (
+        "robovec view examples/models/bogie.mbs --passes 'atomise,…",
+        "saturates the bogie, as a command of README.md does",
     ),
     ("robovec synthesise", "needs yosys"),
     ("robovec synthesise …", "needs yosys"),
