@@ -21,6 +21,10 @@ const NOT_RUN: &[(&str, &str)] = &[
         "takes a minute; tests/neglect.rs is smaller",
     ),
     (
+        "robovec optimise examples/scenes/…",
+        "searches long; tests/optimise.rs has smaller scenes",
+    ),
+    (
         "robovec rtl examples/models/…",
         "needs verilator; tests/rtl.rs is smaller",
     ),

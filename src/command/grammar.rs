@@ -219,7 +219,7 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         "optimise",
         &[
             "robovec optimise examples/suspension/mbs_dirdyna_suspension.m -o best",
-            "robovec optimise bogie --for cpu -o best",
+            "robovec optimise examples/models/double-pendulum.mbs --for batch -o batch",
         ],
     ),
     (

@@ -5,6 +5,7 @@ use super::subjects::{self, SubjectFiles, locate};
 use super::{CommandFailure, input, output, progress};
 use crate::explore::processor::{Computer, LARGEST};
 use crate::explore::program::view;
+use crate::explore::share::WorkShare;
 use crate::explore::store::PointStore;
 use crate::files::limited;
 use crate::present::json::json_text;
@@ -19,7 +20,6 @@ use robovec_ir::Module;
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 /// Place sets of models on sets of machines, and write tables, figures and a
 /// report for the browser.
@@ -51,7 +51,7 @@ pub(super) struct StudyArguments {
     /// folder, and those of an earlier run used; a last run with --resume and
     /// without a share writes the tables
     #[arg(long, value_name = "K/N", conflicts_with = "cpu")]
-    shard: Option<Shard>,
+    shard: Option<WorkShare>,
     /// Also time the same functions on one core of this computer, as C
     /// compiled by cc
     #[arg(long)]
@@ -65,43 +65,19 @@ pub(super) struct StudyArguments {
     jobs: Option<u32>,
 }
 
-/// A share of the work: the `k`-th of `n`.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-struct Shard {
-    k: usize,
-    n: usize,
-}
-
-impl FromStr for Shard {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Shard, String> {
-        let wrong = || "a share is K/N with K from 1 to N, as 2/8".to_owned();
-        let (k, n) = text.split_once('/').ok_or_else(wrong)?;
-        let read = |text: &str| text.parse::<usize>().map_err(|_| wrong());
-        let (k, n) = (read(k)?, read(n)?);
-        match (1..=n).contains(&k) {
-            true => Ok(Shard { k, n }),
-            false => Err(wrong()),
-        }
-    }
-}
-
-impl Shard {
-    /// Keeps the share of a plan. What placements of a program have in common
-    /// is computed once, so all of a model and pipeline stay together.
-    fn keep(self, plan: &mut StudyPlan) {
-        let mut groups: Vec<(usize, usize)> = Vec::new();
-        plan.requests.retain(|request| {
-            let group = (request.model, request.pipeline);
-            let known = groups.iter().position(|&known| known == group);
-            let number = known.unwrap_or_else(|| {
-                groups.push(group);
-                groups.len() - 1
-            });
-            number % self.n == self.k - 1
+/// Keeps a share of a plan. What placements of a program have in common is
+/// computed once, so all of a model and pipeline stay together.
+fn keep(share: WorkShare, plan: &mut StudyPlan) {
+    let mut groups: Vec<(usize, usize)> = Vec::new();
+    plan.requests.retain(|request| {
+        let group = (request.model, request.pipeline);
+        let known = groups.iter().position(|&known| known == group);
+        let number = known.unwrap_or_else(|| {
+            groups.push(group);
+            groups.len() - 1
         });
-    }
+        share.holds(number)
+    });
 }
 
 /// What stands beside the bar.
@@ -110,8 +86,8 @@ const PROGRESS: &str = "{pos}/{len} placements, {eta} left, {msg}";
 /// Runs the study; the text is for the standard output.
 pub(super) fn study(arguments: &StudyArguments) -> Result<String, CommandFailure> {
     let mut plan = read_plan(arguments)?;
-    if let Some(shard) = &arguments.shard {
-        shard.keep(&mut plan);
+    if let Some(share) = arguments.shard {
+        keep(share, &mut plan);
     }
     // A slip in a name is told before hours of work, not after them.
     for subject in &plan.models {

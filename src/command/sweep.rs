@@ -6,12 +6,15 @@ use super::output::result_files;
 use super::{CommandFailure, input, output, progress};
 use crate::explore::operators::{Couple, couples};
 use crate::explore::program::{ExplorationError, transformed_by, view};
+use crate::explore::share::WorkShare;
+use crate::explore::store::PointStore;
 use crate::generate::Formulation;
 use crate::optimise::found::found;
 use crate::optimise::start::starts;
 use crate::present::json::json_text;
 use crate::sweep::design::{DesignSpace, interconnect_names};
-use crate::sweep::{FunctionSweep, SweptProgram, page, sweep, text};
+use crate::sweep::placement::place_share;
+use crate::sweep::{FunctionSweep, SweptProgram, check_work, page, sweep, text};
 use crate::yardstick::Yardstick;
 use crate::yardstick::account::random_states;
 use clap::{Args, ValueEnum};
@@ -73,9 +76,16 @@ pub(super) struct SweepArguments {
     /// Also time the program on this computer, with the C compiler 'cc'
     #[arg(long)]
     cpu: bool,
-    /// Folder for sweep.html, sweep.csv, sweep.json and sweep.svg
+    /// Folder for sweep.html, sweep.csv, sweep.json and sweep.svg, and for the placements
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
+    /// Use the placements that an earlier run left in the folder
+    #[arg(long, requires = "output")]
+    resume: bool,
+    /// Only this share of the placements, as 2/8: results are kept in the folder, and those of an
+    /// earlier run used; a last run with --resume and without a share writes the tables
+    #[arg(long, value_name = "K/N", requires = "output", conflicts_with = "cpu")]
+    shard: Option<WorkShare>,
 }
 
 /// A style of memories on the command line.
@@ -92,6 +102,7 @@ const STATE_SEED: u64 = 1;
 /// Runs the command.
 pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> {
     let space = space(arguments)?;
+    let store = store(arguments)?;
     let thesis = input::machine("thesis")?;
     let mut sweeps: Vec<FunctionSweep> = Vec::new();
     let mut report = String::new();
@@ -113,21 +124,43 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> 
             None => searched(&module, others, (&thesis, &space), &yardstick),
         };
         let swept = swept.map_err(|error| failure(error.to_string()))?;
+        if let Some(share) = arguments.shard {
+            let placed = check_work(&swept, &space)
+                .and_then(|()| place_share(&swept, &space, store.as_ref(), share))
+                .map_err(|error| failure(error.to_string()))?;
+            let (count, found) = (placed.designs.len(), placed.found);
+            report += &format!("{name}: {count} placements, {found} of them found\n");
+            continue;
+        }
         let compiled = match arguments.cpu {
             true => Some(made("$cpu")?),
             false => None,
         };
         let drawn = random_states(yardstick.len(), STATE_SEED, false);
-        let result = sweep(&name, swept, &drawn, &space, compiled.as_ref().map(view))
+        let compiled = compiled.as_ref().map(view);
+        let result = sweep(&name, swept, &drawn, &space, store.as_ref(), compiled)
             .map_err(|error| failure(error.to_string()))?;
         report += &text::text(&result);
         report.push('\n');
         sweeps.push(result);
     }
-    if let Some(folder) = &arguments.output {
+    if let (Some(folder), None) = (&arguments.output, arguments.shard) {
         write(folder, &sweeps)?;
     }
     Ok(report)
+}
+
+/// Where placements are kept, if there is a folder.
+fn store(arguments: &SweepArguments) -> Result<Option<PointStore>, CommandFailure> {
+    let Some(folder) = &arguments.output else {
+        return Ok(None);
+    };
+    output::make_folder(folder)?;
+    let reuse = arguments.resume || arguments.shard.is_some();
+    let store = PointStore::open(&folder.join("points"), reuse);
+    store.map(Some).map_err(|error| {
+        CommandFailure::plain(format!("cannot make the folder for points: {error}"))
+    })
 }
 
 /// The programs that the search finds for the fewest elements of a space, the

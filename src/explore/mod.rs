@@ -14,7 +14,8 @@
 //!   design, `study` one for a request;
 //! - the order of work: `front` shares the beginnings of pipelines, `fit` stops
 //!   an axis where it is exact or quick enough, `sweep` and `study` place on
-//!   all cores, and `study` alone keeps its points;
+//!   all cores and keep their points, so that shares of the work can be done by
+//!   several workers ([`share`]);
 //! - `accuracy` is no client: the pass manager measures for it, at every pass.
 
 pub mod axes;
@@ -24,6 +25,7 @@ pub mod pareto;
 pub mod placing;
 pub mod processor;
 pub mod program;
+pub mod share;
 pub mod store;
 
 /// Told of what is measured next, or of what was measured.

@@ -13,21 +13,22 @@
 
 pub mod design;
 pub mod page;
+pub mod placement;
 pub mod text;
 
 use crate::explore::device::{self, DeviceShare};
 use crate::explore::pareto::{self, EqualPoints};
-use crate::explore::placing::verified;
 use crate::explore::processor;
 use crate::explore::program::{ExplorationError, transformed_by, view};
+use crate::explore::share::WorkShare;
+use crate::explore::store::PointStore;
 use crate::yardstick::{ErrorSpread, Yardstick};
 use design::{DesignSpace, MachineDesign};
-use rayon::prelude::*;
+use placement::DesignPlacement;
 use robovec_analysis::critical_path::critical_path;
 use robovec_codegen::hardware::{self, MachineClock};
 use robovec_ir::count::Counts;
 use robovec_ir::{Machine, Module, View};
-use robovec_schedule::{PlaceOptions, schedule_bound};
 use serde::Serialize;
 
 /// The most operations times designs that are placed at once.
@@ -125,6 +126,9 @@ pub enum SweepError {
         /// Operations of all programs.
         operations: usize,
     },
+    /// A placement could not be written.
+    #[error("cannot keep a placement: {0}")]
+    NotKept(std::io::Error),
 }
 
 impl SweptProgram {
@@ -156,42 +160,27 @@ impl SweptProgram {
 /// Places programs of one function, whose errors were measured at these
 /// states (in words), on every design of a space, of which each
 /// takes the one with the shortest schedule, and times what a processor would
-/// run in its place.
+/// run in its place. Placements that a store has are found there.
 ///
 /// # Errors
 ///
-/// When the designs are too many for the programs' size, or interleaving
-/// fails.
+/// When the designs are too many for the programs' size, interleaving fails, or
+/// a placement cannot be kept.
 pub fn sweep(
     name: &str,
     programs: Vec<SweptProgram>,
     states: &str,
     space: &DesignSpace,
+    store: Option<&PointStore>,
     processor: Option<View<'_>>,
 ) -> Result<FunctionSweep, SweepError> {
-    let operations: usize = programs.iter().map(|program| program.operations).sum();
-    let (designs, instances) = space.count();
-    if designs > MAX_DESIGNS || instances.saturating_mul(operations as u64) > MAX_WORK {
-        return Err(SweepError::TooMuch {
-            designs,
-            operations,
-        });
-    }
-    let designs = space.designs();
-    let many = interleaved(&programs, space)?;
-    let candidates = |design: &MachineDesign| {
-        let place = space.instances.iter().position(|&k| k == design.instances);
-        &many[place.expect("a design has instances of the space")]
-    };
-    let results: Vec<Result<SweepPoint, String>> = designs
-        .par_iter()
-        .map(|design| measure(candidates(design), design))
-        .collect();
+    check_work(&programs, space)?;
+    let placed = placement::place_share(&programs, space, store, WorkShare::ALL)?;
     let mut points = Vec::new();
     let mut failures = Vec::new();
-    for (design, result) in designs.into_iter().zip(results) {
+    for (design, result) in placed.designs {
         match result {
-            Ok(point) => points.push(point),
+            Ok(placement) => points.push(point(design, placement)),
             Err(reason) => failures.push((design, reason)),
         }
     }
@@ -216,6 +205,23 @@ pub fn sweep(
         cpu_jitter_us: times.jitter.map(|time| time * 1e-3),
         cpu_remark: cpu.and_then(Result::err).unwrap_or_default(),
     })
+}
+
+/// Refuses more work than is done at once.
+///
+/// # Errors
+///
+/// When the designs are too many for the programs' size.
+pub fn check_work(programs: &[SweptProgram], space: &DesignSpace) -> Result<(), SweepError> {
+    let operations: usize = programs.iter().map(|program| program.operations).sum();
+    let (designs, instances) = space.count();
+    if designs > MAX_DESIGNS || instances.saturating_mul(operations as u64) > MAX_WORK {
+        return Err(SweepError::TooMuch {
+            designs,
+            operations,
+        });
+    }
+    Ok(())
 }
 
 /// All programs for every number of instances.
@@ -247,58 +253,25 @@ fn thesis() -> Machine {
     Machine::built_in("thesis").expect("it ships, and a test parses it")
 }
 
-/// Places the programs for one design, but for those whose bound is no shorter
-/// than a schedule that is known.
-fn measure(programs: &[Module], design: &MachineDesign) -> Result<SweepPoint, String> {
+/// What a design takes, and how long it needs for an evaluation.
+fn point(design: MachineDesign, placement: DesignPlacement) -> SweepPoint {
     let machine = design.machine();
-    let bounds = programs.iter().enumerate().map(|(index, program)| {
-        let bound = schedule_bound(&program.functions[0], &machine);
-        (bound.unwrap_or(u32::MAX), index)
-    });
-    let mut order: Vec<(u32, usize)> = bounds.collect();
-    order.sort_unstable();
-    let mut best: Option<SweepPoint> = None;
-    let mut failure = None;
-    for (bound, index) in order {
-        if best.as_ref().is_some_and(|best| bound >= best.cycles) {
-            break;
-        }
-        match placed(programs, index, (design, &machine)) {
-            Ok(point) if best.as_ref().is_none_or(|best| point.cycles < best.cycles) => {
-                best = Some(point);
-            }
-            Ok(_) => {}
-            Err(reason) => {
-                failure.get_or_insert(reason);
-            }
-        }
-    }
-    best.ok_or_else(|| failure.expect("what cannot be placed has a reason"))
-}
-
-fn placed(
-    programs: &[Module],
-    index: usize,
-    (design, machine): (&MachineDesign, &Machine),
-) -> Result<SweepPoint, String> {
-    let placed = verified(&programs[index], machine, PlaceOptions::default())?;
-    let words = placed.most_words(machine);
-    let summary = placed.summary;
-    let taken = device::taken(machine, machine.number, summary.cycles, words);
-    let clock = hardware::clock(machine);
-    let latency_us = clock.microseconds(summary.cycles);
-    Ok(SweepPoint {
-        design: *design,
-        program: index,
+    let cycles = placement.cycles;
+    let taken = device::taken(&machine, machine.number, cycles, placement.words);
+    let clock = hardware::clock(&machine);
+    let latency_us = clock.microseconds(cycles);
+    SweepPoint {
+        design,
+        program: placement.program,
         clock,
-        cycles: summary.cycles,
-        lower_bound: summary.lower_bound,
+        cycles,
+        lower_bound: placement.lower_bound,
         latency_us,
         us_per_evaluation: latency_us / f64::from(design.instances),
         resources: taken,
         share: taken.share(machine.device.device()),
         on_front: false,
-    })
+    }
 }
 
 /// Marks the points that no other one beats in share and time per
@@ -355,7 +328,8 @@ mod tests {
             instances: vec![1, 4],
             ..DesignSpace::default()
         };
-        let sweep = sweep("f", programs(), "8 random states", &space, None).expect("it is small");
+        let sweep =
+            sweep("f", programs(), "8 random states", &space, None, None).expect("it is small");
         assert_eq!(sweep.failures, []);
         assert_eq!(sweep.points.len(), space.designs().len());
         let front = sweep.front();
@@ -371,8 +345,8 @@ mod tests {
         let mut is_short_taken = false;
         for index in 0..2 {
             let alone = vec![programs().swap_remove(index)];
-            let alone =
-                super::sweep("f", alone, "8 random states", &space, None).expect("it is small");
+            let alone = super::sweep("f", alone, "8 random states", &space, None, None)
+                .expect("it is small");
             for (point, own) in sweep.points.iter().zip(&alone.points) {
                 assert!(point.cycles <= own.cycles);
                 is_short_taken |= point.program == 1;
@@ -391,8 +365,8 @@ mod tests {
             multipliers: (1..=4096).collect(),
             ..DesignSpace::default()
         };
-        let error =
-            sweep("f", programs(), "8 random states", &space, None).expect_err("it is too much");
+        let error = sweep("f", programs(), "8 random states", &space, None, None)
+            .expect_err("it is too much");
         assert!(matches!(error, SweepError::TooMuch { .. }), "{error}");
     }
 }
