@@ -35,6 +35,7 @@ mod neglect;
 mod operations;
 mod optimise;
 mod packages;
+mod pages;
 mod passes;
 mod provenance;
 mod quartus;

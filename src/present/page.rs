@@ -4,12 +4,15 @@
 //! JSON for a script. **Invariant.** A page refers to no other file and no
 //! address.
 
-use super::escape::Escaped;
+use super::escape::{Escaped, EscapedContent};
 use super::{DataCell, DataTable, Figure, plot};
 use std::fmt::Write;
 
 /// The style of all pages with tables and figures.
 pub(crate) const STYLE: &str = include_str!("page/page.css");
+
+/// What all pages with tables can do: sort, find, save, tell values.
+pub(crate) const TABLES: &str = include_str!("page/tables.js");
 
 const POINTS: &str = include_str!("page/points.html");
 
@@ -51,6 +54,7 @@ impl PointsPage<'_> {
             ("tables", &self.tables),
             ("method", self.method),
             ("data", &self.data),
+            ("js", TABLES),
         ];
         fill(POINTS, &parts)
     }
@@ -73,7 +77,7 @@ pub(crate) fn fill(template: &str, parts: &[(&str, &str)]) -> String {
 
 /// Lines of text as they are, in letters of one width.
 pub(crate) fn lines(text: &str) -> String {
-    format!("<pre>{}</pre>", Escaped(text))
+    format!("<pre>{}</pre>", EscapedContent(text))
 }
 
 /// A table that folds, open unless it is long; `file` is where its numbers are,

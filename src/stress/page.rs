@@ -2,21 +2,10 @@
 
 use super::view::{by_class, short};
 use super::{CaseFinding, Findings};
-use crate::present::escape::EscapedContent;
-use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke, plot};
+use crate::present::escape::{Escaped, EscapedContent};
+use crate::present::page::{self, PointsPage};
+use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
 use std::fmt::Write;
-
-const STYLE: &str = "\
-body{font:15px/1.5 system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;color:#222}
-table{border-collapse:collapse;font-variant-numeric:tabular-nums}
-th,td{padding:.15rem .6rem;text-align:left;border-bottom:1px solid #ddd;white-space:nowrap}
-td.n,th.n{text-align:right}
-tr.chosen td{font-weight:600}
-.scroll{overflow-x:auto}
-.soft{color:#666}
-.fine{color:#1b7837}.hard{color:#b35806}.bad{color:#b2182b}
-summary{cursor:pointer}
-";
 
 /// An error of the findings.
 type Chosen = fn(&Findings) -> f64;
@@ -83,39 +72,39 @@ pub fn figure(findings: &[CaseFinding<'_>]) -> Figure {
 
 /// The findings as a page.
 pub fn page(findings: &[CaseFinding<'_>]) -> String {
-    let mut text = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <title>Hard cases</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
-         <h1>Hard cases and their cures</h1>\n\
-         <p class=\"soft\">{} cases, computed by robovec {}. Errors are relative, against \
-         double-double numbers; costs are the cells of the operations, those of a product the \
-         square of its bits, relative to the untreated \
-         program in binary32.</p>\n",
-        findings.len(),
-        env!("CARGO_PKG_VERSION"),
-    );
     let figure = figure(findings);
-    if !figure.panels.is_empty() {
+    let mut tables = String::new();
+    for (class, of_class) in by_class(findings) {
         // Writing to a string cannot fail.
         let _ = writeln!(
-            text,
-            "<figure>{}<figcaption class=\"soft\">{}</figcaption></figure>",
-            plot::draw(&figure),
-            EscapedContent(&figure.caption)
-        );
-    }
-    for (class, of_class) in by_class(findings) {
-        let _ = writeln!(
-            text,
-            "<h2>{}</h2>\n<p class=\"soft\">{}</p>",
+            tables,
+            "<h3>{}</h3>\n<p class=\"soft\">{}</p>",
             class.name(),
             EscapedContent(class.description())
         );
         for finding in of_class {
-            section(&mut text, finding);
+            section(&mut tables, finding);
         }
     }
-    text + "</body>\n</html>\n"
+    let page = PointsPage {
+        title: "Hard cases and their cures".to_owned(),
+        subtitle: format!(
+            "{} cases, computed by robovec {}",
+            findings.len(),
+            env!("CARGO_PKG_VERSION")
+        ),
+        figures: match figure.panels.is_empty() {
+            true => String::new(),
+            false => page::figure(&figure),
+        },
+        points: "Cases",
+        tables,
+        method: "<p>Errors are relative, against double-double numbers; costs are the cells of \
+                 the operations, those of a product the square of its bits, relative to the \
+                 untreated program in binary32. The chosen cure is set in bold.</p>",
+        data: "null".to_owned(),
+    };
+    page.to_html()
 }
 
 /// A case with all that was tried.
@@ -128,8 +117,9 @@ fn section(text: &mut String, (case, found): &CaseFinding<'_>) {
     // As above, writing cannot fail.
     let _ = writeln!(
         text,
-        "<details><summary><b>{}</b>: <span class=\"{colour}\">{}</span>, {} {} in f32, {} in \
+        "<details id=\"{}\"><summary><b>{}</b>: <span class=\"{colour}\">{}</span>, {} {} in f32, {} in \
          f64{}</summary>\n<p>{}. Breaks {}. Condition {}; rounding the data once makes {}.</p>",
+        Escaped(&case.name),
         EscapedContent(&case.name),
         found.verdict,
         EscapedContent(found.metric),
@@ -145,11 +135,11 @@ fn section(text: &mut String, (case, found): &CaseFinding<'_>) {
         short(found.condition),
         short(found.floor),
     );
-    text.push_str("<div class=\"scroll\"><table><tr><th>treatment</th><th class=\"n\">cost</th><th class=\"n\">error</th>");
+    text.push_str("<div class=\"scroll tall\"><table class=\"data\"><thead><tr><th>treatment</th><th class=\"n\">cost</th><th class=\"n\">error</th>");
     for (name, _) in &found.short.others {
         let _ = write!(text, "<th class=\"n\">{}</th>", EscapedContent(name));
     }
-    text.push_str("<th class=\"n\">out of range</th></tr>\n");
+    text.push_str("<th class=\"n\">out of range</th></tr></thead><tbody>\n");
     let untreated = ("as it is", 1.0, &found.short, false);
     let trials = found.trials.iter().enumerate().map(|(index, trial)| {
         let chosen = found.cure == Some(index);
@@ -172,5 +162,5 @@ fn section(text: &mut String, (case, found): &CaseFinding<'_>) {
             100.0 * measured.outside
         );
     }
-    text.push_str("</table></div></details>\n");
+    text.push_str("</tbody></table></div></details>\n");
 }

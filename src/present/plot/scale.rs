@@ -48,9 +48,13 @@ impl Ruler {
 
     /// The values to mark, ascending.
     pub(super) fn ticks(&self) -> Vec<f64> {
+        // Numbers near zero matter on a linear axis only by its length.
+        let slack = match self.scale {
+            AxisScale::Linear => 1e-9 * (self.to - self.from),
+            AxisScale::PowersOfTwo | AxisScale::Decades => 0.0,
+        };
         let within = |value: &f64| {
-            let slack = 1e-9;
-            *value >= self.from * (1.0 - slack) - slack && *value <= self.to * (1.0 + slack) + slack
+            *value >= self.from * (1.0 - 1e-9) - slack && *value <= self.to * (1.0 + 1e-9) + slack
         };
         match self.scale {
             AxisScale::Linear => {
@@ -71,7 +75,7 @@ impl Ruler {
                 } else {
                     &[1.0, 2.0, 5.0]
                 };
-                let values = (-9..15).flat_map(|exponent| {
+                let values = (-40..15).flat_map(|exponent| {
                     factors
                         .iter()
                         .map(move |factor| factor * 10f64.powi(exponent))
@@ -84,6 +88,9 @@ impl Ruler {
     /// A marked value as it stands beside its mark.
     pub(super) fn text(&self, value: f64) -> String {
         let step = linear_step(self.to - self.from);
+        if self.scale == AxisScale::Decades && value < SMALLEST_STEP {
+            return format!("{value:.0e}");
+        }
         if self.scale != AxisScale::Linear || step >= SMALLEST_STEP {
             return tick_text(value);
         }
@@ -165,6 +172,19 @@ mod tests {
 
     fn ruler(scale: AxisScale, values: &[f64]) -> Ruler {
         Ruler::new(&PlotAxis::new("x", scale), values.iter().copied())
+    }
+
+    #[test]
+    fn marks_of_small_decades_are_told() {
+        let errors = ruler(AxisScale::Decades, &[3e-17, 4e-14]);
+        let texts: Vec<String> = errors.ticks().iter().map(|&at| errors.text(at)).collect();
+        assert!(
+            texts.len() >= 3 && texts.contains(&"1e-15".to_owned()),
+            "{texts:?}"
+        );
+        let mut distinct = texts.clone();
+        distinct.dedup();
+        assert_eq!(distinct, texts);
     }
 
     #[test]

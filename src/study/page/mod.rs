@@ -53,7 +53,7 @@ pub fn page(
         ("title", Escaped(&title).to_string()),
         ("subtitle", Escaped(&subtitle).to_string()),
         ("css", page::STYLE.to_owned()),
-        ("js", SCRIPT.to_owned()),
+        ("js", format!("{}\n{SCRIPT}", page::TABLES)),
         ("tables", shown.map(table).collect()),
         ("figures", figures.iter().map(page::figure).collect()),
         ("method", method(results)),

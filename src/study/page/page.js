@@ -1,16 +1,8 @@
-"use strict";
 // The page shows what `robovec study` computed; nothing is fetched. Figures
-// are drawn already, tables are filled; this file adds what needs a hand:
-// values under the pointer, sorting, verdicts of other models, and a chart of
-// one's own choice.
+// are drawn already, tables are filled and have what all pages give them; this
+// file adds verdicts of other models, and a chart of one's own choice.
 const data = JSON.parse(document.getElementById("data").textContent);
 const byId = (id) => document.getElementById(id);
-const make = (name, attributes = {}, ...children) => {
-  const element = document.createElement(name);
-  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
-  element.append(...children);
-  return element;
-};
 const SVG = "http://www.w3.org/2000/svg";
 const draw = (name, attributes, text) => {
   const element = document.createElementNS(SVG, name);
@@ -20,50 +12,6 @@ const draw = (name, attributes, text) => {
 };
 const short = (value) =>
   value >= 100 ? Math.round(value).toLocaleString("en-US").replaceAll(",", "\u202f") : String(+value.toPrecision(3));
-
-// Values under the pointer. Browsers show titles late; here they appear at once.
-const tip = byId("tip");
-document.addEventListener("mouseover", (event) => {
-  const title = event.target.querySelector?.(":scope > title");
-  if (title && event.target.ownerSVGElement) {
-    event.target.dataset.tip = title.textContent;
-    title.remove();
-  }
-  const text = event.target.dataset?.tip;
-  tip.style.display = text ? "block" : "none";
-  if (text) tip.textContent = text;
-});
-document.addEventListener("mousemove", (event) => {
-  const left = Math.min(event.clientX + 14, innerWidth - tip.offsetWidth - 8);
-  tip.style.left = `${Math.max(left, 4)}px`;
-  tip.style.top = `${Math.min(event.clientY + 14, innerHeight - tip.offsetHeight - 8)}px`;
-});
-
-// Tables sorted by a click on a head.
-function sortable(table) {
-  const heads = [...table.querySelectorAll("thead th")];
-  heads.forEach((head, column) => {
-    head.classList.add("sort");
-    head.tabIndex = 0;
-    const sort = () => {
-      const up = head.getAttribute("aria-sort") !== "ascending";
-      heads.forEach((other) => other.removeAttribute("aria-sort"));
-      head.setAttribute("aria-sort", up ? "ascending" : "descending");
-      const body = table.tBodies[0];
-      const key = (row) => row.cells[column].textContent.trim();
-      const compare = (a, b) => {
-        if (key(a) === "" || key(b) === "") return (key(a) === "") - (key(b) === "");
-        const [x, y] = [parseFloat(key(a)), parseFloat(key(b))];
-        const order = isNaN(x) || isNaN(y) ? key(a).localeCompare(key(b)) : x - y;
-        return up ? order : -order;
-      };
-      body.append(...[...body.rows].sort(compare));
-    };
-    head.addEventListener("click", sort);
-    head.addEventListener("keydown", (event) => event.key === "Enter" && sort());
-  });
-}
-document.querySelectorAll("table.data").forEach(sortable);
 
 // The verdicts of another model.
 const cards = byId("cards");
@@ -111,16 +59,26 @@ function showVerdicts(model) {
 }
 const chooser = byId("verdict-model");
 chooser.replaceChildren(...[...new Set(data.verdicts.map((verdict) => verdict.model))].map((name) => make("option", {}, name)));
-chooser.addEventListener("change", () => showVerdicts(chooser.value));
+chooser.addEventListener("change", () => {
+  address.set("verdict", chooser.value);
+  showVerdicts(chooser.value);
+});
+if (data.verdicts.some((verdict) => verdict.model === address.get("verdict"))) chooser.value = address.get("verdict");
 if (data.verdicts.length) showVerdicts(chooser.value);
 
 // Figures by words of their titles.
-byId("find").addEventListener("input", (event) => {
-  const words = event.target.value.toLowerCase().split(/\s+/);
+const findFigures = (text) => {
+  const words = text.toLowerCase().split(/\s+/);
   for (const figure of document.querySelectorAll("#figures figure")) {
-    const text = figure.textContent.toLowerCase();
-    figure.hidden = !words.every((word) => text.includes(word));
+    const content = figure.textContent.toLowerCase();
+    figure.hidden = !words.every((word) => content.includes(word));
   }
+};
+byId("find").value = address.get("find");
+findFigures(byId("find").value);
+byId("find").addEventListener("input", (event) => {
+  address.set("find", event.target.value.trim());
+  findFigures(event.target.value);
 });
 
 // A chart of one's own choice.
@@ -143,8 +101,12 @@ let emphasised = null;
 function boxes(id, names, chosen) {
   byId(id).append(...names.map((name) => {
     const box = make("input", { type: "checkbox", value: name });
-    box.checked = chosen(name);
-    box.addEventListener("change", redraw);
+    const kept = address.get(id);
+    box.checked = kept ? kept.split("|").includes(name) : chosen(name);
+    box.addEventListener("change", () => {
+      address.set(id, checked(id).join("|"));
+      redraw();
+    });
     return make("label", {}, box, ` ${name}`);
   }));
 }
@@ -280,7 +242,7 @@ function fillTable(points) {
   const body = make("tbody", {}, ...points.map((p) => make("tr", {}, ...COLUMNS.map(([, get]) => cell(get(p))))));
   const table = make("table", {}, head, body);
   byId("selection").replaceChildren(table);
-  sortable(table);
+  sortable(table, "selection");
 }
 
 const names = (key) => [...new Set(usual.map((p) => p[key]))];
@@ -288,5 +250,14 @@ boxes("models", names("model"), (name) => name === data.headline);
 boxes("pipelines", names("pipeline"), () => true);
 boxes("machines", names("machine"), (name) => name === data.machine);
 byId("quantity").append(...Object.keys(QUANTITIES).map((name) => make("option", {}, name)));
-for (const id of ["quantity", "low", "high", "unequal"]) byId(id).addEventListener("change", redraw);
+for (const id of ["quantity", "low", "high", "unequal"]) {
+  const control = byId(id);
+  const kept = address.get(id);
+  if (control.type === "checkbox") control.checked = kept === "yes";
+  else if (kept) control.value = kept;
+  control.addEventListener("change", () => {
+    address.set(id, control.type === "checkbox" ? (control.checked ? "yes" : "") : control.value);
+    redraw();
+  });
+}
 redraw();

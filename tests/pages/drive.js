@@ -1,0 +1,35 @@
+// Uses a page with tables as a hand would, and tells what it saw.
+const errors = [];
+addEventListener("error", (event) => errors.push(event.message));
+const told = {};
+const wide = document.documentElement.scrollWidth > innerWidth + 1;
+for (const folded of document.querySelectorAll("details")) folded.open = true;
+setTimeout(() => {
+  const tables = [...document.querySelectorAll("table.data")];
+  told.tables = tables.length;
+  const table = tables.find((one) => one.tBodies[0].rows.length > 3);
+  const rows = () => [...table.tBodies[0].rows].filter((row) => !row.hidden);
+  const heads = [...table.querySelectorAll("thead th")];
+  const numbers = heads.map((_, column) => rows().every((row) => row.cells[column].className === "n"));
+  const column = numbers.indexOf(true);
+  heads[column].click();
+  const values = rows().map((row) => parseFloat(row.cells[column].textContent));
+  told.sorted = values.every((value, k) => k === 0 || isNaN(value) || values[k - 1] <= value);
+  const all = rows().length;
+  const find = table.previousElementSibling.querySelector("input");
+  find.value = rows()[0].cells[0].textContent.trim();
+  find.dispatchEvent(new Event("input"));
+  told.found = rows().length;
+  told.all = all;
+  told.csv = csvOf(table).trim().split("\n").length - 1 === rows().length;
+  const name = table.dataset.name;
+  told.address = location.hash.includes(`sort-${name}=`) && location.hash.includes(`find-${name}=`);
+  told.figures = document.querySelectorAll("figure svg").length;
+  told.wide = wide || document.documentElement.scrollWidth > innerWidth + 1;
+  told.errors = errors.join("; ");
+  const text = Object.entries(told).map(([key, value]) => `${key}=${value}`).join("\n");
+  const place = document.createElement("pre");
+  place.id = "told";
+  place.textContent = text;
+  document.body.append(place);
+}, 500);
