@@ -62,19 +62,24 @@ impl Mapper {
         })
     }
 
-    /// The mapping that takes the earliest form of everything, of several the
-    /// cheapest.
-    pub(crate) fn earliest(&self) -> Mapping {
+    /// A mapping in which nothing has a form.
+    fn unmapped(&self) -> Mapping {
         let count = self.dense.len();
-        let mut mapping = Mapping {
+        Mapping {
             chosen: vec![u32::MAX; count],
             arrivals: vec![NEVER; count],
             uses: vec![0; count],
             required: vec![NEVER; count],
             operations: 0,
-        };
-        let mut flow = vec![0.0f64; count];
-        for at in 0..count {
+        }
+    }
+
+    /// The mapping that takes the earliest form of everything, of several the
+    /// cheapest.
+    pub(crate) fn earliest(&self) -> Mapping {
+        let mut mapping = self.unmapped();
+        let mut flow = vec![0.0f64; self.dense.len()];
+        for at in 0..self.dense.len() {
             let mut best: Option<((u32, f64), u32)> = None;
             for form in self.dense.forms(at) {
                 let key = (self.arrival(&mapping, form), self.flow(&flow, form));
@@ -96,7 +101,7 @@ impl Mapper {
     /// The mapping with few operations, however late: it starts from the forms
     /// the function came with.
     pub(crate) fn cheapest(&self, rounds: u32) -> Mapping {
-        let mut mapping = self.earliest();
+        let mut mapping = self.unmapped();
         for at in 0..self.dense.len() {
             let form = self.dense.forms(at).start;
             mapping.chosen[at] = form;
@@ -171,13 +176,23 @@ impl Mapper {
         let mut flow = vec![0.0f64; self.dense.len()];
         for at in 0..self.dense.len() {
             let required = mapping.required[at];
+            let forms = self.dense.forms(at);
+            // The form chosen last is mostly chosen again: it comes first, and
+            // what is dearer than a form in time need not be timed.
+            let last = mapping.chosen[at];
+            let last = forms.contains(&last).then_some(last);
+            let others = forms.filter(|&form| Some(form) != last);
             let mut best: Option<((u32, f64, u32), u32, f64)> = None;
-            for form in self.dense.forms(at) {
-                let arrival = self.arrival(mapping, form);
+            for form in last.into_iter().chain(others) {
                 let sum = self.flow(&flow, form);
-                // In time comes first, then cheap, then early.
+                if best.is_some_and(|((late, known, _), ..)| late == 0 && sum > known) {
+                    continue;
+                }
+                let arrival = self.arrival(mapping, form);
+                // In time comes first, then cheap, then early; of equal ones
+                // the first made.
                 let key = (arrival.saturating_sub(required), sum, arrival);
-                if best.is_none_or(|(known, _, _)| key < known) {
+                if best.is_none_or(|(known, first, _)| (key, form) < (known, first)) {
                     best = Some((key, form, sum));
                 }
             }
@@ -192,23 +207,19 @@ impl Mapper {
 
     /// Chooses for one class after the other what costs least now.
     fn exact_round(&self, mapping: &mut Mapping) {
-        let mut open = Vec::new();
+        let mut counter = UseCounter::default();
         for at in 0..self.dense.len() {
             let old = mapping.chosen[at];
             if old == u32::MAX {
                 continue;
             }
+            let arrival = self.arrival(mapping, old);
             if mapping.uses[at] == 0 {
-                mapping.arrivals[at] = self.arrival(mapping, old);
+                mapping.arrivals[at] = arrival;
                 continue;
             }
-            self.release(mapping, old, &mut open);
-            let mut best = {
-                let added = self.acquire(mapping, old, &mut open);
-                self.release(mapping, old, &mut open);
-                let arrival = self.arrival(mapping, old);
-                ((arrival > mapping.required[at], added, arrival), old)
-            };
+            let freed = counter.release(&self.dense, mapping, old);
+            let mut best = ((arrival > mapping.required[at], freed, arrival), old);
             for form in self.dense.forms(at) {
                 let cost = u64::from(self.dense.cost(form));
                 if form == old || cost > best.0.1 && !best.0.0 {
@@ -218,45 +229,19 @@ impl Mapper {
                 if arrival > mapping.required[at] {
                     continue;
                 }
-                let added = self.acquire(mapping, form, &mut open);
-                self.release(mapping, form, &mut open);
+                let most = if best.0.0 { u64::MAX } else { best.0.1 };
+                let Some(added) = counter.try_out(&self.dense, mapping, form, most) else {
+                    continue;
+                };
                 let key = (false, added, arrival);
                 if key < best.0 {
                     best = (key, form);
                 }
             }
             let (key, form) = best;
-            self.acquire(mapping, form, &mut open);
+            counter.acquire(&self.dense, mapping, form, u64::MAX);
             mapping.chosen[at] = form;
             mapping.arrivals[at] = key.2;
-        }
-    }
-
-    /// Counts a form's uses of its classes; gives the operations this adds.
-    fn acquire(&self, mapping: &mut Mapping, form: u32, open: &mut Vec<u32>) -> u64 {
-        let mut added = u64::from(self.dense.cost(form));
-        open.extend(self.dense.operands(form));
-        while let Some(at) = open.pop() {
-            let uses = &mut mapping.uses[at as usize];
-            *uses += 1;
-            if *uses == 1 {
-                let form = mapping.chosen[at as usize];
-                added += u64::from(self.dense.cost(form));
-                open.extend(self.dense.operands(form));
-            }
-        }
-        added
-    }
-
-    /// The opposite of [`Mapper::acquire`].
-    fn release(&self, mapping: &mut Mapping, form: u32, open: &mut Vec<u32>) {
-        open.extend(self.dense.operands(form));
-        while let Some(at) = open.pop() {
-            let uses = &mut mapping.uses[at as usize];
-            *uses -= 1;
-            if *uses == 0 {
-                open.extend(self.dense.operands(mapping.chosen[at as usize]));
-            }
         }
     }
 
@@ -310,5 +295,80 @@ impl Mapper {
             let known = &mut mapping.required[a as usize];
             *known = (*known).min(time);
         }
+    }
+}
+
+/// Counts the uses of classes as forms are taken and given up. Its vectors are
+/// kept from one form to the next.
+#[derive(Default)]
+struct UseCounter {
+    open: Vec<u32>,
+    /// The classes whose uses the last form added to.
+    touched: Vec<u32>,
+}
+
+impl UseCounter {
+    /// Counts a form's uses of its classes; the operations this adds, as far
+    /// as they are no more than `most`: `None`, and uses counted in part,
+    /// otherwise.
+    fn acquire(
+        &mut self,
+        dense: &Dense,
+        mapping: &mut Mapping,
+        form: u32,
+        most: u64,
+    ) -> Option<u64> {
+        self.open.clear();
+        self.touched.clear();
+        let mut added = u64::from(dense.cost(form));
+        self.open.extend(dense.operands(form));
+        while let Some(at) = self.open.pop() {
+            self.touched.push(at);
+            let uses = &mut mapping.uses[at as usize];
+            *uses += 1;
+            if *uses == 1 {
+                let form = mapping.chosen[at as usize];
+                added += u64::from(dense.cost(form));
+                if added > most {
+                    return None;
+                }
+                self.open.extend(dense.operands(form));
+            }
+        }
+        Some(added)
+    }
+
+    /// The operations that taking a form adds, unless they are more than
+    /// `most`. Uses stay as they were.
+    fn try_out(
+        &mut self,
+        dense: &Dense,
+        mapping: &mut Mapping,
+        form: u32,
+        most: u64,
+    ) -> Option<u64> {
+        let added = self.acquire(dense, mapping, form, most);
+        for &at in &self.touched {
+            mapping.uses[at as usize] -= 1;
+        }
+        added
+    }
+
+    /// Gives up a form: the opposite of [`UseCounter::acquire`]. The operations
+    /// this saves.
+    fn release(&mut self, dense: &Dense, mapping: &mut Mapping, form: u32) -> u64 {
+        self.open.clear();
+        let mut freed = u64::from(dense.cost(form));
+        self.open.extend(dense.operands(form));
+        while let Some(at) = self.open.pop() {
+            let uses = &mut mapping.uses[at as usize];
+            *uses -= 1;
+            if *uses == 0 {
+                let form = mapping.chosen[at as usize];
+                freed += u64::from(dense.cost(form));
+                self.open.extend(dense.operands(form));
+            }
+        }
+        freed
     }
 }

@@ -10,7 +10,24 @@ use std::collections::BinaryHeap;
 
 /// When the last operation of a sum or product is done.
 pub(crate) fn finish(arrivals: impl IntoIterator<Item = u32>, weight: u32) -> u32 {
-    let mut times: SmallVec<[u32; 32]> = arrivals.into_iter().collect();
+    let mut arrivals = arrivals.into_iter();
+    // Most sums and products have two or three operands.
+    let Some(first) = arrivals.next() else {
+        return 0;
+    };
+    let Some(second) = arrivals.next() else {
+        return first;
+    };
+    let Some(third) = arrivals.next() else {
+        return first.max(second).saturating_add(weight);
+    };
+    let (early, late) = (first.min(second), first.max(second));
+    let Some(fourth) = arrivals.next() else {
+        let made = late.min(early.max(third)).saturating_add(weight);
+        return made.max(late).max(third).saturating_add(weight);
+    };
+    let mut times: SmallVec<[u32; 32]> = SmallVec::from_slice(&[first, second, third, fourth]);
+    times.extend(arrivals);
     times.sort_unstable();
     // Results come in the order of their times: they queue up in the places
     // of the operands that have been taken.
