@@ -137,12 +137,14 @@ impl Images {
 
     /// The product of values.
     pub fn product(&self, values: impl Iterator<Item = Fingerprint>) -> Fingerprint {
-        values.fold(self.one(), |product, value| self.mul(product, value))
+        let product = values.reduce(|product, value| self.mul(product, value));
+        product.unwrap_or_else(|| self.one())
     }
 
     /// The sum of values.
     pub fn sum(&self, values: impl Iterator<Item = Fingerprint>) -> Fingerprint {
-        values.fold(self.zero(), |sum, value| self.add(sum, value))
+        let sum = values.reduce(|sum, value| self.add(sum, value));
+        sum.unwrap_or_else(|| self.zero())
     }
 
     /// The value or its negation.

@@ -64,16 +64,14 @@ pub(crate) fn look_ahead(
         context.remarks.push(reason.to_owned());
         return None;
     };
-    let chain = add_forms(&mut import, timing, limits);
+    let chain = add_forms(&mut import, limits);
     Some((import, chain))
 }
 
-fn add_forms(import: &mut Import, timing: Weights, limits: CompositionLimits) -> u32 {
+fn add_forms(import: &mut Import, limits: CompositionLimits) -> u32 {
     let mut composer = Composer {
         network: &mut import.network,
-        reference: import.arrivals.clone(),
-        arrivals: &mut import.arrivals,
-        timing,
+        reference: &import.arrivals,
         limits,
         chains: Vec::new(),
         forms: Vec::new(),
@@ -89,10 +87,7 @@ fn add_forms(import: &mut Import, timing: Weights, limits: CompositionLimits) ->
 struct Composer<'a> {
     network: &'a mut ChoiceNetwork,
     /// Arrivals of the function as it was read: they place the frontiers.
-    reference: Arrivals,
-    /// Earliest arrivals by all forms made so far.
-    arrivals: &'a mut Arrivals,
-    timing: Weights,
+    reference: &'a Arrivals,
     limits: CompositionLimits,
     /// By class: how many equations lie behind it, one linear in the latest
     /// value of the next.
@@ -174,11 +169,9 @@ impl Composer<'_> {
             ChoiceForm::Product(..) => {
                 let mut factors: Vec<Class> =
                     self.network.terms(form).iter().map(|term| term.a).collect();
-                factors.sort_by_key(|&factor| (self.arrivals.of(factor), factor));
+                factors.sort_by_key(|&factor| (self.reference.of(factor), factor));
                 let last = factors.pop()?;
                 let coefficient = self.network.product(&mut factors);
-                self.arrivals
-                    .update(self.network, &self.timing, coefficient.class);
                 vec![(coefficient, last)]
             }
             _ => return None,
@@ -251,26 +244,16 @@ impl Composer<'_> {
         }
         let mut terms = Vec::with_capacity(collected.len());
         for (variable, coefficient) in collected {
-            if let Some(coefficient) = self.sum(coefficient) {
+            if let Some(coefficient) = self.network.sum(coefficient) {
                 terms.push((coefficient, variable));
             }
         }
-        let rest = self.sum(rest);
+        let rest = self.network.sum(rest);
         let mut form: Vec<ProductTerm> = terms.iter().map(|&term| as_term(term)).collect();
         form.extend(rest.map(plain));
         self.network.tidy(&mut form);
         self.network.add_sum(class, &mut form);
-        self.arrivals.update(self.network, &self.timing, class);
         Some(Rc::new(Linear { terms, rest }))
-    }
-
-    fn sum(&mut self, terms: Vec<ProductTerm>) -> Option<SignedClass> {
-        let sum = self.network.sum(terms);
-        if let Some(signed) = sum {
-            self.arrivals
-                .update(self.network, &self.timing, signed.class);
-        }
-        sum
     }
 }
 
