@@ -18,13 +18,15 @@
 //! Coefficients are the same for all right-hand sides of a recursion (the
 //! columns of a mass matrix), and are found to be.
 
+use super::forms::{ChoiceForm, ProductTerm};
 use super::import::{Import, import};
-use super::network::{ChoiceForm, ChoiceNetwork, Class, ProductTerm, SignedClass};
+use super::network::{ChoiceNetwork, Class};
 use super::timing::Arrivals;
 use robovec_analysis::critical_path::Weights;
 use robovec_framework::pass::Context;
 use robovec_ir::Function;
-use std::rc::Rc;
+use smallvec::{SmallVec, smallvec};
+use std::ops::Range;
 
 /// The limits on the reach and the width of forms.
 #[derive(Clone, Copy, Debug)]
@@ -43,11 +45,63 @@ pub(crate) struct CompositionLimits {
     pub(crate) window: u32,
 }
 
-/// `Σ coefficient · variable + rest`, the value of a class with its sign.
-#[derive(Clone, PartialEq, Debug)]
-struct Linear {
-    terms: Vec<(SignedClass, Class)>,
-    rest: Option<SignedClass>,
+/// Sums `Σ coefficient · variable + rest`, each the value of a class with its
+/// sign. Of every term the first class is the coefficient and the second the
+/// variable, which is 1 in the rest.
+#[derive(Default)]
+struct LinearForms {
+    /// Where the terms of each end.
+    ends: Vec<u32>,
+    terms: Vec<ProductTerm>,
+}
+
+impl LinearForms {
+    fn push(&mut self, terms: &[ProductTerm]) -> u32 {
+        self.terms.extend_from_slice(terms);
+        let end = u32::try_from(self.terms.len()).expect("terms are counted in 32 bits");
+        self.ends.push(end);
+        self.ends.len() as u32 - 1
+    }
+
+    fn terms(&self, form: u32) -> &[ProductTerm] {
+        let before = (form as usize).checked_sub(1);
+        let start = before.map_or(0, |before| self.ends[before]);
+        &self.terms[start as usize..self.ends[form as usize] as usize]
+    }
+}
+
+/// What is done with a term while a form is composed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum TermPlan {
+    /// It is summed up with what is known early.
+    Rest,
+    /// It stays.
+    Keep,
+    /// This form is substituted for its variable.
+    Substitute(u32),
+}
+
+/// The last form composed of one kind. Where nothing became available between
+/// two frontiers, the next one is the same.
+#[derive(Default)]
+struct LastComposition {
+    /// The form it was composed of; `None` for the class's own.
+    outer: Option<u32>,
+    /// What was done with the terms of that; empty when nothing was composed.
+    plan: Vec<TermPlan>,
+    made: Option<u32>,
+}
+
+/// Vectors that are kept from one composition to the next.
+#[derive(Default)]
+struct CompositionSpace {
+    outer: Vec<ProductTerm>,
+    plan: Vec<TermPlan>,
+    variables: Vec<Class>,
+    /// By variable, in the order of `variables`: what it is multiplied with.
+    coefficients: Vec<Vec<ProductTerm>>,
+    rest: Vec<ProductTerm>,
+    made: Vec<ProductTerm>,
 }
 
 /// A function as a network whose classes have forms that look back, and the
@@ -74,7 +128,10 @@ fn add_forms(import: &mut Import, limits: CompositionLimits) -> u32 {
         reference: &import.arrivals,
         limits,
         chains: Vec::new(),
+        linear: LinearForms::default(),
         forms: Vec::new(),
+        made: Vec::new(),
+        space: CompositionSpace::default(),
     };
     for &class in &import.classes {
         let origin = composer.network.origin_of(class);
@@ -92,8 +149,12 @@ struct Composer<'a> {
     /// By class: how many equations lie behind it, one linear in the latest
     /// value of the next.
     chains: Vec<u32>,
+    linear: LinearForms,
     /// By class: its forms by frontier, the nearest first.
-    forms: Vec<Vec<(u32, Option<Rc<Linear>>)>>,
+    forms: Vec<Range<u32>>,
+    /// Frontiers and forms.
+    made: Vec<(u32, u32)>,
+    space: CompositionSpace,
 }
 
 impl Composer<'_> {
@@ -105,21 +166,30 @@ impl Composer<'_> {
         let count = class.index() + 1;
         if self.chains.len() < count {
             self.chains.resize(count, 0);
-            self.forms.resize(count, Vec::new());
+            self.forms.resize(count, 0..0);
         }
-        let latest = base.terms.iter().map(|&(_, variable)| variable);
+        let latest = base.iter().map(|term| term.b());
         let latest = latest.max_by_key(|&variable| (self.reference.of(variable), variable));
         let behind = latest.and_then(|variable| self.chains.get(variable.index()));
         self.chains[class.index()] = 1 + behind.copied().unwrap_or(0);
         let frontiers = self.frontiers(self.reference.of(class));
+        let (mut direct, mut split) = (LastComposition::default(), LastComposition::default());
+        let first = self.made.len() as u32;
+        let mut space = std::mem::take(&mut self.space);
         for &frontier in &frontiers {
-            let mut made = self.compose(class, &base, frontier);
-            if let Some(middle) = self.middle(class, frontiers[0], frontier) {
-                let split = self.compose(class, &middle, frontier);
-                made = made.or(split);
+            space.outer.clear();
+            space.outer.extend_from_slice(&base);
+            let mut made = self.compose(class, None, frontier, &mut direct, &mut space);
+            if let Some(middle) = self.middle(first, frontiers[0], frontier) {
+                space.outer.clear();
+                space.outer.extend_from_slice(self.linear.terms(middle));
+                let form = self.compose(class, Some(middle), frontier, &mut split, &mut space);
+                made = made.or(form);
             }
-            self.forms[class.index()].push((frontier, made));
+            self.made.extend(made.map(|made| (frontier, made)));
         }
+        self.space = space;
+        self.forms[class.index()] = first..self.made.len() as u32;
     }
 
     /// The frontiers of a class, the nearest first. Whatever lies between the
@@ -141,143 +211,148 @@ impl Composer<'_> {
         frontiers
     }
 
-    /// The form half way to a frontier.
-    fn middle(&self, class: Class, first: u32, frontier: u32) -> Option<Rc<Linear>> {
+    /// Of the forms made since `since` the one half way to a frontier.
+    fn middle(&self, since: u32, first: u32, frontier: u32) -> Option<u32> {
         let half = frontier + (first - frontier).div_ceil(2);
-        let forms = self.forms[class.index()].iter();
-        let made = forms.filter_map(|(at, form)| Some((*at, form.as_ref()?)));
+        let made = self.made[since as usize..].iter();
         let nearest = made.min_by_key(|(at, _)| at.abs_diff(half));
-        nearest.map(|(_, form)| Rc::clone(form))
+        nearest.map(|&(_, form)| form)
     }
 
     /// The form of a class at a frontier, or at the nearest one before it.
-    fn form_of(&self, class: Class, frontier: u32) -> Option<Rc<Linear>> {
-        let forms = self.forms.get(class.index())?;
-        let near = forms.iter().take_while(|(at, _)| *at >= frontier);
-        near.filter_map(|(_, form)| form.as_ref()).last().cloned()
+    fn form_of(&self, class: Class, frontier: u32) -> Option<u32> {
+        let made = self.forms.get(class.index())?.clone();
+        let made = &self.made[made.start as usize..made.end as usize];
+        let near = made.partition_point(|&(at, _)| at >= frontier);
+        near.checked_sub(1).map(|last| made[last].1)
     }
 
     /// The class's own form.
-    fn base(&mut self, class: Class) -> Option<Linear> {
-        let first = self.network.forms(class).last()?;
-        let form = self.network.form(first);
-        let terms: Vec<(SignedClass, Class)> = match form {
-            ChoiceForm::Sum(..) => {
-                let terms = self.network.terms(form).to_vec();
-                terms.into_iter().map(|term| self.split(term)).collect()
+    fn base(&mut self, class: Class) -> Option<SmallVec<[ProductTerm; 8]>> {
+        let first = self.network.first_form(class)?;
+        let negated = self.network.is_negated(first);
+        match self.network.form(first) {
+            ChoiceForm::Sum(terms) => {
+                let terms = terms.iter().map(|&term| self.split(term));
+                Some(terms.map(|term| term.opposite_if(negated)).collect())
             }
-            ChoiceForm::Product(..) => {
-                let mut factors: Vec<Class> =
-                    self.network.terms(form).iter().map(|term| term.a).collect();
+            ChoiceForm::Product(factors) => {
+                let mut factors: SmallVec<[Class; 4]> =
+                    factors.iter().map(|factor| factor.a).collect();
                 factors.sort_by_key(|&factor| (self.reference.of(factor), factor));
                 let last = factors.pop()?;
                 let coefficient = self.network.product(&mut factors);
-                vec![(coefficient, last)]
+                Some(smallvec![coefficient.times(last, negated)])
             }
-            _ => return None,
-        };
-        let plain: Vec<ProductTerm> = terms.iter().map(|&term| as_term(term)).collect();
-        let value = self.network.sum_value(&plain);
-        let negated = value.is_negation_of(&self.network.value(class));
-        let signed = |(coefficient, variable): (SignedClass, Class)| {
-            let negative = coefficient.negative ^ negated;
-            (
-                SignedClass {
-                    negative,
-                    ..coefficient
-                },
-                variable,
-            )
-        };
-        Some(Linear {
-            terms: terms.into_iter().map(signed).collect(),
-            rest: None,
-        })
+            ChoiceForm::Input(..) | ChoiceForm::Constant(_) | ChoiceForm::Opaque(_) => None,
+        }
     }
 
     /// A term as coefficient and variable, the variable being the later one.
-    fn split(&self, term: ProductTerm) -> (SignedClass, Class) {
+    fn split(&self, term: ProductTerm) -> ProductTerm {
         let key = |class: Class| (self.reference.of(class), class);
-        let (class, variable) = match key(term.a) <= key(term.b) {
-            true => (term.a, term.b),
-            false => (term.b, term.a),
-        };
-        let negative = term.negative;
-        (SignedClass { class, negative }, variable)
+        match key(term.a) <= key(term.b()) {
+            true => term,
+            false => ProductTerm::new(term.b(), term.a, term.negative()),
+        }
     }
 
-    /// Substitutes the forms at a frontier for the variables behind it; adds
-    /// the result to the class.
-    fn compose(&mut self, class: Class, outer: &Linear, frontier: u32) -> Option<Rc<Linear>> {
+    /// What is done with a term at a frontier.
+    fn plan(&self, term: ProductTerm, frontier: u32) -> TermPlan {
         let time = frontier * self.limits.grid;
-        let mut collected: Vec<(Class, Vec<ProductTerm>)> = Vec::new();
-        let mut rest: Vec<ProductTerm> = Vec::new();
-        rest.extend(outer.rest.map(plain));
-        let mut collect = |variable: Class, term: ProductTerm| match collected
-            .iter_mut()
-            .find(|(known, _)| *known == variable)
-        {
-            Some((_, terms)) => terms.push(term),
-            None => collected.push((variable, vec![term])),
+        let arrival = self.reference.of(term.b());
+        if arrival.saturating_add(self.limits.window) <= time || arrival == 0 {
+            return TermPlan::Rest;
+        }
+        let inner = match arrival > time {
+            true => self.form_of(term.b(), frontier),
+            false => None,
         };
-        for &(outer_coefficient, variable) in &outer.terms {
-            let arrival = self.reference.of(variable);
-            if arrival.saturating_add(self.limits.window) <= time || arrival == 0 {
-                rest.push(as_term((outer_coefficient, variable)));
-                continue;
-            }
-            let inner = match arrival > time {
-                true => self.form_of(variable, frontier),
-                false => None,
-            };
-            let Some(inner) = inner else {
-                collect(variable, plain(outer_coefficient));
-                continue;
-            };
-            for &(coefficient, variable) in &inner.terms {
-                collect(variable, product(outer_coefficient, coefficient));
-            }
-            rest.extend(inner.rest.map(|rest| product(outer_coefficient, rest)));
+        inner.map_or(TermPlan::Keep, TermPlan::Substitute)
+    }
+
+    /// Substitutes the forms at a frontier for the variables behind it in
+    /// `space.outer`; adds the result to the class.
+    fn compose(
+        &mut self,
+        class: Class,
+        outer: Option<u32>,
+        frontier: u32,
+        last: &mut LastComposition,
+        space: &mut CompositionSpace,
+    ) -> Option<u32> {
+        let terms = space.outer.iter();
+        space.plan.clear();
+        let plan = terms.map(|&term| self.plan(term, frontier));
+        space.plan.extend(plan);
+        if last.outer == outer && last.plan == space.plan {
+            return last.made;
         }
-        if collected.is_empty() || collected.len() > self.limits.width {
-            return None;
+        let made = self
+            .collect(space)
+            .then(|| self.add_composed(class, space))
+            .flatten();
+        last.outer = outer;
+        last.plan.clone_from(&space.plan);
+        last.made = made;
+        made
+    }
+
+    /// Substitutes, and collects what every variable is multiplied with. False
+    /// when there are no variables or too many.
+    fn collect(&self, space: &mut CompositionSpace) -> bool {
+        space.variables.clear();
+        space.rest.clear();
+        for (&outer, &plan) in space.outer.iter().zip(&space.plan) {
+            let form = match plan {
+                TermPlan::Rest => {
+                    space.rest.push(outer);
+                    continue;
+                }
+                TermPlan::Keep => &[ProductTerm::new(Class::ONE, outer.b(), false)],
+                TermPlan::Substitute(form) => self.linear.terms(form),
+            };
+            for &inner in form {
+                let negative = outer.negative() ^ inner.negative();
+                let term = ProductTerm::new(outer.a, inner.a, negative);
+                if !inner.is_product() {
+                    space.rest.push(term);
+                    continue;
+                }
+                let known = space.variables.iter();
+                let place = known.clone().position(|&known| known == inner.b());
+                let place = place.unwrap_or(known.len());
+                if place == space.variables.len() {
+                    if place == self.limits.width {
+                        return false;
+                    }
+                    space.variables.push(inner.b());
+                    match space.coefficients.get_mut(place) {
+                        Some(coefficients) => coefficients.clear(),
+                        None => space.coefficients.push(Vec::new()),
+                    }
+                }
+                space.coefficients[place].push(term);
+            }
         }
-        let mut terms = Vec::with_capacity(collected.len());
-        for (variable, coefficient) in collected {
+        !space.variables.is_empty()
+    }
+
+    /// The form collected, as one of its class and as what may be substituted
+    /// for it.
+    fn add_composed(&mut self, class: Class, space: &mut CompositionSpace) -> Option<u32> {
+        space.made.clear();
+        for (&variable, coefficient) in space.variables.iter().zip(&mut space.coefficients) {
             if let Some(coefficient) = self.network.sum(coefficient) {
-                terms.push((coefficient, variable));
+                space.made.push(coefficient.times(variable, false));
             }
         }
-        let rest = self.network.sum(rest);
-        let mut form: Vec<ProductTerm> = terms.iter().map(|&term| as_term(term)).collect();
-        form.extend(rest.map(plain));
-        self.network.tidy(&mut form);
-        self.network.add_sum(class, &mut form);
-        Some(Rc::new(Linear { terms, rest }))
-    }
-}
-
-/// A signed class as a term.
-fn plain(signed: SignedClass) -> ProductTerm {
-    ProductTerm {
-        a: signed.class,
-        b: Class::ONE,
-        negative: signed.negative,
-    }
-}
-
-fn as_term((coefficient, variable): (SignedClass, Class)) -> ProductTerm {
-    ProductTerm {
-        a: coefficient.class,
-        b: variable,
-        negative: coefficient.negative,
-    }
-}
-
-fn product(a: SignedClass, b: SignedClass) -> ProductTerm {
-    ProductTerm {
-        a: a.class,
-        b: b.class,
-        negative: a.negative ^ b.negative,
+        if let Some(rest) = self.network.sum(&mut space.rest) {
+            space.made.push(rest.times(Class::ONE, false));
+        }
+        let form = self.linear.push(&space.made);
+        self.network.tidy(&mut space.made);
+        self.network.add_sum(class, &mut space.made, false);
+        Some(form)
     }
 }

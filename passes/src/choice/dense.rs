@@ -4,7 +4,8 @@
 //! rank, so that operands come first and lie near their users, and the terms
 //! of all forms lie in one vector.
 
-use super::network::{ChoiceForm, ChoiceNetwork, Class, SignedClass};
+use super::forms::ChoiceForm;
+use super::network::{ChoiceNetwork, Class, SignedClass};
 use crate::sums::earliest::{finish, levels};
 use robovec_analysis::critical_path::Weights;
 use robovec_ir::Operation;
@@ -25,11 +26,11 @@ pub(crate) enum DenseKind {
 
 #[derive(Clone, Copy, Debug)]
 struct DenseForm {
-    kind: DenseKind,
+    /// Where its terms start; those of the next form end them.
     start: u32,
-    end: u32,
+    /// Operations.
     cost: u32,
-    original: u32,
+    kind: DenseKind,
 }
 
 /// The copy. Places, forms and terms count from 0.
@@ -39,6 +40,8 @@ pub(crate) struct Dense {
     /// The start of the forms of each place, and the end of the last ones.
     starts: Vec<u32>,
     forms: Vec<DenseForm>,
+    /// The forms' numbers in the network.
+    originals: Vec<u32>,
     terms: Vec<(u32, u32)>,
 }
 
@@ -51,7 +54,8 @@ impl Dense {
         timing: &Weights,
         outputs: &[Option<SignedClass>],
     ) -> Dense {
-        let mut classes = reachable(network, outputs);
+        let by_class = FormsByClass::new(network);
+        let mut classes = reachable(network, &by_class, outputs);
         classes.sort_by_key(|&class| (network.rank(class), class));
         let mut places = vec![Dense::NONE; network.len()];
         for (place, class) in classes.iter().enumerate() {
@@ -62,13 +66,12 @@ impl Dense {
             classes,
             places,
             forms: Vec::new(),
+            originals: Vec::new(),
             terms: Vec::new(),
         };
         for index in 0..dense.classes.len() {
             dense.starts.push(dense.forms.len() as u32);
-            let mut forms: Vec<u32> = network.forms(dense.classes[index]).collect();
-            forms.reverse();
-            for form in forms {
+            for &form in by_class.of(dense.classes[index]) {
                 dense.push(network, timing, form);
             }
         }
@@ -77,10 +80,9 @@ impl Dense {
     }
 
     fn push(&mut self, network: &ChoiceNetwork, timing: &Weights, original: u32) {
-        let form = network.form(original);
         let start = self.terms.len() as u32;
         let own = self.starts.len() as u32 - 1;
-        let (kind, cost) = match form {
+        let (kind, cost) = match network.form(original) {
             ChoiceForm::Input(..) | ChoiceForm::Constant(_) => (DenseKind::Leaf, 0),
             ChoiceForm::Opaque(index) => {
                 let opaque = &network.opaques[index as usize];
@@ -95,20 +97,18 @@ impl Dense {
                     u32::from(!operation.is_trigonometric()),
                 )
             }
-            ChoiceForm::Product(..) => {
-                let terms = network.terms(form);
-                for term in terms {
-                    let place = self.place(term.a);
+            ChoiceForm::Product(factors) => {
+                for factor in factors {
+                    let place = self.place(factor.a);
                     self.terms.push((place, Dense::NONE));
                 }
-                (DenseKind::Product, terms.len() as u32 - 1)
+                (DenseKind::Product, factors.len() as u32 - 1)
             }
-            ChoiceForm::Sum(..) => {
-                let terms = network.terms(form);
+            ChoiceForm::Sum(terms) => {
                 let mut cost = terms.len() as u32 - 1;
                 for term in terms {
                     let b = match term.is_product() {
-                        true => self.place(term.b),
+                        true => self.place(term.b()),
                         false => Dense::NONE,
                     };
                     cost += u32::from(term.is_product());
@@ -118,20 +118,14 @@ impl Dense {
                 (DenseKind::Sum, cost)
             }
         };
-        let end = self.terms.len() as u32;
         debug_assert!(
             self.terms[start as usize..]
                 .iter()
                 .all(|&(a, b)| [a, b].map(|used| used < own || used == Dense::NONE) == [true; 2]),
             "a form uses only classes of earlier places"
         );
-        self.forms.push(DenseForm {
-            kind,
-            start,
-            end,
-            cost,
-            original,
-        });
+        self.forms.push(DenseForm { start, cost, kind });
+        self.originals.push(original);
     }
 
     /// Number of places.
@@ -162,7 +156,7 @@ impl Dense {
 
     /// A form's number in the network.
     pub(crate) fn original(&self, form: u32) -> u32 {
-        self.forms[form as usize].original
+        self.originals[form as usize]
     }
 
     pub(crate) fn kind(&self, form: u32) -> DenseKind {
@@ -175,8 +169,11 @@ impl Dense {
     }
 
     pub(crate) fn terms(&self, form: u32) -> &[(u32, u32)] {
-        let form = &self.forms[form as usize];
-        &self.terms[form.start as usize..form.end as usize]
+        let start = self.forms[form as usize].start as usize;
+        match self.forms.get(form as usize + 1) {
+            Some(next) => &self.terms[start..next.start as usize],
+            None => &self.terms[start..],
+        }
     }
 
     /// The places a form uses, one that it uses twice twice.
@@ -228,8 +225,44 @@ impl Dense {
     }
 }
 
+/// The forms of a network by class, in the order they were made.
+struct FormsByClass {
+    starts: Vec<u32>,
+    forms: Vec<u32>,
+}
+
+impl FormsByClass {
+    fn new(network: &ChoiceNetwork) -> FormsByClass {
+        let count = network.form_count() as u32;
+        let mut starts = vec![0; network.len() + 1];
+        for form in 0..count {
+            starts[network.class_of(form).index() + 1] += 1;
+        }
+        for class in 0..network.len() {
+            starts[class + 1] += starts[class];
+        }
+        let mut next = starts.clone();
+        let mut forms = vec![0; count as usize];
+        for form in 0..count {
+            let place = &mut next[network.class_of(form).index()];
+            forms[*place as usize] = form;
+            *place += 1;
+        }
+        FormsByClass { starts, forms }
+    }
+
+    fn of(&self, class: Class) -> &[u32] {
+        let [start, end] = [0, 1].map(|next| self.starts[class.index() + next] as usize);
+        &self.forms[start..end]
+    }
+}
+
 /// All classes that some form of an output's class leads to.
-fn reachable(network: &ChoiceNetwork, outputs: &[Option<SignedClass>]) -> Vec<Class> {
+fn reachable(
+    network: &ChoiceNetwork,
+    by_class: &FormsByClass,
+    outputs: &[Option<SignedClass>],
+) -> Vec<Class> {
     let mut seen = vec![false; network.len()];
     let mut classes = Vec::new();
     let mut open: Vec<Class> = outputs
@@ -242,8 +275,8 @@ fn reachable(network: &ChoiceNetwork, outputs: &[Option<SignedClass>]) -> Vec<Cl
             continue;
         }
         classes.push(class);
-        for form in network.forms(class) {
-            network.operands(network.form(form), |operand| {
+        for &form in by_class.of(class) {
+            network.operands(form, |operand| {
                 if !seen[operand.index()] {
                     open.push(operand);
                 }

@@ -1,8 +1,9 @@
 //! Writing the chosen forms as a function.
 
+use super::forms::{ChoiceForm, ProductTerm};
 use super::import::Import;
 use super::map::{Mapper, Mapping};
-use super::network::{ChoiceForm, ChoiceNetwork, Class, ProductTerm, SignedClass};
+use super::network::{ChoiceNetwork, Class, SignedClass};
 use crate::sums::earliest::TieOrder;
 use crate::sums::groups::GroupFamily;
 use crate::sums::writer::{SignedOperand, SumWriter, ValueNaming};
@@ -31,7 +32,7 @@ pub(crate) fn emit(
     for &(class, form) in &used {
         let name = import.names.get(class.index()).copied();
         let name = name.unwrap_or(Name::NONE);
-        writer.class(class, network.form(form), name);
+        writer.class(class, form, name);
     }
     for (assignment, output) in old.assignments.iter().zip(&import.outputs) {
         let operand = match output {
@@ -79,7 +80,7 @@ fn sources(import: &Import, used: &[(Class, u32)], tables: &mut Tables) -> Vec<S
             ChoiceForm::Input(..) | ChoiceForm::Constant(_) => SourceSet::EMPTY,
             _ => tables.sources.union(&sets),
         };
-        network.operands(network.form(form), |operand| {
+        network.operands(form, |operand| {
             let list = &mut served[operand.index()];
             for &set in &sets {
                 if list.len() < MAX_SERVED && !list.contains(&set) {
@@ -114,29 +115,20 @@ impl ChoiceWriter<'_> {
         self.held[class.index()].expect("a class is written before those that use it")
     }
 
-    fn class(&mut self, class: Class, form: ChoiceForm, name: Name) {
+    fn class(&mut self, class: Class, form: u32, name: Name) {
         let mut naming = self.naming(class, name, SourceSet::EMPTY);
         let network = self.network;
-        let held = match form {
+        let negated = network.is_negated(form);
+        let held = match network.form(form) {
             ChoiceForm::Input(input, negative) => self.writer.signed(input.into(), negative),
             ChoiceForm::Constant(bits) => self.writer.number(f64::from_bits(bits)),
             ChoiceForm::Opaque(index) => self.opaque(index, &mut naming),
-            ChoiceForm::Product(..) => {
-                let factors = network.terms(form).iter();
-                let held = factors.clone().map(|term| self.held(term.a)).collect();
-                let value = network
-                    .values
-                    .images
-                    .product(factors.map(|term| network.value(term.a)));
-                let negated = value.is_negation_of(&network.value(class));
+            ChoiceForm::Product(factors) => {
+                let held = factors.iter().map(|term| self.held(term.a)).collect();
                 self.tree(GroupFamily::Product, held, &mut naming)
                     .flip(negated)
             }
-            ChoiceForm::Sum(..) => {
-                let terms = network.terms(form);
-                let negated = network
-                    .sum_value(terms)
-                    .is_negation_of(&network.value(class));
+            ChoiceForm::Sum(terms) => {
                 let terms = terms.iter();
                 let held = terms.map(|&term| self.term(term, &mut naming)).collect();
                 self.tree(GroupFamily::Sum, held, &mut naming).flip(negated)
@@ -166,11 +158,11 @@ impl ChoiceWriter<'_> {
 
     /// A signed term; products are written.
     fn term(&mut self, term: ProductTerm, naming: &mut ValueNaming) -> SignedOperand {
-        let a = self.held(term.a).flip(term.negative);
+        let a = self.held(term.a).flip(term.negative());
         if !term.is_product() {
             return a;
         }
-        let pair = [a, self.held(term.b)];
+        let pair = [a, self.held(term.b())];
         self.writer
             .join(GroupFamily::Product, pair, (false, false), naming)
     }

@@ -1,6 +1,7 @@
 //! A function as a network of choices with one form per class.
 
-use super::network::{ChoiceNetwork, Class, Opaque, ProductTerm, RANK_STEP, SignedClass};
+use super::forms::ProductTerm;
+use super::network::{ChoiceNetwork, Class, Opaque, RANK_STEP, SignedClass};
 use super::timing::Arrivals;
 use crate::sums::groups::{GroupFamily, GroupLeaf, GroupReach, OperandGroups, single_product};
 use robovec_analysis::critical_path::{Weights, arrivals};
@@ -138,15 +139,18 @@ impl ChoiceImporter<'_> {
             Some(GroupFamily::Sum) => {
                 self.products.clear();
                 let terms = self.terms(value);
-                let used = terms.iter().flat_map(|term| [term.a, term.b]);
+                let used = terms.iter().flat_map(|term| [term.a, term.b()]);
                 let rank = self.above(rank, used);
                 let signed = self.class(fingerprint, rank, node.name);
                 for product in std::mem::take(&mut self.products) {
                     self.note_sources(signed.class, product);
                 }
                 let mut terms = terms;
-                self.import.network.tidy(&mut terms);
-                self.import.network.add_sum(signed.class, &mut terms);
+                let network = &mut self.import.network;
+                network.tidy(&mut terms);
+                let value = network.sum_value(&terms);
+                let negated = value.is_negation_of(&network.value(signed.class));
+                network.add_sum(signed.class, &mut terms, negated);
                 self.settle(signed.class, true);
                 signed
             }
@@ -160,7 +164,10 @@ impl ChoiceImporter<'_> {
                     .collect();
                 let rank = self.above(rank, classes.iter().copied());
                 let signed = self.class(fingerprint, rank, node.name);
-                self.import.network.add_product(signed.class, &mut classes);
+                let network = &mut self.import.network;
+                let value = network.product_value(&classes);
+                let negated = value.is_negation_of(&network.value(signed.class));
+                network.add_product(signed.class, &mut classes, negated);
                 self.settle(signed.class, true);
                 signed
             }
@@ -209,8 +216,17 @@ impl ChoiceImporter<'_> {
         if listed {
             self.import.classes.push(class);
         }
-        let import = &mut self.import;
-        import.arrivals.update(&import.network, &self.timing, class);
+        self.time(class);
+    }
+
+    /// Notes when a class is available by the form it was made with.
+    fn time(&mut self, class: Class) {
+        let Import {
+            network, arrivals, ..
+        } = &mut self.import;
+        if let Some(form) = network.first_form(class) {
+            arrivals.take(network, &self.timing, class, form);
+        }
     }
 
     fn terms(&mut self, root: Value) -> Vec<ProductTerm> {
@@ -222,16 +238,11 @@ impl ChoiceImporter<'_> {
             self.products.extend(inline);
             let term = match inline {
                 Some(product) => self.product_term(product),
-                None => self.operand(leaf.operand).map(|signed| ProductTerm {
-                    a: signed.class,
-                    b: Class::ONE,
-                    negative: signed.negative,
-                }),
+                None => self
+                    .operand(leaf.operand)
+                    .map(|signed| ProductTerm::new(signed.class, Class::ONE, signed.negative)),
             };
-            terms.extend(term.map(|term| ProductTerm {
-                negative: term.negative ^ leaf.negative,
-                ..term
-            }));
+            terms.extend(term.map(|term| term.opposite_if(leaf.negative)));
         }
         terms
     }
@@ -251,14 +262,8 @@ impl ChoiceImporter<'_> {
         classes.sort_by_key(|&class| (self.import.arrivals.of(class), class));
         let last = classes.pop().unwrap_or(Class::ONE);
         let rest = self.import.network.product(&mut classes);
-        self.import
-            .arrivals
-            .update(&self.import.network, &self.timing, rest.class);
-        Some(ProductTerm {
-            a: rest.class,
-            b: last,
-            negative: negative ^ rest.negative,
-        })
+        self.time(rest.class);
+        Some(ProductTerm::new(rest.class, last, negative ^ rest.negative))
     }
 
     fn operand_or_zero(&mut self, operand: Operand) -> SignedClass {

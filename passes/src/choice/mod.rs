@@ -26,6 +26,7 @@
 pub(crate) mod compose;
 mod dense;
 pub(crate) mod emit;
+mod forms;
 pub(crate) mod import;
 pub(crate) mod map;
 pub(crate) mod network;

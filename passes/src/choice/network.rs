@@ -1,13 +1,12 @@
 //! Classes of equal values and their forms.
 
+use super::forms::{ChoiceForm, FormStore, ProductTerm};
 use crate::sums::terms::cancel;
 use crate::sums::values::ValueTable;
-use hashbrown::HashSet;
 use robovec_framework::fingerprint::{Fingerprint, Images};
 use robovec_ir::{Input, Operand, Operation, SourceSet, Symbol};
 use robovec_num::arithmetic::Arithmetic;
-use rustc_hash::FxBuildHasher;
-use std::hash::BuildHasher;
+use smallvec::SmallVec;
 
 /// A class: one value up to its sign. Counted from 0.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -29,44 +28,19 @@ pub(crate) struct SignedClass {
     pub(crate) negative: bool,
 }
 
-/// A signed product of two classes; the second is [`Class::ONE`] for a plain
-/// term.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub(crate) struct ProductTerm {
-    pub(crate) a: Class,
-    pub(crate) b: Class,
-    pub(crate) negative: bool,
-}
-
-impl ProductTerm {
-    fn opposite(self) -> ProductTerm {
-        ProductTerm {
-            negative: !self.negative,
+impl SignedClass {
+    /// The negation, when it is asked for.
+    pub(crate) fn flip(self, negative: bool) -> SignedClass {
+        SignedClass {
+            negative: self.negative ^ negative,
             ..self
         }
     }
 
-    pub(crate) fn is_product(self) -> bool {
-        self.b != Class::ONE
+    /// The product with another class, or its negation.
+    pub(crate) fn times(self, other: Class, negative: bool) -> ProductTerm {
+        ProductTerm::new(self.class, other, self.negative ^ negative)
     }
-}
-
-/// A form in which a class can be computed. Sums and products give the class's
-/// value or its negation.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum ChoiceForm {
-    /// An input, or its negation.
-    Input(Input, bool),
-    /// A constant, by its bits.
-    Constant(u64),
-    /// An operation that is neither a sum nor a product: index into
-    /// [`ChoiceNetwork::opaques`].
-    Opaque(u32),
-    /// Signed terms, at least two: a range of the arena of terms.
-    Sum(u32, u32),
-    /// A product of at least two classes: a range of the arena of terms,
-    /// whose second classes do not count.
-    Product(u32, u32),
 }
 
 /// An operation that is taken as it is.
@@ -81,9 +55,8 @@ pub(crate) struct Opaque {
 /// What is known of a class besides its value.
 #[derive(Clone, Copy, Debug)]
 struct Record {
-    rank: u64,
-    /// The most recent form; forms are chained.
-    last: u32,
+    /// The form it was made with.
+    first: u32,
     owner: Symbol,
     sources: SourceSet,
 }
@@ -97,11 +70,9 @@ pub(crate) const RANK_STEP: u64 = 1 << 32;
 pub(crate) struct ChoiceNetwork {
     /// By class.
     pub(crate) values: ValueTable,
+    ranks: Vec<u64>,
     classes: Vec<Record>,
-    forms: Vec<(ChoiceForm, u32)>,
-    /// Classes and hashes of their forms.
-    known: HashSet<(Class, u64), FxBuildHasher>,
-    terms: Vec<ProductTerm>,
+    forms: FormStore,
     pub(crate) opaques: Vec<Opaque>,
     /// The symbol that new classes are named after, and their sources.
     pub(crate) origin: (Symbol, SourceSet),
@@ -112,16 +83,16 @@ impl ChoiceNetwork {
     pub(crate) fn new(images: Images) -> ChoiceNetwork {
         let mut network = ChoiceNetwork {
             values: ValueTable::new(images),
+            ranks: Vec::new(),
             classes: Vec::new(),
-            forms: Vec::new(),
-            known: HashSet::default(),
-            terms: Vec::new(),
+            forms: FormStore::default(),
             opaques: Vec::new(),
             origin: (Symbol(0), SourceSet::EMPTY),
         };
         let class = network.class(images.one(), 0).class;
         assert_eq!(class, Class::ONE, "the class of 1 comes first");
-        network.push_form(class, ChoiceForm::Constant(1.0f64.to_bits()));
+        let form = network.forms.push_constant(class, 1.0f64.to_bits());
+        network.note_form(class, form);
         network
     }
 
@@ -135,14 +106,23 @@ impl ChoiceNetwork {
         self.forms.len()
     }
 
+    /// Frees what is only needed to find classes and forms: none can be added
+    /// any more.
+    pub(crate) fn close(&mut self) {
+        self.values = ValueTable::new(self.values.images);
+        self.forms.forget_all();
+    }
+
     /// The class of a value, made when it does not exist, and whether the
     /// value is its negation.
     pub(crate) fn class(&mut self, value: Fingerprint, rank: u64) -> SignedClass {
         let (place, negative) = self.values.place(value);
         if place as usize == self.classes.len() {
+            // Terms hold a sign beside a class.
+            assert!(place < NONE >> 1, "classes are counted in 31 bits");
+            self.ranks.push(rank);
             self.classes.push(Record {
-                rank,
-                last: NONE,
+                first: NONE,
                 owner: self.origin.0,
                 sources: self.origin.1,
             });
@@ -160,7 +140,7 @@ impl ChoiceNetwork {
 
     /// True when the class has a form.
     pub(crate) fn is_defined(&self, class: Class) -> bool {
-        self.classes[class.index()].last != NONE
+        self.classes[class.index()].first != NONE
     }
 
     /// The value of a class.
@@ -168,25 +148,28 @@ impl ChoiceNetwork {
         self.values.value(class.index())
     }
 
-    /// The value of a term.
-    pub(crate) fn term_value(&self, term: ProductTerm) -> Fingerprint {
-        let product = self
-            .values
-            .images
-            .mul(self.value(term.a), self.value(term.b));
-        self.values.images.negate_if(term.negative, product)
-    }
-
     /// The value of a sum of terms.
     pub(crate) fn sum_value(&self, terms: &[ProductTerm]) -> Fingerprint {
-        self.values
-            .images
-            .sum(terms.iter().map(|&term| self.term_value(term)))
+        let images = &self.values.images;
+        images.sum(terms.iter().map(|term| {
+            let a = self.value(term.a);
+            let product = match term.is_product() {
+                true => images.mul(a, self.value(term.b())),
+                false => a,
+            };
+            images.negate_if(term.negative(), product)
+        }))
+    }
+
+    /// The value of a product of classes.
+    pub(crate) fn product_value(&self, factors: &[Class]) -> Fingerprint {
+        let factors = factors.iter().map(|&factor| self.value(factor));
+        self.values.images.product(factors)
     }
 
     /// The rank of a class.
     pub(crate) fn rank(&self, class: Class) -> u64 {
-        self.classes[class.index()].rank
+        self.ranks[class.index()]
     }
 
     /// The symbol a class is named after, and the equations it comes from.
@@ -200,37 +183,30 @@ impl ChoiceNetwork {
         self.classes[class.index()].sources = sources;
     }
 
-    /// The forms of a class, the most recent first.
-    pub(crate) fn forms(&self, class: Class) -> impl Iterator<Item = u32> + '_ {
-        let mut next = self.classes[class.index()].last;
-        std::iter::from_fn(move || {
-            let form = next;
-            (form != NONE).then(|| {
-                next = self.forms[form as usize].1;
-                form
-            })
-        })
+    /// The form a class was made with.
+    pub(crate) fn first_form(&self, class: Class) -> Option<u32> {
+        let first = self.classes[class.index()].first;
+        (first != NONE).then_some(first)
     }
 
     /// A form.
-    pub(crate) fn form(&self, form: u32) -> ChoiceForm {
-        self.forms[form as usize].0
+    pub(crate) fn form(&self, form: u32) -> ChoiceForm<'_> {
+        self.forms.form(form)
     }
 
-    /// The terms of a form (factors of a product as first classes); empty for
-    /// the others.
-    pub(crate) fn terms(&self, form: ChoiceForm) -> &[ProductTerm] {
-        match form {
-            ChoiceForm::Sum(start, end) | ChoiceForm::Product(start, end) => {
-                &self.terms[start as usize..end as usize]
-            }
-            ChoiceForm::Input(..) | ChoiceForm::Constant(_) | ChoiceForm::Opaque(_) => &[],
-        }
+    /// The class that a form belongs to.
+    pub(crate) fn class_of(&self, form: u32) -> Class {
+        self.forms.class(form)
+    }
+
+    /// Whether a sum or product is the negation of its class's value.
+    pub(crate) fn is_negated(&self, form: u32) -> bool {
+        self.forms.is_negated(form)
     }
 
     /// Calls a function with every class a form uses.
-    pub(crate) fn operands(&self, form: ChoiceForm, mut visit: impl FnMut(Class)) {
-        match form {
+    pub(crate) fn operands(&self, form: u32, mut visit: impl FnMut(Class)) {
+        match self.form(form) {
             ChoiceForm::Input(..) | ChoiceForm::Constant(_) => {}
             ChoiceForm::Opaque(index) => {
                 let operands = self.opaques[index as usize].operands;
@@ -239,30 +215,32 @@ impl ChoiceNetwork {
                     .flatten()
                     .for_each(|operand| visit(operand.class));
             }
-            ChoiceForm::Product(..) => self.terms(form).iter().for_each(|term| visit(term.a)),
-            ChoiceForm::Sum(..) => {
-                for term in self.terms(form) {
+            ChoiceForm::Product(factors) => factors.iter().for_each(|factor| visit(factor.a)),
+            ChoiceForm::Sum(terms) => {
+                for term in terms {
                     visit(term.a);
                     if term.is_product() {
-                        visit(term.b);
+                        visit(term.b());
                     }
                 }
             }
         }
     }
 
-    fn push_form(&mut self, class: Class, form: ChoiceForm) {
+    /// Notes a form that a class got.
+    fn note_form(&mut self, class: Class, form: u32) {
         debug_assert!(
             self.is_above_operands(class, form),
             "a form uses only classes of smaller rank"
         );
-        let last = self.classes[class.index()].last;
-        self.classes[class.index()].last = self.forms.len() as u32;
-        self.forms.push((form, last));
+        let first = &mut self.classes[class.index()].first;
+        if *first == NONE {
+            *first = form;
+        }
     }
 
     /// True when a class has a greater rank than all that a form uses.
-    fn is_above_operands(&self, class: Class, form: ChoiceForm) -> bool {
+    fn is_above_operands(&self, class: Class, form: u32) -> bool {
         let mut is_above = true;
         let rank = self.rank(class);
         self.operands(form, |operand| is_above &= self.rank(operand) < rank);
@@ -273,7 +251,8 @@ impl ChoiceNetwork {
     pub(crate) fn input(&mut self, input: Input, value: Fingerprint) -> SignedClass {
         let signed = self.class(value, 0);
         if !self.is_defined(signed.class) {
-            self.push_form(signed.class, ChoiceForm::Input(input, signed.negative));
+            let form = self.forms.push_input(signed.class, input, signed.negative);
+            self.note_form(signed.class, form);
         }
         signed
     }
@@ -283,7 +262,8 @@ impl ChoiceNetwork {
         let signed = self.class(self.values.images.literal(number), 0);
         if !self.is_defined(signed.class) {
             let number = if signed.negative { -number } else { number };
-            self.push_form(signed.class, ChoiceForm::Constant(number.to_bits()));
+            let form = self.forms.push_constant(signed.class, number.to_bits());
+            self.note_form(signed.class, form);
         }
         signed
     }
@@ -291,128 +271,135 @@ impl ChoiceNetwork {
     /// Gives a class an operation as its form, unless it has one.
     pub(crate) fn add_opaque(&mut self, class: Class, opaque: Opaque) {
         if !self.is_defined(class) {
-            let index = self.opaques.len() as u32;
+            let form = self.forms.push_opaque(class, self.opaques.len() as u32);
             self.opaques.push(opaque);
-            self.push_form(class, ChoiceForm::Opaque(index));
+            self.note_form(class, form);
         }
     }
 
-    /// Adds a sum as a form of a class whose value it has up to the sign.
-    /// Refused when it is known already or would use a class of no smaller
-    /// rank.
-    pub(crate) fn add_sum(&mut self, class: Class, terms: &mut [ProductTerm]) -> bool {
-        // The sign is free: it is settled when the form is written.
-        normalise(terms);
+    /// Adds a sum of [tidy](ChoiceNetwork::tidy) terms as a form of a class
+    /// whose value it has, or, `negated`, the negation of it. Refused when it
+    /// is known already or would use a class of no smaller rank.
+    pub(crate) fn add_sum(&mut self, class: Class, terms: &mut [ProductTerm], negated: bool) {
         if let [only] = *terms {
-            return only.is_product() && self.add_product(class, &mut [only.a, only.b]);
+            if only.is_product() {
+                let factors = &mut [only.a, only.b()];
+                self.add_product(class, factors, negated ^ only.negative());
+            }
+            return;
         }
-        self.add_form(class, terms, false)
+        let flipped = normalise(terms);
+        self.add_form(class, terms, false, negated ^ flipped);
     }
 
     /// Adds a product as a form of a class, as [`ChoiceNetwork::add_sum`].
-    pub(crate) fn add_product(&mut self, class: Class, factors: &mut [Class]) -> bool {
-        factors.sort_unstable();
-        let terms: Vec<ProductTerm> = factors
-            .iter()
-            .map(|&a| ProductTerm {
-                a,
-                b: Class::ONE,
-                negative: false,
-            })
-            .collect();
-        self.add_form(class, &terms, true)
+    pub(crate) fn add_product(&mut self, class: Class, factors: &mut [Class], negated: bool) {
+        let terms = sorted_factors(factors);
+        self.add_form(class, &terms, true, negated);
     }
 
-    fn add_form(&mut self, class: Class, terms: &[ProductTerm], product: bool) -> bool {
+    fn add_form(&mut self, class: Class, terms: &[ProductTerm], product: bool, negated: bool) {
         let rank = self.rank(class);
-        let low = |class: Class| self.classes[class.index()].rank < rank;
-        if terms.len() < 2 || !terms.iter().all(|term| low(term.a) && low(term.b)) {
-            return false;
+        let low = |class: Class| self.ranks[class.index()] < rank;
+        if terms.len() < 2 || !terms.iter().all(|term| low(term.a) && low(term.b())) {
+            return;
         }
-        let hash = FxBuildHasher.hash_one((terms, product));
-        if !self.known.insert((class, hash)) {
-            return false;
+        if let Some(form) = self.forms.insert(class, terms, product, negated) {
+            self.note_form(class, form);
         }
-        let start = self.terms.len() as u32;
-        self.terms.extend_from_slice(terms);
-        let end = self.terms.len() as u32;
-        let form = match product {
-            true => ChoiceForm::Product(start, end),
-            false => ChoiceForm::Sum(start, end),
-        };
-        self.push_form(class, form);
-        true
+    }
+
+    /// The class that has these terms as a form, and whether they are the
+    /// negation of it.
+    fn known(&self, terms: &[ProductTerm], product: bool) -> Option<SignedClass> {
+        let form = self.forms.find(terms, product)?;
+        Some(SignedClass {
+            class: self.forms.class(form),
+            negative: self.forms.is_negated(form),
+        })
     }
 
     /// The class of a sum of terms, with this sum as one of its forms; `None`
     /// when the value is zero. A sum that is a class already known is that
     /// class.
-    pub(crate) fn sum(&mut self, mut terms: Vec<ProductTerm>) -> Option<SignedClass> {
-        self.tidy(&mut terms);
+    pub(crate) fn sum(&mut self, terms: &mut Vec<ProductTerm>) -> Option<SignedClass> {
+        self.tidy(terms);
         match terms[..] {
             [] => return None,
-            [term] if !term.is_product() => {
-                return Some(SignedClass {
-                    class: term.a,
-                    negative: term.negative,
-                });
+            [term] => {
+                return Some(self.signed_product(&mut [term.a, term.b()], term.negative()));
             }
             _ => {}
         }
-        let value = self.sum_value(&terms);
+        let flipped = normalise(terms);
+        if let Some(signed) = self.known(terms, false) {
+            return Some(signed.flip(flipped));
+        }
+        let value = self.sum_value(terms);
         if value.is_zero() {
             return None;
         }
-        let rank = terms
-            .iter()
-            .map(|term| self.rank(term.a).max(self.rank(term.b)))
-            .max()
-            .unwrap_or(0);
-        let signed = self.class(value, rank + 1);
-        self.add_sum(signed.class, &mut terms);
+        let used = terms.iter().flat_map(|term| [term.a, term.b()]);
+        let rank = used.map(|class| self.rank(class)).max();
+        // A new class has the sign of the sum as it was given.
+        let value = self.values.images.negate_if(flipped, value);
+        let signed = self.class(value, rank.unwrap_or(0) + 1);
+        self.add_form(signed.class, terms, false, signed.negative ^ flipped);
         Some(signed)
     }
 
     /// The class of a product of classes, with this product as one of its
     /// forms; of no factors, 1.
-    pub(crate) fn product(&mut self, factors: &mut Vec<Class>) -> SignedClass {
-        factors.retain(|&factor| factor != Class::ONE);
-        if let [] | [_] = factors[..] {
-            return SignedClass {
-                class: factors.first().copied().unwrap_or(Class::ONE),
-                negative: false,
-            };
+    pub(crate) fn product(&mut self, factors: &mut [Class]) -> SignedClass {
+        self.signed_product(factors, false)
+    }
+
+    /// As [`ChoiceNetwork::product`], of the product or its negation.
+    fn signed_product(&mut self, factors: &mut [Class], negative: bool) -> SignedClass {
+        let terms = sorted_factors(factors);
+        let terms = &terms[terms.partition_point(|factor| factor.a == Class::ONE)..];
+        if let [] | [_] = terms {
+            let class = terms.first().map_or(Class::ONE, |factor| factor.a);
+            return SignedClass { class, negative };
         }
-        let values = factors.iter().map(|&factor| self.value(factor));
-        let value = self.values.images.product(values);
+        if let Some(signed) = self.known(terms, true) {
+            return signed.flip(negative);
+        }
+        let value = self.product_value(factors);
         let rank = factors.iter().map(|&factor| self.rank(factor)).max();
+        // A new class has the sign of the product as it was given.
+        let value = self.values.images.negate_if(negative, value);
         let signed = self.class(value, rank.unwrap_or(0) + 1);
-        self.add_product(signed.class, factors);
+        self.add_form(signed.class, terms, true, signed.negative ^ negative);
         signed
     }
 
-    /// Drops terms that cancel, puts products that are classes
-    /// already in as such, and 1 behind.
+    /// Drops terms that cancel, orders the others and puts 1 behind.
     pub(crate) fn tidy(&self, terms: &mut Vec<ProductTerm>) {
         for term in terms.iter_mut() {
-            if term.a == Class::ONE {
-                std::mem::swap(&mut term.a, &mut term.b);
-            }
-            if term.is_product() && term.b < term.a {
-                std::mem::swap(&mut term.a, &mut term.b);
-            }
+            *term = term.ordered();
         }
         cancel(terms, ProductTerm::opposite);
     }
 }
 
-/// Orders the terms of a sum and makes the first positive.
-fn normalise(terms: &mut [ProductTerm]) {
-    terms.sort_unstable();
-    if terms.first().is_some_and(|term| term.negative) {
+/// Makes the first of tidy terms positive; whether all signs were changed for
+/// that. The terms stay in order: of one product there is one sign.
+fn normalise(terms: &mut [ProductTerm]) -> bool {
+    let flipped = terms.first().is_some_and(|term| term.negative());
+    if flipped {
         for term in terms.iter_mut() {
             *term = term.opposite();
         }
-        terms.sort_unstable();
     }
+    flipped
+}
+
+/// Factors in order, as terms.
+fn sorted_factors(factors: &mut [Class]) -> SmallVec<[ProductTerm; 4]> {
+    factors.sort_unstable();
+    let factors = factors.iter();
+    factors
+        .map(|&factor| ProductTerm::new(factor, Class::ONE, false))
+        .collect()
 }

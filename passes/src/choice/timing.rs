@@ -4,7 +4,8 @@
 //! [equal sums](Weights::with_equal_sums): signs are not settled before a
 //! network is written.
 
-use super::network::{ChoiceForm, ChoiceNetwork, Class, ProductTerm};
+use super::forms::{ChoiceForm, ProductTerm};
+use super::network::{ChoiceNetwork, Class};
 use crate::sums::earliest::finish;
 use robovec_analysis::critical_path::Weights;
 use robovec_ir::Operation;
@@ -32,18 +33,21 @@ impl Arrivals {
         self.0[class.index()] = arrival;
     }
 
-    /// Takes the earliest form of a class, its operands being up to date.
-    pub(crate) fn update(&mut self, network: &ChoiceNetwork, timing: &Weights, class: Class) {
-        let mut earliest = NEVER;
-        for form in network.forms(class) {
-            earliest = earliest.min(self.form(network, timing, network.form(form)));
-        }
-        self.set(class, earliest);
+    /// Notes when a class is available by a form whose operands are up to date.
+    pub(crate) fn take(
+        &mut self,
+        network: &ChoiceNetwork,
+        timing: &Weights,
+        class: Class,
+        form: u32,
+    ) {
+        let arrival = self.form(network, timing, network.form(form));
+        self.set(class, arrival);
     }
 
     /// When a term is available.
-    pub(crate) fn term(&self, timing: &Weights, term: ProductTerm) -> u32 {
-        let ready = self.of(term.a).max(self.of(term.b));
+    fn term(&self, timing: &Weights, term: ProductTerm) -> u32 {
+        let ready = self.of(term.a).max(self.of(term.b()));
         match term.is_product() {
             true => ready.saturating_add(timing.of(Operation::Mul)),
             false => ready,
@@ -51,7 +55,7 @@ impl Arrivals {
     }
 
     /// When a form is available.
-    pub(crate) fn form(&self, network: &ChoiceNetwork, timing: &Weights, form: ChoiceForm) -> u32 {
+    fn form(&self, network: &ChoiceNetwork, timing: &Weights, form: ChoiceForm<'_>) -> u32 {
         match form {
             ChoiceForm::Input(..) | ChoiceForm::Constant(_) => 0,
             ChoiceForm::Opaque(index) => {
@@ -62,20 +66,14 @@ impl Arrivals {
                     .unwrap_or(0)
                     .saturating_add(timing.of(opaque.operation))
             }
-            ChoiceForm::Sum(..) => {
-                let terms = network.terms(form).iter();
-                finish(
-                    terms.map(|&term| self.term(timing, term)),
-                    timing.of(Operation::Add),
-                )
-            }
-            ChoiceForm::Product(..) => {
-                let factors = network.terms(form).iter();
-                finish(
-                    factors.map(|term| self.of(term.a)),
-                    timing.of(Operation::Mul),
-                )
-            }
+            ChoiceForm::Sum(terms) => finish(
+                terms.iter().map(|&term| self.term(timing, term)),
+                timing.of(Operation::Add),
+            ),
+            ChoiceForm::Product(factors) => finish(
+                factors.iter().map(|term| self.of(term.a)),
+                timing.of(Operation::Mul),
+            ),
         }
     }
 }

@@ -1,0 +1,214 @@
+//! Forms and their terms, packed: there are several for every class, and
+//! networks have millions of classes.
+
+use super::network::Class;
+use hashbrown::HashTable;
+use robovec_ir::Input;
+use rustc_hash::FxBuildHasher;
+use std::hash::BuildHasher;
+use std::ops::Range;
+
+/// A signed product of two classes; the second is [`Class::ONE`] for a plain
+/// term. Ordered by the classes, then by the sign.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub(crate) struct ProductTerm {
+    pub(crate) a: Class,
+    /// The second class, shifted left, and the sign.
+    second: u32,
+}
+
+impl ProductTerm {
+    pub(crate) fn new(a: Class, b: Class, negative: bool) -> ProductTerm {
+        let second = b.0 << 1 | u32::from(negative);
+        ProductTerm { a, second }
+    }
+
+    #[inline]
+    pub(crate) fn b(self) -> Class {
+        Class(self.second >> 1)
+    }
+
+    #[inline]
+    pub(crate) fn negative(self) -> bool {
+        self.second & 1 == 1
+    }
+
+    #[inline]
+    pub(crate) fn is_product(self) -> bool {
+        self.b() != Class::ONE
+    }
+
+    pub(crate) fn opposite(self) -> ProductTerm {
+        let second = self.second ^ 1;
+        ProductTerm { second, ..self }
+    }
+
+    pub(crate) fn opposite_if(self, negative: bool) -> ProductTerm {
+        let second = self.second ^ u32::from(negative);
+        ProductTerm { second, ..self }
+    }
+
+    /// The same product, its classes in order and 1 behind.
+    pub(crate) fn ordered(self) -> ProductTerm {
+        let (a, b) = (self.a, self.b());
+        match a == Class::ONE || b != Class::ONE && b < a {
+            true => ProductTerm::new(b, a, self.negative()),
+            false => self,
+        }
+    }
+}
+
+/// A form in which a class can be computed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum ChoiceForm<'a> {
+    /// An input, or its negation.
+    Input(Input, bool),
+    /// A constant, by its bits.
+    Constant(u64),
+    /// An operation that is neither a sum nor a product: index into
+    /// [`ChoiceNetwork::opaques`](super::network::ChoiceNetwork::opaques).
+    Opaque(u32),
+    /// Signed terms, at least two.
+    Sum(&'a [ProductTerm]),
+    /// A product of at least two classes: the first ones of the terms.
+    Product(&'a [ProductTerm]),
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum FormKind {
+    Input,
+    Constant,
+    Opaque,
+    Sum,
+    Product,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct FormRecord {
+    class: Class,
+    /// Where its terms start; those of the next form end them.
+    start: u32,
+    kind: FormKind,
+    /// True when the sum or product is the negation of the class's value.
+    negated: bool,
+}
+
+/// All forms, in the order they were made.
+#[derive(Default)]
+pub(crate) struct FormStore {
+    records: Vec<FormRecord>,
+    terms: Vec<ProductTerm>,
+    constants: Vec<u64>,
+    /// Sums and products by their terms. Equal terms have equal values, and
+    /// are a form of one class.
+    known: HashTable<u32>,
+}
+
+impl FormStore {
+    /// Number of forms.
+    pub(crate) fn len(&self) -> usize {
+        self.records.len()
+    }
+
+    fn range(&self, form: u32) -> Range<usize> {
+        let start = self.records[form as usize].start as usize;
+        let next = self.records.get(form as usize + 1);
+        start..next.map_or(self.terms.len(), |next| next.start as usize)
+    }
+
+    fn push(&mut self, class: Class, kind: FormKind, terms: &[ProductTerm], negated: bool) -> u32 {
+        self.records.push(FormRecord {
+            class,
+            start: u32::try_from(self.terms.len()).expect("terms are counted in 32 bits"),
+            kind,
+            negated,
+        });
+        self.terms.extend_from_slice(terms);
+        self.records.len() as u32 - 1
+    }
+
+    pub(crate) fn push_input(&mut self, class: Class, input: Input, negative: bool) -> u32 {
+        let place = ProductTerm::new(Class(input.0), Class::ONE, negative);
+        self.push(class, FormKind::Input, &[place], false)
+    }
+
+    pub(crate) fn push_constant(&mut self, class: Class, bits: u64) -> u32 {
+        let place = ProductTerm::new(Class(self.constants.len() as u32), Class::ONE, false);
+        self.constants.push(bits);
+        self.push(class, FormKind::Constant, &[place], false)
+    }
+
+    pub(crate) fn push_opaque(&mut self, class: Class, index: u32) -> u32 {
+        let place = ProductTerm::new(Class(index), Class::ONE, false);
+        self.push(class, FormKind::Opaque, &[place], false)
+    }
+
+    /// Adds a sum or product, in the order that its terms are looked for in,
+    /// unless it is known.
+    pub(crate) fn insert(
+        &mut self,
+        class: Class,
+        terms: &[ProductTerm],
+        product: bool,
+        negated: bool,
+    ) -> Option<u32> {
+        if self.find(terms, product).is_some() {
+            return None;
+        }
+        let kind = match product {
+            true => FormKind::Product,
+            false => FormKind::Sum,
+        };
+        let form = self.push(class, kind, terms, negated);
+        let mut known = std::mem::take(&mut self.known);
+        known.insert_unique(hash(terms, product), form, |&form| {
+            let product = self.records[form as usize].kind == FormKind::Product;
+            hash(&self.terms[self.range(form)], product)
+        });
+        self.known = known;
+        Some(form)
+    }
+
+    /// The sum or product of these terms.
+    pub(crate) fn find(&self, terms: &[ProductTerm], product: bool) -> Option<u32> {
+        let kind = match product {
+            true => FormKind::Product,
+            false => FormKind::Sum,
+        };
+        let equal = |&form: &u32| {
+            self.records[form as usize].kind == kind && self.terms[self.range(form)] == *terms
+        };
+        self.known.find(hash(terms, product), equal).copied()
+    }
+
+    /// Lets no form be found any more: frees the memory that takes.
+    pub(crate) fn forget_all(&mut self) {
+        self.known = HashTable::new();
+    }
+
+    /// The class of a form.
+    pub(crate) fn class(&self, form: u32) -> Class {
+        self.records[form as usize].class
+    }
+
+    /// Whether a sum or product is the negation of its class's value.
+    pub(crate) fn is_negated(&self, form: u32) -> bool {
+        self.records[form as usize].negated
+    }
+
+    /// A form.
+    pub(crate) fn form(&self, form: u32) -> ChoiceForm<'_> {
+        let terms = &self.terms[self.range(form)];
+        match self.records[form as usize].kind {
+            FormKind::Input => ChoiceForm::Input(Input(terms[0].a.0), terms[0].negative()),
+            FormKind::Constant => ChoiceForm::Constant(self.constants[terms[0].a.index()]),
+            FormKind::Opaque => ChoiceForm::Opaque(terms[0].a.0),
+            FormKind::Sum => ChoiceForm::Sum(terms),
+            FormKind::Product => ChoiceForm::Product(terms),
+        }
+    }
+}
+
+fn hash(terms: &[ProductTerm], product: bool) -> u64 {
+    FxBuildHasher.hash_one((terms, product))
+}
