@@ -6,7 +6,7 @@
 
 use super::forms::ChoiceForm;
 use super::network::{ChoiceNetwork, Class, SignedClass};
-use crate::sums::earliest::{finish, levels};
+use crate::sums::earliest::{LatestTwo, finish, levels};
 use robovec_analysis::critical_path::Weights;
 use robovec_ir::Operation;
 use smallvec::SmallVec;
@@ -31,6 +31,14 @@ struct DenseForm {
     /// Operations.
     cost: u32,
     kind: DenseKind,
+}
+
+/// What a place hands on to its users while forms are chosen.
+#[derive(Clone, Copy, Default, Debug)]
+pub(crate) struct FlowState {
+    /// The operations that each user bears.
+    pub(crate) flow: f64,
+    pub(crate) arrival: u32,
 }
 
 /// The copy. Places, forms and terms count from 0.
@@ -176,10 +184,16 @@ impl Dense {
         }
     }
 
-    /// The places a form uses, one that it uses twice twice.
-    pub(crate) fn operands(&self, form: u32) -> impl Iterator<Item = u32> + '_ {
-        let both = self.terms(form).iter().flat_map(|&(a, b)| [a, b]);
-        both.filter(|&place| place != Dense::NONE)
+    /// Calls a function with the places a form uses, with one that it uses
+    /// twice twice.
+    #[inline]
+    pub(crate) fn operands(&self, form: u32, mut visit: impl FnMut(u32)) {
+        for &(a, b) in self.terms(form) {
+            visit(a);
+            if b != Dense::NONE {
+                visit(b);
+            }
+        }
     }
 
     fn term_arrivals<'a>(
@@ -196,6 +210,37 @@ impl Dense {
                 b => first.max(arrivals[b as usize]).saturating_add(multiply),
             }
         })
+    }
+
+    /// The operations of a form and its share of those of its operands, a time
+    /// before which it is not available, and whether it is available then.
+    pub(crate) fn flow(
+        &self,
+        timing: &Weights,
+        states: &[FlowState],
+        form: u32,
+    ) -> (f64, u32, bool) {
+        let multiply = timing.of(Operation::Mul);
+        let mut sum = 0.0;
+        let mut latest = LatestTwo::default();
+        for &(a, b) in self.terms(form) {
+            let state = &states[a as usize];
+            sum += state.flow;
+            let mut time = state.arrival;
+            if b != Dense::NONE {
+                let state = &states[b as usize];
+                sum += state.flow;
+                time = time.max(state.arrival).saturating_add(multiply);
+            }
+            latest.add(time);
+        }
+        let (time, exact) = match self.kind(form) {
+            DenseKind::Leaf => (0, true),
+            DenseKind::Opaque(weight) => (latest.finish(0).0.saturating_add(weight), true),
+            DenseKind::Sum => latest.finish(timing.of(Operation::Add)),
+            DenseKind::Product => latest.finish(multiply),
+        };
+        (f64::from(self.cost(form)) + sum, time, exact)
     }
 
     /// When a form is available.

@@ -1,6 +1,6 @@
 //! Choosing a form for every class: early enough, then few operations.
 
-use super::dense::{Dense, DenseKind};
+use super::dense::{Dense, DenseKind, FlowState};
 use super::network::{ChoiceNetwork, SignedClass};
 use super::timing::NEVER;
 use robovec_analysis::critical_path::Weights;
@@ -78,21 +78,25 @@ impl Mapper {
     /// cheapest.
     pub(crate) fn earliest(&self) -> Mapping {
         let mut mapping = self.unmapped();
-        let mut flow = vec![0.0f64; self.dense.len()];
+        let mut states = vec![FlowState::default(); self.dense.len()];
         for at in 0..self.dense.len() {
             let mut best: Option<((u32, f64), u32)> = None;
             for form in self.dense.forms(at) {
-                let key = (self.arrival(&mapping, form), self.flow(&flow, form));
+                let (sum, time, exact) = self.dense.flow(&self.timing, &states, form);
+                if best.is_some_and(|((known, _), _)| time > known) {
+                    continue;
+                }
+                let key = (self.refine(&mapping, form, (time, exact)), sum);
                 if best.is_none_or(|(known, _)| key < known) {
                     best = Some((key, form));
                 }
             }
-            let Some(((arrival, sum), form)) = best else {
+            let Some(((arrival, flow), form)) = best else {
                 continue;
             };
             mapping.chosen[at] = form;
             mapping.arrivals[at] = arrival;
-            flow[at] = sum;
+            states[at] = FlowState { flow, arrival };
         }
         self.settle(&mut mapping, None);
         mapping
@@ -142,8 +146,8 @@ impl Mapper {
         for round in 0..rounds {
             if round < flow_rounds {
                 self.flow_round(mapping, &shares);
-            } else {
-                self.exact_round(mapping);
+            } else if !self.exact_round(mapping) {
+                break;
             }
             self.settle(mapping, Some(latest));
             for (known, uses) in shares.iter_mut().zip(&mapping.uses) {
@@ -159,36 +163,38 @@ impl Mapper {
         *mapping = best;
     }
 
-    fn arrival(&self, mapping: &Mapping, form: u32) -> u32 {
-        self.dense.arrival(&self.timing, &mapping.arrivals, form)
+    /// When a form is available, of which a bound is known or the time itself.
+    fn refine(&self, mapping: &Mapping, form: u32, (time, exact): (u32, bool)) -> u32 {
+        match exact {
+            true => time,
+            false => self.arrival(mapping, form),
+        }
     }
 
-    /// The operations of a form and its share of those of its operands.
-    fn flow(&self, flow: &[f64], form: u32) -> f64 {
-        let operands = self.dense.operands(form);
-        let sum: f64 = operands.map(|operand| flow[operand as usize]).sum();
-        f64::from(self.dense.cost(form)) + sum
+    fn arrival(&self, mapping: &Mapping, form: u32) -> u32 {
+        self.dense.arrival(&self.timing, &mapping.arrivals, form)
     }
 
     /// Chooses by estimated cost, every class's cost divided among those that
     /// used it so far.
     fn flow_round(&self, mapping: &mut Mapping, shares: &[f64]) {
-        let mut flow = vec![0.0f64; self.dense.len()];
+        let mut states = vec![FlowState::default(); self.dense.len()];
         for at in 0..self.dense.len() {
             let required = mapping.required[at];
             let forms = self.dense.forms(at);
             // The form chosen last is mostly chosen again: it comes first, and
-            // what is dearer than a form in time need not be timed.
+            // what is surely later or dearer need not be timed.
             let last = mapping.chosen[at];
             let last = forms.contains(&last).then_some(last);
             let others = forms.filter(|&form| Some(form) != last);
             let mut best: Option<((u32, f64, u32), u32, f64)> = None;
             for form in last.into_iter().chain(others) {
-                let sum = self.flow(&flow, form);
-                if best.is_some_and(|((late, known, _), ..)| late == 0 && sum > known) {
+                let (sum, time, exact) = self.dense.flow(&self.timing, &states, form);
+                let least = (time.saturating_sub(required), sum);
+                if best.is_some_and(|((late, known, _), ..)| least > (late, known)) {
                     continue;
                 }
-                let arrival = self.arrival(mapping, form);
+                let arrival = self.refine(mapping, form, (time, exact));
                 // In time comes first, then cheap, then early; of equal ones
                 // the first made.
                 let key = (arrival.saturating_sub(required), sum, arrival);
@@ -201,20 +207,36 @@ impl Mapper {
             };
             mapping.chosen[at] = form;
             mapping.arrivals[at] = key.2;
-            flow[at] = sum / shares[at];
+            states[at] = FlowState {
+                flow: sum / shares[at],
+                arrival: key.2,
+            };
         }
     }
 
-    /// Chooses for one class after the other what costs least now.
-    fn exact_round(&self, mapping: &mut Mapping) {
+    /// Chooses for one class after the other what costs least now. False when
+    /// that changes nothing.
+    fn exact_round(&self, mapping: &mut Mapping) -> bool {
         let mut counter = UseCounter::default();
+        // Arrivals are always those of the forms chosen: only what is behind a
+        // change is timed again.
+        let mut moved = vec![false; self.dense.len()];
+        let mut changed = false;
         for at in 0..self.dense.len() {
             let old = mapping.chosen[at];
             if old == u32::MAX {
                 continue;
             }
-            let arrival = self.arrival(mapping, old);
+            let mut arrival = mapping.arrivals[at];
+            let mut is_behind = false;
+            self.dense
+                .operands(old, |operand| is_behind |= moved[operand as usize]);
+            if is_behind {
+                arrival = self.arrival(mapping, old);
+            }
             if mapping.uses[at] == 0 {
+                moved[at] = arrival != mapping.arrivals[at];
+                changed |= moved[at];
                 mapping.arrivals[at] = arrival;
                 continue;
             }
@@ -240,9 +262,12 @@ impl Mapper {
             }
             let (key, form) = best;
             counter.acquire(&self.dense, mapping, form, u64::MAX);
+            moved[at] = key.2 != mapping.arrivals[at];
+            changed |= moved[at] || form != old;
             mapping.chosen[at] = form;
             mapping.arrivals[at] = key.2;
         }
+        changed
     }
 
     /// Counts uses and operations anew, and required times when a latest time
@@ -261,9 +286,9 @@ impl Mapper {
             }
             let form = mapping.chosen[at];
             mapping.operations += u64::from(self.dense.cost(form));
-            for operand in self.dense.operands(form) {
-                mapping.uses[operand as usize] += 1;
-            }
+            let uses = &mut mapping.uses;
+            self.dense
+                .operands(form, |operand| uses[operand as usize] += 1);
             if latest.is_some() {
                 self.require(mapping, form, mapping.required[at]);
             }
@@ -275,10 +300,10 @@ impl Mapper {
         let weight = match self.dense.kind(form) {
             DenseKind::Leaf => return,
             DenseKind::Opaque(weight) => {
-                for operand in self.dense.operands(form) {
+                self.dense.operands(form, |operand| {
                     let known = &mut mapping.required[operand as usize];
                     *known = (*known).min(required.saturating_sub(weight));
-                }
+                });
                 return;
             }
             DenseKind::Product => self.timing.of(Operation::Mul),
@@ -319,21 +344,23 @@ impl UseCounter {
         most: u64,
     ) -> Option<u64> {
         self.open.clear();
+        self.open.push(form);
         self.touched.clear();
-        let mut added = u64::from(dense.cost(form));
-        self.open.extend(dense.operands(form));
-        while let Some(at) = self.open.pop() {
-            self.touched.push(at);
-            let uses = &mut mapping.uses[at as usize];
-            *uses += 1;
-            if *uses == 1 {
-                let form = mapping.chosen[at as usize];
-                added += u64::from(dense.cost(form));
-                if added > most {
-                    return None;
-                }
-                self.open.extend(dense.operands(form));
+        let (open, touched) = (&mut self.open, &mut self.touched);
+        let mut added = 0;
+        while let Some(form) = open.pop() {
+            added += u64::from(dense.cost(form));
+            if added > most {
+                return None;
             }
+            dense.operands(form, |at| {
+                touched.push(at);
+                let uses = &mut mapping.uses[at as usize];
+                *uses += 1;
+                if *uses == 1 {
+                    open.push(mapping.chosen[at as usize]);
+                }
+            });
         }
         Some(added)
     }
@@ -358,16 +385,18 @@ impl UseCounter {
     /// this saves.
     fn release(&mut self, dense: &Dense, mapping: &mut Mapping, form: u32) -> u64 {
         self.open.clear();
-        let mut freed = u64::from(dense.cost(form));
-        self.open.extend(dense.operands(form));
-        while let Some(at) = self.open.pop() {
-            let uses = &mut mapping.uses[at as usize];
-            *uses -= 1;
-            if *uses == 0 {
-                let form = mapping.chosen[at as usize];
-                freed += u64::from(dense.cost(form));
-                self.open.extend(dense.operands(form));
-            }
+        self.open.push(form);
+        let open = &mut self.open;
+        let mut freed = 0;
+        while let Some(form) = open.pop() {
+            freed += u64::from(dense.cost(form));
+            dense.operands(form, |at| {
+                let uses = &mut mapping.uses[at as usize];
+                *uses -= 1;
+                if *uses == 0 {
+                    open.push(mapping.chosen[at as usize]);
+                }
+            });
         }
         freed
     }

@@ -8,26 +8,48 @@ use smallvec::SmallVec;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+/// The two latest of some operands of a sum or product, and their number.
+#[derive(Clone, Copy, Default, Debug)]
+pub(crate) struct LatestTwo {
+    latest: u32,
+    second: u32,
+    count: usize,
+}
+
+impl LatestTwo {
+    /// Adds an operand.
+    #[inline]
+    pub(crate) fn add(&mut self, time: u32) {
+        self.second = self.second.max(time.min(self.latest));
+        self.latest = self.latest.max(time);
+        self.count += 1;
+    }
+
+    /// A time before which the last operation is not done, and whether it is
+    /// done then: mostly a balanced tree of all other operands is done when the
+    /// latest comes.
+    #[inline]
+    pub(crate) fn finish(self, weight: u32) -> (u32, bool) {
+        let Some(others) = self.count.checked_sub(2) else {
+            return (self.latest, true);
+        };
+        let depth = usize::BITS - others.leading_zeros();
+        let done = self.second.saturating_add(weight.saturating_mul(depth));
+        (self.latest.saturating_add(weight), done <= self.latest)
+    }
+}
+
 /// When the last operation of a sum or product is done.
 pub(crate) fn finish(arrivals: impl IntoIterator<Item = u32>, weight: u32) -> u32 {
-    let mut arrivals = arrivals.into_iter();
-    // Most sums and products have two or three operands.
-    let Some(first) = arrivals.next() else {
-        return 0;
-    };
-    let Some(second) = arrivals.next() else {
-        return first;
-    };
-    let Some(third) = arrivals.next() else {
-        return first.max(second).saturating_add(weight);
-    };
-    let (early, late) = (first.min(second), first.max(second));
-    let Some(fourth) = arrivals.next() else {
-        let made = late.min(early.max(third)).saturating_add(weight);
-        return made.max(late).max(third).saturating_add(weight);
-    };
-    let mut times: SmallVec<[u32; 32]> = SmallVec::from_slice(&[first, second, third, fourth]);
-    times.extend(arrivals);
+    let mut two = LatestTwo::default();
+    let mut times: SmallVec<[u32; 32]> = SmallVec::new();
+    for time in arrivals {
+        two.add(time);
+        times.push(time);
+    }
+    if let (time, true) = two.finish(weight) {
+        return time;
+    }
     times.sort_unstable();
     // Results come in the order of their times: they queue up in the places
     // of the operands that have been taken.
@@ -43,16 +65,23 @@ pub(crate) fn finish(arrivals: impl IntoIterator<Item = u32>, weight: u32) -> u3
         }
         times[made - 1] = later.saturating_add(weight);
     }
-    match times.len() {
-        0 => 0,
-        count => times[count.saturating_sub(2)],
-    }
+    times[times.len() - 2]
 }
 
 /// For each operand how many operations of the tree it goes through. Of
 /// operands with one time the first is taken first, and before results.
 pub(crate) fn levels(arrivals: &[u32], weight: u32) -> SmallVec<[u32; 16]> {
     let count = arrivals.len();
+    // Most have two or three.
+    if count < 4 {
+        let mut levels: SmallVec<[u32; 16]> =
+            SmallVec::from_elem(count as u32 - u32::from(count > 0), count);
+        let last = (0..count).max_by_key(|&operand| arrivals[operand]);
+        if let (Some(last), 3) = (last, count) {
+            levels[last] = 1;
+        }
+        return levels;
+    }
     let mut order: SmallVec<[usize; 16]> = (0..count).collect();
     order.sort_by_key(|&operand| arrivals[operand]);
     // Results stand behind the operands, in the order they are made, which is
