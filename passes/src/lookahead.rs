@@ -142,13 +142,13 @@ impl LookaheadSearch<'_> {
         let mut best: Option<(Function, (u32, u64))> = None;
         // A mapping is best modelled on one that is little later, so the path
         // is shortened step by step, and when a step is too dear by half of it.
-        let mut model = mapper.cheapest(self.pass.rounds);
+        let mut model = mapper.cheapest(self.pass.rounds).into_uses();
         let mut reached = before.0;
         let mut step = (before.0.saturating_sub(fastest) / STEPS).max(1);
         while reached > fastest && step > 0 {
             let target = reached.saturating_sub(step).max(fastest);
             let mut mapping = earliest.clone();
-            mapper.recover(&mut mapping, target, self.pass.rounds, Some(&model));
+            mapper.recover(&mut mapping, target, self.pass.rounds, Some(model.clone()));
             let made = self.realise(tables, &mapper, &mapping);
             let size = self.size(&made);
             if size.1 > allowed {
@@ -156,7 +156,7 @@ impl LookaheadSearch<'_> {
                 continue;
             }
             reached = target.min(size.0);
-            model = mapping;
+            model = mapping.into_uses();
             if best.as_ref().is_none_or(|(_, known)| size < *known) {
                 best = Some((made, size));
             }

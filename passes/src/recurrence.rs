@@ -83,10 +83,12 @@ impl Pass for Recurrence {
         ]);
         let mut cycles = 0;
         if target < before {
-            let model = mapper.cheapest(self.rounds);
-            mapper.recover(&mut mapping, target, self.rounds, Some(&model));
+            let model = mapper.cheapest(self.rounds).into_uses();
+            mapper.recover(&mut mapping, target, self.rounds, Some(model));
             let tables = &mut *context.tables;
             let raw = emit(function, &import, &mapper, &mapping, timing, tables);
+            // They are several times the size of the function.
+            drop((import, mapper, mapping));
             let new = balanced(&raw, context.tables, &weights);
             let after = longest(&new).unwrap_or(0);
             if after < before {

@@ -81,6 +81,18 @@ enum TermPlan {
     Substitute(u32),
 }
 
+/// What came of a composition.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+enum Composed {
+    /// Nothing: it has no variables, or too many.
+    #[default]
+    Nothing,
+    /// A form of the class that is not kept for others.
+    Added,
+    /// A form that may be substituted for the class.
+    Kept(u32),
+}
+
 /// The last form composed of one kind. Where nothing became available between
 /// two frontiers, the next one is the same.
 #[derive(Default)]
@@ -89,7 +101,7 @@ struct LastComposition {
     outer: Option<u32>,
     /// What was done with the terms of that; empty when nothing was composed.
     plan: Vec<TermPlan>,
-    made: Option<u32>,
+    made: Composed,
 }
 
 /// Vectors that are kept from one composition to the next.
@@ -119,6 +131,7 @@ pub(crate) fn look_ahead(
         return None;
     };
     let chain = add_forms(&mut import, limits);
+    import.network.close();
     Some((import, chain))
 }
 
@@ -179,14 +192,18 @@ impl Composer<'_> {
         for &frontier in &frontiers {
             space.outer.clear();
             space.outer.extend_from_slice(&base);
-            let mut made = self.compose(class, None, frontier, &mut direct, &mut space);
+            let mut made = self.compose(class, (None, true), frontier, &mut direct, &mut space);
             if let Some(middle) = self.middle(first, frontiers[0], frontier) {
                 space.outer.clear();
                 space.outer.extend_from_slice(self.linear.terms(middle));
-                let form = self.compose(class, Some(middle), frontier, &mut split, &mut space);
-                made = made.or(form);
+                let keep = made == Composed::Nothing;
+                let outer = (Some(middle), keep);
+                let form = self.compose(class, outer, frontier, &mut split, &mut space);
+                made = if keep { form } else { made };
             }
-            self.made.extend(made.map(|made| (frontier, made)));
+            if let Composed::Kept(form) = made {
+                self.made.push((frontier, form));
+            }
         }
         self.space = space;
         self.forms[class.index()] = first..self.made.len() as u32;
@@ -272,30 +289,30 @@ impl Composer<'_> {
     }
 
     /// Substitutes the forms at a frontier for the variables behind it in
-    /// `space.outer`; adds the result to the class.
+    /// `space.outer`; adds the result to the class, and keeps it for others
+    /// when it is asked to.
     fn compose(
         &mut self,
         class: Class,
-        outer: Option<u32>,
+        (outer, keep): (Option<u32>, bool),
         frontier: u32,
         last: &mut LastComposition,
         space: &mut CompositionSpace,
-    ) -> Option<u32> {
-        let terms = space.outer.iter();
+    ) -> Composed {
         space.plan.clear();
-        let plan = terms.map(|&term| self.plan(term, frontier));
+        let plan = space.outer.iter().map(|&term| self.plan(term, frontier));
         space.plan.extend(plan);
-        if last.outer == outer && last.plan == space.plan {
+        let is_last = last.outer == outer && last.plan == space.plan;
+        if is_last && !(keep && last.made == Composed::Added) {
             return last.made;
         }
-        let made = self
-            .collect(space)
-            .then(|| self.add_composed(class, space))
-            .flatten();
         last.outer = outer;
         last.plan.clone_from(&space.plan);
-        last.made = made;
-        made
+        last.made = match self.collect(space) {
+            true => self.add_composed(class, space, keep),
+            false => Composed::Nothing,
+        };
+        last.made
     }
 
     /// Substitutes, and collects what every variable is multiplied with. False
@@ -338,9 +355,8 @@ impl Composer<'_> {
         !space.variables.is_empty()
     }
 
-    /// The form collected, as one of its class and as what may be substituted
-    /// for it.
-    fn add_composed(&mut self, class: Class, space: &mut CompositionSpace) -> Option<u32> {
+    /// Adds the form collected to its class.
+    fn add_composed(&mut self, class: Class, space: &mut CompositionSpace, keep: bool) -> Composed {
         space.made.clear();
         for (&variable, coefficient) in space.variables.iter().zip(&mut space.coefficients) {
             if let Some(coefficient) = self.network.sum(coefficient) {
@@ -350,9 +366,12 @@ impl Composer<'_> {
         if let Some(rest) = self.network.sum(&mut space.rest) {
             space.made.push(rest.times(Class::ONE, false));
         }
-        let form = self.linear.push(&space.made);
+        let made = match keep {
+            true => Composed::Kept(self.linear.push(&space.made)),
+            false => Composed::Added,
+        };
         self.network.tidy(&mut space.made);
         self.network.add_sum(class, &mut space.made, false);
-        Some(form)
+        made
     }
 }

@@ -64,7 +64,7 @@ impl Dense {
     ) -> Dense {
         let by_class = FormsByClass::new(network);
         let mut classes = reachable(network, &by_class, outputs);
-        classes.sort_by_key(|&class| (network.rank(class), class));
+        classes.sort_unstable_by_key(|&class| (network.rank(class), class));
         let mut places = vec![Dense::NONE; network.len()];
         for (place, class) in classes.iter().enumerate() {
             places[class.index()] = place as u32;

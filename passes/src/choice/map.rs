@@ -21,6 +21,17 @@ pub(crate) struct Mapping {
     pub(crate) operations: u64,
 }
 
+/// How often each class is used in a mapping.
+#[derive(Clone)]
+pub(crate) struct ClassUses(Vec<u32>);
+
+impl Mapping {
+    /// How often each class is used.
+    pub(crate) fn into_uses(self) -> ClassUses {
+        ClassUses(self.uses)
+    }
+}
+
 /// The largest network whose choices are improved one by one, in classes: the
 /// operations that hang on a choice are counted anew for every form.
 const LARGEST_EXACT: usize = 200_000;
@@ -126,19 +137,20 @@ impl Mapper {
     /// `latest`.
     ///
     /// What a class costs each of its users is estimated from how often it is
-    /// used in `model`, a mapping for a later time, when there is one.
+    /// used in a `model`, a mapping for a later time, when there is one.
     pub(crate) fn recover(
         &self,
         mapping: &mut Mapping,
         latest: u32,
         rounds: u32,
-        model: Option<&Mapping>,
+        model: Option<ClassUses>,
     ) {
         self.settle(mapping, Some(latest));
         let share = |&uses: &u32| f64::from(uses.max(1));
-        let uses = &model.unwrap_or(mapping).uses;
+        let uses = model.as_ref().map_or(&mapping.uses, |model| &model.0);
         let mut shares: Vec<f64> = uses.iter().map(share).collect();
-        let mut best = mapping.clone();
+        drop(model);
+        let mut best = (mapping.operations, mapping.chosen.clone());
         let flow_rounds = match self.dense.len() > LARGEST_EXACT {
             true => rounds,
             false => rounds / 2,
@@ -153,14 +165,30 @@ impl Mapper {
             for (known, uses) in shares.iter_mut().zip(&mapping.uses) {
                 *known = (*known + 2.0 * share(uses)) / 3.0;
             }
-            if mapping.operations < best.operations {
-                best.clone_from(mapping);
+            if mapping.operations < best.0 {
+                best.0 = mapping.operations;
+                best.1.clone_from(&mapping.chosen);
             }
             if round + 1 == flow_rounds {
-                mapping.clone_from(&best);
+                self.take(mapping, &best, latest);
             }
         }
-        *mapping = best;
+        self.take(mapping, &best, latest);
+    }
+
+    /// Takes the forms chosen in another mapping, unless they are those of this
+    /// one already.
+    fn take(&self, mapping: &mut Mapping, (operations, chosen): &(u64, Vec<u32>), latest: u32) {
+        if mapping.operations == *operations && mapping.chosen == *chosen {
+            return;
+        }
+        mapping.chosen.clone_from(chosen);
+        for at in 0..self.dense.len() {
+            if chosen[at] != u32::MAX {
+                mapping.arrivals[at] = self.arrival(mapping, chosen[at]);
+            }
+        }
+        self.settle(mapping, Some(latest));
     }
 
     /// When a form is available, of which a bound is known or the time itself.
