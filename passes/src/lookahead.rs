@@ -166,7 +166,7 @@ impl LookaheadSearch<'_> {
     }
 
     /// The function of a mapping, balanced.
-    fn realise(&self, tables: &mut Tables, mapper: &Mapper, mapping: &Mapping) -> Function {
+    fn realise(&self, tables: &mut Tables, mapper: &Mapper<'_>, mapping: &Mapping) -> Function {
         let import = self.import;
         let raw = emit(self.function, import, mapper, mapping, self.timing, tables);
         balanced(&raw, tables, &self.weights)

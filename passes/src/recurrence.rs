@@ -3,11 +3,12 @@
 use crate::balance::balanced;
 use crate::choice::compose::{CompositionLimits, look_ahead};
 use crate::choice::emit::emit;
+use crate::choice::import::Import;
 use crate::choice::map::Mapper;
 use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
-use robovec_ir::{Function, Level};
+use robovec_ir::{Function, Level, Tables};
 use robovec_num::limits::NumberLimit;
 
 declare_pass! {
@@ -72,9 +73,6 @@ impl Pass for Recurrence {
         let Some((import, chain)) = look_ahead(function, context, timing, limits) else {
             return Ok(());
         };
-        let mapper = Mapper::new(&import.network, timing, &import.outputs);
-        let mut mapping = mapper.earliest();
-        let target = mapper.path(&mapping).max(self.path);
         let (classes, forms) = (import.network.len(), import.network.form_count());
         context.statistics.extend([
             ("equations in the longest recurrence", u64::from(chain)),
@@ -82,14 +80,9 @@ impl Pass for Recurrence {
             ("forms considered", forms as u64),
         ]);
         let mut cycles = 0;
-        if target < before {
-            let model = mapper.cheapest(self.rounds).into_uses();
-            mapper.recover(&mut mapping, target, self.rounds, Some(model));
-            let tables = &mut *context.tables;
-            let raw = emit(function, &import, &mapper, &mapping, timing, tables);
-            // They are several times the size of the function.
-            drop((import, mapper, mapping));
-            let new = balanced(&raw, context.tables, &weights);
+        let tables = &mut *context.tables;
+        if let Some(raw) = self.shortest(function, import, timing, before, tables) {
+            let new = balanced(&raw, tables, &weights);
             let after = longest(&new).unwrap_or(0);
             if after < before {
                 cycles = before - after;
@@ -99,5 +92,28 @@ impl Pass for Recurrence {
         let statistic = ("cycles taken off the longest path", u64::from(cycles));
         context.statistics.push(statistic);
         Ok(())
+    }
+}
+
+impl Recurrence {
+    /// The function with the shortest path, if that is shorter than before. It
+    /// takes the network, which is several times the size of the function.
+    fn shortest(
+        &self,
+        function: &Function,
+        import: Import,
+        timing: Weights,
+        before: u32,
+        tables: &mut Tables,
+    ) -> Option<Function> {
+        let mapper = Mapper::new(&import.network, timing, &import.outputs);
+        let mut mapping = mapper.earliest();
+        let target = mapper.path(&mapping).max(self.path);
+        if target >= before {
+            return None;
+        }
+        let model = mapper.cheapest(self.rounds).into_uses();
+        mapper.recover(&mut mapping, target, self.rounds, Some(model));
+        Some(emit(function, &import, &mapper, &mapping, timing, tables))
     }
 }

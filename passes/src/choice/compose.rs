@@ -131,7 +131,7 @@ pub(crate) fn look_ahead(
         return None;
     };
     let chain = add_forms(&mut import, limits);
-    import.network.close();
+    import.sort();
     Some((import, chain))
 }
 

@@ -16,7 +16,7 @@ use smallvec::SmallVec;
 pub(crate) fn emit(
     old: &Function,
     import: &Import,
-    mapper: &Mapper,
+    mapper: &Mapper<'_>,
     mapping: &Mapping,
     timing: Weights,
     tables: &mut Tables,

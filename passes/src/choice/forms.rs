@@ -93,6 +93,9 @@ struct FormRecord {
     negated: bool,
 }
 
+/// In so many parts forms are sorted.
+const SORTED_PARTS: usize = 8;
+
 /// All forms, in the order they were made.
 #[derive(Default)]
 pub(crate) struct FormStore {
@@ -110,6 +113,7 @@ impl FormStore {
         self.records.len()
     }
 
+    #[inline]
     fn range(&self, form: u32) -> Range<usize> {
         let start = self.records[form as usize].start as usize;
         let next = self.records.get(form as usize + 1);
@@ -181,9 +185,65 @@ impl FormStore {
         self.known.find(hash(terms, product), equal).copied()
     }
 
-    /// Lets no form be found any more: frees the memory that takes.
-    pub(crate) fn forget_all(&mut self) {
+    /// Gives every class another number and puts the forms into their order;
+    /// those of one class stay in the order they were made. No form is found
+    /// any more.
+    pub(crate) fn sort(&mut self, numbers: &[Class]) {
         self.known = HashTable::new();
+        for form in 0..self.records.len() {
+            let range = self.range(form as u32);
+            let record = &mut self.records[form];
+            record.class = numbers[record.class.index()];
+            if matches!(record.kind, FormKind::Sum | FormKind::Product) {
+                for term in &mut self.terms[range] {
+                    let [a, b] = [term.a, term.b()].map(|class| numbers[class.index()]);
+                    *term = ProductTerm::new(a, b, term.negative());
+                }
+            }
+        }
+        let mut sorted = FormStore {
+            records: Vec::with_capacity(self.records.len()),
+            terms: Vec::with_capacity(self.terms.len()),
+            constants: std::mem::take(&mut self.constants),
+            known: HashTable::new(),
+        };
+        // What was moved is freed part by part: there is never a second copy.
+        let mut members: Vec<(Class, u32)> = Vec::new();
+        for part in 1..=SORTED_PARTS {
+            let end = Class((numbers.len() * part / SORTED_PARTS) as u32);
+            members.clear();
+            let classes = self.records.iter().map(|record| record.class).zip(0..);
+            members.extend(classes.filter(|&(class, _)| class < end));
+            members.sort_unstable();
+            for &(class, form) in &members {
+                let record = self.records[form as usize];
+                let terms = &self.terms[self.range(form)];
+                sorted.push(class, record.kind, terms, record.negated);
+            }
+            self.drop_below(end);
+        }
+        *self = sorted;
+    }
+
+    /// Drops the forms of the classes before one.
+    fn drop_below(&mut self, end: Class) {
+        let (mut forms, mut terms) = (0, 0);
+        for form in 0..self.records.len() {
+            let range = self.range(form as u32);
+            let record = self.records[form];
+            if record.class < end {
+                continue;
+            }
+            let start = terms as u32;
+            terms += range.len();
+            self.terms.copy_within(range, start as usize);
+            self.records[forms] = FormRecord { start, ..record };
+            forms += 1;
+        }
+        self.records.truncate(forms);
+        self.terms.truncate(terms);
+        self.records.shrink_to_fit();
+        self.terms.shrink_to_fit();
     }
 
     /// The class of a form.
@@ -197,6 +257,7 @@ impl FormStore {
     }
 
     /// A form.
+    #[inline]
     pub(crate) fn form(&self, form: u32) -> ChoiceForm<'_> {
         let terms = &self.terms[self.range(form)];
         match self.records[form as usize].kind {

@@ -23,6 +23,24 @@ pub(crate) struct Import {
     pub(crate) arrivals: Arrivals,
 }
 
+impl Import {
+    /// Numbers the classes in order of rank; none can be added any more.
+    pub(crate) fn sort(&mut self) {
+        let places = self.network.sort();
+        for output in self.outputs.iter_mut().flatten() {
+            output.class = places[output.class.index()];
+        }
+        let mut names = vec![Name::NONE; places.len()];
+        for (name, place) in self.names.iter().zip(&places) {
+            names[place.index()] = *name;
+        }
+        self.names = names;
+        // They are only needed to compose forms.
+        self.classes = Vec::new();
+        self.arrivals = Arrivals::default();
+    }
+}
+
 /// Reads a function at the atomic level. `None` when some value is undefined
 /// (a division by what is always zero), so that nothing can be said of it.
 pub(crate) fn import(function: &Function, tables: &mut Tables, timing: Weights) -> Option<Import> {

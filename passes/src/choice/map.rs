@@ -1,16 +1,14 @@
 //! Choosing a form for every class: early enough, then few operations.
 
-use super::dense::{Dense, DenseKind, FlowState};
-use super::network::{ChoiceNetwork, SignedClass};
+use super::dense::{FlowState, FormsByClass};
+use super::network::{ChoiceNetwork, Class, SignedClass};
 use super::timing::NEVER;
 use robovec_analysis::critical_path::Weights;
-use robovec_ir::Operation;
 
-/// One form for every class, and what follows from it. Indexed by place in
-/// the dense copy.
+/// One form for every class, and what follows from it. Indexed by class.
 #[derive(Clone)]
 pub(crate) struct Mapping {
-    /// The form chosen: index into the dense copy's forms.
+    /// The form chosen.
     chosen: Vec<u32>,
     arrivals: Vec<u32>,
     /// The number of chosen forms and outputs that use each class.
@@ -37,25 +35,23 @@ impl Mapping {
 const LARGEST_EXACT: usize = 200_000;
 
 /// Chooses forms.
-pub(crate) struct Mapper {
-    dense: Dense,
-    timing: Weights,
-    outputs: Vec<u32>,
+pub(crate) struct Mapper<'a> {
+    forms: FormsByClass<'a>,
+    outputs: Vec<usize>,
 }
 
-impl Mapper {
-    pub(crate) fn new(
-        network: &ChoiceNetwork,
+impl Mapper<'_> {
+    /// Chooses among the forms of a network in
+    /// [order of rank](ChoiceNetwork::sort).
+    pub(crate) fn new<'a>(
+        network: &'a ChoiceNetwork,
         timing: Weights,
         outputs: &[Option<SignedClass>],
-    ) -> Mapper {
-        let dense = Dense::new(network, &timing, outputs);
+    ) -> Mapper<'a> {
         let outputs = outputs.iter().flatten();
-        let outputs = outputs.map(|output| dense.place(output.class)).collect();
         Mapper {
-            dense,
-            timing,
-            outputs,
+            forms: FormsByClass::new(network, timing),
+            outputs: outputs.map(|output| output.class.index()).collect(),
         }
     }
 
@@ -63,19 +59,15 @@ impl Mapper {
     pub(crate) fn used<'a>(
         &'a self,
         mapping: &'a Mapping,
-    ) -> impl Iterator<Item = (super::network::Class, u32)> + 'a {
-        let places = 0..self.dense.len();
-        places.filter(|&at| mapping.uses[at] > 0).map(|at| {
-            (
-                self.dense.class(at),
-                self.dense.original(mapping.chosen[at]),
-            )
-        })
+    ) -> impl Iterator<Item = (Class, u32)> + 'a {
+        let classes = 0..self.forms.len();
+        let used = classes.filter(|&at| mapping.uses[at] > 0);
+        used.map(|at| (Class(at as u32), mapping.chosen[at]))
     }
 
     /// A mapping in which nothing has a form.
     fn unmapped(&self) -> Mapping {
-        let count = self.dense.len();
+        let count = self.forms.len();
         Mapping {
             chosen: vec![u32::MAX; count],
             arrivals: vec![NEVER; count],
@@ -89,11 +81,11 @@ impl Mapper {
     /// cheapest.
     pub(crate) fn earliest(&self) -> Mapping {
         let mut mapping = self.unmapped();
-        let mut states = vec![FlowState::default(); self.dense.len()];
-        for at in 0..self.dense.len() {
+        let mut states = vec![FlowState::default(); self.forms.len()];
+        for at in 0..self.forms.len() {
             let mut best: Option<((u32, f64), u32)> = None;
-            for form in self.dense.forms(at) {
-                let (sum, time, exact) = self.dense.flow(&self.timing, &states, form);
+            for form in self.forms.of(at) {
+                let (sum, time, exact) = self.forms.flow(&states, form);
                 if best.is_some_and(|((known, _), _)| time > known) {
                     continue;
                 }
@@ -117,8 +109,10 @@ impl Mapper {
     /// the function came with.
     pub(crate) fn cheapest(&self, rounds: u32) -> Mapping {
         let mut mapping = self.unmapped();
-        for at in 0..self.dense.len() {
-            let form = self.dense.forms(at).start;
+        for at in 0..self.forms.len() {
+            let Some(form) = self.forms.of(at).next() else {
+                continue;
+            };
             mapping.chosen[at] = form;
             mapping.arrivals[at] = self.arrival(&mapping, form);
         }
@@ -129,7 +123,7 @@ impl Mapper {
     /// The latest output of a mapping.
     pub(crate) fn path(&self, mapping: &Mapping) -> u32 {
         let outputs = self.outputs.iter();
-        let arrivals = outputs.map(|&output| mapping.arrivals[output as usize]);
+        let arrivals = outputs.map(|&output| mapping.arrivals[output]);
         arrivals.max().unwrap_or(0)
     }
 
@@ -151,7 +145,7 @@ impl Mapper {
         let mut shares: Vec<f64> = uses.iter().map(share).collect();
         drop(model);
         let mut best = (mapping.operations, mapping.chosen.clone());
-        let flow_rounds = match self.dense.len() > LARGEST_EXACT {
+        let flow_rounds = match self.forms.len() > LARGEST_EXACT {
             true => rounds,
             false => rounds / 2,
         };
@@ -183,7 +177,7 @@ impl Mapper {
             return;
         }
         mapping.chosen.clone_from(chosen);
-        for at in 0..self.dense.len() {
+        for at in 0..self.forms.len() {
             if chosen[at] != u32::MAX {
                 mapping.arrivals[at] = self.arrival(mapping, chosen[at]);
             }
@@ -200,16 +194,16 @@ impl Mapper {
     }
 
     fn arrival(&self, mapping: &Mapping, form: u32) -> u32 {
-        self.dense.arrival(&self.timing, &mapping.arrivals, form)
+        self.forms.arrival(&mapping.arrivals, form)
     }
 
     /// Chooses by estimated cost, every class's cost divided among those that
     /// used it so far.
     fn flow_round(&self, mapping: &mut Mapping, shares: &[f64]) {
-        let mut states = vec![FlowState::default(); self.dense.len()];
-        for at in 0..self.dense.len() {
+        let mut states = vec![FlowState::default(); self.forms.len()];
+        for at in 0..self.forms.len() {
             let required = mapping.required[at];
-            let forms = self.dense.forms(at);
+            let forms = self.forms.of(at);
             // The form chosen last is mostly chosen again: it comes first, and
             // what is surely later or dearer need not be timed.
             let last = mapping.chosen[at];
@@ -217,7 +211,7 @@ impl Mapper {
             let others = forms.filter(|&form| Some(form) != last);
             let mut best: Option<((u32, f64, u32), u32, f64)> = None;
             for form in last.into_iter().chain(others) {
-                let (sum, time, exact) = self.dense.flow(&self.timing, &states, form);
+                let (sum, time, exact) = self.forms.flow(&states, form);
                 let least = (time.saturating_sub(required), sum);
                 if best.is_some_and(|((late, known, _), ..)| least > (late, known)) {
                     continue;
@@ -248,17 +242,17 @@ impl Mapper {
         let mut counter = UseCounter::default();
         // Arrivals are always those of the forms chosen: only what is behind a
         // change is timed again.
-        let mut moved = vec![false; self.dense.len()];
+        let mut moved = vec![false; self.forms.len()];
         let mut changed = false;
-        for at in 0..self.dense.len() {
+        for at in 0..self.forms.len() {
             let old = mapping.chosen[at];
             if old == u32::MAX {
                 continue;
             }
             let mut arrival = mapping.arrivals[at];
             let mut is_behind = false;
-            self.dense
-                .operands(old, |operand| is_behind |= moved[operand as usize]);
+            self.forms
+                .operands(old, |operand| is_behind |= moved[operand]);
             if is_behind {
                 arrival = self.arrival(mapping, old);
             }
@@ -268,10 +262,10 @@ impl Mapper {
                 mapping.arrivals[at] = arrival;
                 continue;
             }
-            let freed = counter.release(&self.dense, mapping, old);
+            let freed = counter.release(&self.forms, mapping, old);
             let mut best = ((arrival > mapping.required[at], freed, arrival), old);
-            for form in self.dense.forms(at) {
-                let cost = u64::from(self.dense.cost(form));
+            for form in self.forms.of(at) {
+                let cost = u64::from(self.forms.cost(form));
                 if form == old || cost > best.0.1 && !best.0.0 {
                     continue;
                 }
@@ -280,7 +274,7 @@ impl Mapper {
                     continue;
                 }
                 let most = if best.0.0 { u64::MAX } else { best.0.1 };
-                let Some(added) = counter.try_out(&self.dense, mapping, form, most) else {
+                let Some(added) = counter.try_out(&self.forms, mapping, form, most) else {
                     continue;
                 };
                 let key = (false, added, arrival);
@@ -289,7 +283,7 @@ impl Mapper {
                 }
             }
             let (key, form) = best;
-            counter.acquire(&self.dense, mapping, form, u64::MAX);
+            counter.acquire(&self.forms, mapping, form, u64::MAX);
             moved[at] = key.2 != mapping.arrivals[at];
             changed |= moved[at] || form != old;
             mapping.chosen[at] = form;
@@ -305,48 +299,22 @@ impl Mapper {
         mapping.required.fill(NEVER);
         mapping.operations = 0;
         for &output in &self.outputs {
-            mapping.uses[output as usize] += 1;
-            mapping.required[output as usize] = latest.unwrap_or(NEVER);
+            mapping.uses[output] += 1;
+            mapping.required[output] = latest.unwrap_or(NEVER);
         }
-        for at in (0..self.dense.len()).rev() {
+        for at in (0..self.forms.len()).rev() {
             if mapping.uses[at] == 0 {
                 continue;
             }
             let form = mapping.chosen[at];
-            mapping.operations += u64::from(self.dense.cost(form));
+            mapping.operations += u64::from(self.forms.cost(form));
             let uses = &mut mapping.uses;
-            self.dense
-                .operands(form, |operand| uses[operand as usize] += 1);
+            self.forms.operands(form, |operand| uses[operand] += 1);
             if latest.is_some() {
-                self.require(mapping, form, mapping.required[at]);
+                let time = mapping.required[at];
+                self.forms
+                    .require(&mapping.arrivals, &mut mapping.required, form, time);
             }
-        }
-    }
-
-    /// Hands the required time of a form's class on to its operands.
-    fn require(&self, mapping: &mut Mapping, form: u32, required: u32) {
-        let weight = match self.dense.kind(form) {
-            DenseKind::Leaf => return,
-            DenseKind::Opaque(weight) => {
-                self.dense.operands(form, |operand| {
-                    let known = &mut mapping.required[operand as usize];
-                    *known = (*known).min(required.saturating_sub(weight));
-                });
-                return;
-            }
-            DenseKind::Product => self.timing.of(Operation::Mul),
-            DenseKind::Sum => self.timing.of(Operation::Add),
-        };
-        let levels = self.dense.levels(&self.timing, &mapping.arrivals, form);
-        for (&(a, b), level) in self.dense.terms(form).iter().zip(levels) {
-            let mut time = required.saturating_sub(level * weight);
-            if b != Dense::NONE {
-                time = time.saturating_sub(self.timing.of(Operation::Mul));
-                let known = &mut mapping.required[b as usize];
-                *known = (*known).min(time);
-            }
-            let known = &mut mapping.required[a as usize];
-            *known = (*known).min(time);
         }
     }
 }
@@ -357,7 +325,7 @@ impl Mapper {
 struct UseCounter {
     open: Vec<u32>,
     /// The classes whose uses the last form added to.
-    touched: Vec<u32>,
+    touched: Vec<usize>,
 }
 
 impl UseCounter {
@@ -366,7 +334,7 @@ impl UseCounter {
     /// otherwise.
     fn acquire(
         &mut self,
-        dense: &Dense,
+        forms: &FormsByClass<'_>,
         mapping: &mut Mapping,
         form: u32,
         most: u64,
@@ -377,16 +345,16 @@ impl UseCounter {
         let (open, touched) = (&mut self.open, &mut self.touched);
         let mut added = 0;
         while let Some(form) = open.pop() {
-            added += u64::from(dense.cost(form));
+            added += u64::from(forms.cost(form));
             if added > most {
                 return None;
             }
-            dense.operands(form, |at| {
+            forms.operands(form, |at| {
                 touched.push(at);
-                let uses = &mut mapping.uses[at as usize];
+                let uses = &mut mapping.uses[at];
                 *uses += 1;
                 if *uses == 1 {
-                    open.push(mapping.chosen[at as usize]);
+                    open.push(mapping.chosen[at]);
                 }
             });
         }
@@ -397,32 +365,32 @@ impl UseCounter {
     /// `most`. Uses stay as they were.
     fn try_out(
         &mut self,
-        dense: &Dense,
+        forms: &FormsByClass<'_>,
         mapping: &mut Mapping,
         form: u32,
         most: u64,
     ) -> Option<u64> {
-        let added = self.acquire(dense, mapping, form, most);
+        let added = self.acquire(forms, mapping, form, most);
         for &at in &self.touched {
-            mapping.uses[at as usize] -= 1;
+            mapping.uses[at] -= 1;
         }
         added
     }
 
     /// Gives up a form: the opposite of [`UseCounter::acquire`]. The operations
     /// this saves.
-    fn release(&mut self, dense: &Dense, mapping: &mut Mapping, form: u32) -> u64 {
+    fn release(&mut self, forms: &FormsByClass<'_>, mapping: &mut Mapping, form: u32) -> u64 {
         self.open.clear();
         self.open.push(form);
         let open = &mut self.open;
         let mut freed = 0;
         while let Some(form) = open.pop() {
-            freed += u64::from(dense.cost(form));
-            dense.operands(form, |at| {
-                let uses = &mut mapping.uses[at as usize];
+            freed += u64::from(forms.cost(form));
+            forms.operands(form, |at| {
+                let uses = &mut mapping.uses[at];
                 *uses -= 1;
                 if *uses == 0 {
-                    open.push(mapping.chosen[at as usize]);
+                    open.push(mapping.chosen[at]);
                 }
             });
         }

@@ -106,11 +106,30 @@ impl ChoiceNetwork {
         self.forms.len()
     }
 
-    /// Frees what is only needed to find classes and forms: none can be added
-    /// any more.
-    pub(crate) fn close(&mut self) {
+    /// Numbers the classes anew, in order of rank: the new number of each. None
+    /// can be added any more; what finds classes and forms is freed.
+    pub(crate) fn sort(&mut self) -> Vec<Class> {
         self.values = ValueTable::new(self.values.images);
-        self.forms.forget_all();
+        let ranks = std::mem::take(&mut self.ranks);
+        let mut order: Vec<u32> = (0..ranks.len() as u32).collect();
+        order.sort_unstable_by_key(|&class| (ranks[class as usize], class));
+        drop(ranks);
+        let classes = order.iter().map(|&class| self.classes[class as usize]);
+        self.classes = classes.collect();
+        let mut places = vec![Class::ONE; order.len()];
+        for (place, &class) in order.iter().enumerate() {
+            places[class as usize] = Class(place as u32);
+        }
+        assert_eq!(places[0], Class::ONE, "the class of 1 stays first");
+        let operands = self
+            .opaques
+            .iter_mut()
+            .flat_map(|opaque| &mut opaque.operands);
+        for operand in operands.flatten() {
+            operand.class = places[operand.class.index()];
+        }
+        self.forms.sort(&places);
+        places
     }
 
     /// The class of a value, made when it does not exist, and whether the
@@ -190,6 +209,7 @@ impl ChoiceNetwork {
     }
 
     /// A form.
+    #[inline]
     pub(crate) fn form(&self, form: u32) -> ChoiceForm<'_> {
         self.forms.form(form)
     }
@@ -205,6 +225,7 @@ impl ChoiceNetwork {
     }
 
     /// Calls a function with every class a form uses.
+    #[inline]
     pub(crate) fn operands(&self, form: u32, mut visit: impl FnMut(Class)) {
         match self.form(form) {
             ChoiceForm::Input(..) | ChoiceForm::Constant(_) => {}
