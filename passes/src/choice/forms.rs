@@ -208,21 +208,38 @@ impl FormStore {
             known: HashTable::new(),
         };
         // What was moved is freed part by part: there is never a second copy.
-        let mut members: Vec<(Class, u32)> = Vec::new();
+        let mut begin = 0;
         for part in 1..=SORTED_PARTS {
-            let end = Class((numbers.len() * part / SORTED_PARTS) as u32);
-            members.clear();
-            let classes = self.records.iter().map(|record| record.class).zip(0..);
-            members.extend(classes.filter(|&(class, _)| class < end));
-            members.sort_unstable();
-            for &(class, form) in &members {
+            let end = numbers.len() * part / SORTED_PARTS;
+            for form in self.sorted(begin..end) {
                 let record = self.records[form as usize];
                 let terms = &self.terms[self.range(form)];
-                sorted.push(class, record.kind, terms, record.negated);
+                sorted.push(record.class, record.kind, terms, record.negated);
             }
-            self.drop_below(end);
+            self.drop_below(Class(end as u32));
+            begin = end;
         }
         *self = sorted;
+    }
+
+    /// The forms of some classes, in their order.
+    fn sorted(&self, classes: Range<usize>) -> Vec<u32> {
+        let mut places = vec![0u32; classes.len() + 1];
+        let members = self.records.iter().zip(0..);
+        let members = members.filter(|(record, _)| classes.contains(&record.class.index()));
+        let members = members.map(|(record, form)| (record.class.index() - classes.start, form));
+        for (class, _) in members.clone() {
+            places[class + 1] += 1;
+        }
+        for class in 0..classes.len() {
+            places[class + 1] += places[class];
+        }
+        let mut sorted = vec![0; places[classes.len()] as usize];
+        for (class, form) in members {
+            sorted[places[class] as usize] = form;
+            places[class] += 1;
+        }
+        sorted
     }
 
     /// Drops the forms of the classes before one.
