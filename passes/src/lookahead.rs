@@ -142,7 +142,7 @@ impl LookaheadSearch<'_> {
         let mut best: Option<(Function, (u32, u64))> = None;
         // A mapping is best modelled on one that is little later, so the path
         // is shortened step by step, and when a step is too dear by half of it.
-        let mut model = mapper.cheapest(self.pass.rounds).into_uses();
+        let mut model = mapper.cheapest(self.pass.rounds);
         let mut reached = before.0;
         let mut step = (before.0.saturating_sub(fastest) / STEPS).max(1);
         while reached > fastest && step > 0 {

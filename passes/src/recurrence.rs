@@ -42,7 +42,7 @@ declare_pass! {
         pub width: u32 = 12 => NumberLimit::whole(
             0, 64, "a form is composed of the forms of its terms, width times width products each"),
         /// A value ready so many cycles before such a point counts as early.
-        pub window: u32 = 60 => NumberLimit::whole(
+        pub window: u32 = 250 => NumberLimit::whole(
             0, 1_000_000, "no value is ready earlier"),
         /// Rounds in which operations are saved again.
         pub rounds: u32 = 6 => NumberLimit::whole(
@@ -112,7 +112,7 @@ impl Recurrence {
         if target >= before {
             return None;
         }
-        let model = mapper.cheapest(self.rounds).into_uses();
+        let model = mapper.cheapest(self.rounds);
         mapper.recover(&mut mapping, target, self.rounds, Some(model));
         Some(emit(function, &import, &mapper, &mapping, timing, tables))
     }

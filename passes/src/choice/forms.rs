@@ -83,14 +83,52 @@ enum FormKind {
     Product,
 }
 
+impl FormKind {
+    const ALL: [FormKind; 5] = [
+        FormKind::Input,
+        FormKind::Constant,
+        FormKind::Opaque,
+        FormKind::Sum,
+        FormKind::Product,
+    ];
+
+    fn of(product: bool) -> FormKind {
+        match product {
+            true => FormKind::Product,
+            false => FormKind::Sum,
+        }
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
 struct FormRecord {
-    class: Class,
+    /// The class, the kind, and whether the sum or product is the negation of
+    /// the class's value.
+    packed: u32,
     /// Where its terms start; those of the next form end them.
     start: u32,
-    kind: FormKind,
-    /// True when the sum or product is the negation of the class's value.
-    negated: bool,
+}
+
+impl FormRecord {
+    fn new(class: Class, kind: FormKind, negated: bool, start: u32) -> FormRecord {
+        let packed = class.0 << 4 | (kind as u32) << 1 | u32::from(negated);
+        FormRecord { packed, start }
+    }
+
+    #[inline]
+    fn class(self) -> Class {
+        Class(self.packed >> 4)
+    }
+
+    #[inline]
+    fn kind(self) -> FormKind {
+        FormKind::ALL[(self.packed >> 1 & 7) as usize]
+    }
+
+    #[inline]
+    fn negated(self) -> bool {
+        self.packed & 1 == 1
+    }
 }
 
 /// In so many parts forms are sorted.
@@ -121,12 +159,9 @@ impl FormStore {
     }
 
     fn push(&mut self, class: Class, kind: FormKind, terms: &[ProductTerm], negated: bool) -> u32 {
-        self.records.push(FormRecord {
-            class,
-            start: u32::try_from(self.terms.len()).expect("terms are counted in 32 bits"),
-            kind,
-            negated,
-        });
+        let start = u32::try_from(self.terms.len()).expect("terms are counted in 32 bits");
+        let record = FormRecord::new(class, kind, negated, start);
+        self.records.push(record);
         self.terms.extend_from_slice(terms);
         self.records.len() as u32 - 1
     }
@@ -159,14 +194,10 @@ impl FormStore {
         if self.find(terms, product).is_some() {
             return None;
         }
-        let kind = match product {
-            true => FormKind::Product,
-            false => FormKind::Sum,
-        };
-        let form = self.push(class, kind, terms, negated);
+        let form = self.push(class, FormKind::of(product), terms, negated);
         let mut known = std::mem::take(&mut self.known);
         known.insert_unique(hash(terms, product), form, |&form| {
-            let product = self.records[form as usize].kind == FormKind::Product;
+            let product = self.records[form as usize].kind() == FormKind::Product;
             hash(&self.terms[self.range(form)], product)
         });
         self.known = known;
@@ -175,12 +206,9 @@ impl FormStore {
 
     /// The sum or product of these terms.
     pub(crate) fn find(&self, terms: &[ProductTerm], product: bool) -> Option<u32> {
-        let kind = match product {
-            true => FormKind::Product,
-            false => FormKind::Sum,
-        };
+        let kind = FormKind::of(product);
         let equal = |&form: &u32| {
-            self.records[form as usize].kind == kind && self.terms[self.range(form)] == *terms
+            self.records[form as usize].kind() == kind && self.terms[self.range(form)] == *terms
         };
         self.known.find(hash(terms, product), equal).copied()
     }
@@ -192,9 +220,11 @@ impl FormStore {
         self.known = HashTable::new();
         for form in 0..self.records.len() {
             let range = self.range(form as u32);
-            let record = &mut self.records[form];
-            record.class = numbers[record.class.index()];
-            if matches!(record.kind, FormKind::Sum | FormKind::Product) {
+            let record = self.records[form];
+            let class = numbers[record.class().index()];
+            self.records[form] =
+                FormRecord::new(class, record.kind(), record.negated(), record.start);
+            if matches!(record.kind(), FormKind::Sum | FormKind::Product) {
                 for term in &mut self.terms[range] {
                     let [a, b] = [term.a, term.b()].map(|class| numbers[class.index()]);
                     *term = ProductTerm::new(a, b, term.negative());
@@ -214,7 +244,7 @@ impl FormStore {
             for form in self.sorted(begin..end) {
                 let record = self.records[form as usize];
                 let terms = &self.terms[self.range(form)];
-                sorted.push(record.class, record.kind, terms, record.negated);
+                sorted.push(record.class(), record.kind(), terms, record.negated());
             }
             self.drop_below(Class(end as u32));
             begin = end;
@@ -226,8 +256,8 @@ impl FormStore {
     fn sorted(&self, classes: Range<usize>) -> Vec<u32> {
         let mut places = vec![0u32; classes.len() + 1];
         let members = self.records.iter().zip(0..);
-        let members = members.filter(|(record, _)| classes.contains(&record.class.index()));
-        let members = members.map(|(record, form)| (record.class.index() - classes.start, form));
+        let members = members.filter(|(record, _)| classes.contains(&record.class().index()));
+        let members = members.map(|(record, form)| (record.class().index() - classes.start, form));
         for (class, _) in members.clone() {
             places[class + 1] += 1;
         }
@@ -248,7 +278,7 @@ impl FormStore {
         for form in 0..self.records.len() {
             let range = self.range(form as u32);
             let record = self.records[form];
-            if record.class < end {
+            if record.class() < end {
                 continue;
             }
             let start = terms as u32;
@@ -265,19 +295,19 @@ impl FormStore {
 
     /// The class of a form.
     pub(crate) fn class(&self, form: u32) -> Class {
-        self.records[form as usize].class
+        self.records[form as usize].class()
     }
 
     /// Whether a sum or product is the negation of its class's value.
     pub(crate) fn is_negated(&self, form: u32) -> bool {
-        self.records[form as usize].negated
+        self.records[form as usize].negated()
     }
 
     /// A form.
     #[inline]
     pub(crate) fn form(&self, form: u32) -> ChoiceForm<'_> {
         let terms = &self.terms[self.range(form)];
-        match self.records[form as usize].kind {
+        match self.records[form as usize].kind() {
             FormKind::Input => ChoiceForm::Input(Input(terms[0].a.0), terms[0].negative()),
             FormKind::Constant => ChoiceForm::Constant(self.constants[terms[0].a.index()]),
             FormKind::Opaque => ChoiceForm::Opaque(terms[0].a.0),

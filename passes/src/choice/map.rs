@@ -107,7 +107,7 @@ impl Mapper<'_> {
 
     /// The mapping with few operations, however late: it starts from the forms
     /// the function came with.
-    pub(crate) fn cheapest(&self, rounds: u32) -> Mapping {
+    pub(crate) fn cheapest(&self, rounds: u32) -> ClassUses {
         let mut mapping = self.unmapped();
         for at in 0..self.forms.len() {
             let Some(form) = self.forms.of(at).next() else {
@@ -117,7 +117,7 @@ impl Mapper<'_> {
             mapping.arrivals[at] = self.arrival(&mapping, form);
         }
         self.recover(&mut mapping, NEVER, rounds, None);
-        mapping
+        mapping.into_uses()
     }
 
     /// The latest output of a mapping.

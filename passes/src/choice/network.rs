@@ -57,8 +57,8 @@ pub(crate) struct Opaque {
 struct Record {
     /// The form it was made with.
     first: u32,
-    owner: Symbol,
-    sources: SourceSet,
+    /// Where it comes from: index into the network's origins.
+    origin: u32,
 }
 
 const NONE: u32 = u32::MAX;
@@ -72,6 +72,8 @@ pub(crate) struct ChoiceNetwork {
     pub(crate) values: ValueTable,
     ranks: Vec<u64>,
     classes: Vec<Record>,
+    /// Symbols that classes are named after, and equations they come from.
+    origins: Vec<(Symbol, SourceSet)>,
     forms: FormStore,
     pub(crate) opaques: Vec<Opaque>,
     /// The symbol that new classes are named after, and their sources.
@@ -85,6 +87,7 @@ impl ChoiceNetwork {
             values: ValueTable::new(images),
             ranks: Vec::new(),
             classes: Vec::new(),
+            origins: Vec::new(),
             forms: FormStore::default(),
             opaques: Vec::new(),
             origin: (Symbol(0), SourceSet::EMPTY),
@@ -137,13 +140,15 @@ impl ChoiceNetwork {
     pub(crate) fn class(&mut self, value: Fingerprint, rank: u64) -> SignedClass {
         let (place, negative) = self.values.place(value);
         if place as usize == self.classes.len() {
-            // Terms hold a sign beside a class.
-            assert!(place < NONE >> 1, "classes are counted in 31 bits");
+            // Forms hold more beside a class.
+            assert!(place < NONE >> 4, "classes are counted in 28 bits");
             self.ranks.push(rank);
+            if self.origins.last() != Some(&self.origin) {
+                self.origins.push(self.origin);
+            }
             self.classes.push(Record {
                 first: NONE,
-                owner: self.origin.0,
-                sources: self.origin.1,
+                origin: self.origins.len() as u32 - 1,
             });
         }
         let class = Class(place);
@@ -193,13 +198,14 @@ impl ChoiceNetwork {
 
     /// The symbol a class is named after, and the equations it comes from.
     pub(crate) fn origin_of(&self, class: Class) -> (Symbol, SourceSet) {
-        let record = &self.classes[class.index()];
-        (record.owner, record.sources)
+        self.origins[self.classes[class.index()].origin as usize]
     }
 
     /// Says which equations a class comes from.
     pub(crate) fn set_sources(&mut self, class: Class, sources: SourceSet) {
-        self.classes[class.index()].sources = sources;
+        let owner = self.origin_of(class).0;
+        self.classes[class.index()].origin = self.origins.len() as u32;
+        self.origins.push((owner, sources));
     }
 
     /// The form a class was made with.
