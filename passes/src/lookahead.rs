@@ -110,6 +110,17 @@ impl Pass for Lookahead {
 /// In how many steps the path is shortened at least.
 const STEPS: u32 = 10;
 
+/// The part of the path below which a step is not worth its time.
+const FINEST: u64 = 400;
+
+/// The step to try after one was too dear, from the operations before it, those
+/// allowed and those it took: where the budget should end, half way at most.
+fn smaller_step(step: u32, (before, allowed, dear): (u64, u64, u64)) -> u32 {
+    let (left, taken) = (allowed.saturating_sub(before), dear.saturating_sub(before));
+    let share = u64::from(step) * left / taken.max(1);
+    u32::try_from(share).map_or(step / 2, |share| share.clamp(step / 8, step / 2))
+}
+
 /// The search for the shortest path within the budget.
 struct LookaheadSearch<'a> {
     pass: &'a Lookahead,
@@ -141,21 +152,21 @@ impl LookaheadSearch<'_> {
         let fastest = mapper.path(&earliest).max(self.pass.path);
         let mut best: Option<(Function, (u32, u64))> = None;
         // A mapping is best modelled on one that is little later, so the path
-        // is shortened step by step, and when a step is too dear by half of it.
+        // is shortened step by step, and when a step is too dear by less.
         let mut model = mapper.cheapest(self.pass.rounds);
-        let mut reached = before.0;
+        let mut reached = before;
         let mut step = (before.0.saturating_sub(fastest) / STEPS).max(1);
-        while reached > fastest && step > 0 {
-            let target = reached.saturating_sub(step).max(fastest);
+        while reached.0 > fastest && u64::from(step) * FINEST >= u64::from(reached.0) {
+            let target = reached.0.saturating_sub(step).max(fastest);
             let mut mapping = earliest.clone();
             mapper.recover(&mut mapping, target, self.pass.rounds, Some(model.clone()));
             let made = self.realise(tables, &mapper, &mapping);
             let size = self.size(&made);
             if size.1 > allowed {
-                step /= 2;
+                step = smaller_step(step, (reached.1, allowed, size.1));
                 continue;
             }
-            reached = target.min(size.0);
+            reached = (target.min(size.0), size.1);
             model = mapping.into_uses();
             if best.as_ref().is_none_or(|(_, known)| size < *known) {
                 best = Some((made, size));
