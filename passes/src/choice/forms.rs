@@ -304,7 +304,7 @@ impl FormStore {
     }
 
     /// A form.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn form(&self, form: u32) -> ChoiceForm<'_> {
         let terms = &self.terms[self.range(form)];
         match self.records[form as usize].kind() {

@@ -215,7 +215,7 @@ impl ChoiceNetwork {
     }
 
     /// A form.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn form(&self, form: u32) -> ChoiceForm<'_> {
         self.forms.form(form)
     }
