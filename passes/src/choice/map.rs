@@ -177,9 +177,9 @@ impl Mapper<'_> {
             return;
         }
         mapping.chosen.clone_from(chosen);
-        for at in 0..self.forms.len() {
-            if chosen[at] != u32::MAX {
-                mapping.arrivals[at] = self.arrival(mapping, chosen[at]);
+        for (at, &form) in chosen.iter().enumerate() {
+            if form != u32::MAX {
+                mapping.arrivals[at] = self.arrival(mapping, form);
             }
         }
         self.settle(mapping, Some(latest));
