@@ -310,14 +310,5 @@ fn describe_operand(view: View<'_>, operand: Operand) -> String {
     }
 }
 
-/// True for a word: letters, digits and underscores in parts joined by dots.
-pub(crate) fn is_word(text: &str) -> bool {
-    !text.starts_with(|first: char| first.is_ascii_digit())
-        && text.split('.').all(|part| {
-            let word = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';
-            !part.is_empty() && part.bytes().all(word)
-        })
-}
-
 #[cfg(test)]
 mod tests;

@@ -19,6 +19,7 @@ pub mod interval;
 pub mod limits;
 pub mod operation;
 pub mod power;
+pub mod radix;
 pub mod random;
 pub mod soft_float;
 pub mod trigonometry;

@@ -1,8 +1,9 @@
 //! Invariants 1, 2, 5 and 7: words, arrays, constants, user calls.
 
-use super::{ViolationCollector, ViolationSubject, is_word};
+use super::{ViolationCollector, ViolationSubject};
 use crate::entity::Constant;
 use crate::function::{Array, MAX_INPUT_ELEMENTS, MAX_OUTPUT_ELEMENTS};
+use crate::symbol::is_word;
 use hashbrown::HashSet;
 use robovec_num::trigonometry::host;
 use rustc_hash::FxBuildHasher;
