@@ -65,6 +65,7 @@ pub struct Schedule {
 
 impl Schedule {
     /// True for a node the host evaluates.
+    #[inline]
     pub fn is_host(&self, value: Value) -> bool {
         self.slots[value.index()].is_none()
     }
@@ -74,11 +75,13 @@ impl Schedule {
     /// # Panics
     ///
     /// When the host evaluates the node.
+    #[inline]
     pub fn slot(&self, value: Value) -> Slot {
         self.slots[value.index()].expect("the machine computes the node")
     }
 
     /// The kind and the number within the kind, from 0, of an element.
+    #[inline]
     pub fn element_name(&self, element: Element) -> (&str, u32) {
         let number = element.number();
         let mut first = 0;
@@ -178,6 +181,7 @@ pub struct Placement {
 
 impl Placement {
     /// The writes of one node.
+    #[inline]
     pub fn writes_of(&self, value: Value) -> &[Write] {
         let start = self.write_starts[value.index()] as usize;
         let end = self.write_starts[value.index() + 1] as usize;

@@ -17,6 +17,7 @@ use crate::source::{SourcePlace, SourceSet};
 use hashbrown::HashMap;
 use robovec_num::operation::Operation;
 use rustc_hash::FxBuildHasher;
+use smallvec::SmallVec;
 use std::io;
 use text::Text;
 
@@ -124,6 +125,9 @@ enum PendingPiece {
     Operand(Operand, u8),
     Text(&'static str),
 }
+
+/// The pieces of an expression; those of most need no allocation.
+type Pieces = SmallVec<[PendingPiece; 8]>;
 
 const SUM: u8 = 1;
 const PRODUCT: u8 = 2;
@@ -456,7 +460,7 @@ impl<'a> FunctionPrinter<'a> {
     /// are shallow, those of hostile ones are not.
     fn expression(&self, text: &mut Text<'_>, value: Value) {
         let function = self.view.function;
-        let mut pieces = Vec::new();
+        let mut pieces = Pieces::new();
         self.open(&mut pieces, text, value);
         while let Some(piece) = pieces.pop() {
             match piece {
@@ -476,7 +480,7 @@ impl<'a> FunctionPrinter<'a> {
     }
 
     /// Pushes the pieces of one node, last first.
-    fn open(&self, pieces: &mut Vec<PendingPiece>, text: &mut Text<'_>, value: Value) {
+    fn open(&self, pieces: &mut Pieces, text: &mut Text<'_>, value: Value) {
         let node = self.view.function.node(value);
         let [left, right, third] = node.operands;
         let (fixed, binding) = match node.operation {

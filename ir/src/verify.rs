@@ -278,6 +278,19 @@ impl<'a> ViolationCollector<'a> {
     }
 }
 
+/// True when no number occurs twice; all are below a bound.
+fn all_differ(numbers: impl Iterator<Item = usize>, bound: usize) -> bool {
+    let mut seen = vec![0u64; bound.div_ceil(64)];
+    for number in numbers {
+        let (word, bit) = (&mut seen[number / 64], 1 << (number % 64));
+        if *word & bit != 0 {
+            return false;
+        }
+        *word |= bit;
+    }
+    true
+}
+
 /// A value for a message: its name, or that of the definition around it.
 fn describe(view: View<'_>, value: Value) -> String {
     let symbols = &view.tables.symbols;

@@ -3,11 +3,11 @@
 //! The formulas are those of [`robovec_codegen::hardware`], for the
 //! hardware that `robovec rtl` writes. Nothing is synthesised.
 
-use super::placing::{most_words, placed};
+use super::placing::{placed, words_of_a_side};
 use robovec_codegen::hardware::{self, MachineShape, ResourceUse};
 use robovec_ir::machine::Device;
 use robovec_ir::{Format, Function, Machine, Module};
-use robovec_schedule::{PlaceOptions, placement_statistics};
+use robovec_schedule::{PlaceOptions, most_memory_words};
 use serde::Serialize;
 
 /// What a machine takes.
@@ -76,9 +76,8 @@ pub fn placed_share(module: &Module, machine: &Machine) -> Option<(u32, f64)> {
 /// The share of the device that a machine takes with memories for a function
 /// that is placed on it; `None` for one that is not.
 pub fn share_of_placed(function: &Function, machine: &Machine) -> Option<f64> {
-    let statistics = placement_statistics(function, machine)?;
     let cycles = function.schedule.as_ref()?.cycles;
-    let words = most_words(&statistics, machine);
+    let words = words_of_a_side(most_memory_words(function)?, machine);
     let taken = taken(machine, machine.number, cycles, words);
     Some(taken.share(machine.device.device()))
 }

@@ -3,7 +3,8 @@
 use robovec_ir::placement::Schedule;
 use robovec_ir::{Function, Machine, Module, Operation, View, verify};
 use robovec_schedule::{
-    PlaceError, PlaceOptions, PlaceSummary, PlacementStatistics, place, placement_statistics,
+    PlaceError, PlaceOptions, PlaceSummary, PlacementStatistics, most_memory_words, place,
+    placement_statistics,
 };
 
 /// A machine with so many elements of the kinds that perform these operations;
@@ -71,18 +72,11 @@ impl PlacedFunction {
         placement_statistics(&self.function, machine).expect("what is placed has a placement")
     }
 
-    /// The most words of one memory: see [`most_words`].
+    /// The most words of one operand memory of an element.
     pub fn most_words(&self, machine: &Machine) -> u32 {
-        most_words(&self.statistics(machine), machine)
+        let words = most_memory_words(&self.function).expect("what is placed has a placement");
+        words_of_a_side(words, machine)
     }
-}
-
-/// The most words of one operand memory of an element. What the statistics
-/// count together lies in as many memories as the element has sides.
-pub fn most_words(statistics: &PlacementStatistics, machine: &Machine) -> u32 {
-    let kinds = statistics.kinds.iter();
-    let words = kinds.map(|kind| kind.memory.max).max().unwrap_or(0);
-    words_of_a_side(words, machine)
 }
 
 /// The words of one memory of an element whose memories hold so many together.

@@ -25,9 +25,12 @@ pub fn sort_by_key(order: &mut Vec<u32>, key: impl Fn(u32) -> u32) {
         return;
     }
     let mut keyed: Vec<(u32, u32)> = order.iter().map(|&index| (key(index), index)).collect();
-    let largest = keyed.iter().map(|&(key, _)| key).max().unwrap_or(0);
+    let keys = || keyed.iter().map(|&(key, _)| key);
+    let (least, largest) = (keys().min().unwrap_or(0), keys().max().unwrap_or(0));
+    // What all keys have in common takes no pass.
+    keyed.iter_mut().for_each(|(key, _)| *key -= least);
+    let bits = u32::BITS - (largest - least).leading_zeros();
     let mut other = vec![(0, 0); keyed.len()];
-    let bits = u32::BITS - largest.leading_zeros();
     for shift in (0..bits).step_by(DIGIT_BITS as usize) {
         distribute(&keyed, &mut other, shift);
         std::mem::swap(&mut keyed, &mut other);

@@ -1,7 +1,7 @@
 //! Invariants 3, 6, 8 to 10 and 12: nodes, expressions, assignments.
 
 use super::{ViolationCollector, ViolationSubject, describe_operand};
-use crate::entity::{Operand, OperandKind, Output, Value};
+use crate::entity::{Operand, Output, Value};
 use crate::function::{Array, Level, Node};
 use crate::source::SourceSet;
 use robovec_num::operation::Operation;
@@ -29,12 +29,10 @@ struct Bounds {
 
 impl Bounds {
     fn holds(&self, operand: Operand, values: usize) -> bool {
-        match operand.kind() {
-            OperandKind::Value(value) => value.index() < values,
-            OperandKind::Input(input) => input.index() < self.inputs,
-            OperandKind::Constant(constant) => constant.index() < self.constants,
-            OperandKind::None => false,
-        }
+        // By kind, as [`Operand::parts`] numbers them; none has no index.
+        let limits = [values, self.inputs, self.constants, 0];
+        let (kind, index) = operand.parts();
+        index < limits[kind]
     }
 }
 
@@ -49,9 +47,12 @@ fn operands(collector: &mut ViolationCollector<'_>) -> bool {
     let bounds = bounds(collector);
     let mut sound = true;
     for (value, node) in collector.view.function.values() {
-        let (present, absent) = node.operands.split_at(node.operation.arity());
-        let fits = |&operand: &Operand| bounds.holds(operand, value.index());
-        if !present.iter().all(fits) || !absent.iter().all(|operand| operand.is_none()) {
+        let arity = node.operation.arity();
+        let fits = |place: usize| match place < arity {
+            true => bounds.holds(node.operands[place], value.index()),
+            false => node.operands[place].is_none(),
+        };
+        if !(0..Operand::MAX_COUNT).all(fits) {
             sound = false;
             let given = node.operands.iter().filter(|operand| !operand.is_none());
             let given: Vec<&Operand> = given.collect();

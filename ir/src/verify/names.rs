@@ -1,13 +1,13 @@
 //! Invariant 4: names.
 
-use super::ViolationCollector;
+use super::{ViolationCollector, all_differ};
 use crate::entity::Value;
 use crate::symbol::{Name, Symbol};
 
-/// Names derived from one symbol are numbered almost without gaps, so a bit
-/// for each number up to the largest costs little, unless a text written by
-/// hand has numbers far apart: then names are sorted.
-const BITS_PER_NAME: usize = 16;
+/// Bits for each node that tell which names are borne: what the keys that
+/// would be sorted instead take. Names derived from one symbol are numbered
+/// almost without gaps, so that only a text written by hand has more.
+const BITS_PER_NODE: usize = 64;
 
 pub(super) fn check(collector: &mut ViolationCollector<'_>) {
     let view = collector.view;
@@ -32,7 +32,7 @@ pub(super) fn check(collector: &mut ViolationCollector<'_>) {
             });
         }
     }
-    if all_differ(collector) != Some(true) {
+    if !known_to_differ(collector) {
         duplicates(collector);
     }
 }
@@ -44,9 +44,9 @@ fn names<'a>(collector: &ViolationCollector<'a>) -> impl Iterator<Item = (Value,
     named.filter(move |(_, name)| !name.is_none() && name.base.index() < symbols)
 }
 
-/// True when no two names are equal; `None` when numbers lie too far apart to
-/// find out without sorting.
-fn all_differ(collector: &ViolationCollector<'_>) -> Option<bool> {
+/// True when no two names are equal and their numbers lie close enough
+/// together to tell.
+fn known_to_differ(collector: &ViolationCollector<'_>) -> bool {
     // For each symbol first one more than its largest number, then the place
     // of its number 0 among the bits.
     let mut starts = vec![0u32; collector.view.tables.symbols.len()];
@@ -54,27 +54,18 @@ fn all_differ(collector: &ViolationCollector<'_>) -> Option<bool> {
         let start = &mut starts[name.base.index()];
         *start = (*start).max(name.suffix.saturating_add(1));
     }
+    let limit = BITS_PER_NODE * (collector.view.function.nodes().len() + 1);
     let mut bits = 0usize;
-    let limit = BITS_PER_NAME * (collector.view.function.nodes().len() + 1);
     for start in &mut starts {
         let count = *start as usize;
         *start = bits as u32;
-        bits = bits.saturating_add(count);
-        if bits > limit {
-            return None;
+        bits += count;
+        if bits > limit.min(u32::MAX as usize) {
+            return false;
         }
     }
-    let mut borne = vec![0u64; bits.div_ceil(64)];
-    for (_, name) in names(collector) {
-        let place = (starts[name.base.index()] + name.suffix) as usize;
-        let word = &mut borne[place / 64];
-        let bit = 1 << (place % 64);
-        if *word & bit != 0 {
-            return Some(false);
-        }
-        *word |= bit;
-    }
-    Some(true)
+    let bit = |name: Name| (starts[name.base.index()] + name.suffix) as usize;
+    all_differ(names(collector).map(|(_, name)| bit(name)), bits)
 }
 
 fn key(name: Name) -> u64 {

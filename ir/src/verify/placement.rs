@@ -12,6 +12,7 @@ use crate::entity::Value;
 use crate::machine::{Machine, MemoryStyle};
 use crate::module::View;
 use crate::placement::{Bank, Placement, Schedule, Slot, Word, Write};
+use robovec_num::operation::Operation;
 
 /// Checks a placed function against its machine, after [`verify`] finds
 /// nothing; the form of the result is the same.
@@ -42,7 +43,7 @@ pub fn verify_placement(view: View<'_>, machine: &Machine) -> Vec<Violation> {
         collector.add(ViolationSubject::Function, message);
         return collector.finish();
     };
-    let Some(stages) = stages(&mut collector, schedule, machine) else {
+    let Some(elements) = elements(&mut collector, schedule, machine) else {
         return collector.finish();
     };
     let counts: Vec<u32> = schedule.kinds.iter().map(|kind| kind.count).collect();
@@ -51,7 +52,7 @@ pub fn verify_placement(view: View<'_>, machine: &Machine) -> Vec<Violation> {
         machine,
         schedule,
         placement,
-        stages,
+        elements,
         routes: Routes::new(machine.interconnect, &counts),
     };
     check.performers(&mut collector);
@@ -64,29 +65,42 @@ pub fn verify_placement(view: View<'_>, machine: &Machine) -> Vec<Violation> {
     collector.finish()
 }
 
-/// The stages of each processing element; `None` when the kinds are not those
+/// What the machine says of a processing element.
+#[derive(Clone, Copy)]
+struct ElementFacts {
+    stages: u32,
+    /// By operation, whether it is the element's kind that performs it.
+    performs: [bool; Operation::ALL.len()],
+}
+
+/// The facts of each processing element; `None` when the kinds are not those
 /// of the machine.
-fn stages(
+fn elements(
     collector: &mut ViolationCollector<'_>,
     schedule: &Schedule,
     machine: &Machine,
-) -> Option<Vec<u32>> {
+) -> Option<Vec<ElementFacts>> {
     if let Err(mismatch) = schedule.check_machine(machine) {
         collector.add(ViolationSubject::Schedule, || mismatch.to_string());
         return None;
     }
-    let mut stages = Vec::new();
+    let performers = Operation::ALL.map(|operation| machine.kind_of(operation));
+    let mut facts = Vec::new();
     for kind in &schedule.kinds {
         let mut elements = machine.elements.iter();
-        let Some(element) = elements.find(|element| element.kind == kind.name) else {
+        let Some(index) = elements.position(|element| element.kind == kind.name) else {
             collector.add(ViolationSubject::Schedule, || {
                 format!("the machine has no processing elements '{}'", kind.name)
             });
             return None;
         };
-        stages.extend((0..kind.count).map(|_| element.stages));
+        let element = ElementFacts {
+            stages: machine.elements[index].stages,
+            performs: performers.map(|performer| performer == Some(index)),
+        };
+        facts.extend((0..kind.count).map(|_| element));
     }
-    Some(stages)
+    Some(facts)
 }
 
 pub(super) struct PlacementCheck<'a> {
@@ -94,7 +108,7 @@ pub(super) struct PlacementCheck<'a> {
     pub(super) machine: &'a Machine,
     pub(super) schedule: &'a Schedule,
     pub(super) placement: &'a Placement,
-    stages: Vec<u32>,
+    elements: Vec<ElementFacts>,
     /// The routes of words, unless there is a crossbar.
     pub(super) routes: Option<Routes>,
 }
@@ -108,7 +122,7 @@ impl PlacementCheck<'_> {
     /// The cycle in which the result is on the crossbar.
     pub(super) fn write_back(&self, value: Value) -> u64 {
         let slot = self.slot(value);
-        u64::from(slot.cycle) + u64::from(self.stages[slot.element.index()]) + 1
+        u64::from(slot.cycle) + u64::from(self.elements[slot.element.index()].stages) + 1
     }
 
     /// The cycle in which the word of a write left its producer or the
@@ -141,10 +155,9 @@ impl PlacementCheck<'_> {
     fn performers(&self, collector: &mut ViolationCollector<'_>) {
         for value in self.placed_values() {
             let operation = self.view.function.node(value).operation;
-            let (kind, number) = self.schedule.element_name(self.slot(value).element);
-            let performer = self.machine.kind_of(operation);
-            let fits = performer.is_some_and(|index| self.machine.elements[index].kind == kind);
-            if !fits {
+            let element = self.slot(value).element;
+            if !self.elements[element.index()].performs[operation as usize] {
+                let (kind, number) = self.schedule.element_name(element);
                 let operation = operation.name();
                 collector.value(value, || {
                     format!("is on {kind}{number}, which does not perform '{operation}'")

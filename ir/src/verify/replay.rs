@@ -11,6 +11,7 @@ use super::{ViolationCollector, ViolationSubject, describe, describe_operand};
 use crate::entity::{Operand, OperandKind, Value};
 use crate::placement::{Bank, Word};
 use hashbrown::HashMap;
+use robovec_num::radix;
 use rustc_hash::FxBuildHasher;
 
 /// Replays the run and reports every read of a wrong word, and every port or
@@ -177,30 +178,23 @@ impl PlacementReplay<'_, '_, '_> {
 
     fn run(&mut self) {
         let check = self.check;
-        let key = |cycle: u32, index: usize| u64::from(cycle) << 32 | index as u64;
-        let starts = check.placed_values();
-        let mut starts: Vec<u64> = starts
-            .map(|value| key(check.slot(value).cycle, value.index()))
-            .collect();
-        starts.sort_unstable();
-        let writes = check.placement.writes.iter().enumerate();
-        let mut writes: Vec<u64> = writes
-            .map(|(index, write)| key(write.cycle, index))
-            .collect();
-        writes.sort_unstable();
+        let mut starts: Vec<u32> = check.placed_values().map(|value| value.0).collect();
+        radix::sort_by_key(&mut starts, |value| check.slot(Value(value)).cycle);
+        let all_writes = &check.placement.writes;
+        let writes =
+            radix::sorted_by_key(all_writes.len(), |write| all_writes[write as usize].cycle);
         let owners = self.owners();
-        let mut starts = starts.into_iter().peekable();
-        for write in writes {
-            let cycle = write >> 32;
+        let mut starts = starts.into_iter().map(Value).peekable();
+        for index in writes.into_iter().map(|write| write as usize) {
+            let cycle = all_writes[index].cycle;
             // What starts in the cycle of a write does not see it.
-            while let Some(start) = starts.next_if(|start| start >> 32 <= cycle) {
-                self.start(Value(start as u32));
+            while let Some(start) = starts.next_if(|&start| check.slot(start).cycle <= cycle) {
+                self.start(start);
             }
-            let index = write as u32 as usize;
-            self.write(cycle, index, Value(owners[index]));
+            self.write(u64::from(cycle), index, Value(owners[index]));
         }
         for start in starts {
-            self.start(Value(start as u32));
+            self.start(start);
         }
     }
 

@@ -1,9 +1,13 @@
 //! Invariants 14 to 16: what of a schedule can be checked without knowing the
 //! machine.
 
-use super::{ViolationCollector, ViolationSubject, describe};
+use super::{ViolationCollector, ViolationSubject, all_differ, describe};
 use crate::entity::Value;
 use crate::placement::{Schedule, Slot};
+
+/// Bits for each node that tell which slots are taken: what the keys that
+/// would be sorted instead take.
+const BITS_PER_NODE: usize = 64;
 
 /// True when every node has a slot on an element that exists.
 pub(super) fn check(collector: &mut ViolationCollector<'_>, schedule: &Schedule) -> bool {
@@ -111,6 +115,20 @@ fn dependencies(collector: &mut ViolationCollector<'_>, schedule: &Schedule) {
 }
 
 fn one_at_a_time(collector: &mut ViolationCollector<'_>, schedule: &Schedule) {
+    let slots = || schedule.slots.iter().flatten();
+    let cycles = slots().map(|slot| slot.cycle as usize + 1).max();
+    let cycles = cycles.unwrap_or(0);
+    let elements = slots().map(|slot| slot.element.index() + 1).max();
+    let bits = elements.unwrap_or(0).saturating_mul(cycles);
+    let is_dense = bits <= BITS_PER_NODE * (schedule.slots.len() + 1);
+    let bit = |slot: &Slot| slot.element.index() * cycles + slot.cycle as usize;
+    if !is_dense || !all_differ(slots().map(bit), bits) {
+        taken_twice(collector, schedule);
+    }
+}
+
+/// Tells who shares a slot.
+fn taken_twice(collector: &mut ViolationCollector<'_>, schedule: &Schedule) {
     let key = |slot: &Slot| u64::from(slot.element.number()) << 32 | u64::from(slot.cycle);
     let mut keys: Vec<u64> = schedule.slots.iter().flatten().map(key).collect();
     keys.sort_unstable();

@@ -17,6 +17,7 @@
 use super::graph::DependenceGraph;
 use super::order::SchedulingOrder;
 use super::ready::RankSet;
+use robovec_num::radix;
 use std::cmp::Reverse;
 
 /// The longest chain, or the bound of the scarcest kind if that is larger.
@@ -34,11 +35,9 @@ fn kind_bound(graph: &DependenceGraph, by_tail: &SchedulingOrder, kind: usize) -
         ranked.is_sorted_by_key(|&node| Reverse(graph.tail[node as usize])),
         "the order has the longest tails first"
     );
-    let mut released: Vec<(u32, u32)> = ranked
-        .iter()
-        .map(|&node| (graph.head[node as usize], node))
-        .collect();
-    released.sort_unstable();
+    let head = |node: u32| graph.head[node as usize];
+    let mut released = ranked.clone();
+    radix::sort_by_key(&mut released, head);
     let mut released = released.into_iter().peekable();
     let mut waiting = RankSet::new(ranked.len());
     let mut cycle = 0;
@@ -46,11 +45,11 @@ fn kind_bound(graph: &DependenceGraph, by_tail: &SchedulingOrder, kind: usize) -
     loop {
         if waiting.is_empty() {
             match released.peek() {
-                Some(&(head, _)) => cycle = cycle.max(head),
+                Some(&node) => cycle = cycle.max(head(node)),
                 None => return bound,
             }
         }
-        while let Some((_, node)) = released.next_if(|&(head, _)| head <= cycle) {
+        while let Some(node) = released.next_if(|&node| head(node) <= cycle) {
             waiting.insert(by_tail.rank[node as usize]);
         }
         for _ in 0..graph.kinds[kind].count {

@@ -2,7 +2,9 @@
 //! element, and how long the chains before and after an operation are.
 
 use super::error::PlaceError;
-use robovec_ir::{Function, Level, Machine, Operand, OperandKind, Value, index_types};
+use robovec_ir::{
+    Constant, Function, Input, Level, Machine, Operand, OperandKind, Operation, Value, index_types,
+};
 
 /// The kind of a node the host evaluates.
 pub(super) const HOST: u8 = u8::MAX;
@@ -163,27 +165,37 @@ impl DependenceGraph {
     }
 
     fn number_data(&mut self, function: &Function) {
-        let operands = function.nodes().iter().flat_map(|node| node.operands());
-        self.initial = operands
-            .copied()
-            .filter(|operand| operand.value().is_none())
-            .collect();
-        self.initial.sort_unstable();
-        self.initial.dedup();
-        let number = |operand: Operand| match operand.kind() {
-            OperandKind::Value(value) => Some(Datum::from(value)),
-            OperandKind::Input(_) | OperandKind::Constant(_) => {
-                let place = self.initial.binary_search(&operand);
-                let place = place.expect("all operands that are no values were collected");
-                Some(Datum::new((self.kind.len() + place) as u32))
+        // By input and by constant the place in `initial`, once it is known to
+        // be read; both in the order of operands.
+        const UNREAD: u32 = u32::MAX;
+        let mut inputs = vec![UNREAD; function.input_len()];
+        let mut constants = vec![UNREAD; function.constants().len()];
+        for operand in function.nodes().iter().flat_map(|node| node.operands()) {
+            match operand.kind() {
+                OperandKind::Input(input) => inputs[input.index()] = 0,
+                OperandKind::Constant(constant) => constants[constant.index()] = 0,
+                OperandKind::Value(_) | OperandKind::None => {}
             }
+        }
+        let values = self.kind.len() as u32;
+        let mut number = |places: &mut [u32], operand: &dyn Fn(u32) -> Operand| {
+            for (index, place) in (0..).zip(places) {
+                if *place != UNREAD {
+                    *place = values + self.initial.len() as u32;
+                    self.initial.push(operand(index));
+                }
+            }
+        };
+        number(&mut inputs, &|index| Input(index).into());
+        number(&mut constants, &|index| Constant(index).into());
+        let datum = |operand: Operand| match operand.kind() {
+            OperandKind::Value(value) => Some(Datum::from(value)),
+            OperandKind::Input(input) => Some(Datum::new(inputs[input.index()])),
+            OperandKind::Constant(constant) => Some(Datum::new(constants[constant.index()])),
             OperandKind::None => None,
         };
-        self.data = function
-            .nodes()
-            .iter()
-            .map(|node| node.operands.map(number))
-            .collect();
+        let nodes = function.nodes().iter();
+        self.data = nodes.map(|node| node.operands.map(datum)).collect();
     }
 
     fn link_users(&mut self, function: &Function) {
@@ -249,6 +261,11 @@ impl DependenceGraph {
 
 /// The kind of every node, and the errors of those that have none.
 fn kinds_of(function: &Function, machine: &Machine) -> Result<Vec<u8>, PlaceError> {
+    let performers = Operation::ALL.map(|operation| {
+        let kind = machine.kind_of(operation);
+        kind.and_then(|kind| u8::try_from(kind).ok())
+            .filter(|&kind| kind != HOST)
+    });
     let mut kinds: Vec<u8> = Vec::with_capacity(function.nodes().len());
     for (value, node) in function.values() {
         let operation = node.operation;
@@ -264,11 +281,7 @@ fn kinds_of(function: &Function, machine: &Machine) -> Result<Vec<u8>, PlaceErro
                 });
             }
             kinds.push(HOST);
-        } else if let Some(kind) = machine
-            .kind_of(operation)
-            .and_then(|kind| u8::try_from(kind).ok())
-            .filter(|&kind| kind != HOST)
-        {
+        } else if let Some(kind) = performers[operation as usize] {
             kinds.push(kind);
         } else {
             return Err(PlaceError::NotPerformed {

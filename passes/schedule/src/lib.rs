@@ -49,7 +49,9 @@ pub use error::PlaceError;
 pub use order::Priority;
 pub use pass::Place;
 pub use pass::{ElementCounts, element_counts, explain, with_counts};
-pub use statistics::{ElementSpread, KindStatistics, PlacementStatistics, placement_statistics};
+pub use statistics::{
+    ElementSpread, KindStatistics, PlacementStatistics, most_memory_words, placement_statistics,
+};
 
 use graph::DependenceGraph;
 use order::SchedulingOrder;

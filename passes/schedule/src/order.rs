@@ -2,6 +2,7 @@
 
 use super::graph::{DependenceGraph, HOST};
 use robovec_framework::option_words;
+use robovec_num::radix;
 
 option_words! {
     /// How list scheduling ranks the operations (thesis 2.2 and 2.3.1).
@@ -36,17 +37,19 @@ impl SchedulingOrder {
     /// Ranks by a key, smallest first; equal keys keep program order.
     pub(super) fn by_key(graph: &DependenceGraph, key: impl Fn(usize) -> u64) -> SchedulingOrder {
         let mut rank = vec![0; graph.kind.len()];
-        let mut nodes = Vec::with_capacity(graph.kinds.len());
-        for kind in 0..graph.kinds.len() {
-            let mut keyed: Vec<(u64, u32)> = (0..graph.kind.len())
-                .filter(|&node| graph.kind[node] as usize == kind)
-                .map(|node| (key(node), node as u32))
-                .collect();
-            keyed.sort_unstable();
-            for (place, &(_, node)) in keyed.iter().enumerate() {
+        let mut nodes = vec![Vec::new(); graph.kinds.len()];
+        for (node, &kind) in graph.kind.iter().enumerate() {
+            if kind != HOST {
+                nodes[usize::from(kind)].push(node as u32);
+            }
+        }
+        for ranked in &mut nodes {
+            // By the lower half first: sorting is stable.
+            radix::sort_by_key(ranked, |node| key(node as usize) as u32);
+            radix::sort_by_key(ranked, |node| (key(node as usize) >> 32) as u32);
+            for (place, &node) in ranked.iter().enumerate() {
                 rank[node as usize] = place as u32;
             }
-            nodes.push(keyed.into_iter().map(|(_, node)| node).collect());
         }
         assert!(
             graph.kinds.len() <= HOST as usize,

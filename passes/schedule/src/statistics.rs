@@ -68,7 +68,7 @@ pub fn placement_statistics(function: &Function, machine: &Machine) -> Option<Pl
         wires: Wires::new(machine.interconnect, &counts),
     };
     let operations = view.operations();
-    let (memory, buffer) = (view.memory_words(), view.buffer_words());
+    let (memory, buffer) = (memory_words(schedule, placement), view.buffer_words());
     let mut kinds = Vec::with_capacity(schedule.kinds.len());
     let mut first = 0;
     for kind in &schedule.kinds {
@@ -99,6 +99,28 @@ pub fn placement_statistics(function: &Function, machine: &Machine) -> Option<Pl
         buffered_results: placement.buffers.iter().flatten().count() as u32,
         preloads: placement.preloads.len() as u32,
     })
+}
+
+/// The most words that an element of a placed function has in its operand
+/// memories together; `None` for a function that is not placed.
+pub fn most_memory_words(function: &Function) -> Option<u32> {
+    let (schedule, placement) = (function.schedule.as_ref()?, function.placement.as_ref()?);
+    let words = memory_words(schedule, placement).into_iter();
+    Some(words.max().unwrap_or(0))
+}
+
+/// The words of operand memory of every element, both sides of a split one
+/// together.
+fn memory_words(schedule: &Schedule, placement: &Placement) -> Vec<u32> {
+    let mut words = vec![[0; 2]; schedule.element_count() as usize];
+    let preloads = placement.preloads.iter().map(|preload| preload.word);
+    let writes = placement.writes.iter().map(|write| write.word);
+    for word in preloads.chain(writes) {
+        let side = usize::from(word.bank == Bank::Right);
+        let used = &mut words[word.element.index()][side];
+        *used = (word.address.number() + 1).max(*used);
+    }
+    words.into_iter().map(|sides| sides.iter().sum()).collect()
 }
 
 fn rate(operations: u32, elements: u32, cycles: u32) -> f64 {
@@ -149,18 +171,6 @@ impl PlacedView<'_> {
             operations[slot.element.index()] += 1;
         }
         operations
-    }
-
-    fn memory_words(&self) -> Vec<u32> {
-        let mut words = vec![[0; 2]; self.schedule.element_count() as usize];
-        let preloads = self.placement.preloads.iter().map(|preload| preload.word);
-        let writes = self.placement.writes.iter().map(|write| write.word);
-        for word in preloads.chain(writes) {
-            let side = usize::from(word.bank == Bank::Right);
-            let used = &mut words[word.element.index()][side];
-            *used = (word.address.number() + 1).max(*used);
-        }
-        words.into_iter().map(|sides| sides.iter().sum()).collect()
     }
 
     fn buffer_words(&self) -> Vec<u32> {

@@ -23,7 +23,7 @@ use robovec_analysis::class::NumericClass;
 use robovec_framework::pass::{PassError, Registry};
 use robovec_framework::pipeline::Pipeline;
 use robovec_ir::{Function, Machine, Operation};
-use robovec_schedule::{PlaceError, PlaceOptions, place, placement_statistics};
+use robovec_schedule::{PlaceError, PlaceOptions, most_memory_words, place};
 
 /// What is searched for, and how far.
 #[derive(Clone, Copy, Debug)]
@@ -140,11 +140,9 @@ pub fn usual_unit(operations: usize) -> u64 {
 pub fn schedule_size(function: &Function, machine: &Machine) -> Result<ScheduleSize, PlaceError> {
     let mut function = function.clone();
     let summary = place(&mut function, machine, PlaceOptions::default())?;
-    let statistics = placement_statistics(&function, machine);
-    let kinds = statistics.iter().flat_map(|statistics| &statistics.kinds);
     Ok(ScheduleSize {
         cycles: summary.cycles,
-        words: kinds.map(|kind| kind.memory.max).max().unwrap_or(0),
+        words: most_memory_words(&function).expect("what is placed has a placement"),
     })
 }
 
