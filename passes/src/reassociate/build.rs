@@ -1,8 +1,8 @@
 //! Writing the groups anew.
 
-use super::negations::Negations;
+use super::negations::{Negations, Turns};
 use super::share::{self, PairCounts};
-use super::signs::Wishes;
+use super::signs::{NaturalSigns, Wishes};
 use crate::sums::fused::turned;
 use crate::sums::groups::{GroupFamily, GroupLeaf, GroupReach, OperandGroups};
 use crate::sums::writer::{SignedOperand, SumWriter, ValueNaming};
@@ -12,6 +12,8 @@ use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_ir::{
     FreshNames, Function, Level, Name, Node, Operand, Operation, Symbol, Tables, Value,
 };
+use smallvec::SmallVec;
+use std::cell::OnceCell;
 use std::cmp::Reverse;
 
 /// The shape of the tree a group becomes.
@@ -68,6 +70,11 @@ pub(crate) fn reassociate_asking(
 struct ReassociationPlan<'a> {
     function: &'a Function,
     groups: OperandGroups,
+    natural: NaturalSigns,
+    /// The signs that outputs ask for, before anything is negated early.
+    asked: Wishes,
+    /// How groups get their other sign earliest, once that was needed.
+    turns: OnceCell<Turns>,
     wishes: Wishes,
     negations: Negations,
     owners: Vec<Symbol>,
@@ -81,10 +88,14 @@ impl<'a> ReassociationPlan<'a> {
         rewrites: &RewriteLimit,
     ) -> ReassociationPlan<'a> {
         let groups = OperandGroups::find_allowed(function, reach, rewrites);
-        let wishes = Wishes::find(function, &groups);
+        let natural = NaturalSigns::find(function, &groups);
+        let asked = Wishes::find(function, &groups, &natural);
         ReassociationPlan {
             function,
-            wishes,
+            wishes: asked.clone(),
+            asked,
+            turns: OnceCell::new(),
+            natural,
             negations: Negations::default(),
             groups,
             owners: owners(tables, function),
@@ -93,13 +104,15 @@ impl<'a> ReassociationPlan<'a> {
 
     /// Decides where to negate; see [`super::negations`].
     fn negate(&mut self, weights: &Weights, latest: Option<&[u32]>) {
-        self.wishes = Wishes::find(self.function, &self.groups);
+        let (function, groups, natural) = (self.function, &self.groups, &self.natural);
+        let turns = || Turns::find(function, groups, natural, weights);
+        self.wishes = self.asked.clone();
         self.negations = Negations::plan(
-            self.function,
-            &self.groups,
+            (function, groups),
+            natural,
             &mut self.wishes,
-            weights,
-            latest,
+            || self.turns.get_or_init(turns),
+            (weights, latest),
         );
     }
 }
@@ -111,6 +124,9 @@ pub(super) struct GroupTerm {
     /// The leaf it still is, for pair counts.
     pub(super) leaf: Option<GroupLeaf>,
 }
+
+/// The terms or factors of a group; most have few.
+pub(super) type GroupTerms = SmallVec<[GroupTerm; 8]>;
 
 /// The rank of a pair: how often it is wanted, and how early it is ready.
 pub(super) type Score = (u32, Reverse<u32>);
@@ -236,7 +252,7 @@ impl<'p> TreeBuilder<'p> {
         leaves: &[GroupLeaf],
         naming: &mut ValueNaming,
     ) -> SignedOperand {
-        let mut terms: Vec<GroupTerm> = Vec::with_capacity(leaves.len());
+        let mut terms = GroupTerms::with_capacity(leaves.len());
         let mut product_negative = false;
         for &leaf in leaves {
             let mut value = self.signed(leaf.operand);

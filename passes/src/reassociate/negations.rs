@@ -7,7 +7,7 @@
 //! every group the earliest arrival with either sign follows from those of
 //! its leaves, which makes the choice exact.
 
-use super::signs::{Natural, Wishes};
+use super::signs::{NaturalSigns, Wishes};
 use crate::sums::earliest::finish;
 use crate::sums::groups::{GroupFamily, GroupLeaf, OperandGroups};
 use robovec_analysis::critical_path::Weights;
@@ -27,27 +27,25 @@ impl Negations {
     /// Decides for every group with the wrong sign; `latest` says, once it is
     /// known, how late results may be: those with the time for a `0 - x`
     /// after them have it there. Wishes are passed on to leaves.
-    pub(super) fn plan(
-        function: &Function,
-        groups: &OperandGroups,
+    pub(super) fn plan<'t>(
+        (function, groups): (&Function, &OperandGroups),
+        natural: &NaturalSigns,
         wishes: &mut Wishes,
-        weights: &Weights,
-        latest: Option<&[u32]>,
+        times: impl FnOnce() -> &'t Turns,
+        (weights, latest): (&Weights, Option<&[u32]>),
     ) -> Negations {
-        let natural = Natural::find(function, groups);
         let wrong = |wishes: &Wishes, root: Value, node: Operation| {
+            let own = natural.of(root);
             GroupFamily::of(node).is_some()
                 && !groups.is_absorbed(root)
-                && !natural.flippable[root.index()]
-                && wishes
-                    .of(root)
-                    .is_some_and(|wish| wish != natural.negative[root.index()])
+                && !own.flippable
+                && wishes.of(root).is_some_and(|wish| wish != own.negative)
         };
         let mut values = function.values();
         if !values.any(|(root, node)| wrong(wishes, root, node.operation)) {
             return Negations::default();
         }
-        let times = Turns::find(function, groups, &natural, weights);
+        let times = times();
         let mut inside = vec![false; function.nodes().len()];
         let mut negations = Vec::new();
         for (root, node) in function.values().rev() {
@@ -66,7 +64,7 @@ impl Negations {
                     let leaf = groups.leaves(root)[place as usize].operand;
                     if let Some(value) = leaf.value() {
                         inside[value.index()] = true;
-                        wishes.ask(value, !natural.negative[value.index()]);
+                        wishes.ask(value, !natural.of(value).negative);
                     }
                 }
             }
@@ -88,7 +86,7 @@ enum Turn {
 }
 
 /// Arrivals with the natural sign, and with the other.
-struct Turns {
+pub(super) struct Turns {
     arrivals: Vec<u32>,
     turned: Vec<u32>,
     turns: Vec<Turn>,
@@ -98,10 +96,10 @@ struct Turns {
 const LEAVES: usize = 32;
 
 impl Turns {
-    fn find(
+    pub(super) fn find(
         function: &Function,
         groups: &OperandGroups,
-        natural: &Natural,
+        natural: &NaturalSigns,
         weights: &Weights,
     ) -> Turns {
         let count = function.nodes().len();
@@ -125,7 +123,7 @@ impl Turns {
                 Some(family) => {
                     let weight = family.weight(weights);
                     let leaves = groups.leaves(root);
-                    let free = natural.flippable_alone[root.index()];
+                    let free = natural.of(root).flippable_alone;
                     found = times.group(function, leaves, weight, minus, &uses);
                     if free {
                         found = (found.0, found.0, Turn::After);

@@ -8,10 +8,11 @@
 //! tracked exactly while building, so a bad choice here is never wrong.
 
 use crate::sums::groups::{GroupFamily, GroupLeaf, OperandGroups};
-use robovec_ir::{Function, Operand, Operation, Value};
+use robovec_ir::{Function, Operation, Value};
 
 /// For each group root the sign it is asked to be stored with: true for
 /// negated, `None` when nobody asks.
+#[derive(Clone)]
 pub(super) struct Wishes(Vec<Option<bool>>);
 
 impl Wishes {
@@ -24,10 +25,13 @@ impl Wishes {
         self.0[value.index()] = Some(negative);
     }
 
-    pub(super) fn find(function: &Function, groups: &OperandGroups) -> Wishes {
+    pub(super) fn find(
+        function: &Function,
+        groups: &OperandGroups,
+        natural: &NaturalSigns,
+    ) -> Wishes {
         let count = function.nodes().len();
         let mut wishes = Wishes(vec![None; count]);
-        let natural = Natural::find(function, groups);
         for assignment in &function.assignments {
             if let Some(value) = assignment.operand.value() {
                 wishes.0[value.index()] = Some(false);
@@ -38,73 +42,72 @@ impl Wishes {
             let Some(wish) = wishes.of(root) else {
                 continue;
             };
-            if groups.is_absorbed(root) || natural.flippable_alone[root.index()] {
+            let own = natural.of(root);
+            if groups.is_absorbed(root) || own.flippable_alone {
                 continue;
             }
-            if natural.negative[root.index()] == wish || !natural.flippable[root.index()] {
+            if own.negative == wish || !own.flippable {
                 continue;
             }
             let leaves = leaves_of(function, groups, root, node.operation, &mut operands);
-            wishes.ask_one(&natural, leaves);
+            wishes.ask_one(natural, leaves);
         }
         wishes
     }
 
     /// Asks the first leaf that can and that nobody has asked yet to change
     /// its sign.
-    fn ask_one(&mut self, natural: &Natural, leaves: &[GroupLeaf]) {
+    fn ask_one(&mut self, natural: &NaturalSigns, leaves: &[GroupLeaf]) {
         let asked = leaves
             .iter()
             .filter_map(|leaf| leaf.operand.value())
-            .find(|value| natural.flippable[value.index()] && self.of(*value).is_none());
+            .find(|value| natural.of(*value).flippable && self.of(*value).is_none());
         if let Some(value) = asked {
-            self.0[value.index()] = Some(!natural.negative[value.index()]);
+            self.0[value.index()] = Some(!natural.of(value).negative);
         }
     }
 }
 
-/// The signs that come about when nobody asks for anything.
-pub(super) struct Natural {
-    pub(super) negative: Vec<bool>,
+/// The sign that comes about when nobody asks for anything.
+#[derive(Clone, Copy, Default)]
+pub(super) struct NaturalSign {
+    pub(super) negative: bool,
     /// The sign can be chosen, perhaps by asking a leaf.
-    pub(super) flippable: Vec<bool>,
+    pub(super) flippable: bool,
     /// The sign can be chosen without asking a leaf.
-    pub(super) flippable_alone: Vec<bool>,
+    pub(super) flippable_alone: bool,
 }
 
-impl Natural {
-    pub(super) fn find(function: &Function, groups: &OperandGroups) -> Natural {
-        let count = function.nodes().len();
-        let mut natural = Natural {
-            negative: vec![false; count],
-            flippable: vec![false; count],
-            flippable_alone: vec![false; count],
-        };
+/// The natural sign of every value.
+pub(super) struct NaturalSigns(Vec<NaturalSign>);
+
+impl NaturalSigns {
+    #[inline]
+    pub(super) fn of(&self, value: Value) -> NaturalSign {
+        self.0[value.index()]
+    }
+
+    pub(super) fn find(function: &Function, groups: &OperandGroups) -> NaturalSigns {
+        let mut natural = NaturalSigns(vec![NaturalSign::default(); function.nodes().len()]);
         let mut operands = Vec::new();
         for (root, node) in function.values() {
             if groups.is_absorbed(root) {
                 continue;
             }
             let leaves = leaves_of(function, groups, root, node.operation, &mut operands);
-            let signs = || {
-                leaves
-                    .iter()
-                    .map(|leaf| leaf.negative ^ natural.sign(leaf.operand))
-            };
-            let odd = signs().filter(|&negative| negative).count() % 2 == 1;
-            let all = !leaves.is_empty() && signs().all(|negative| negative);
-            let none = !signs().any(|negative| negative);
-            let by_leaf = leaves
-                .iter()
-                .filter_map(|leaf| leaf.operand.value())
-                .any(|value| natural.flippable[value.index()]);
+            let (mut negatives, mut by_leaf) = (0, false);
+            for leaf in leaves {
+                let of_leaf = leaf.operand.value().map(|value| natural.of(value));
+                let of_leaf = of_leaf.unwrap_or_default();
+                negatives += usize::from(leaf.negative ^ of_leaf.negative);
+                by_leaf |= of_leaf.flippable;
+            }
+            let all = negatives > 0 && negatives == leaves.len();
+            let mixed = negatives > 0 && negatives < leaves.len();
             let (negative, alone, flippable) = match node.operation {
-                Operation::Add | Operation::Sub | Operation::Neg => {
-                    let mixed = !all && !none;
-                    (all, mixed, mixed || by_leaf)
-                }
+                Operation::Add | Operation::Sub | Operation::Neg => (all, mixed, mixed || by_leaf),
                 Operation::Mul | Operation::Div | Operation::Sin | Operation::Copy => {
-                    (odd, false, by_leaf)
+                    (negatives % 2 == 1, false, by_leaf)
                 }
                 Operation::Cos
                 | Operation::Sqrt
@@ -112,17 +115,13 @@ impl Natural {
                 | Operation::Fms
                 | Operation::Fnma => (false, false, false),
             };
-            natural.negative[root.index()] = negative;
-            natural.flippable_alone[root.index()] = alone;
-            natural.flippable[root.index()] = flippable;
+            natural.0[root.index()] = NaturalSign {
+                negative,
+                flippable,
+                flippable_alone: alone,
+            };
         }
         natural
-    }
-
-    fn sign(&self, operand: Operand) -> bool {
-        operand
-            .value()
-            .is_some_and(|value| self.negative[value.index()])
     }
 }
 

@@ -1,6 +1,6 @@
 //! The tree of one group.
 
-use super::build::{GroupTerm, Score, TreeBuilder, TreeShape};
+use super::build::{GroupTerm, GroupTerms, Score, TreeBuilder, TreeShape};
 use super::share::LARGEST_GROUP;
 use crate::sums::earliest::{TieOrder, finish, join_earliest};
 use crate::sums::groups::GroupFamily;
@@ -93,7 +93,7 @@ impl TreeBuilder<'_> {
         &mut self,
         family: GroupFamily,
         root: Value,
-        mut terms: Vec<GroupTerm>,
+        mut terms: GroupTerms,
         flip: bool,
         naming: &mut ValueNaming,
     ) -> SignedOperand {
@@ -113,7 +113,7 @@ impl TreeBuilder<'_> {
         &mut self,
         family: GroupFamily,
         root: Value,
-        terms: &mut Vec<GroupTerm>,
+        terms: &mut GroupTerms,
         naming: &mut ValueNaming,
     ) {
         let weight = family.weight(&self.writer.times.weights);

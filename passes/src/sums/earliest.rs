@@ -126,23 +126,68 @@ pub(crate) enum TieOrder {
     Made,
 }
 
+/// So many terms have room without an allocation.
+const FEW: usize = 8;
+
+/// The places of terms to be joined, by arrival and place.
+enum OpenTerms {
+    /// Few are searched, which costs less than to keep a heap.
+    Few(SmallVec<[(u32, usize); FEW]>),
+    Many(BinaryHeap<Reverse<(u32, usize)>>),
+}
+
+impl OpenTerms {
+    /// Terms with these arrivals, in the order of their places.
+    fn new(arrivals: impl ExactSizeIterator<Item = u32>) -> OpenTerms {
+        match arrivals.len() <= FEW {
+            true => OpenTerms::Few(arrivals.zip(0..).collect()),
+            false => OpenTerms::Many(arrivals.zip(0..).map(Reverse).collect()),
+        }
+    }
+
+    /// Takes out the earliest, the first of equals.
+    fn pop(&mut self) -> Option<usize> {
+        match self {
+            OpenTerms::Few(terms) => {
+                let least = (0..terms.len()).min_by_key(|&index| terms[index])?;
+                Some(terms.swap_remove(least).1)
+            }
+            OpenTerms::Many(terms) => terms.pop().map(|Reverse((_, place))| place),
+        }
+    }
+
+    fn push(&mut self, arrival: u32, place: usize) {
+        match self {
+            OpenTerms::Few(terms) => terms.push((arrival, place)),
+            OpenTerms::Many(terms) => terms.push(Reverse((arrival, place))),
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        match self {
+            OpenTerms::Few(terms) => terms.is_empty(),
+            OpenTerms::Many(terms) => terms.is_empty(),
+        }
+    }
+}
+
 /// Joins terms, always the two earliest, until one is left; `None` of none.
 /// `join` gets them in the order chosen for ties, and whether its result is
 /// the last.
 pub(crate) fn join_earliest<T: Copy>(
-    mut terms: Vec<T>,
+    terms: impl Into<SmallVec<[T; FEW]>>,
     ties: TieOrder,
     arrival: impl Fn(&T) -> u32,
     mut join: impl FnMut([T; 2], bool) -> T,
 ) -> Option<T> {
+    let mut terms = terms.into();
     if let [a, b] = terms[..] {
         return Some(join([a, b], true));
     }
-    let times = terms.iter().map(&arrival).zip(0..);
-    let mut open: BinaryHeap<Reverse<(u32, usize)>> = times.map(Reverse).collect();
+    let mut open = OpenTerms::new(terms.iter().map(&arrival));
     loop {
-        let Reverse((_, a)) = open.pop()?;
-        let Some(Reverse((_, b))) = open.pop() else {
+        let a = open.pop()?;
+        let Some(b) = open.pop() else {
             return Some(terms[a]);
         };
         let joined = join([terms[a.min(b)], terms[a.max(b)]], open.is_empty());
@@ -150,7 +195,7 @@ pub(crate) fn join_earliest<T: Copy>(
             TieOrder::Written => a.min(b),
             TieOrder::Made => terms.len(),
         };
-        open.push(Reverse((arrival(&joined), place)));
+        open.push(arrival(&joined), place);
         match terms.get_mut(place) {
             Some(term) => *term = joined,
             None => terms.push(joined),

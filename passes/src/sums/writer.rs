@@ -16,6 +16,7 @@ use robovec_ir::{
     Tables, Value,
 };
 use rustc_hash::FxBuildHasher;
+use smallvec::{SmallVec, smallvec};
 
 /// An operand that holds a value or its negation, and when it is there.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -66,7 +67,7 @@ pub(crate) struct ValueNaming {
     /// For the last operation; [`Name::NONE`] when it is like the others.
     root: Name,
     /// Of values that became part of this one, to be used again; last first.
-    spare: Vec<Name>,
+    spare: SmallVec<[Name; 4]>,
     /// The symbol that further names start with.
     owner: Symbol,
     pub(crate) sources: SourceSet,
@@ -77,7 +78,7 @@ impl ValueNaming {
     pub(crate) fn new(root: Name, owner: Symbol, sources: SourceSet) -> ValueNaming {
         ValueNaming {
             root,
-            spare: Vec::new(),
+            spare: SmallVec::new(),
             owner,
             sources,
         }
@@ -90,7 +91,7 @@ impl ValueNaming {
         parts: impl Iterator<Item = (Name, SourceSet)>,
         tables: &mut Tables,
     ) -> ValueNaming {
-        let mut sets = vec![self.sources];
+        let mut sets: SmallVec<[SourceSet; 8]> = smallvec![self.sources];
         for (name, sources) in parts {
             if !sets.contains(&sources) || sets.len() > 8 {
                 sets.push(sources);
