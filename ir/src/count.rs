@@ -86,11 +86,8 @@ fn vectors(function: &Function) -> usize {
         value.map_or(0, |value| levels[value.index()])
     };
     for node in function.nodes() {
-        let inside = node
-            .operands()
-            .iter()
-            .map(|&operand| level(&levels, operand));
-        let inside = inside.max().unwrap_or(0);
+        let inside = node.values().map(|value| levels[value.index()]);
+        let inside = inside.fold(0, u32::max);
         let counts = !node.name.is_none() && !node.operation.is_trigonometric();
         levels.push(inside + u32::from(counts));
     }

@@ -112,10 +112,8 @@ impl Operand {
     /// The value, when the operand is one.
     #[inline]
     pub fn value(self) -> Option<Value> {
-        match self.kind() {
-            OperandKind::Value(value) => Some(value),
-            OperandKind::Input(_) | OperandKind::Constant(_) | OperandKind::None => None,
-        }
+        // Values come first, so that their bits are their number.
+        (self.0 <= INDEX_MASK).then_some(Value(self.0))
     }
 
     /// The constant, when the operand is one.

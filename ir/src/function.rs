@@ -84,6 +84,14 @@ impl Node {
     pub fn operands(&self) -> &[Operand] {
         &self.operands[..self.operation.arity()]
     }
+
+    /// The operands that are values, in order.
+    #[inline]
+    pub fn values(&self) -> impl Iterator<Item = Value> + '_ {
+        // All places are looked at: those behind the operands hold none, and
+        // a loop of three is cheaper than one that asks how many there are.
+        self.operands.iter().filter_map(|operand| operand.value())
+    }
 }
 
 /// The extent of an array: a scalar, a vector `1..n` or a matrix
@@ -389,12 +397,11 @@ impl Function {
     /// The number of reads of each value, by nodes and outputs together.
     pub fn use_counts(&self) -> Vec<u32> {
         let mut counts = vec![0; self.nodes.len()];
-        let reads = self
-            .nodes
-            .iter()
-            .flat_map(|node| node.operands())
-            .chain(self.assignments.iter().map(|output| &output.operand));
-        for value in reads.filter_map(|operand| operand.value()) {
+        for value in self.nodes.iter().flat_map(Node::values) {
+            counts[value.index()] += 1;
+        }
+        let outputs = self.assignments.iter();
+        for value in outputs.filter_map(|output| output.operand.value()) {
             counts[value.index()] += 1;
         }
         counts

@@ -23,33 +23,39 @@ pub(super) fn check(collector: &mut ViolationCollector<'_>) -> bool {
 
 /// The limits of what can be an operand of a node.
 struct Bounds {
-    inputs: usize,
-    constants: usize,
+    /// By kind, as [`Operand::parts`] numbers them; none has no index.
+    limits: [usize; 4],
 }
 
 impl Bounds {
-    fn holds(&self, operand: Operand, values: usize) -> bool {
-        // By kind, as [`Operand::parts`] numbers them; none has no index.
-        let limits = [values, self.inputs, self.constants, 0];
-        let (kind, index) = operand.parts();
-        index < limits[kind]
+    fn of(collector: &ViolationCollector<'_>) -> Bounds {
+        let function = collector.view.function;
+        let (inputs, constants) = (function.input_len(), function.constants().len());
+        Bounds {
+            limits: [function.nodes().len(), inputs, constants, 0],
+        }
     }
-}
 
-fn bounds(collector: &ViolationCollector<'_>) -> Bounds {
-    Bounds {
-        inputs: collector.view.function.input_len(),
-        constants: collector.view.function.constants().len(),
+    /// Lets only the first values be operands.
+    fn with_values(&mut self, values: usize) -> &Bounds {
+        self.limits[0] = values;
+        self
+    }
+
+    fn holds(&self, operand: Operand) -> bool {
+        let (kind, index) = operand.parts();
+        index < self.limits[kind]
     }
 }
 
 fn operands(collector: &mut ViolationCollector<'_>) -> bool {
-    let bounds = bounds(collector);
+    let mut bounds = Bounds::of(collector);
     let mut sound = true;
     for (value, node) in collector.view.function.values() {
+        let earlier = bounds.with_values(value.index());
         let arity = node.operation.arity();
         let fits = |place: usize| match place < arity {
-            true => bounds.holds(node.operands[place], value.index()),
+            true => earlier.holds(node.operands[place]),
             false => node.operands[place].is_none(),
         };
         if !(0..Operand::MAX_COUNT).all(fits) {
@@ -69,9 +75,9 @@ fn operands(collector: &mut ViolationCollector<'_>) -> bool {
 }
 
 fn assignments(collector: &mut ViolationCollector<'_>) -> bool {
-    let bounds = bounds(collector);
+    let bounds = Bounds::of(collector);
     let function = collector.view.function;
-    let (elements, values) = (function.output_len(), function.nodes().len());
+    let elements = function.output_len();
     let mut sound = true;
     let mut last: Option<Output> = None;
     for (index, assignment) in function.assignments.iter().enumerate() {
@@ -86,7 +92,7 @@ fn assignments(collector: &mut ViolationCollector<'_>) -> bool {
             collector.assignment(index, || "is set out of order".to_owned());
         }
         last = Some(assignment.output);
-        if !bounds.holds(assignment.operand, values) {
+        if !bounds.holds(assignment.operand) {
             sound = false;
             let operand = assignment.operand;
             collector.assignment(index, || {

@@ -92,7 +92,7 @@ fn dependencies(collector: &mut ViolationCollector<'_>, schedule: &Schedule) {
     let view = collector.view;
     for (value, node) in view.function.values() {
         let slot = schedule.slots[value.index()];
-        for operand in node.operands().iter().filter_map(|operand| operand.value()) {
+        for operand in node.values() {
             let Some(source) = schedule.slots[operand.index()] else {
                 continue;
             };

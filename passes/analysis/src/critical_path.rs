@@ -40,6 +40,7 @@ impl Weights {
     }
 
     /// The weight of one operation.
+    #[inline]
     pub fn of(&self, operation: Operation) -> u32 {
         self.0[operation as usize]
     }
@@ -67,13 +68,8 @@ pub fn critical_path(function: &Function, machine: &Machine) -> CriticalPath {
 pub fn arrivals(function: &Function, weights: &Weights) -> Vec<u32> {
     let mut arrivals: Vec<u32> = Vec::with_capacity(function.nodes().len());
     for node in function.nodes() {
-        let ready = node
-            .operands()
-            .iter()
-            .filter_map(|operand| operand.value())
-            .map(|value| arrivals[value.index()])
-            .max()
-            .unwrap_or(0);
+        let ready = node.values().map(|value| arrivals[value.index()]);
+        let ready = ready.fold(0, u32::max);
         arrivals.push(ready.saturating_add(weights.of(node.operation)));
     }
     arrivals
@@ -86,7 +82,7 @@ pub fn tails(function: &Function, weights: &Weights) -> Vec<u32> {
     let mut tails = vec![0u32; function.nodes().len()];
     for (value, node) in function.values().rev() {
         let through = tails[value.index()].saturating_add(weights.of(node.operation));
-        for operand in node.operands().iter().filter_map(|operand| operand.value()) {
+        for operand in node.values() {
             let tail = &mut tails[operand.index()];
             *tail = (*tail).max(through);
         }

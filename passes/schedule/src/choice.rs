@@ -197,13 +197,15 @@ pub(super) struct Wanted {
     pub(super) before: u32,
 }
 
-/// The route without buffer, if ports and links allow one.
+/// The route without buffer, if ports and links allow one; the transfers of
+/// other operands are asked for only where it takes a port.
+#[inline]
 pub(super) fn plain_route(
     ports: &Ports,
     locations: &Locations,
     source: OperandSource,
     wanted: Wanted,
-    others: &Others,
+    others: impl Fn() -> Others,
 ) -> Option<Route> {
     let Wanted {
         memory,
@@ -219,7 +221,12 @@ pub(super) fn plain_route(
         return Some(Route::Load);
     };
     let arrives = back.cycle + ports.latency(back.element, memory);
-    if arrives >= before || !ports.can_write(arrives, memory, others.writes(arrives, memory) + 1) {
+    // A port that is taken already needs no look at the other operands.
+    if arrives >= before || !ports.can_write(arrives, memory, 1) {
+        return None;
+    }
+    let others = others();
+    if !ports.can_write(arrives, memory, others.writes(arrives, memory) + 1) {
         return None;
     }
     let route = Route::Direct(arrives);

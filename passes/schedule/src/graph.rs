@@ -200,7 +200,7 @@ impl DependenceGraph {
 
     fn link_users(&mut self, function: &Function) {
         for node in function.nodes() {
-            for value in node.operands().iter().filter_map(|operand| operand.value()) {
+            for value in node.values() {
                 self.user_starts[value.index() + 1] += 1;
             }
         }
@@ -210,7 +210,7 @@ impl DependenceGraph {
         self.users = vec![0; self.user_starts.last().map_or(0, |&end| end as usize)];
         let mut next = self.user_starts.clone();
         for (index, node) in function.nodes().iter().enumerate() {
-            for value in node.operands().iter().filter_map(|operand| operand.value()) {
+            for value in node.values() {
                 debug_assert!(value.index() < index, "an operand is an earlier node");
                 let slot = &mut next[value.index()];
                 self.users[*slot as usize] = index as u32;
@@ -223,13 +223,8 @@ impl DependenceGraph {
     fn measure(&mut self, function: &Function) -> Result<(), PlaceError> {
         let mut longest = 0_u64;
         for (index, node) in function.nodes().iter().enumerate() {
-            let start = node
-                .operands()
-                .iter()
-                .filter_map(|operand| operand.value())
-                .map(|value| self.head[value.index()] + self.weight(value.index()))
-                .max()
-                .unwrap_or(0);
+            let ready = |value: Value| self.head[value.index()] + self.weight(value.index());
+            let start = node.values().map(ready).fold(0, u32::max);
             let end = u64::from(start) + u64::from(self.weight(index));
             if end > LONGEST {
                 return Err(PlaceError::TooLong {

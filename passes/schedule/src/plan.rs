@@ -48,11 +48,14 @@ fn shared(sources: &OperandSources, plan: &IssuePlan, operand: usize) -> Option<
         .and_then(|before| plan.routes[before])
 }
 
-/// The transfers planned for the other operands.
+/// The transfers planned for the other operands; what is there takes nothing.
 fn planned(ports: &Ports, sources: &OperandSources, plan: &IssuePlan, operand: usize) -> Others {
     let mut others = Others::default();
     for other in (0..Operand::MAX_COUNT).filter(|&other| other != operand) {
-        if let (Some(source), Some(route)) = (sources[other], plan.routes[other]) {
+        let moves = |route: &Route| matches!(route, Route::Direct(_) | Route::Indirect(_));
+        if let Some(route) = plan.routes[other].filter(moves)
+            && let Some(source) = sources[other]
+        {
             let same =
                 sources[operand] == Some(source) && plan.memories[operand] == plan.memories[other];
             if !same {
@@ -203,7 +206,7 @@ impl Sweep<'_> {
         memory: Memory,
         held: Option<Entry>,
         before: u32,
-        others: &Others,
+        others: impl Fn() -> Others,
     ) -> Option<Route> {
         let wanted = Wanted {
             memory,
@@ -231,8 +234,8 @@ impl Sweep<'_> {
                 None => {
                     let memory = plan.memories[operand];
                     let held = self.held(operand, memory);
-                    let others = planned(&self.draft.ports, &sources, &plan, operand);
-                    self.plain_route(source, memory, held, before, &others)?
+                    let others = || planned(&self.draft.ports, &sources, &plan, operand);
+                    self.plain_route(source, memory, held, before, others)?
                 }
             };
             plan.routes[operand] = Some(route);
@@ -253,8 +256,8 @@ impl Sweep<'_> {
                 let memory = plan.memories[operand];
                 let held = self.held(operand, memory);
                 plan.routes[operand] = shared(&sources, &plan, operand).or_else(|| {
-                    let others = planned(&self.draft.ports, &sources, &plan, operand);
-                    self.plain_route(source, memory, held, cycle, &others)
+                    let others = || planned(&self.draft.ports, &sources, &plan, operand);
+                    self.plain_route(source, memory, held, cycle, others)
                 });
             }
         }
@@ -349,9 +352,8 @@ impl Sweep<'_> {
                 let Some(result) = source.result else {
                     return true;
                 };
-                let others = Others::default();
                 if self
-                    .plain_route(source, memory, held, u32::MAX, &others)
+                    .plain_route(source, memory, held, u32::MAX, Others::default)
                     .is_some()
                 {
                     return true;

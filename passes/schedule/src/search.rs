@@ -147,6 +147,9 @@ impl<'a> Trials<'a> {
         for share in [32, 8, 64, 16, 128] {
             trials.schedule("program", || SchedulingOrder::towards_program(graph, share));
         }
+        if trials.budget == 0 {
+            return trials;
+        }
         let mut schedule = list::forward(graph, &SchedulingOrder::fan_out(graph));
         while trials.budget > 0 {
             // What is late in a schedule from the end must be early here.

@@ -252,21 +252,22 @@ impl<'p> TreeBuilder<'p> {
         leaves: &[GroupLeaf],
         naming: &mut ValueNaming,
     ) -> SignedOperand {
-        let mut terms = GroupTerms::with_capacity(leaves.len());
+        let is_product = family == GroupFamily::Product;
         let mut product_negative = false;
-        for &leaf in leaves {
+        let term = |&leaf: &GroupLeaf| {
             let mut value = self.signed(leaf.operand);
-            if family == GroupFamily::Product {
+            if is_product {
                 product_negative ^= value.negative;
                 value.negative = false;
             } else {
                 value.negative ^= leaf.negative;
             }
-            terms.push(GroupTerm {
+            GroupTerm {
                 value,
                 leaf: Some(leaf),
-            });
-        }
+            }
+        };
+        let mut terms: GroupTerms = leaves.iter().map(term).collect();
         let wish = self.plan.wishes.of(root);
         // A sum stored with the other sign is the sum of its terms with the
         // other signs; one that is added makes it one that needs no minus.
@@ -277,7 +278,7 @@ impl<'p> TreeBuilder<'p> {
         }
         if let Some(leaf) = self.plan.negations.leaf(root) {
             self.negate_early(family, &mut terms[leaf as usize], naming);
-            product_negative ^= family == GroupFamily::Product;
+            product_negative ^= is_product;
         }
         let flip = wish == Some(true) && !turned;
         let result = match self.shape {
@@ -286,7 +287,7 @@ impl<'p> TreeBuilder<'p> {
                 terms.sort_by_key(|term| term.value.arrival);
                 self.cascade(family, &terms, flip, naming)
             }
-            TreeShape::Earliest => self.earliest(family, root, terms, flip, naming),
+            TreeShape::Earliest => self.earliest(family, root, &mut terms, flip, naming),
         };
         result.flip(product_negative ^ turned)
     }

@@ -93,14 +93,18 @@ impl TreeBuilder<'_> {
         &mut self,
         family: GroupFamily,
         root: Value,
-        mut terms: GroupTerms,
+        terms: &mut GroupTerms,
         flip: bool,
         naming: &mut ValueNaming,
     ) -> SignedOperand {
         if !self.draft && terms.len() > 2 && terms.len() <= LARGEST_GROUP {
-            self.share(family, root, &mut terms, naming);
+            self.share(family, root, terms, naming);
+        }
+        if let [a, b] = terms[..] {
+            return self.merge(family, a, b, true, flip, naming).value;
         }
         let arrival = |term: &GroupTerm| term.value.arrival;
+        let terms = std::mem::take(terms);
         let joined = join_earliest(terms, TieOrder::Written, arrival, |[a, b], last| {
             self.merge(family, a, b, last, flip, naming)
         });
