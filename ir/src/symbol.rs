@@ -7,7 +7,7 @@
 
 use hashbrown::HashTable;
 use rustc_hash::FxBuildHasher;
-use std::hash::BuildHasher;
+use std::hash::{BuildHasher, Hash};
 
 /// An interned string; see [`Symbols`].
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -24,59 +24,58 @@ impl Symbol {
 /// The interner: every distinct string once, in order of first appearance.
 #[derive(Clone, Default, Debug)]
 pub struct Symbols {
-    text: String,
-    ends: Vec<u32>,
+    strings: Vec<StoredText>,
+    /// The strings that do not fit into eight bytes, one behind the other.
+    long: String,
+    /// Where each of them ends.
+    long_ends: Vec<u32>,
     /// For each string whether names can be derived from it
     /// ([`Symbols::is_base`]).
     bases: Vec<bool>,
-    table: HashTable<SymbolEntry>,
+    /// The hash beside the symbol: growing the table reads no string, and
+    /// almost every string that is compared is the right one.
+    table: HashTable<(u32, u32)>,
 }
 
-/// A string in the hash table, with what finds it: growing the table reads no
-/// string, and one of up to eight bytes, as most names are, is compared
-/// without a look at the text of all.
-#[derive(Clone, Copy, Debug)]
-struct SymbolEntry {
-    key: TextKey,
-    symbol: u32,
-}
-
-/// A number that tells texts apart: the text itself where it fits, else a
-/// hash. The two cannot be equal, since no UTF-8 has a byte of 255.
+/// A string of up to eight bytes, as most names are, without a zero among
+/// them: the bytes and then zeros. Or the number of a longer one, behind a
+/// byte that no UTF-8 has.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-struct TextKey {
-    /// The halves of the 64 bits; as one number they would take the entry
-    /// from twelve bytes to sixteen.
-    halves: [u32; 2],
-}
+struct StoredText([u8; 8]);
 
-/// The byte that marks the key of a text that does not fit.
-const HASHED: u64 = 0xff << 56;
+impl StoredText {
+    const LONG: u8 = 0xff;
 
-impl TextKey {
-    fn of(string: &str) -> TextKey {
-        let bytes = string.as_bytes();
-        // Zeros fill up what is shorter, so a text must have none of its own.
-        let bits = match bytes.len() <= 8 && !bytes.contains(&0) {
-            true => (bytes.iter().rev()).fold(0, |bits, &byte| bits << 8 | u64::from(byte)),
-            false => FxBuildHasher.hash_one(string) | HASHED,
-        };
-        TextKey {
-            halves: [bits as u32, (bits >> 32) as u32],
+    /// The string, if it fits.
+    #[inline]
+    fn short(string: &str) -> Option<StoredText> {
+        let mut bytes = [0; 8];
+        if string.len() > bytes.len() {
+            return None;
         }
+        let mut holds_zero = false;
+        for (place, &byte) in bytes.iter_mut().zip(string.as_bytes()) {
+            *place = byte;
+            holds_zero |= byte == 0;
+        }
+        (!holds_zero).then_some(StoredText(bytes))
     }
 
-    fn bits(self) -> u64 {
-        u64::from(self.halves[0]) | u64::from(self.halves[1]) << 32
+    fn long(number: usize) -> StoredText {
+        let number = u32::try_from(number).expect("there are fewer strings than bytes");
+        let [a, b, c, d] = number.to_le_bytes();
+        StoredText([a, b, c, d, 0, 0, 0, StoredText::LONG])
     }
 
-    /// True when texts with this key are equal.
-    fn is_text(self) -> bool {
-        self.bits() & HASHED != HASHED
+    /// The number of the long string.
+    #[inline]
+    fn number(&self) -> Option<usize> {
+        let [a, b, c, d, .., mark] = self.0;
+        (mark == StoredText::LONG).then_some(u32::from_le_bytes([a, b, c, d]) as usize)
     }
 
-    fn hash(self) -> u64 {
-        FxBuildHasher.hash_one(self.bits())
+    fn hash(self) -> u32 {
+        hash(u64::from_le_bytes(self.0))
     }
 }
 
@@ -88,41 +87,66 @@ impl Symbols {
 
     /// The symbol of a string, made at its first appearance.
     pub fn intern(&mut self, string: &str) -> Symbol {
-        let key = TextKey::of(string);
-        if let Some(found) = self.lookup(key, string) {
+        let short = StoredText::short(string);
+        let hash = short.map_or_else(|| hash(string), StoredText::hash);
+        if let Some(found) = self.lookup(hash, short, string) {
             return found;
         }
-        let symbol = self.ends.len() as u32;
-        self.text.push_str(string);
-        let end = u32::try_from(self.text.len());
-        self.ends
-            .push(end.expect("all names together have less than 4 GiB"));
+        let symbol = self.strings.len() as u32;
+        let stored = short.unwrap_or_else(|| self.store(string));
+        self.strings.push(stored);
         self.bases
             .push(is_word(string) && Name::split(string).1 == 0);
-        let entry = SymbolEntry { key, symbol };
         self.table
-            .insert_unique(key.hash(), entry, |entry| entry.key.hash());
+            .insert_unique(spread(hash), (hash, symbol), |&(hash, _)| spread(hash));
         Symbol(symbol)
+    }
+
+    fn store(&mut self, string: &str) -> StoredText {
+        self.long.push_str(string);
+        let end = u32::try_from(self.long.len());
+        self.long_ends
+            .push(end.expect("all names together have less than 4 GiB"));
+        StoredText::long(self.long_ends.len() - 1)
     }
 
     /// The symbol of a string, if it was interned before.
     pub fn find(&self, string: &str) -> Option<Symbol> {
-        self.lookup(TextKey::of(string), string)
+        let short = StoredText::short(string);
+        let hash = short.map_or_else(|| hash(string), StoredText::hash);
+        self.lookup(hash, short, string)
     }
 
-    fn lookup(&self, key: TextKey, string: &str) -> Option<Symbol> {
-        let same = |entry: &SymbolEntry| {
-            entry.key == key
-                && (key.is_text() || slice(&self.text, &self.ends, entry.symbol) == string)
+    fn lookup(&self, hash: u32, short: Option<StoredText>, string: &str) -> Option<Symbol> {
+        let same = |&(other, candidate): &(u32, u32)| {
+            other == hash
+                && match short {
+                    Some(short) => self.strings[candidate as usize] == short,
+                    None => self.text(Symbol(candidate)) == string,
+                }
         };
-        let found = self.table.find(key.hash(), same);
-        found.map(|entry| Symbol(entry.symbol))
+        let found = self.table.find(spread(hash), same);
+        found.map(|&(_, symbol)| Symbol(symbol))
     }
 
     /// The string of a symbol.
     #[inline]
     pub fn text(&self, symbol: Symbol) -> &str {
-        slice(&self.text, &self.ends, symbol.0)
+        let stored = &self.strings[symbol.index()];
+        if let Some(number) = stored.number() {
+            return self.long_text(number);
+        }
+        let bits = u64::from_le_bytes(stored.0);
+        let length = 8 - bits.leading_zeros() as usize / 8;
+        str::from_utf8(&stored.0[..length]).expect("what is stored is a string")
+    }
+
+    fn long_text(&self, number: usize) -> &str {
+        let start = match number {
+            0 => 0,
+            _ => self.long_ends[number - 1],
+        };
+        &self.long[start as usize..self.long_ends[number] as usize]
     }
 
     /// True for a symbol that is a [word](is_word) and does not itself end as
@@ -138,20 +162,23 @@ impl Symbols {
 
     /// The number of distinct strings.
     pub fn len(&self) -> usize {
-        self.ends.len()
+        self.strings.len()
     }
 
     /// True when nothing was interned.
     pub fn is_empty(&self) -> bool {
-        self.ends.is_empty()
+        self.strings.is_empty()
     }
 }
 
-#[inline]
-fn slice<'a>(text: &'a str, ends: &[u32], symbol: u32) -> &'a str {
-    let symbol = symbol as usize;
-    let start = if symbol == 0 { 0 } else { ends[symbol - 1] };
-    &text[start as usize..ends[symbol] as usize]
+fn hash(key: impl Hash) -> u32 {
+    let hash = FxBuildHasher.hash_one(key);
+    (hash ^ hash >> 32) as u32
+}
+
+/// The table looks at both ends of its 64 bits.
+fn spread(hash: u32) -> u64 {
+    u64::from(hash) | u64::from(hash) << 32
 }
 
 /// True for a word: letters, digits and underscores in parts joined by dots,

@@ -14,8 +14,7 @@ const FLUSH_AT: usize = 1 << 16;
 /// Room that is made at once: for a number, and more than a line takes.
 const LEAST_ROOM: usize = 512;
 
-/// Every number below a thousand as three digits, and a byte of filling, so
-/// that all are copied in one step.
+/// Every number below a thousand as three digits, and a byte of zeros.
 const GROUPS: [[u8; 4]; 1000] = {
     let mut groups = [[0; 4]; 1000];
     let mut number = 0;
@@ -31,6 +30,9 @@ const GROUPS: [[u8; 4]; 1000] = {
     }
     groups
 };
+
+/// Six digits of 0, the first in the lowest byte.
+const ZEROS: u64 = u64::from_le_bytes(*b"000000\0\0");
 
 pub(super) struct Text<'w> {
     /// Text up to `length`, then room.
@@ -86,48 +88,36 @@ impl<'w> Text<'w> {
         self.push(character.encode_utf8(&mut [0; 4]));
     }
 
+    #[inline]
     pub(super) fn integer(&mut self, number: u32) {
-        // The digits of the largest number, and the filling of the last group.
-        self.reserve(u32::MAX.ilog10() as usize + 2);
-        match number {
-            0..1000 => self.first_group(number),
-            1000..1_000_000 => {
-                self.first_group(number / 1000);
-                self.group(number % 1000);
-            }
-            _ => {
-                let upper = number / 1_000_000;
-                if upper < 1000 {
-                    self.first_group(upper);
-                } else {
-                    self.first_group(upper / 1000);
-                    self.group(upper % 1000);
-                }
-                self.group(number / 1000 % 1000);
-                self.group(number % 1000);
-            }
+        // Eight bytes are copied for six digits.
+        self.reserve(u32::MAX.ilog10() as usize + 3);
+        match number.checked_sub(1_000_000) {
+            None => self.six_digits(number, true),
+            Some(_) => self.long_integer(number),
         }
     }
 
-    /// Three digits.
-    #[inline]
-    fn group(&mut self, number: u32) {
-        self.put(GROUPS[number as usize], 3);
+    #[cold]
+    fn long_integer(&mut self, number: u32) {
+        self.six_digits(number / 1_000_000, true);
+        self.six_digits(number % 1_000_000, false);
     }
 
-    /// One to three digits, the first of which is no zero unless it is alone.
+    /// The last six digits, without leading zeros where so asked, but with a
+    /// digit at least. There is room for eight bytes.
     #[inline]
-    fn first_group(&mut self, number: u32) {
-        let zeros = usize::from(number < 10) + usize::from(number < 100);
-        let digits = u32::from_le_bytes(GROUPS[number as usize]) >> (8 * zeros);
-        self.put(digits.to_le_bytes(), 3 - zeros);
-    }
-
-    /// The first of four bytes; there is room for all.
-    #[inline]
-    fn put(&mut self, bytes: [u8; 4], count: usize) {
-        self.buffer[self.length..self.length + 4].copy_from_slice(&bytes);
-        self.length += count;
+    fn six_digits(&mut self, number: u32, leading: bool) {
+        let group = |number: u32| u64::from(u32::from_le_bytes(GROUPS[number as usize]));
+        let digits = group(number / 1000) | group(number % 1000) << 24;
+        let zeros = match leading {
+            // A byte of its own ends the search for the first that is no zero.
+            true => ((digits ^ ZEROS) | 1 << 40).trailing_zeros() / 8,
+            false => 0,
+        };
+        let bytes = (digits >> (8 * zeros)).to_le_bytes();
+        self.buffer[self.length..self.length + 8].copy_from_slice(&bytes);
+        self.length += 6 - zeros as usize;
     }
 
     pub(super) fn quoted(&mut self, text: &str) {

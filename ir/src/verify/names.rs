@@ -12,15 +12,18 @@ const BITS_PER_NODE: usize = 64;
 pub(super) fn check(collector: &mut ViolationCollector<'_>) {
     let view = collector.view;
     let symbols = &view.tables.symbols;
+    // For each symbol one more than the largest number behind it.
+    let mut counts = vec![0u32; symbols.len()];
     for (value, node) in view.function.values() {
         let name = node.name;
         if name.is_none() {
             continue;
         }
-        if name.base.index() >= symbols.len() {
+        let Some(count) = counts.get_mut(name.base.index()) else {
             collector.value(value, || "bears a name that is not in the table".to_owned());
             continue;
-        }
+        };
+        *count = (*count).max(name.suffix.saturating_add(1));
         if !symbols.is_base(name.base) {
             collector.value(value, || {
                 "bears a name that is no word, or reads as derived from another".to_owned()
@@ -32,7 +35,7 @@ pub(super) fn check(collector: &mut ViolationCollector<'_>) {
             });
         }
     }
-    if !known_to_differ(collector) {
+    if !known_to_differ(collector, counts) {
         duplicates(collector);
     }
 }
@@ -46,14 +49,9 @@ fn names<'a>(collector: &ViolationCollector<'a>) -> impl Iterator<Item = (Value,
 
 /// True when no two names are equal and their numbers lie close enough
 /// together to tell.
-fn known_to_differ(collector: &ViolationCollector<'_>) -> bool {
-    // For each symbol first one more than its largest number, then the place
-    // of its number 0 among the bits.
-    let mut starts = vec![0u32; collector.view.tables.symbols.len()];
-    for (_, name) in names(collector) {
-        let start = &mut starts[name.base.index()];
-        *start = (*start).max(name.suffix.saturating_add(1));
-    }
+fn known_to_differ(collector: &ViolationCollector<'_>, counts: Vec<u32>) -> bool {
+    // For each symbol the place of its number 0 among the bits.
+    let mut starts = counts;
     let limit = BITS_PER_NODE * (collector.view.function.nodes().len() + 1);
     let mut bits = 0usize;
     for start in &mut starts {

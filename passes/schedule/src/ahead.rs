@@ -421,8 +421,9 @@ impl Sweep<'_> {
     /// Claims the words of the issued operands of a node at a seat; of one
     /// of them only, if it is given.
     fn claim_seat(&mut self, user: usize, seat: Seat, only: Option<Datum>) {
+        let data = self.data(user);
         let Some(ahead) = &mut self.ahead else { return };
-        for (memory, datum) in claimed(self.graph, ahead, user, seat).into_iter().flatten() {
+        for (memory, datum) in claimed(self.graph, ahead, data, seat).into_iter().flatten() {
             if only.is_none_or(|only| only == datum)
                 && let Some(entry) = self.draft.locations.find(datum, memory)
             {
@@ -441,10 +442,10 @@ impl Sweep<'_> {
         except: Option<Datum>,
         read: [Option<Memory>; Operand::MAX_COUNT],
     ) {
+        let data = self.data(user);
         let Some(ahead) = &mut self.ahead else { return };
-        let data = self.graph.data[user];
         let draft = &mut self.draft;
-        for (memory, datum) in claimed(self.graph, ahead, user, seat).into_iter().flatten() {
+        for (memory, datum) in claimed(self.graph, ahead, data, seat).into_iter().flatten() {
             if except == Some(datum) {
                 continue;
             }
@@ -476,15 +477,16 @@ impl Sweep<'_> {
     }
 }
 
-/// The memories and data a node at a seat claims, each pair once.
+/// The memories and data that a node at a seat claims, each pair once; the
+/// data are those it reads.
 fn claimed(
     graph: &DependenceGraph,
     ahead: &Ahead,
-    user: usize,
+    data: [Option<Datum>; Operand::MAX_COUNT],
     seat: Seat,
 ) -> [Option<(Memory, Datum)>; Operand::MAX_COUNT] {
     let mut pairs = [None; Operand::MAX_COUNT];
-    for (operand, datum) in graph.data[user].iter().enumerate() {
+    for (operand, datum) in data.into_iter().enumerate() {
         let Some(datum) = datum.filter(|&datum| graph.is_computed(datum)) else {
             continue;
         };

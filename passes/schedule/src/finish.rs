@@ -9,7 +9,7 @@ use super::sweep::ScheduleDraft;
 use robovec_ir::placement::{
     Bank, BufferWord, Element, ElementKind, Placement, Preload, Schedule, Slot, Word, Write,
 };
-use robovec_ir::{Function, Level, Machine, Value};
+use robovec_ir::{Function, Level, Machine, Operand, Value};
 
 /// Everything that is decided, but for addresses in memories.
 pub(super) struct Settled {
@@ -43,6 +43,7 @@ pub(super) fn finish(
     graph.release_links();
     let addresses = allocate(&graph, &draft);
     draft.ports = Ports::default();
+    let reads = std::mem::take(&mut draft.reads);
     let words = WordNames {
         banks: banks(machine) as u32,
         addresses: &addresses,
@@ -64,7 +65,7 @@ pub(super) fn finish(
         lower_bound,
     };
     check_sizes(machine, &schedule, &addresses)?;
-    let placement = words.placement(&graph, &homes, buffers);
+    let placement = words.placement(&graph, &homes, reads, buffers);
     for (index, _) in draft.swapped.iter().enumerate().filter(|(_, swap)| **swap) {
         function.node_mut(Value(index as u32)).operands.swap(0, 1);
     }
@@ -149,6 +150,7 @@ impl WordNames<'_> {
         &self,
         graph: &DependenceGraph,
         homes: &[Option<Entry>],
+        reads: Vec<[Option<Entry>; Operand::MAX_COUNT]>,
         buffers: Vec<Option<BufferWord>>,
     ) -> Placement {
         let preloads = self
@@ -177,10 +179,9 @@ impl WordNames<'_> {
         write_starts.push(writes.len() as u32);
         Placement {
             preloads: preloads.collect(),
-            reads: self
-                .draft
-                .reads
-                .iter()
+            // In the memory of the entries, which are as long.
+            reads: reads
+                .into_iter()
                 .map(|read| read.map(|entry| self.addresses.of_entry[entry?.index()]))
                 .collect(),
             buffers,

@@ -3,7 +3,8 @@
 
 use super::error::PlaceError;
 use robovec_ir::{
-    Constant, Function, Input, Level, Machine, Operand, OperandKind, Operation, Value, index_types,
+    Constant, Function, Input, Level, Machine, Node, Operand, OperandKind, Operation, Value,
+    index_types,
 };
 
 /// The kind of a node the host evaluates.
@@ -57,8 +58,11 @@ pub(super) struct DependenceGraph {
     pub(super) tail: Vec<u32>,
     /// The longest chain of the program.
     pub(super) path: u32,
-    /// The data each node reads.
-    pub(super) data: Vec<[Option<Datum>; Operand::MAX_COUNT]>,
+    /// By input and by constant the number of its datum; 0 for those that
+    /// nothing reads.
+    inputs: Vec<u32>,
+    /// See [`DependenceGraph::inputs`].
+    constants: Vec<u32>,
     /// The inputs and constants that are read, in order.
     pub(super) initial: Vec<Operand>,
 }
@@ -102,7 +106,8 @@ impl DependenceGraph {
             users: Vec::new(),
             kind,
             path: 0,
-            data: Vec::new(),
+            inputs: vec![0; function.input_len()],
+            constants: vec![0; function.constants().len()],
             initial: Vec::new(),
         };
         graph.number_data(function);
@@ -161,41 +166,40 @@ impl DependenceGraph {
         self.computed_operands = Vec::new();
         self.head = Vec::new();
         self.tail = Vec::new();
-        self.data = Vec::new();
     }
 
+    /// The data a node reads.
+    #[inline]
+    pub(super) fn data_of(&self, node: &Node) -> [Option<Datum>; Operand::MAX_COUNT] {
+        node.operands.map(|operand| match operand.kind() {
+            OperandKind::Value(value) => Some(Datum::from(value)),
+            OperandKind::Input(input) => Some(Datum::new(self.inputs[input.index()])),
+            OperandKind::Constant(constant) => Some(Datum::new(self.constants[constant.index()])),
+            OperandKind::None => None,
+        })
+    }
+
+    /// Numbers the inputs and constants that are read behind the values, in
+    /// the order of operands.
     fn number_data(&mut self, function: &Function) {
-        // By input and by constant the place in `initial`, once it is known to
-        // be read; both in the order of operands.
-        const UNREAD: u32 = u32::MAX;
-        let mut inputs = vec![UNREAD; function.input_len()];
-        let mut constants = vec![UNREAD; function.constants().len()];
         for operand in function.nodes().iter().flat_map(|node| node.operands()) {
             match operand.kind() {
-                OperandKind::Input(input) => inputs[input.index()] = 0,
-                OperandKind::Constant(constant) => constants[constant.index()] = 0,
+                OperandKind::Input(input) => self.inputs[input.index()] = 1,
+                OperandKind::Constant(constant) => self.constants[constant.index()] = 1,
                 OperandKind::Value(_) | OperandKind::None => {}
             }
         }
         let values = self.kind.len() as u32;
         let mut number = |places: &mut [u32], operand: &dyn Fn(u32) -> Operand| {
             for (index, place) in (0..).zip(places) {
-                if *place != UNREAD {
+                if *place != 0 {
                     *place = values + self.initial.len() as u32;
                     self.initial.push(operand(index));
                 }
             }
         };
-        number(&mut inputs, &|index| Input(index).into());
-        number(&mut constants, &|index| Constant(index).into());
-        let datum = |operand: Operand| match operand.kind() {
-            OperandKind::Value(value) => Some(Datum::from(value)),
-            OperandKind::Input(input) => Some(Datum::new(inputs[input.index()])),
-            OperandKind::Constant(constant) => Some(Datum::new(constants[constant.index()])),
-            OperandKind::None => None,
-        };
-        let nodes = function.nodes().iter();
-        self.data = nodes.map(|node| node.operands.map(datum)).collect();
+        number(&mut self.inputs, &|index| Input(index).into());
+        number(&mut self.constants, &|index| Constant(index).into());
     }
 
     fn link_users(&mut self, function: &Function) {

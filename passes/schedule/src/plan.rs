@@ -91,9 +91,15 @@ impl Sweep<'_> {
         }
     }
 
+    /// The data that a node reads.
+    #[inline]
+    pub(super) fn data(&self, node: usize) -> [Option<Datum>; Operand::MAX_COUNT] {
+        self.graph.data_of(&self.function.nodes()[node])
+    }
+
     /// The operands of a node as data flow.
     pub(super) fn sources(&self, node: usize) -> OperandSources {
-        self.graph.data[node].map(|datum| Some(self.source(datum?)))
+        self.data(node).map(|datum| Some(self.source(datum?)))
     }
 
     pub(super) fn mark(&mut self, sources: OperandSources) {
@@ -174,7 +180,7 @@ impl Sweep<'_> {
     /// difference, with sides exchanged.
     pub(super) fn places(&self, node: usize) -> impl Iterator<Item = IssuePlan> + use<> {
         let kind = self.graph.kinds[self.graph.kind[node] as usize];
-        let [left, right, _] = self.graph.data[node];
+        let [left, right, _] = self.function.nodes()[node].operands;
         let exchanges = self.banks > 1
             && left != right
             && self.function.nodes()[node].operation.is_commutative();

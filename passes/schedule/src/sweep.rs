@@ -305,7 +305,7 @@ impl<'a> Sweep<'a> {
             self.busy[plan.element.index()] <= cycle,
             "an element issues one operation in a cycle"
         );
-        let data = self.graph.data[node];
+        let data = self.data(node);
         let sources = self.sources(node);
         let mut reads = [None; Operand::MAX_COUNT];
         for operand in 0..Operand::MAX_COUNT {
@@ -463,8 +463,10 @@ fn outputs(function: &Function) -> Vec<bool> {
 /// words are never taken for dead.
 fn count_readers(function: &Function, graph: &DependenceGraph) -> Vec<u32> {
     let mut readers = vec![0; graph.data_len()];
-    for datum in graph.data.iter().flatten().flatten() {
-        readers[datum.index()] += 1;
+    for node in function.nodes() {
+        for datum in graph.data_of(node).into_iter().flatten() {
+            readers[datum.index()] += 1;
+        }
     }
     for assignment in &function.assignments {
         if let Some(value) = assignment.operand.value() {

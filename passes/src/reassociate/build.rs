@@ -12,7 +12,6 @@ use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_ir::{
     FreshNames, Function, Level, Name, Node, Operand, Operation, Symbol, Tables, Value,
 };
-use smallvec::SmallVec;
 use std::cell::OnceCell;
 use std::cmp::Reverse;
 
@@ -125,9 +124,6 @@ pub(super) struct GroupTerm {
     pub(super) leaf: Option<GroupLeaf>,
 }
 
-/// The terms or factors of a group; most have few.
-pub(super) type GroupTerms = SmallVec<[GroupTerm; 8]>;
-
 /// The rank of a pair: how often it is wanted, and how early it is ready.
 pub(super) type Score = (u32, Reverse<u32>);
 
@@ -147,6 +143,8 @@ pub(super) struct TreeBuilder<'p> {
     /// and sharing do not matter.
     pub(super) draft: bool,
     map: Vec<SignedOperand>,
+    /// The terms of the group being written; one allocation serves all.
+    terms: Vec<GroupTerm>,
 }
 
 impl<'p> TreeBuilder<'p> {
@@ -169,6 +167,7 @@ impl<'p> TreeBuilder<'p> {
             deadlines,
             draft,
             map: Vec::with_capacity(plan.function.nodes().len()),
+            terms: Vec::new(),
         }
     }
 
@@ -254,6 +253,7 @@ impl<'p> TreeBuilder<'p> {
     ) -> SignedOperand {
         let is_product = family == GroupFamily::Product;
         let mut product_negative = false;
+        let mut terms = std::mem::take(&mut self.terms);
         let term = |&leaf: &GroupLeaf| {
             let mut value = self.signed(leaf.operand);
             if is_product {
@@ -267,7 +267,8 @@ impl<'p> TreeBuilder<'p> {
                 leaf: Some(leaf),
             }
         };
-        let mut terms: GroupTerms = leaves.iter().map(term).collect();
+        terms.clear();
+        terms.extend(leaves.iter().map(term));
         let wish = self.plan.wishes.of(root);
         // A sum stored with the other sign is the sum of its terms with the
         // other signs; one that is added makes it one that needs no minus.
@@ -289,6 +290,7 @@ impl<'p> TreeBuilder<'p> {
             }
             TreeShape::Earliest => self.earliest(family, root, &mut terms, flip, naming),
         };
+        self.terms = terms;
         result.flip(product_negative ^ turned)
     }
 

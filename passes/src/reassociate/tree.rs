@@ -1,6 +1,6 @@
 //! The tree of one group.
 
-use super::build::{GroupTerm, GroupTerms, Score, TreeBuilder, TreeShape};
+use super::build::{GroupTerm, Score, TreeBuilder, TreeShape};
 use super::share::LARGEST_GROUP;
 use crate::sums::earliest::{TieOrder, finish, join_earliest};
 use crate::sums::groups::GroupFamily;
@@ -93,7 +93,7 @@ impl TreeBuilder<'_> {
         &mut self,
         family: GroupFamily,
         root: Value,
-        terms: &mut GroupTerms,
+        terms: &mut Vec<GroupTerm>,
         flip: bool,
         naming: &mut ValueNaming,
     ) -> SignedOperand {
@@ -104,7 +104,6 @@ impl TreeBuilder<'_> {
             return self.merge(family, a, b, true, flip, naming).value;
         }
         let arrival = |term: &GroupTerm| term.value.arrival;
-        let terms = std::mem::take(terms);
         let joined = join_earliest(terms, TieOrder::Written, arrival, |[a, b], last| {
             self.merge(family, a, b, last, flip, naming)
         });
@@ -117,7 +116,7 @@ impl TreeBuilder<'_> {
         &mut self,
         family: GroupFamily,
         root: Value,
-        terms: &mut GroupTerms,
+        terms: &mut Vec<GroupTerm>,
         naming: &mut ValueNaming,
     ) {
         let weight = family.weight(&self.writer.times.weights);

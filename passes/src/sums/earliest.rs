@@ -126,7 +126,7 @@ pub(crate) enum TieOrder {
     Made,
 }
 
-/// So many terms have room without an allocation.
+/// So many open terms have room without an allocation.
 const FEW: usize = 8;
 
 /// The places of terms to be joined, by arrival and place.
@@ -149,8 +149,14 @@ impl OpenTerms {
     fn pop(&mut self) -> Option<usize> {
         match self {
             OpenTerms::Few(terms) => {
-                let least = (0..terms.len()).min_by_key(|&index| terms[index])?;
-                Some(terms.swap_remove(least).1)
+                let (mut least, mut found) = (*terms.first()?, 0);
+                for (index, &term) in terms.iter().enumerate() {
+                    if term < least {
+                        (least, found) = (term, index);
+                    }
+                }
+                terms.swap_remove(found);
+                Some(least.1)
             }
             OpenTerms::Many(terms) => terms.pop().map(|Reverse((_, place))| place),
         }
@@ -173,14 +179,13 @@ impl OpenTerms {
 
 /// Joins terms, always the two earliest, until one is left; `None` of none.
 /// `join` gets them in the order chosen for ties, and whether its result is
-/// the last.
+/// the last. The vector is left with results in the places of terms.
 pub(crate) fn join_earliest<T: Copy>(
-    terms: impl Into<SmallVec<[T; FEW]>>,
+    terms: &mut Vec<T>,
     ties: TieOrder,
     arrival: impl Fn(&T) -> u32,
     mut join: impl FnMut([T; 2], bool) -> T,
 ) -> Option<T> {
-    let mut terms = terms.into();
     if let [a, b] = terms[..] {
         return Some(join([a, b], true));
     }
@@ -246,7 +251,7 @@ mod tests {
             assert_eq!(through.max(), Some(expected));
             for ties in [TieOrder::Written, TieOrder::Made] {
                 let join = |[a, b]: [u32; 2], _| a.max(b) + 12;
-                let joined = join_earliest(arrivals.clone(), ties, |&at| at, join);
+                let joined = join_earliest(&mut arrivals.clone(), ties, |&at| at, join);
                 assert_eq!(joined, Some(expected));
             }
         }
@@ -259,13 +264,13 @@ mod tests {
     #[test]
     fn ties_are_broken_as_asked() {
         let tree = |ties| {
-            let terms = ["a", "b", "c", "d", "e"].map(|name| (0, name)).to_vec();
+            let mut terms = ["a", "b", "c", "d", "e"].map(|name| (0, name)).to_vec();
             let mut joins = Vec::new();
             let join = |[a, b]: [(u32, &'static str); 2], _| {
                 joins.push([a.1, b.1]);
                 (a.0.max(b.0), "r")
             };
-            join_earliest(terms, ties, |term| term.0, join);
+            join_earliest(&mut terms, ties, |term| term.0, join);
             joins
         };
         // Nothing weighs anything, so all arrive at the same time.

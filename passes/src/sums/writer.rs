@@ -336,12 +336,12 @@ impl SumWriter {
     pub(crate) fn tree(
         &mut self,
         family: GroupFamily,
-        terms: Vec<SignedOperand>,
+        mut terms: Vec<SignedOperand>,
         (ties, flip): (TieOrder, bool),
         naming: &mut ValueNaming,
     ) -> SignedOperand {
         let arrival = |term: &SignedOperand| term.arrival;
-        let root = join_earliest(terms, ties, arrival, |pair, last| {
+        let root = join_earliest(&mut terms, ties, arrival, |pair, last| {
             self.join(family, pair, (last, flip && last), naming)
         });
         root.expect("a sum or product has operands")
