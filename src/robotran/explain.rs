@@ -13,7 +13,7 @@ pub(super) fn explain(
     text: &str,
 ) -> Diagnostic {
     match error {
-        ParseError::User { error } => refusal(error.message, error.span, "", error.note),
+        ParseError::User { error } => refusal(error.message(), error.span, "", error.note()),
         ParseError::InvalidToken { location } | ParseError::UnrecognizedEof { location, .. } => {
             cut(location, previous)
         }

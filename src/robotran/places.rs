@@ -19,11 +19,7 @@ pub(crate) struct LineIndex<'t> {
 
 impl<'t> LineIndex<'t> {
     pub(crate) fn new(text: &'t str, file: u32) -> LineIndex<'t> {
-        let after_breaks = text
-            .bytes()
-            .enumerate()
-            .filter(|&(_, byte)| byte == b'\n')
-            .map(|(at, _)| at as u32 + 1);
+        let after_breaks = text.match_indices('\n').map(|(at, _)| at as u32 + 1);
         LineIndex {
             text,
             starts: std::iter::once(0).chain(after_breaks).collect(),

@@ -78,11 +78,11 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
             self.expanded_name(word)?
         };
         if row == 0 || (column == 0 && self.has_second_index()) {
-            return Err(LexicalError {
-                span: self.span(),
-                message: "index 0",
-                note: "Robotran counts from 1 in all languages; element 0 of its arrays is never used",
-            });
+            return Err(LexicalError::new(
+                self.span(),
+                "index 0",
+                "Robotran counts from 1 in all languages; element 0 of its arrays is never used",
+            ));
         }
         Ok(RobotranToken::Element(RobotranElement {
             name,
@@ -172,11 +172,11 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
     }
 
     fn index_error(&self, message: &'static str) -> LexicalError {
-        LexicalError {
-            span: self.span(),
+        LexicalError::new(
+            self.span(),
             message,
-            note: "no multibody model has arrays like this; correct the index",
-        }
+            "no multibody model has arrays like this; correct the index",
+        )
     }
 }
 

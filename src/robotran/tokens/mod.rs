@@ -20,12 +20,33 @@ use robovec_ir::Symbols;
 /// The largest index of an array element; more is taken for a slip.
 pub(super) const LARGEST_INDEX: u32 = 1_000_000;
 
-/// A lexeme that is no token, with the reason.
+/// A lexeme that is no token, with the reason; the texts lie apart, since every
+/// token that is right has the size of an error.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct LexicalError {
     pub(super) span: SourceSpan,
-    pub(super) message: &'static str,
-    pub(super) note: &'static str,
+    reason: Box<[&'static str; 2]>,
+}
+
+impl LexicalError {
+    /// The error of what stands there.
+    #[cold]
+    pub(super) fn new(span: SourceSpan, message: &'static str, note: &'static str) -> LexicalError {
+        LexicalError {
+            span,
+            reason: Box::new([message, note]),
+        }
+    }
+
+    /// The reason.
+    pub(super) fn message(&self) -> &'static str {
+        self.reason[0]
+    }
+
+    /// The advice.
+    pub(super) fn note(&self) -> &'static str {
+        self.reason[1]
+    }
 }
 
 /// A token between its first byte and the byte after it.
@@ -115,21 +136,21 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
         let end = self.lexer.source().len() as u32;
         if let Some(start) = self.open.pop() {
             self.open.clear();
-            return Some(Err(LexicalError {
-                span: SourceSpan {
+            return Some(Err(LexicalError::new(
+                SourceSpan {
                     start,
                     end: start + 1,
                 },
-                message: "this parenthesis is never closed",
-                note: "close it, or check that the file is complete",
-            }));
+                "this parenthesis is never closed",
+                "close it, or check that the file is complete",
+            )));
         }
         if self.preprocessor.end() {
-            return Some(Err(LexicalError {
-                span: SourceSpan { start: end, end },
-                message: "the file ends inside an `#if`",
-                note: "close it with `#endif`, or check that the file is complete",
-            }));
+            return Some(Err(LexicalError::new(
+                SourceSpan { start: end, end },
+                "the file ends inside an `#if`",
+                "close it with `#endif`, or check that the file is complete",
+            )));
         }
         let ended = matches!(self.recent[0], None | Some((_, RobotranToken::End, _)));
         (self.language != Language::C && !ended).then_some(Ok((end, RobotranToken::End, end)))

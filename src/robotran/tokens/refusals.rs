@@ -41,11 +41,7 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
                 "outside comments Robotran writes ASCII only; check the encoding of the file",
             )
         };
-        LexicalError {
-            span,
-            message,
-            note,
-        }
+        LexicalError::new(span, message, note)
     }
 
     pub(super) fn unkept(
@@ -56,10 +52,6 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
     }
 
     pub(super) fn refusal(&self, (message, note): (&'static str, &'static str)) -> LexicalError {
-        LexicalError {
-            span: self.span(),
-            message,
-            note,
-        }
+        LexicalError::new(self.span(), message, note)
     }
 }

@@ -153,14 +153,14 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
                 (Some(Ok(Raw::BraceOpen | Raw::Semicolon)), Language::C)
                 | (Some(Ok(Raw::LineEnd)), Language::Matlab)
                 | (Some(Err(())) | None, _) => {
-                    return Err(LexicalError {
-                        span: SourceSpan {
+                    return Err(LexicalError::new(
+                        SourceSpan {
                             start,
                             end: self.span().end,
                         },
-                        message: "this condition has no end",
-                        note: "close its parentheses, or check that the file is complete",
-                    });
+                        "this condition has no end",
+                        "close its parentheses, or check that the file is complete",
+                    ));
                 }
                 (Some(Ok(_)), _) => {}
             }

@@ -20,11 +20,7 @@ pub(in crate::robotran) type ParseFailure =
     lalrpop_util::ParseError<u32, RobotranToken, LexicalError>;
 
 pub(super) fn refused(span: SourceSpan, message: &'static str, note: &'static str) -> ParseFailure {
-    let error = LexicalError {
-        span,
-        message,
-        note,
-    };
+    let error = LexicalError::new(span, message, note);
     lalrpop_util::ParseError::User { error }
 }
 
