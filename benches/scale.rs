@@ -126,7 +126,7 @@ fn translation(input: &Path, folder: &Path) {
 }
 
 /// The equations of a chain of 130 joints, as the thesis counts them and in
-/// the formulation with the fewest operations.
+/// the formulation with the fewest operations; and their compilation.
 fn generation(folder: &Path) {
     let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models/serial-130.mbs");
     let printed = [
@@ -145,8 +145,15 @@ fn generation(folder: &Path) {
     ] {
         let mut command = Command::new(env!("CARGO_BIN_EXE_robovec"));
         command.arg("gen").arg(&model).args(arguments);
-        command.arg("-o").arg(folder.join("generated.rvir"));
+        let text = folder.join("generated.rvir");
+        command.arg("-o").arg(&text);
         row(label, size, command, None);
+        row(
+            &format!("robovec-opt {PIPELINE}"),
+            size,
+            own_command(&text, folder),
+            None,
+        );
     }
 }
 

@@ -5,7 +5,8 @@
 //! over, and its kinds of number: IEEE formats of any width ([`mod@format`],
 //! [`soft_float`]), numbers of twice the length ([`double_double`]), numbers with derivatives
 //! ([`dual`]), prime
-//! fields ([`field`]), and sine and cosine by series ([`trigonometry`]).
+//! fields ([`field`]), and sine and cosine by series ([`trigonometry`]); and sorting by
+//! numbers ([`radix`]).
 
 pub mod arithmetic;
 pub mod ball;
