@@ -1,17 +1,20 @@
 //! Fewer operations by algebra over the reals.
 //!
 //! A function is read into a `network` of n-ary sums and products in which no
-//! two values are equal or opposite, as their `fingerprint`s tell; `extract`
-//! takes common factors and shared parts out, `times` keeps the longest path,
+//! two values are equal or opposite, as their `fingerprint`s tell; `horner`
+//! writes polynomials by Horner's schemes if asked to, `extract` takes common
+//! factors and shared parts out, `times` keeps the longest path,
 //! and `write` makes trees of operations again. `factor` and `factor-trig` are
 //! this engine with two notions of equality.
 
 mod extract;
+mod horner;
 pub(crate) mod network;
 pub(crate) mod read;
 mod times;
 pub(crate) mod write;
 
+use horner::HornerSearch;
 use network::FactorNetwork;
 use robovec_analysis::critical_path::Weights;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
@@ -29,6 +32,35 @@ option_words! {
         Free = "free",
     }
 }
+
+option_words! {
+    /// Whether polynomials are written anew.
+    pub enum HornerChoice {
+        /// They stay as they are.
+        None = "none",
+        /// The variables that most terms have come first.
+        Occurrences = "occurrences",
+        /// Orders of the variables are searched for.
+        Search = "search",
+    }
+}
+
+/// What the reader of an option is told of `work`.
+const WORK: NumberLimit = NumberLimit::whole(
+    0,
+    10_000,
+    "a search of a thousand million terms takes half a minute",
+);
+/// What the reader of an option is told of `orders`.
+const ORDERS: NumberLimit = NumberLimit::whole(
+    1,
+    256,
+    "all factors are taken out of a network for each of them",
+);
+/// What the reader of an option is told of `seed`.
+const SEED: NumberLimit = NumberLimit::whole(0, u32::MAX as u64, "a seed costs nothing");
+/// What the reader of an option is told of `cycles`.
+const CYCLES: NumberLimit = NumberLimit::whole(0, 1_000_000_000, "no function takes more cycles");
 
 declare_pass! {
     /// Computes equal values once, takes common factors out, shares parts.
@@ -49,6 +81,20 @@ declare_pass! {
         /// Largest number of rounds; a round that gains nothing is the last.
         pub rounds: u32 = 8 => NumberLimit::whole(
             0, 64, "every round looks for factors in the whole function"),
+        /// Sums and products are read as polynomials, and all of them together
+        /// are written by Horner's scheme with a common order of variables,
+        /// before factors are taken out; what came in stays where that does
+        /// not save operations.
+        pub horner: HornerChoice = HornerChoice::None,
+        /// Millions of terms that the search looks at.
+        pub work: u32 = 20 => WORK,
+        /// Orders of which the factors are taken out; the best one stays.
+        pub orders: u32 = 8 => ORDERS,
+        /// The seed of the search.
+        pub seed: u32 = 1 => SEED,
+        /// The longest path allowed, in cycles, in the place of `path`; 0 leaves
+        /// it to `path`.
+        pub cycles: u32 = 0 => CYCLES,
     }
     takes: [Atomic],
     gives: Gives::Same,
@@ -69,6 +115,20 @@ declare_pass! {
         /// Largest number of rounds; a round that gains nothing is the last.
         pub rounds: u32 = 8 => NumberLimit::whole(
             0, 64, "every round looks for factors in the whole function"),
+        /// Sums and products are read as polynomials, and all of them together
+        /// are written by Horner's scheme with a common order of variables,
+        /// before factors are taken out; what came in stays where that does
+        /// not save operations.
+        pub horner: HornerChoice = HornerChoice::None,
+        /// Millions of terms that the search looks at.
+        pub work: u32 = 20 => WORK,
+        /// Orders of which the factors are taken out; the best one stays.
+        pub orders: u32 = 8 => ORDERS,
+        /// The seed of the search.
+        pub seed: u32 = 1 => SEED,
+        /// The longest path allowed, in cycles, in the place of `path`; 0 leaves
+        /// it to `path`.
+        pub cycles: u32 = 0 => CYCLES,
     }
     takes: [Atomic],
     gives: Gives::Same,
@@ -78,52 +138,102 @@ declare_pass! {
     destroys: [Timed, ZeroFree],
 }
 
-impl Pass for Factor {
-    fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
-        rewrite(function, context, false, self.path, self.rounds);
-        Ok(())
-    }
-}
-
-impl Pass for FactorTrig {
-    fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
-        rewrite(function, context, true, self.path, self.rounds);
-        Ok(())
-    }
-}
-
-fn rewrite(
-    function: &mut Function,
-    context: &mut Context<'_>,
+/// The options of both passes.
+struct FactorOptions {
     circle: bool,
     path: PathChoice,
+    cycles: u32,
     rounds: u32,
-) {
+    /// `None` when polynomials stay as they are.
+    search: Option<HornerSearch>,
+}
+
+macro_rules! factor_pass {
+    ($pass:ident, $circle:expr) => {
+        impl Pass for $pass {
+            fn run(
+                &self,
+                function: &mut Function,
+                context: &mut Context<'_>,
+            ) -> Result<(), PassError> {
+                let (work, orders) = match self.horner {
+                    HornerChoice::Search => (self.work, self.orders),
+                    _ => (0, 1),
+                };
+                let search = HornerSearch {
+                    work: u64::from(work) * 1_000_000,
+                    orders: orders as usize,
+                    seed: u64::from(self.seed),
+                };
+                let options = FactorOptions {
+                    circle: $circle,
+                    path: self.path,
+                    cycles: self.cycles,
+                    rounds: self.rounds,
+                    search: (self.horner != HornerChoice::None).then_some(search),
+                };
+                rewrite(function, context, &options);
+                Ok(())
+            }
+        }
+    };
+}
+
+factor_pass!(Factor, false);
+factor_pass!(FactorTrig, true);
+
+fn rewrite(function: &mut Function, context: &mut Context<'_>, options: &FactorOptions) {
     let weights = Weights::cycles(context.machine);
     let before = function.nodes().len();
-    let mut network = read::read(function, context.tables, circle);
-    extract_all(&mut network, weights, path, rounds);
+    let mut network = read::read(function, context.tables, options.circle);
+    let limit = match (options.cycles, options.path) {
+        (0, PathChoice::Free) => None,
+        (0, PathChoice::Keep) => Some(longest(&mut network, weights)),
+        (cycles, _) => Some(cycles),
+    };
+    let goal = FactorGoal {
+        weights,
+        limit,
+        rounds: options.rounds,
+    };
+    match options.search {
+        Some(search) => horner::improve(&mut network, search, context.rewrites, &goal),
+        None => extract_all(&mut network, &goal),
+    }
     let new = write::write(function, network, &weights, context.tables, context.notes);
     let saved = before.saturating_sub(new.nodes().len());
     *function = new;
     context.statistics.push(("operations saved", saved as u64));
 }
 
-fn extract_all(network: &mut FactorNetwork, weights: Weights, path: PathChoice, rounds: u32) {
-    let mut limit = None;
-    for _ in 0..rounds {
+/// What factors are taken out for.
+struct FactorGoal {
+    weights: Weights,
+    /// The longest path allowed.
+    limit: Option<u32>,
+    rounds: u32,
+}
+
+/// The longest path of a network whose sums and products are balanced.
+fn longest(network: &mut FactorNetwork, weights: Weights) -> u32 {
+    let order = network.order();
+    network.regroup(&order);
+    let order = network.renumber();
+    NodeTimes::find(network, &order, weights, None).longest(network)
+}
+
+fn extract_all(network: &mut FactorNetwork, goal: &FactorGoal) {
+    for _ in 0..goal.rounds {
         let order = network.order();
         network.regroup(&order);
         let order = network.renumber();
-        let times =
-            (path == PathChoice::Keep).then(|| NodeTimes::find(network, &order, weights, limit));
-        let Some(times) = times else {
+        let Some(limit) = goal.limit else {
             if extract::extract(network, &order, None) == 0 {
                 return;
             }
             continue;
         };
-        let allowed = *limit.get_or_insert(times.longest(network));
+        let times = NodeTimes::find(network, &order, goal.weights, Some(limit));
         let snapshot = network.clone();
         if extract::extract(network, &order, Some(times)) == 0 {
             return;
@@ -131,7 +241,7 @@ fn extract_all(network: &mut FactorNetwork, weights: Weights, path: PathChoice, 
         // Within a round the times of what lies far above a rewritten value
         // are those of before; should that have been wrong, the round is off.
         let order = network.order();
-        if NodeTimes::find(network, &order, weights, None).longest(network) > allowed {
+        if NodeTimes::find(network, &order, goal.weights, None).longest(network) > limit {
             *network = snapshot;
             return;
         }

@@ -394,6 +394,15 @@ impl FactorNetwork {
         }
     }
 
+    /// The node that a node has become part of, or the node itself.
+    pub(crate) fn heir(&self, node: u32) -> u32 {
+        let mut heir = node;
+        while let FactorKind::Part(user) = self.nodes[heir as usize].kind {
+            heir = user;
+        }
+        heir
+    }
+
     /// Sorts the operands of a sum or product; terms that cancel go.
     fn tidy(&mut self, node: usize) {
         let mut operands = self.nodes[node].operands.clone();

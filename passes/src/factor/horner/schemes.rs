@@ -1,0 +1,403 @@
+//! Horner's scheme in many variables, and what it costs.
+//!
+//! An order of the variables decides the scheme: what all terms have in common
+//! is taken out; the rest is split into the terms without the first variable
+//! in which they differ and those with it, and each part is written in the
+//! same way. The second part has the variable in common.
+//!
+//! With the terms sorted by the order every part is a range of them, and its
+//! value at a random point of a field a difference of two prefix sums. Equal
+//! parts, up to their sign, are thus known before they are looked into: a
+//! scheme of many polynomials is counted in time near linear in their terms,
+//! with every part that stands twice, in one or in several, counted once.
+
+use super::polynomials::{NetworkPolynomials, PolynomialTerm};
+use hashbrown::HashMap;
+use robovec_num::field::Modulus;
+use robovec_num::random::mix;
+use rustc_hash::{FxBuildHasher, FxHashSet};
+
+/// Exponents of sixteen variables.
+type Exponents = [u8; 16];
+
+/// A prime. It only decides what a scheme is thought to cost.
+const PRIME: u64 = (1 << 60) - 93;
+
+/// The variables of some polynomials, and their values at a random point.
+pub(super) struct SchemeVariables {
+    /// The nodes of the variables.
+    pub(super) nodes: Vec<u32>,
+    inverses: Vec<u64>,
+    /// In how many terms each of them is.
+    pub(super) occurrences: Vec<u32>,
+}
+
+/// A polynomial laid out for sorting.
+pub(super) struct PackedPolynomial {
+    /// The node that has its value.
+    pub(super) node: u32,
+    /// Its variables.
+    variables: Vec<u32>,
+    /// By term, so many groups of exponents in the order of `variables`.
+    rows: Vec<Exponents>,
+    pub(super) coefficients: Vec<i64>,
+    values: Vec<u64>,
+}
+
+/// Polynomials that are written with one order of their variables.
+pub(super) struct SchemeSet {
+    pub(super) variables: SchemeVariables,
+    pub(super) polynomials: Vec<PackedPolynomial>,
+    field: Modulus,
+}
+
+/// A part of a polynomial: what its terms have in common, times the rest.
+pub(super) struct SchemePart {
+    /// Variables and exponents, in [`Scheme::powers`].
+    pub(super) common: (u32, u32),
+    pub(super) rest: SchemeRest,
+}
+
+/// What is left of a part when the common powers have been taken out.
+pub(super) enum SchemeRest {
+    /// A single term: its coefficient.
+    Number(i64),
+    /// The sum of two parts, which come later.
+    Sum([u32; 2]),
+}
+
+/// The scheme of one polynomial.
+#[derive(Default)]
+pub(super) struct Scheme {
+    pub(super) parts: Vec<SchemePart>,
+    /// Variables and exponents.
+    pub(super) powers: Vec<(u32, u32)>,
+}
+
+/// A range of sorted terms that has to be written.
+#[derive(Clone, Copy)]
+struct OpenPart {
+    start: u32,
+    end: u32,
+    /// The part that has it as its first (0) or second (1) term.
+    parent: (u32, u8),
+    /// The inverse of the value of the powers taken out so far.
+    inverse: u64,
+}
+
+/// Memory that is used again from one scheme to the next.
+#[derive(Default)]
+pub(super) struct SchemeBuffers {
+    known: FxHashSet<u64>,
+    /// The variables of the polynomial, first in the order first.
+    columns: Vec<(u32, u32)>,
+    permutation: Vec<u32>,
+    swap: Vec<u32>,
+    rows: Vec<Exponents>,
+    prefix: Vec<u64>,
+    open: Vec<OpenPart>,
+    /// By open part, the exponents taken out so far.
+    taken: Vec<Exponents>,
+    least: Vec<Exponents>,
+    /// Terms looked at so far: the measure of work.
+    pub(super) work: u64,
+}
+
+impl SchemeSet {
+    /// Lays the polynomials of a network out.
+    pub(super) fn new(polynomials: &NetworkPolynomials, order: &[u32]) -> SchemeSet {
+        let field = Modulus::new(PRIME);
+        let mut set = SchemeSet {
+            variables: SchemeVariables {
+                nodes: Vec::new(),
+                inverses: Vec::new(),
+                occurrences: Vec::new(),
+            },
+            polynomials: Vec::new(),
+            field,
+        };
+        let mut numbers: HashMap<u32, u32, FxBuildHasher> = HashMap::default();
+        for &node in order {
+            if let Some(terms) = &polynomials.terms[node as usize] {
+                let packed = set.pack(node, terms, &mut numbers);
+                set.polynomials.push(packed);
+            }
+        }
+        set
+    }
+
+    fn pack(
+        &mut self,
+        node: u32,
+        terms: &[PolynomialTerm],
+        numbers: &mut HashMap<u32, u32, FxBuildHasher>,
+    ) -> PackedPolynomial {
+        let field = self.field;
+        let mut local: Vec<u32> = terms
+            .iter()
+            .flat_map(|term| term.powers.iter().map(|&(node, _)| node))
+            .collect();
+        local.sort_unstable();
+        local.dedup();
+        let points: Vec<u64> = local
+            .iter()
+            .map(|&node| field.number(mix(u64::from(node)) % PRIME))
+            .collect();
+        let variables: Vec<u32> = local
+            .iter()
+            .zip(&points)
+            .map(|(&node, &point)| {
+                *numbers.entry(node).or_insert_with(|| {
+                    self.variables.nodes.push(node);
+                    self.variables.inverses.push(field.invert(point));
+                    self.variables.occurrences.push(0);
+                    self.variables.nodes.len() as u32 - 1
+                })
+            })
+            .collect();
+        let blocks = blocks(variables.len());
+        let mut packed = PackedPolynomial {
+            node,
+            variables,
+            rows: Vec::with_capacity(terms.len() * blocks),
+            coefficients: terms.iter().map(|term| term.coefficient).collect(),
+            values: Vec::with_capacity(terms.len()),
+        };
+        for term in terms {
+            let first = packed.rows.len();
+            packed.rows.resize(first + blocks, [0; 16]);
+            let size = field.number(term.coefficient.unsigned_abs());
+            let mut value = if term.coefficient < 0 {
+                field.neg(size)
+            } else {
+                size
+            };
+            for &(node, exponent) in &term.powers {
+                let at = local
+                    .binary_search(&node)
+                    .expect("a term has variables of its sum");
+                packed.rows[first + at / 16][at % 16] = exponent as u8;
+                self.variables.occurrences[packed.variables[at] as usize] += 1;
+                value = field.mul(value, field.power(points[at], u64::from(exponent)));
+            }
+            packed.values.push(value);
+        }
+        packed
+    }
+
+    /// The operations of the schemes of all polynomials; `ranks` gives every
+    /// variable its place in the order.
+    pub(super) fn cost(&self, ranks: &[u32], buffers: &mut SchemeBuffers) -> u64 {
+        buffers.known.clear();
+        self.polynomials
+            .iter()
+            .map(|polynomial| self.scheme(polynomial, ranks, buffers, None))
+            .sum()
+    }
+
+    /// The operations of the scheme of one polynomial that nothing known yet
+    /// gives; on request the scheme itself, in which equal parts are not one.
+    pub(super) fn scheme(
+        &self,
+        polynomial: &PackedPolynomial,
+        ranks: &[u32],
+        buffers: &mut SchemeBuffers,
+        mut record: Option<&mut Scheme>,
+    ) -> u64 {
+        let field = self.field;
+        let blocks = blocks(polynomial.variables.len());
+        buffers.sort(polynomial, ranks, field);
+        let mut cost = 0;
+        while let Some(part) = buffers.open.pop() {
+            let (start, end) = (part.start as usize, part.end as usize);
+            buffers.work += (end - start) as u64;
+            buffers.find_least(start, end, blocks);
+            let mut multiplications = 0;
+            let mut inverse = part.inverse;
+            let first_power = record
+                .as_ref()
+                .map_or(0, |scheme| scheme.powers.len() as u32);
+            let taken_from = buffers.taken.len() - blocks;
+            for &(column, variable) in &buffers.columns {
+                let (block, lane) = (column as usize / 16, column as usize % 16);
+                let power = buffers.least[block][lane] - buffers.taken[taken_from + block][lane];
+                if power == 0 {
+                    continue;
+                }
+                for _ in 0..power {
+                    inverse = field.mul(inverse, self.variables.inverses[variable as usize]);
+                }
+                multiplications += 1;
+                // A power is one more operation when the one below is there.
+                let name = u64::MAX - (u64::from(variable) << 8 | u64::from(power));
+                cost += u64::from(power > 1 && buffers.known.insert(name));
+                if let Some(scheme) = record.as_mut() {
+                    scheme.powers.push((variable, u32::from(power)));
+                }
+            }
+            buffers.taken.truncate(taken_from);
+            let sum = field.sub(buffers.prefix[end], buffers.prefix[start]);
+            let single = end - start == 1;
+            let coefficient = polynomial.coefficients[buffers.permutation[start] as usize];
+            if let Some(scheme) = record.as_mut() {
+                let number = scheme.parts.len() as u32;
+                let common = (first_power, scheme.powers.len() as u32);
+                scheme.parts.push(SchemePart {
+                    common,
+                    rest: match single {
+                        true => SchemeRest::Number(coefficient),
+                        false => SchemeRest::Sum([0, 0]),
+                    },
+                });
+                let (parent, side) = part.parent;
+                if let Some(SchemePart {
+                    rest: SchemeRest::Sum(sides),
+                    ..
+                }) = scheme.parts.get_mut(parent as usize).filter(|_| number > 0)
+                {
+                    sides[usize::from(side)] = number;
+                }
+            }
+            let recording = record.is_some();
+            let factors = multiplications + u64::from(!single || coefficient.unsigned_abs() != 1);
+            if factors > 1 {
+                let is_new = buffers.learn(field, field.mul(sum, part.inverse));
+                if !is_new && !recording {
+                    continue;
+                }
+                cost += factors - 1;
+            }
+            if single || !buffers.learn(field, field.mul(sum, inverse)) && !recording {
+                continue;
+            }
+            cost += 1;
+            let number = record
+                .as_ref()
+                .map_or(0, |scheme| scheme.parts.len() as u32 - 1);
+            buffers.split(start, end, blocks, (number, inverse));
+        }
+        cost
+    }
+}
+
+fn blocks(variables: usize) -> usize {
+    variables.div_ceil(16)
+}
+
+impl SchemeBuffers {
+    /// Sorts the terms of a polynomial and opens it as one part.
+    fn sort(&mut self, polynomial: &PackedPolynomial, ranks: &[u32], field: Modulus) {
+        let blocks = blocks(polynomial.variables.len());
+        let count = polynomial.values.len();
+        self.columns.clear();
+        self.columns
+            .extend((0..).zip(polynomial.variables.iter().copied()));
+        self.columns
+            .sort_unstable_by_key(|&(_, variable)| ranks[variable as usize]);
+        self.permutation.clear();
+        self.permutation.extend(0..count as u32);
+        if count > 1 {
+            for at in (0..self.columns.len()).rev() {
+                self.sort_by(self.columns[at].0 as usize, polynomial, blocks);
+            }
+        }
+        self.work += count as u64;
+        self.rows.clear();
+        self.prefix.clear();
+        self.prefix.push(0);
+        let mut sum = 0;
+        for &term in &self.permutation {
+            let term = term as usize;
+            self.rows
+                .extend_from_slice(&polynomial.rows[term * blocks..(term + 1) * blocks]);
+            sum = field.add(sum, polynomial.values[term]);
+            self.prefix.push(sum);
+        }
+        self.taken.clear();
+        self.taken.resize(blocks, [0; 16]);
+        self.open.clear();
+        self.open.push(OpenPart {
+            start: 0,
+            end: count as u32,
+            parent: (0, 0),
+            inverse: field.one(),
+        });
+    }
+
+    /// One stable pass of a radix sort, by the exponents of a column.
+    fn sort_by(&mut self, column: usize, polynomial: &PackedPolynomial, blocks: usize) {
+        let exponent =
+            |term: u32| polynomial.rows[term as usize * blocks + column / 16][column % 16] as usize;
+        if self.permutation.len() < 32 {
+            self.permutation.sort_by_key(|&term| exponent(term));
+            return;
+        }
+        let mut places = [0u32; 256];
+        for &term in &self.permutation {
+            places[exponent(term)] += 1;
+        }
+        let mut next = 0;
+        for place in &mut places {
+            next += std::mem::replace(place, next);
+        }
+        self.swap.clear();
+        self.swap.resize(self.permutation.len(), 0);
+        for &term in &self.permutation {
+            let place = &mut places[exponent(term)];
+            self.swap[*place as usize] = term;
+            *place += 1;
+        }
+        std::mem::swap(&mut self.swap, &mut self.permutation);
+    }
+
+    /// The least exponents of a range of terms.
+    fn find_least(&mut self, start: usize, end: usize, blocks: usize) {
+        self.least.clear();
+        self.least
+            .extend_from_slice(&self.rows[start * blocks..(start + 1) * blocks]);
+        for row in self.rows[(start + 1) * blocks..end * blocks].chunks_exact(blocks.max(1)) {
+            for (least, exponents) in self.least.iter_mut().zip(row) {
+                for (least, exponent) in least.iter_mut().zip(exponents) {
+                    *least = (*least).min(*exponent);
+                }
+            }
+        }
+    }
+
+    /// Takes note of a value; false when it or its negation was known.
+    fn learn(&mut self, field: Modulus, value: u64) -> bool {
+        self.known.insert(value.min(field.neg(value)))
+    }
+
+    /// Opens the terms without the first variable in which a range differs,
+    /// and those with it.
+    fn split(&mut self, start: usize, end: usize, blocks: usize, from: (u32, u64)) {
+        let at = |term: usize, column: u32| {
+            self.rows[term * blocks + column as usize / 16][column as usize % 16]
+        };
+        let (column, _) = *self
+            .columns
+            .iter()
+            .find(|&&(column, _)| at(start, column) != at(end - 1, column))
+            .expect("terms of a polynomial differ");
+        let lowest = at(start, column);
+        let (mut low, mut high) = (start, end);
+        while low < high {
+            let middle = low.midpoint(high);
+            match at(middle, column) == lowest {
+                true => low = middle + 1,
+                false => high = middle,
+            }
+        }
+        let (parent, inverse) = from;
+        for (side, (start, end)) in (0..).zip([(start, low), (low, end)]) {
+            self.taken.extend_from_slice(&self.least);
+            self.open.push(OpenPart {
+                start: start as u32,
+                end: end as u32,
+                parent: (parent, side),
+                inverse,
+            });
+        }
+    }
+}
