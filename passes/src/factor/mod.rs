@@ -49,7 +49,7 @@ option_words! {
 const WORK: NumberLimit = NumberLimit::whole(
     0,
     10_000,
-    "a search of a thousand million terms takes half a minute",
+    "a search that looks at a thousand million terms takes ten seconds",
 );
 /// What the reader of an option is told of `orders`.
 const ORDERS: NumberLimit = NumberLimit::whole(
@@ -87,7 +87,7 @@ declare_pass! {
         /// not save operations.
         pub horner: HornerChoice = HornerChoice::None,
         /// Millions of terms that the search looks at.
-        pub work: u32 = 20 => WORK,
+        pub work: u32 = 50 => WORK,
         /// Orders of which the factors are taken out; the best one stays.
         pub orders: u32 = 8 => ORDERS,
         /// The seed of the search.
@@ -121,7 +121,7 @@ declare_pass! {
         /// not save operations.
         pub horner: HornerChoice = HornerChoice::None,
         /// Millions of terms that the search looks at.
-        pub work: u32 = 20 => WORK,
+        pub work: u32 = 50 => WORK,
         /// Orders of which the factors are taken out; the best one stays.
         pub orders: u32 = 8 => ORDERS,
         /// The seed of the search.

@@ -17,7 +17,7 @@ use robovec_framework::rewrite_limit::RewriteLimit;
 use smallvec::SmallVec;
 
 /// A larger sum is written over its terms as they are.
-const MAX_TERMS: usize = 1 << 20;
+const MAX_TERMS: usize = 1 << 17;
 /// So is a product of a higher degree: exponents are kept in bytes.
 const MAX_DEGREE: u32 = 255;
 /// Larger integers are variables: sums of products of smaller ones stay exact.

@@ -17,6 +17,9 @@ use robovec_num::field::Modulus;
 use robovec_num::random::mix;
 use rustc_hash::{FxBuildHasher, FxHashSet};
 
+/// So many rows have their least exponents kept.
+const STRETCH: usize = 32;
+
 /// Exponents of sixteen variables.
 type Exponents = [u8; 16];
 
@@ -91,9 +94,12 @@ pub(super) struct SchemeBuffers {
     known: FxHashSet<u64>,
     /// The variables of the polynomial, first in the order first.
     columns: Vec<(u32, u32)>,
-    permutation: Vec<u32>,
-    swap: Vec<u32>,
+    /// Terms as they are sorted, with exponents in the order of the columns.
+    terms: Vec<(u128, u32)>,
     rows: Vec<Exponents>,
+    /// The least exponents of every [`STRETCH`] rows, so that a part is not
+    /// looked through term by term.
+    minima: Vec<Exponents>,
     prefix: Vec<u64>,
     open: Vec<OpenPart>,
     /// By open part, the exponents taken out so far.
@@ -210,73 +216,103 @@ impl SchemeSet {
         let mut cost = 0;
         while let Some(part) = buffers.open.pop() {
             let (start, end) = (part.start as usize, part.end as usize);
-            buffers.work += (end - start) as u64;
             buffers.find_least(start, end, blocks);
-            let mut multiplications = 0;
-            let mut inverse = part.inverse;
-            let first_power = record
-                .as_ref()
-                .map_or(0, |scheme| scheme.powers.len() as u32);
-            let taken_from = buffers.taken.len() - blocks;
-            for &(column, variable) in &buffers.columns {
-                let (block, lane) = (column as usize / 16, column as usize % 16);
-                let power = buffers.least[block][lane] - buffers.taken[taken_from + block][lane];
-                if power == 0 {
-                    continue;
-                }
-                for _ in 0..power {
-                    inverse = field.mul(inverse, self.variables.inverses[variable as usize]);
-                }
-                multiplications += 1;
-                // A power is one more operation when the one below is there.
-                let name = u64::MAX - (u64::from(variable) << 8 | u64::from(power));
-                cost += u64::from(power > 1 && buffers.known.insert(name));
-                if let Some(scheme) = record.as_mut() {
-                    scheme.powers.push((variable, u32::from(power)));
-                }
-            }
-            buffers.taken.truncate(taken_from);
-            let sum = field.sub(buffers.prefix[end], buffers.prefix[start]);
+            let powers = record.as_mut().map(|scheme| &mut scheme.powers);
+            let first = powers.as_ref().map_or(0, |powers| powers.len() as u32);
+            let common = self.common(polynomial, part.inverse, buffers, powers);
+            cost += common.powers;
             let single = end - start == 1;
-            let coefficient = polynomial.coefficients[buffers.permutation[start] as usize];
-            if let Some(scheme) = record.as_mut() {
-                let number = scheme.parts.len() as u32;
-                let common = (first_power, scheme.powers.len() as u32);
-                scheme.parts.push(SchemePart {
-                    common,
-                    rest: match single {
-                        true => SchemeRest::Number(coefficient),
-                        false => SchemeRest::Sum([0, 0]),
-                    },
-                });
-                let (parent, side) = part.parent;
-                if let Some(SchemePart {
-                    rest: SchemeRest::Sum(sides),
-                    ..
-                }) = scheme.parts.get_mut(parent as usize).filter(|_| number > 0)
-                {
-                    sides[usize::from(side)] = number;
-                }
-            }
-            let recording = record.is_some();
-            let factors = multiplications + u64::from(!single || coefficient.unsigned_abs() != 1);
+            let coefficient = polynomial.coefficients[buffers.terms[start].1 as usize];
+            let number = record.as_mut().map_or(0, |scheme| {
+                let rest = match single {
+                    true => SchemeRest::Number(coefficient),
+                    false => SchemeRest::Sum([0, 0]),
+                };
+                scheme.push(first, rest, part.parent)
+            });
+            let sum = field.sub(buffers.prefix[end], buffers.prefix[start]);
+            let factors = common.factors + u64::from(!single || coefficient.unsigned_abs() != 1);
             if factors > 1 {
                 let is_new = buffers.learn(field, field.mul(sum, part.inverse));
-                if !is_new && !recording {
+                if !is_new && record.is_none() {
                     continue;
                 }
                 cost += factors - 1;
             }
-            if single || !buffers.learn(field, field.mul(sum, inverse)) && !recording {
+            if single || !buffers.learn(field, field.mul(sum, common.inverse)) && record.is_none() {
                 continue;
             }
             cost += 1;
-            let number = record
-                .as_ref()
-                .map_or(0, |scheme| scheme.parts.len() as u32 - 1);
-            buffers.split(start, end, blocks, (number, inverse));
+            buffers.split((start, end), blocks, (number, common.inverse));
         }
         cost
+    }
+
+    /// Takes the powers that a part has in common, the least ones, out of it.
+    fn common(
+        &self,
+        polynomial: &PackedPolynomial,
+        inverse: u64,
+        buffers: &mut SchemeBuffers,
+        mut record: Option<&mut Vec<(u32, u32)>>,
+    ) -> CommonPowers {
+        let mut common = CommonPowers {
+            factors: 0,
+            powers: 0,
+            inverse,
+        };
+        let first = buffers.taken.len() - buffers.least.len();
+        for (block, least) in buffers.least.iter().enumerate() {
+            // No exponent is less than what has been taken out of it, so that
+            // nothing is borrowed from one byte to the next.
+            let taken = u128::from_le_bytes(buffers.taken[first + block]);
+            let mut rest = u128::from_le_bytes(*least) - taken;
+            while rest != 0 {
+                let lane = rest.trailing_zeros() / 8;
+                let power = (rest >> (8 * lane)) as u8;
+                rest ^= u128::from(power) << (8 * lane);
+                let variable = polynomial.variables[16 * block + lane as usize];
+                let one = self.variables.inverses[variable as usize];
+                for _ in 0..power {
+                    common.inverse = self.field.mul(common.inverse, one);
+                }
+                common.factors += 1;
+                // A power is one more operation when the one below is there.
+                let name = u64::MAX - (u64::from(variable) << 8 | u64::from(power));
+                common.powers += u64::from(power > 1 && buffers.known.insert(name));
+                if let Some(powers) = record.as_mut() {
+                    powers.push((variable, u32::from(power)));
+                }
+            }
+        }
+        buffers.taken.truncate(first);
+        common
+    }
+}
+
+/// What is taken out of a part.
+struct CommonPowers {
+    /// How many variables.
+    factors: u64,
+    /// The operations of those of their powers that were not known.
+    powers: u64,
+    /// The inverse of the value of all powers taken out so far.
+    inverse: u64,
+}
+
+impl Scheme {
+    /// Appends a part whose powers begin at a place, and tells its parent.
+    fn push(&mut self, first: u32, rest: SchemeRest, parent: (u32, u8)) -> u32 {
+        let number = self.parts.len() as u32;
+        let common = (first, self.powers.len() as u32);
+        self.parts.push(SchemePart { common, rest });
+        if number > 0 {
+            match &mut self.parts[parent.0 as usize].rest {
+                SchemeRest::Sum(sides) => sides[usize::from(parent.1)] = number,
+                SchemeRest::Number(_) => unreachable!("a single term has no parts"),
+            }
+        }
+        number
     }
 }
 
@@ -287,31 +323,32 @@ fn blocks(variables: usize) -> usize {
 impl SchemeBuffers {
     /// Sorts the terms of a polynomial and opens it as one part.
     fn sort(&mut self, polynomial: &PackedPolynomial, ranks: &[u32], field: Modulus) {
-        let blocks = blocks(polynomial.variables.len());
         let count = polynomial.values.len();
         self.columns.clear();
         self.columns
             .extend((0..).zip(polynomial.variables.iter().copied()));
         self.columns
             .sort_unstable_by_key(|&(_, variable)| ranks[variable as usize]);
-        self.permutation.clear();
-        self.permutation.extend(0..count as u32);
-        if count > 1 {
-            for at in (0..self.columns.len()).rev() {
-                self.sort_by(self.columns[at].0 as usize, polynomial, blocks);
-            }
-        }
+        let blocks = blocks(polynomial.variables.len());
+        self.sort_terms(polynomial, blocks);
         self.work += count as u64;
         self.rows.clear();
         self.prefix.clear();
         self.prefix.push(0);
         let mut sum = 0;
-        for &term in &self.permutation {
+        for &(_, term) in &self.terms {
             let term = term as usize;
             self.rows
                 .extend_from_slice(&polynomial.rows[term * blocks..(term + 1) * blocks]);
             sum = field.add(sum, polynomial.values[term]);
             self.prefix.push(sum);
+        }
+        self.minima.clear();
+        for start in (0..count / STRETCH).map(|stretch| stretch * STRETCH) {
+            let rows = &self.rows[start * blocks..(start + STRETCH) * blocks];
+            self.minima.extend_from_slice(&rows[..blocks]);
+            let first = self.minima.len() - blocks;
+            lower(&mut self.minima[first..], rows);
         }
         self.taken.clear();
         self.taken.resize(blocks, [0; 16]);
@@ -324,30 +361,26 @@ impl SchemeBuffers {
         });
     }
 
-    /// One stable pass of a radix sort, by the exponents of a column.
-    fn sort_by(&mut self, column: usize, polynomial: &PackedPolynomial, blocks: usize) {
-        let exponent =
-            |term: u32| polynomial.rows[term as usize * blocks + column / 16][column % 16] as usize;
-        if self.permutation.len() < 32 {
-            self.permutation.sort_by_key(|&term| exponent(term));
-            return;
+    /// Sorts terms by their exponents in the order of the columns: sixteen
+    /// columns at a time, the last ones first, in a stable sort.
+    fn sort_terms(&mut self, polynomial: &PackedPolynomial, blocks: usize) {
+        self.terms.clear();
+        let count = polynomial.values.len() as u32;
+        self.terms.extend((0..count).map(|term| (0, term)));
+        for columns in self.columns.chunks(16).rev() {
+            for (key, term) in &mut self.terms {
+                let row = &polynomial.rows[*term as usize * blocks..][..blocks];
+                let mut exponents = [0; 16];
+                for (exponent, &(column, _)) in exponents.iter_mut().zip(columns) {
+                    *exponent = row[column as usize / 16][column as usize % 16];
+                }
+                *key = u128::from_be_bytes(exponents);
+            }
+            match blocks {
+                1 => self.terms.sort_unstable(),
+                _ => self.terms.sort_by_key(|&(key, _)| key),
+            }
         }
-        let mut places = [0u32; 256];
-        for &term in &self.permutation {
-            places[exponent(term)] += 1;
-        }
-        let mut next = 0;
-        for place in &mut places {
-            next += std::mem::replace(place, next);
-        }
-        self.swap.clear();
-        self.swap.resize(self.permutation.len(), 0);
-        for &term in &self.permutation {
-            let place = &mut places[exponent(term)];
-            self.swap[*place as usize] = term;
-            *place += 1;
-        }
-        std::mem::swap(&mut self.swap, &mut self.permutation);
     }
 
     /// The least exponents of a range of terms.
@@ -355,13 +388,17 @@ impl SchemeBuffers {
         self.least.clear();
         self.least
             .extend_from_slice(&self.rows[start * blocks..(start + 1) * blocks]);
-        for row in self.rows[(start + 1) * blocks..end * blocks].chunks_exact(blocks.max(1)) {
-            for (least, exponents) in self.least.iter_mut().zip(row) {
-                for (least, exponent) in least.iter_mut().zip(exponents) {
-                    *least = (*least).min(*exponent);
-                }
-            }
+        let (first, last) = (start.div_ceil(STRETCH), end / STRETCH);
+        if first >= last {
+            lower(&mut self.least, &self.rows[start * blocks..end * blocks]);
+            self.work += (end - start) as u64;
+            return;
         }
+        let (head, tail) = (first * STRETCH, last * STRETCH);
+        lower(&mut self.least, &self.rows[start * blocks..head * blocks]);
+        lower(&mut self.least, &self.minima[first * blocks..last * blocks]);
+        lower(&mut self.least, &self.rows[tail * blocks..end * blocks]);
+        self.work += (head - start + last - first + end - tail) as u64;
     }
 
     /// Takes note of a value; false when it or its negation was known.
@@ -371,7 +408,7 @@ impl SchemeBuffers {
 
     /// Opens the terms without the first variable in which a range differs,
     /// and those with it.
-    fn split(&mut self, start: usize, end: usize, blocks: usize, from: (u32, u64)) {
+    fn split(&mut self, (start, end): (usize, usize), blocks: usize, from: (u32, u64)) {
         let at = |term: usize, column: u32| {
             self.rows[term * blocks + column as usize / 16][column as usize % 16]
         };
@@ -398,6 +435,23 @@ impl SchemeBuffers {
                 parent: (parent, side),
                 inverse,
             });
+        }
+    }
+}
+
+/// Lowers exponents to those of some rows where these are less.
+fn lower(least: &mut [Exponents], rows: &[Exponents]) {
+    if let [least] = least {
+        for row in rows {
+            for (least, exponent) in least.iter_mut().zip(row) {
+                *least = (*least).min(*exponent);
+            }
+        }
+        return;
+    }
+    for row in rows.chunks_exact(least.len().max(1)) {
+        for (least, exponents) in least.as_flattened_mut().iter_mut().zip(row.as_flattened()) {
+            *least = (*least).min(*exponents);
         }
     }
 }
