@@ -17,7 +17,9 @@
 //!   More effort is therefore never worse.
 
 use super::Goal;
-use super::steps::{FUSED, MOVES, PREPARATIONS, SearchStep, StartForm, class};
+use super::steps::{
+    FEWEST, FEWEST_MOVES, FUSED, MOVES, PREPARATIONS, SearchStep, StartForm, class,
+};
 use super::trial::VariantTrial;
 use robovec_analysis::class::NumericClass;
 use robovec_framework::pass::{PassError, Registry};
@@ -229,7 +231,8 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
     fn preparations(&self, is_first: bool) -> Vec<PlannedStep> {
         let mut planned = Vec::new();
         for (index, start) in self.starts.iter().enumerate() {
-            let steps = PREPARATIONS.iter().filter(|step| {
+            let steps = PREPARATIONS.iter().chain(self.if_fewest(FEWEST));
+            let steps = steps.filter(|step| {
                 step.is_first == is_first
                     && (!step.printed_only || start.form == StartForm::Printed)
             });
@@ -239,6 +242,14 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
             }));
         }
         planned
+    }
+
+    /// These steps where nothing but operations counts, none elsewhere.
+    fn if_fewest(&self, steps: &'static [SearchStep]) -> &'static [SearchStep] {
+        match self.question.goal {
+            Goal::Operations => steps,
+            Goal::Cycles | Goal::Path => &[],
+        }
     }
 
     /// Carries out what fits into the budget; the rest waits.
@@ -482,7 +493,7 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
             };
             self.trials[index].is_expanded = true;
             self.expansions += 1;
-            let steps = MOVES.iter();
+            let steps = self.if_fewest(FEWEST_MOVES).iter().chain(MOVES);
             let planned = steps.map(|step| PlannedStep {
                 origin: Origin::Trial(index),
                 step,

@@ -118,6 +118,38 @@ pub const PREPARATIONS: &[SearchStep] = &[
     step("as printed", "dce{order=outputs},fold,cse,dce"),
 ];
 
+/// What starts go through besides where nothing but operations counts: schemes
+/// of polynomials make paths long.
+pub const FEWEST: &[SearchStep] = &[
+    heavy(
+        "schemes",
+        "dce{order=outputs},fold,zero-removal,factor{path=free horner=occurrences},cse,dce",
+        5,
+        100,
+    ),
+    SearchStep {
+        finds_bodies: true,
+        printed_only: true,
+        ..heavy(
+            "composite, schemes",
+            "dce{order=outputs},fold,zero-removal,composite,\
+             factor-trig{path=free horner=occurrences},cse,dce",
+            3,
+            100,
+        )
+    },
+];
+
+/// What programs go through afterwards where nothing but operations counts.
+/// Look-ahead that may not spend finds values that are equal, and is paid for
+/// by factors.
+pub const FEWEST_MOVES: &[SearchStep] = &[heavy(
+    "look-ahead 95 %, schemes",
+    "lookahead{growth=95},factor{path=free horner=occurrences},cse,dce",
+    25,
+    100,
+)];
+
 /// What programs go through afterwards.
 pub const MOVES: &[SearchStep] = &[
     heavy(
@@ -200,7 +232,7 @@ mod tests {
 
     #[test]
     fn steps_are_pipelines_that_change_no_function() {
-        for step in [PREPARATIONS, MOVES, FUSED].concat() {
+        for step in [PREPARATIONS, FEWEST, FEWEST_MOVES, MOVES, FUSED].concat() {
             let pipeline = step.pipeline(&REGISTRY).expect("all passes are there");
             let class = class(&pipeline);
             assert!(class <= NumericClass::RealTrig, "{} is {class}", step.name);
