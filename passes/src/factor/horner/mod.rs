@@ -12,6 +12,8 @@ mod polynomials;
 mod rebuild;
 mod schemes;
 mod search;
+#[cfg(test)]
+mod tests;
 mod tree;
 
 use super::network::FactorNetwork;
