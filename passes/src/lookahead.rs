@@ -57,7 +57,7 @@ declare_pass! {
         pub window: u32 = 100 => NumberLimit::whole(
             0, 1_000_000, "no value is ready earlier"),
         /// Rounds in which operations are saved again.
-        pub rounds: u32 = 3 => NumberLimit::whole(
+        pub rounds: u32 = 6 => NumberLimit::whole(
             0, 64, "operations are counted and chosen again for every value in every round"),
     }
     takes: [Atomic],
