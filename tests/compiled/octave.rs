@@ -41,7 +41,12 @@ pub(crate) fn compare_octave(subjects: &[Subject]) -> Vec<Outcome> {
         .arg(&file)
         .output()
         .expect("octave is there");
-    let found = parse_changes(&String::from_utf8_lossy(&output.stdout));
+    let text = String::from_utf8_lossy(&output.stdout);
+    let ours: Vec<&str> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("> "))
+        .collect();
+    let found = parse_changes(&ours.join("\n"));
     for (call, (subject, module)) in modules.iter().enumerate() {
         for state in 1..=STATES {
             let view = View {

@@ -1,5 +1,6 @@
 % Calls functions of equations at states that depend on names alone, and prints
-% every element that a call changed; what Octave refuses is named.
+% every element that a call changed; what Octave refuses is named. Lines behind
+% `> ` are ours, since a statement without a semicolon prints as well.
 1;
 function x = times(a, b)
   % The product of two 64-bit numbers, without the bits above.
@@ -54,15 +55,15 @@ for state = 1:STATES
   end
   s.tsim = number(state, 'tsim', 0, 0);
   for call = 1:numel(NAMES)
-    printf('call %d %d\n', state, call - 1);
+    printf('\n> call %d %d\n', state, call - 1);
     try
       source(NAMES{call});
       results = invdyna(s, s.tsim, []);
       for i = 1:numel(results)
-        printf('Qq %d 0 %s\n', i, num2hex(results(i)));
+        printf('\n> Qq %d 0 %s\n', i, num2hex(results(i)));
       end
     catch
-      printf('refused\n');
+      printf('\n> refused\n');
     end
   end
 end
