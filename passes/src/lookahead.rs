@@ -51,10 +51,10 @@ declare_pass! {
         pub doublings: u32 = 0 => NumberLimit::whole(
             0, 20, "every value gets forms at all frontiers of every distance"),
         /// Late terms a form may have.
-        pub width: u32 = 24 => NumberLimit::whole(
+        pub width: u32 = 12 => NumberLimit::whole(
             0, 64, "a form is composed of the forms of its terms, width times width products each"),
         /// A value ready so many cycles before a frontier counts as early.
-        pub window: u32 = 100 => NumberLimit::whole(
+        pub window: u32 = 60 => NumberLimit::whole(
             0, 1_000_000, "no value is ready earlier"),
         /// Rounds in which operations are saved again.
         pub rounds: u32 = 6 => NumberLimit::whole(
