@@ -130,7 +130,7 @@ fn proof(
         return Ok(verdict.to_string());
     }
     let name = &before.function.name;
-    // Most programs that robovec finds the best rest on it, so that a user
+    // Programs that `optimise` takes often rest on it, so that a user
     // who compares one with its input would take the refusal for a fault.
     let is_missed_by_trigonometry =
         arguments.class() == NumericClass::Real && judge(NumericClass::RealTrig).holds();
