@@ -323,14 +323,9 @@ impl PipelineRun<'_> {
         if let Some(progress) = &mut self.instruments.config.progress {
             progress(self.ordinal, self.total.max(self.ordinal), &name);
         }
-        let failed = |error: PassError, function: &Function| RunError::Pass {
-            pass: name.clone(),
-            function: function.name.clone(),
-            error,
-        };
         // The pipeline was read, so the options are known to be right.
         let pass = (step.info.build)(&step.options)
-            .map_err(|error| failed(PassError::new(error.to_string()), function))?;
+            .map_err(|error| pass_failed(&name, function, PassError::new(error.to_string())))?;
         self.instruments.before(step, tables, function)?;
         let before = self.instruments.keeps_before().then(|| function.clone());
         let fingerprint = self.fingerprint;
@@ -340,12 +335,7 @@ impl PipelineRun<'_> {
         let rewrites = RewriteLimit::new(limit);
         let ran = self.execute(pass.as_ref(), wanted, &rewrites, tables, function);
         self.note_rewrites(step, &rewrites);
-        let ran = ran.map_err(|panic| RunError::Panic {
-            pass: name.clone(),
-            function: function.name.clone(),
-            message: panic_message(panic.as_ref()),
-        })?;
-        let mut report = ran.map_err(|error| failed(error, function))?;
+        let mut report = settled(ran, &name, function)?;
         self.outcome.artifacts.append(&mut report.artifacts);
         measure::forget_stale_properties(step.info, function);
         let (cpu_s, peak_mb) = meter.stop();
@@ -579,6 +569,32 @@ impl PipelineRun<'_> {
             function: after.function.name.clone(),
             reason: verdict.to_string(),
         })
+    }
+}
+
+/// What a pass gave up with, and where.
+fn pass_failed(name: &str, function: &Function, error: PassError) -> RunError {
+    RunError::Pass {
+        pass: name.to_owned(),
+        function: function.name.clone(),
+        error,
+    }
+}
+
+/// What a pass reported, or why the run ends with it.
+fn settled(
+    ran: Result<Result<NestedReport, PassError>, Box<dyn Any + Send>>,
+    name: &str,
+    function: &Function,
+) -> Result<NestedReport, RunError> {
+    match ran {
+        Ok(Ok(report)) => Ok(report),
+        Ok(Err(error)) => Err(pass_failed(name, function, error)),
+        Err(panic) => Err(RunError::Panic {
+            pass: name.to_owned(),
+            function: function.name.clone(),
+            message: panic_message(panic.as_ref()),
+        }),
     }
 }
 
