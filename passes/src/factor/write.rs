@@ -9,7 +9,7 @@ use crate::sums::groups::GroupFamily;
 use crate::sums::writer::{SignedOperand, SumWriter, ValueNaming};
 use robovec_analysis::critical_path::Weights;
 use robovec_framework::trail::Notes;
-use robovec_ir::{Function, Level, Operation, Tables};
+use robovec_ir::{Function, Level, Name, Operation, Tables};
 
 /// Writes the live part of a network in the place of a function's body.
 pub(crate) fn write(
@@ -79,8 +79,12 @@ impl MergedParts {
         let parts = parts.map(|(_, origin)| (origin.name, origin.sources));
         let mut root = own.name;
         if root.is_none() {
+            // By their texts, as in `with_parts`.
+            let symbols = &tables.symbols;
+            let text = |name: &Name| (symbols.text(name.base), name.suffix);
             let names = parts.clone().map(|(name, _)| name);
-            root = names.filter(|name| !name.is_none()).min().unwrap_or(root);
+            let names = names.filter(|name| !name.is_none());
+            root = names.min_by(|a, b| text(a).cmp(&text(b))).unwrap_or(root);
         }
         ValueNaming::new(root, own.owner, own.sources).with_parts(parts, tables)
     }
