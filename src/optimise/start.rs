@@ -64,7 +64,10 @@ impl OptimisationStart {
     ) -> OptimisationStart {
         OptimisationStart {
             name: formulation.name().to_owned(),
-            form: StartForm::Formulation,
+            form: match formulation {
+                Formulation::Composite | Formulation::CompositeBase => StartForm::Formulation,
+                _ => StartForm::Printed,
+            },
             module: Arc::new(module),
             recipe,
         }

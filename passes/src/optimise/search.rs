@@ -18,7 +18,7 @@
 
 use super::Goal;
 use super::steps::{
-    FEWEST, FEWEST_MOVES, FUSED, MOVES, PREPARATIONS, SearchStep, StartForm, class,
+    FEWEST, FEWEST_MOVES, FUSED, MOVES, PREPARATIONS, SATURATED, SearchStep, StartForm, class,
 };
 use super::trial::VariantTrial;
 use robovec_analysis::class::NumericClass;
@@ -220,7 +220,7 @@ struct ProgramSearch<'a, M: ProgramMaker> {
 
 /// Programs that moves are tried on for every effort: what keeps the list
 /// short where the functions are small.
-const EXPANSIONS: u32 = 4;
+const EXPANSIONS: u32 = 6;
 
 /// Programs placed at a time. A constant, so that what is placed does not
 /// depend on the number of threads.
@@ -488,12 +488,13 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
     /// that promises something and its moves fit into the budget.
     fn expand(&mut self, effort: u32) {
         while self.waiting.is_empty() && self.expansions < effort.saturating_mul(EXPANSIONS) {
-            let Some(index) = self.next() else {
+            let Some((index, is_best)) = self.next() else {
                 return;
             };
             self.trials[index].is_expanded = true;
             self.expansions += 1;
-            let steps = self.if_fewest(FEWEST_MOVES).iter().chain(MOVES);
+            let last = if is_best { SATURATED } else { &[] };
+            let steps = self.if_fewest(FEWEST_MOVES).iter().chain(MOVES).chain(last);
             let planned = steps.map(|step| PlannedStep {
                 origin: Origin::Trial(index),
                 step,
@@ -503,8 +504,9 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
     }
 
     /// The program to try the moves on: in turn one that only a preparation
-    /// made, so that no start is forgotten, and the best of all.
-    fn next(&self) -> Option<usize> {
+    /// made, so that no start is forgotten, and the best of all, for which the
+    /// second part is true.
+    fn next(&self) -> Option<(usize, bool)> {
         let best = self.best_cycles();
         let fewest = self.trials.iter().map(|trial| trial.operations);
         let fewest = fewest.min().unwrap_or(0);
@@ -537,10 +539,11 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
                 (reach, trial.operations, index)
             };
             if let Some(index) = prepared.min_by_key(potential) {
-                return Some(index);
+                return Some((index, false));
             }
         }
-        promising.min_by_key(|&index| self.rank(index))
+        let best = promising.min_by_key(|&index| self.rank(index))?;
+        Some((best, true))
     }
 
     /// Ends the search.

@@ -11,10 +11,11 @@ use robovec_framework::pipeline::Pipeline;
 /// What a start is, so that nothing is tried on it that it already is.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum StartForm {
-    /// Equations of any kind, as a user's file has them.
+    /// Equations of any kind, as a user's file has them, or in which composite
+    /// bodies can still be found.
     Printed,
-    /// Equations made from the model in a formulation chosen for its form:
-    /// there are no composite bodies left to find.
+    /// Equations made from the model as composite bodies: there are none left
+    /// to find.
     Formulation,
 }
 
@@ -146,7 +147,7 @@ pub const FEWEST: &[SearchStep] = &[
 pub const FEWEST_MOVES: &[SearchStep] = &[heavy(
     "look-ahead 95 %, schemes",
     "lookahead{growth=95},factor{path=free horner=occurrences},cse,dce",
-    25,
+    15,
     100,
 )];
 
@@ -155,47 +156,60 @@ pub const MOVES: &[SearchStep] = &[
     heavy(
         "look-ahead 100 %",
         "lookahead{growth=100},balance,cse,dce",
-        20,
+        8,
         100,
+    ),
+    heavy(
+        "look-ahead 120 %",
+        "lookahead{growth=120},balance,cse,dce",
+        10,
+        115,
     ),
     heavy(
         "far look-ahead 100 %",
         "lookahead{growth=100 width=24 grid=5 frontiers=80},balance,cse,dce",
-        50,
+        22,
         100,
     ),
     heavy(
         "far look-ahead 120 %",
         "lookahead{growth=120 width=24 grid=5 frontiers=80},balance,cse,dce",
-        60,
+        26,
         115,
     ),
     heavy(
         "far look-ahead 135 %",
         "lookahead{growth=135 width=24 grid=5 frontiers=80},balance,cse,dce",
-        70,
+        28,
         125,
     ),
-    heavy("prefix", "recurrence,balance,cse,dce", 5, 140),
+    heavy("prefix", "recurrence,balance,cse,dce", 4, 140),
     step("factored again", "factor-trig,balance,cse,dce"),
     step(
         "factored freely again",
         "factor-trig{path=free},balance,cse,dce",
     ),
+    SearchStep {
+        finds_bodies: true,
+        ..heavy("composite again", "composite,balance,cse,dce", 3, 100)
+    },
     heavy(
         "far look-ahead 150 %",
         "lookahead{growth=150 width=24 grid=5 frontiers=80},balance,cse,dce",
-        75,
+        32,
         140,
     ),
     heavy(
         "look-ahead 200 %",
         "lookahead{growth=200},balance,cse,dce",
-        25,
+        12,
         180,
     ),
-    heavy("saturated", "eqsat,cse,dce", 140, 105),
 ];
+
+/// What only the best program goes through besides, since it takes as long as
+/// all other moves together.
+pub const SATURATED: &[SearchStep] = &[heavy("saturated", "eqsat,cse,dce", 200, 105)];
 
 /// Products and sums in one, on machines that have elements for it.
 pub const FUSED: &[SearchStep] = &[
@@ -232,7 +246,7 @@ mod tests {
 
     #[test]
     fn steps_are_pipelines_that_change_no_function() {
-        for step in [PREPARATIONS, FEWEST, FEWEST_MOVES, MOVES, FUSED].concat() {
+        for step in [PREPARATIONS, FEWEST, FEWEST_MOVES, MOVES, SATURATED, FUSED].concat() {
             let pipeline = step.pipeline(&REGISTRY).expect("all passes are there");
             let class = class(&pipeline);
             assert!(class <= NumericClass::RealTrig, "{} is {class}", step.name);
