@@ -1,6 +1,6 @@
 //! `robovec sweep`: resources against time.
 
-use super::flags::whole;
+use super::flags::{FlagLimit, whole};
 use super::front::programs;
 use super::output::result_files;
 use super::{CommandFailure, input, output, progress};
@@ -13,6 +13,7 @@ use crate::optimise::found::found;
 use crate::optimise::start::starts;
 use crate::present::json::json_text;
 use crate::sweep::design::{DesignSpace, interconnect_names};
+use crate::sweep::energy::{PowerFigures, WATTS};
 use crate::sweep::placement::place_share;
 use crate::sweep::{FunctionSweep, SweptProgram, check_work, page, sweep, text};
 use crate::yardstick::Yardstick;
@@ -76,6 +77,16 @@ pub(super) struct SweepArguments {
     /// Also time the program on this computer, with the C compiler 'cc'
     #[arg(long)]
     cpu: bool,
+    /// Power of the device with nothing running, W, from its vendor's estimator or a meter
+    #[arg(long, value_name = "W", requires = "full_watts", add = FlagLimit(WATTS))]
+    idle_watts: Option<f64>,
+    /// Power of the device with all of its cells in use, W: designs draw the idle power and their
+    /// share of the difference
+    #[arg(long, value_name = "W", requires = "idle_watts", add = FlagLimit(WATTS))]
+    full_watts: Option<f64>,
+    /// Power of one busy core of this computer, W
+    #[arg(long, value_name = "W", requires_all = ["cpu", "idle_watts"], add = FlagLimit(WATTS))]
+    cpu_watts: Option<f64>,
     /// Folder for sweep.html, sweep.csv, sweep.json and sweep.svg, and for the placements
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
@@ -138,8 +149,15 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> 
         };
         let drawn = random_states(yardstick.len(), STATE_SEED, false);
         let compiled = compiled.as_ref().map(view);
-        let result = sweep(&name, swept, &drawn, &space, store.as_ref(), compiled)
+        let mut result = sweep(&name, swept, &drawn, &space, store.as_ref(), compiled)
             .map_err(|error| failure(error.to_string()))?;
+        if let Some((idle_watts, full_watts)) = arguments.idle_watts.zip(arguments.full_watts) {
+            result.add_energy(PowerFigures {
+                idle_watts,
+                full_watts,
+                core_watts: arguments.cpu_watts,
+            });
+        }
         report += &text::text(&result);
         report.push('\n');
         sweeps.push(result);

@@ -12,6 +12,7 @@
 //! only on request, depends on clocks, threads or the order of work.
 
 pub mod design;
+pub mod energy;
 pub mod page;
 pub mod placement;
 pub mod text;
@@ -24,6 +25,7 @@ use crate::explore::share::WorkShare;
 use crate::explore::store::PointStore;
 use crate::yardstick::{ErrorSpread, Yardstick};
 use design::{DesignSpace, MachineDesign};
+use energy::PowerFigures;
 use placement::DesignPlacement;
 use robovec_analysis::critical_path::critical_path;
 use robovec_codegen::hardware::{self, MachineClock};
@@ -72,6 +74,9 @@ pub struct SweepPoint {
     pub latency_us: f64,
     /// Time per evaluation when all instances are used, µs.
     pub us_per_evaluation: f64,
+    /// Energy of an evaluation, µJ, where the power of the device is given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy_uj: Option<f64>,
     /// What the machine takes.
     pub resources: DeviceShare,
     /// The largest of its shares of the device; above 1 it does not
@@ -105,6 +110,12 @@ pub struct FunctionSweep {
     /// How much longer one evaluation in a thousand takes there than the
     /// median one, µs. A design takes the same cycles every time.
     pub cpu_jitter_us: Option<f64>,
+    /// Energy of one evaluation there, µJ, where the power of a core is given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cpu_energy_uj: Option<f64>,
+    /// The power that energies stand on, as the user gave it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub power: Option<PowerFigures>,
     /// Why there is no such time, if it was asked for.
     pub cpu_remark: String,
 }
@@ -203,6 +214,8 @@ pub fn sweep(
         cpu_us: times.single().map(|time| time * 1e-3),
         cpu_batch_us: times.batch.map(|time| time * 1e-3),
         cpu_jitter_us: times.jitter.map(|time| time * 1e-3),
+        cpu_energy_uj: None,
+        power: None,
         cpu_remark: cpu.and_then(Result::err).unwrap_or_default(),
     })
 }
@@ -268,6 +281,7 @@ fn point(design: MachineDesign, placement: DesignPlacement) -> SweepPoint {
         lower_bound: placement.lower_bound,
         latency_us,
         us_per_evaluation: latency_us / f64::from(design.instances),
+        energy_uj: None,
         resources: taken,
         share: taken.share(machine.device.device()),
         on_front: false,
@@ -318,6 +332,16 @@ mod tests {
             SweptProgram::new(name.to_owned(), module, &yardstick).expect("the same function")
         };
         vec![program("printed", printed.clone()), program("short", short)]
+    }
+
+    /// All points of a few machines.
+    pub(super) fn small_sweep() -> FunctionSweep {
+        let space = DesignSpace {
+            adders: vec![1, 2],
+            multipliers: vec![1, 2],
+            ..DesignSpace::default()
+        };
+        sweep("f", programs(), "8 random states", &space, None, None).expect("it is small")
     }
 
     #[test]

@@ -37,4 +37,5 @@ evaluated at once. The clock is estimated by the model of the device that every 
 neither measured nor published. What a design takes is estimated by formulas. Sines and cosines, loading and reading cost no cycles.</p>\
 <p>The time of the processor is that of the same function in binary64, written as C for processors \
 (fewest operations, with loops or without, whichever is faster), its results compared with the \
-evaluator's, and run on one core, the least of many repetitions.</p>";
+evaluator's, and run on one core, the least of many repetitions. Energy is told where the power of the device is given: \
+that of the idle device and a share of the rest, times the time.</p>";

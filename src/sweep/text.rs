@@ -12,7 +12,7 @@ use robovec_ir::machine::MemoryStyle;
 pub fn text(sweep: &FunctionSweep) -> String {
     let head = ">share % | >ALUT | >M10K | >DSP | add+multi | stages | >estimated MHz | memory | buffer | \
          >instances | interconnect | >cycles | >bound | >latency us | >us/evaluation | \
-         >CPU/FPGA | >program";
+         >uJ/evaluation | >CPU/FPGA | >program";
     let rows: Vec<Vec<String>> = sweep
         .front()
         .into_iter()
@@ -32,6 +32,7 @@ pub fn text(sweep: &FunctionSweep) -> String {
         measure_text(&sweep.states)
     );
     text += &verdict(sweep);
+    text += &sweep.energy_text();
     if let Some((_, reason)) = sweep.failures.first() {
         let count = sweep.failures.len();
         text += &format!("{count} designs could not be placed, the first because {reason}\n");
@@ -79,6 +80,7 @@ fn row(point: &SweepPoint, cpu_us: Option<f64>) -> Vec<String> {
         point.lower_bound.to_string(),
         format!("{:.2}", point.latency_us),
         format!("{:.3}", point.us_per_evaluation),
+        or_dash(point.energy_uj, |energy| format!("{energy:.3}")),
         or_dash(cpu_us, |cpu| {
             format!("{:.2}", cpu / point.us_per_evaluation)
         }),
@@ -162,6 +164,7 @@ pub fn points_table(sweeps: &[FunctionSweep]) -> DataTable {
                 DataCell::count(point.lower_bound),
                 DataCell::number(point.latency_us, 4),
                 DataCell::number(point.us_per_evaluation, 4),
+                (point.energy_uj).map_or(DataCell::Empty, |energy| DataCell::number(energy, 4)),
                 DataCell::number(taken.look_up_tables, 0),
                 DataCell::number(taken.memory_blocks, 0),
                 DataCell::number(taken.multiplier_blocks, 0),
@@ -187,7 +190,7 @@ pub fn points_table(sweeps: &[FunctionSweep]) -> DataTable {
         &format!(
             "function | adders | multipliers | adder stages | multiplier stages | estimated clock (MHz) | \
          memory | buffer words | instances | interconnect | program | cycles | lower bound | \
-         latency (us) | us per evaluation | ALUT | M10K | DSP | share | CPU (us) | {ERROR_COLUMNS} | on front"
+         latency (us) | us per evaluation | energy (uJ) | ALUT | M10K | DSP | share | CPU (us) | {ERROR_COLUMNS} | on front"
         ),
         rows,
     )

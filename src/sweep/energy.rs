@@ -1,0 +1,108 @@
+//! Energy beside time, from figures of power that the user brings.
+//!
+//! No figure of power for operators like these on these devices is known to
+//! us, so none is built in. What a device draws with nothing running and with
+//! all of it in use is read from its vendor's power estimator or a meter, and
+//! a design is taken to draw the first and its share of the difference. What
+//! needs no figure is told without: the ratio of powers up to which a design
+//! takes less energy than a processor is the ratio of their times.
+
+use super::FunctionSweep;
+use robovec_num::limits::NumberLimit;
+use serde::Serialize;
+
+/// What a flag of power can be.
+pub const WATTS: NumberLimit = NumberLimit::real(
+    0.0,
+    10_000.0,
+    "watts that a device or a core draws; energy is their product with the time",
+);
+
+/// What draws how much.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct PowerFigures {
+    /// The device with nothing running, W.
+    pub idle_watts: f64,
+    /// The device with all of its cells in use, W.
+    pub full_watts: f64,
+    /// One busy core of the processor, W.
+    pub core_watts: Option<f64>,
+}
+
+impl FunctionSweep {
+    /// Adds the energy of an evaluation to every point, and to the
+    /// processor's time where there is one.
+    pub fn add_energy(&mut self, power: PowerFigures) {
+        for point in &mut self.points {
+            let used = (power.full_watts - power.idle_watts) * point.share.min(1.0);
+            // Watts times microseconds are microjoules.
+            point.energy_uj = Some((power.idle_watts + used) * point.us_per_evaluation);
+        }
+        let core = power.core_watts.zip(self.cpu_us);
+        self.cpu_energy_uj = core.map(|(watts, time)| watts * time);
+        self.power = Some(power);
+    }
+
+    /// Which design takes the least energy, and how the processor compares,
+    /// in lines; empty where neither power nor time of a processor is known.
+    pub(super) fn energy_text(&self) -> String {
+        let fitting = || self.points.iter().filter(|point| point.share <= 1.0);
+        let mut text = String::new();
+        let least = fitting().filter_map(|point| point.energy_uj.map(|energy| (energy, point)));
+        if let Some((energy, point)) = least.min_by(|a, b| a.0.total_cmp(&b.0)) {
+            text += &format!(
+                "energy: the design of {}+{} elements and {} at once that takes {:.1} % of the \
+                 device needs the least, {energy:.3} uJ per evaluation",
+                point.design.adders,
+                point.design.multipliers,
+                point.design.instances,
+                100.0 * point.share
+            );
+            if let Some(core) = self.cpu_energy_uj {
+                text += &format!(", one core of this computer {core:.3} uJ");
+            }
+            text.push('\n');
+        }
+        let fastest = fitting().map(|point| point.us_per_evaluation);
+        if let (Some(cpu), Some(own)) = (self.cpu_us, fastest.min_by(f64::total_cmp)) {
+            text += &format!(
+                "energy: the fastest design that fits needs less than a core as long as the \
+                 device draws less than {:.3} times the core's power\n",
+                cpu / own
+            );
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::small_sweep;
+    use super::PowerFigures;
+
+    #[test]
+    fn energy_is_power_times_time() {
+        let mut sweep = small_sweep();
+        sweep.cpu_us = Some(2.0);
+        sweep.add_energy(PowerFigures {
+            idle_watts: 0.5,
+            full_watts: 2.5,
+            core_watts: Some(10.0),
+        });
+        assert_eq!(sweep.cpu_energy_uj, Some(20.0));
+        for point in &sweep.points {
+            let watts = 0.5 + 2.0 * point.share;
+            let energy = point.energy_uj.expect("it was added");
+            assert!((energy - watts * point.us_per_evaluation).abs() < 1e-12);
+        }
+        assert!(sweep.energy_text().contains("20.000 uJ"));
+    }
+
+    #[test]
+    fn without_power_the_ratio_is_told() {
+        let mut sweep = small_sweep();
+        assert_eq!(sweep.energy_text(), "");
+        sweep.cpu_us = Some(2.0);
+        assert!(sweep.energy_text().contains("times the core's power"));
+    }
+}
