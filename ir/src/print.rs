@@ -435,7 +435,7 @@ impl<'a> FunctionPrinter<'a> {
     fn name(&self, text: &mut Text<'_>, value: Value) {
         let name = self.view.function.node(value).name;
         text.push("%");
-        text.push(self.view.tables.symbols.text(name.base));
+        text.symbol(&self.view.tables.symbols, name.base);
         if name.suffix > 0 {
             text.push(".");
             text.integer(name.suffix);
@@ -460,6 +460,9 @@ impl<'a> FunctionPrinter<'a> {
     /// are shallow, those of hostile ones are not.
     fn expression(&self, text: &mut Text<'_>, value: Value) {
         let function = self.view.function;
+        if self.simple(text, value) {
+            return;
+        }
         let mut pieces = Pieces::new();
         self.open(&mut pieces, text, value);
         while let Some(piece) = pieces.pop() {
@@ -477,6 +480,32 @@ impl<'a> FunctionPrinter<'a> {
                 },
             }
         }
+    }
+
+    /// Prints an operation on two operands that have names of their own, as
+    /// almost all have below the equations level; false for any other one.
+    fn simple(&self, text: &mut Text<'_>, value: Value) -> bool {
+        let function = self.view.function;
+        let node = function.node(value);
+        let fixed = match node.operation {
+            Operation::Add => " + ",
+            Operation::Sub => " - ",
+            Operation::Mul => "*",
+            Operation::Div => "/",
+            _ => return false,
+        };
+        let [left, right, _] = node.operands;
+        let is_leaf = |operand: Operand| {
+            let value = operand.value();
+            value.is_none_or(|value| !function.node(value).name.is_none())
+        };
+        if !is_leaf(left) || !is_leaf(right) {
+            return false;
+        }
+        self.operand(text, left);
+        text.push(fixed);
+        self.operand(text, right);
+        true
     }
 
     /// Pushes the pieces of one node, last first.

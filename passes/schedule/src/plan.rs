@@ -84,6 +84,7 @@ pub(super) enum IssueDecision {
 
 impl Sweep<'_> {
     /// The operand as data flow.
+    #[inline]
     pub(super) fn source(&self, datum: Datum) -> OperandSource {
         OperandSource {
             datum,
@@ -99,7 +100,9 @@ impl Sweep<'_> {
 
     /// The operands of a node as data flow.
     pub(super) fn sources(&self, node: usize) -> OperandSources {
-        self.data(node).map(|datum| Some(self.source(datum?)))
+        let [a, b, c] = self.data(node);
+        let source = |datum: Option<Datum>| Some(self.source(datum?));
+        [source(a), source(b), source(c)]
     }
 
     pub(super) fn mark(&mut self, sources: OperandSources) {

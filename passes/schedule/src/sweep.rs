@@ -305,7 +305,6 @@ impl<'a> Sweep<'a> {
             self.busy[plan.element.index()] <= cycle,
             "an element issues one operation in a cycle"
         );
-        let data = self.data(node);
         let sources = self.sources(node);
         let mut reads = [None; Operand::MAX_COUNT];
         for operand in 0..Operand::MAX_COUNT {
@@ -313,15 +312,16 @@ impl<'a> Sweep<'a> {
                 continue;
             };
             let same_word = |&before: &usize| {
-                data[before] == data[operand] && plan.memories[before] == plan.memories[operand]
+                sources[before].is_some_and(|other| other.datum == source.datum)
+                    && plan.memories[before] == plan.memories[operand]
             };
             reads[operand] = match (0..operand).find(same_word) {
                 Some(before) => reads[before],
                 None => Some(self.transfer(source, route, plan.memories[operand], cycle)),
             };
         }
-        for datum in data.into_iter().flatten() {
-            self.has_read(datum);
+        for source in sources.into_iter().flatten() {
+            self.has_read(source.datum);
         }
         self.draft.locations.data[node].result = Some(WriteBack {
             cycle: cycle + self.graph.weight(node) - 1,
