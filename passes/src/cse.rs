@@ -1,6 +1,7 @@
 //! Common subexpressions are computed once.
 
 use hashbrown::HashTable;
+use hashbrown::hash_table::Entry;
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::Rewriter;
@@ -83,6 +84,20 @@ impl KnownValues {
             .copied()
     }
 
+    /// The value of the function with this key; when there is none, `next` is
+    /// entered, which is the value that is appended next and has this key.
+    pub fn find_or_insert(&mut self, function: &Function, key: Key, next: Value) -> Option<Value> {
+        let same = |&value: &Value| Key::of(function.node(value)) == key;
+        let rehash = |&other: &Value| Key::of(function.node(other)).hash();
+        match self.table.entry(key.hash(), same, rehash) {
+            Entry::Occupied(known) => Some(*known.get()),
+            Entry::Vacant(place) => {
+                place.insert(next);
+                None
+            }
+        }
+    }
+
     /// Adds a value of the function that is not in the table yet.
     pub fn insert(&mut self, function: &Function, value: Value) {
         let hash = Key::of(function.node(value)).hash();
@@ -145,8 +160,9 @@ pub fn merge_equal_noting(
         let operands = rewriter.translate_operands(node);
         let key = Key::new(node.operation, operands);
         let format = |function: &Function, value| function.formats.as_ref()?.get(value);
-        let same = known.find(&rewriter.new, key);
-        let same = same.filter(|&same| format(&rewriter.new, same) == format(function, value));
+        let next = Value(rewriter.new.nodes().len() as u32);
+        let found = known.find_or_insert(&rewriter.new, key, next);
+        let same = found.filter(|&same| format(&rewriter.new, same) == format(function, value));
         if let Some(same) = same.filter(|_| rewrites.allow(node.name, "equal operations")) {
             merges.add(same, node.sources);
             if notes.are_wanted() {
@@ -157,7 +173,8 @@ pub fn merge_equal_noting(
             merged += 1;
         } else {
             let value = rewriter.keep(Node { operands, ..*node });
-            if same.is_none() {
+            // The same operation in another format is a value of its own.
+            if found.is_some() && same.is_none() {
                 known.insert(&rewriter.new, value);
             }
         }

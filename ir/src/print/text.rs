@@ -96,6 +96,14 @@ impl<'w> Text<'w> {
         self.length += length;
     }
 
+    /// Appends so many of these bytes; copying all of them costs less.
+    #[inline]
+    pub(super) fn short(&mut self, bytes: &[u8; 16], length: usize) {
+        self.reserve(bytes.len());
+        self.buffer[self.length..self.length + 16].copy_from_slice(bytes);
+        self.length += length;
+    }
+
     fn character(&mut self, character: char) {
         self.push(character.encode_utf8(&mut [0; 4]));
     }

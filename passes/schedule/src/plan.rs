@@ -39,6 +39,7 @@ pub(super) type OperandSources = [Option<OperandSource>; Operand::MAX_COUNT];
 
 /// The route of an earlier operand that is the same datum in the same memory:
 /// one transfer, not two that compete.
+#[inline]
 fn shared(sources: &OperandSources, plan: &IssuePlan, operand: usize) -> Option<Route> {
     let same = |&before: &usize| {
         sources[before] == sources[operand] && plan.memories[before] == plan.memories[operand]
@@ -48,11 +49,31 @@ fn shared(sources: &OperandSources, plan: &IssuePlan, operand: usize) -> Option<
         .and_then(|before| plan.routes[before])
 }
 
-/// The transfers planned for the other operands; what is there takes nothing.
-fn planned(ports: &Ports, sources: &OperandSources, plan: &IssuePlan, operand: usize) -> Others {
+/// The transfers planned for the other operands, if any; what is there takes
+/// nothing.
+#[inline]
+fn planned(
+    ports: &Ports,
+    sources: &OperandSources,
+    plan: &IssuePlan,
+    operand: usize,
+) -> Option<Others> {
+    let mut others = (0..Operand::MAX_COUNT).filter(|&other| other != operand);
+    let moves = |other: usize| plan.routes[other].is_some_and(Route::moves);
+    others
+        .any(moves)
+        .then(|| all_planned(ports, sources, plan, operand))
+}
+
+fn all_planned(
+    ports: &Ports,
+    sources: &OperandSources,
+    plan: &IssuePlan,
+    operand: usize,
+) -> Others {
     let mut others = Others::default();
     for other in (0..Operand::MAX_COUNT).filter(|&other| other != operand) {
-        let moves = |route: &Route| matches!(route, Route::Direct(_) | Route::Indirect(_));
+        let moves = |route: &Route| route.moves();
         if let Some(route) = plan.routes[other].filter(moves)
             && let Some(source) = sources[other]
         {
@@ -74,8 +95,8 @@ type IssueCost = (u8, u32, u32, u8, u32);
 /// The decision about an operation in a cycle.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum IssueDecision {
-    /// Issue it so.
-    Issue(IssuePlan),
+    /// Issue it so, its operands being these.
+    Issue(IssuePlan, OperandSources),
     /// An element that is taken in this cycle could do without a buffer.
     Wait,
     /// No free element can take it.
@@ -144,7 +165,9 @@ impl Sweep<'_> {
                 })
             }
         };
-        plan.map_or(IssueDecision::Fail, IssueDecision::Issue)
+        plan.map_or(IssueDecision::Fail, |plan| {
+            IssueDecision::Issue(plan, sources)
+        })
     }
 
     /// The plan of least cost among the first [`MAX_COMPARED`], the first of
@@ -215,7 +238,7 @@ impl Sweep<'_> {
         memory: Memory,
         held: Option<Entry>,
         before: u32,
-        others: impl Fn() -> Others,
+        others: impl Fn() -> Option<Others>,
     ) -> Option<Route> {
         let wanted = Wanted {
             memory,
@@ -282,6 +305,7 @@ impl Sweep<'_> {
                 None => {
                     let memory = plan.memories[operand];
                     let others = planned(&self.draft.ports, &sources, &plan, operand);
+                    let others = others.unwrap_or_default();
                     let ports = &draft.ports;
                     indirect_route(ports, &draft.locations, source, memory, cycle, &others)?
                 }
@@ -292,47 +316,33 @@ impl Sweep<'_> {
     }
 
     fn cost(&self, sources: OperandSources, plan: &IssuePlan) -> IssueCost {
-        let status = |side: usize| {
-            // Exchanged, the first operand is the one on the right.
-            plan.routes[side ^ usize::from(plan.swapped)].map_or(0, Route::status)
-        };
-        let addend = plan.routes[2].map_or(0, Route::status);
-        let rank = RANKS[status(0)][status(1)] + ADDEND_RANKS[addend];
-        let loads = plan
-            .routes
-            .iter()
-            .filter(|&&route| route == Some(Route::Load))
-            .count() as u8;
-        let words = plan
-            .memories
-            .iter()
-            .map(|memory| self.draft.live[memory.index()])
-            .sum();
         let ports = &self.draft.ports;
-        let travel = |operand: usize| {
-            let moves = matches!(
-                plan.routes[operand],
-                Some(Route::Direct(_) | Route::Indirect(_))
-            );
-            let producer = sources[operand].and_then(|source| source.result);
-            producer.filter(|_| moves).map_or(0, |from| {
-                ports.latency(from.element, plan.memories[operand])
-            })
-        };
-        let travels: u32 = match ports.has_network() {
-            true => (0..Operand::MAX_COUNT).map(travel).sum(),
-            false => 0,
-        };
-        let stay = plan.routes.iter().zip(sources).map(|(route, source)| {
-            let back = source
-                .and_then(|source| source.result)
-                .map_or(0, |result| result.cycle);
-            match route {
-                Some(Route::Indirect(at)) => at - back,
-                _ => 0,
+        let has_network = ports.has_network();
+        let mut status = [0; Operand::MAX_COUNT];
+        let (mut stay, mut travels, mut loads, mut words) = (0, 0, 0, 0);
+        for operand in 0..Operand::MAX_COUNT {
+            let memory = plan.memories[operand];
+            words += self.draft.live[memory.index()];
+            let Some(route) = plan.routes[operand] else {
+                continue;
+            };
+            status[operand] = route.status();
+            loads += u8::from(route == Route::Load);
+            let result = sources[operand].and_then(|source| source.result);
+            if let Route::Indirect(at) = route {
+                stay += at - result.map_or(0, |result| result.cycle);
             }
-        });
-        (rank, stay.sum(), travels, loads, words)
+            if let Some(from) = result
+                && has_network
+                && route.moves()
+            {
+                travels += ports.latency(from.element, memory);
+            }
+        }
+        // Exchanged, the first operand is the one on the right.
+        let side = usize::from(plan.swapped);
+        let rank = RANKS[status[side]][status[1 - side]] + ADDEND_RANKS[status[2]];
+        (rank, stay, travels, loads, words)
     }
 
     /// False when no element, free now or not, can take the node in this or
@@ -362,7 +372,7 @@ impl Sweep<'_> {
                     return true;
                 };
                 if self
-                    .plain_route(source, memory, held, u32::MAX, Others::default)
+                    .plain_route(source, memory, held, u32::MAX, || None)
                     .is_some()
                 {
                     return true;
