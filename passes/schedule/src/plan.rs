@@ -316,33 +316,44 @@ impl Sweep<'_> {
     }
 
     fn cost(&self, sources: OperandSources, plan: &IssuePlan) -> IssueCost {
-        let ports = &self.draft.ports;
-        let has_network = ports.has_network();
         let mut status = [0; Operand::MAX_COUNT];
-        let (mut stay, mut travels, mut loads, mut words) = (0, 0, 0, 0);
-        for operand in 0..Operand::MAX_COUNT {
-            let memory = plan.memories[operand];
-            words += self.draft.live[memory.index()];
-            let Some(route) = plan.routes[operand] else {
-                continue;
-            };
-            status[operand] = route.status();
-            loads += u8::from(route == Route::Load);
-            let result = sources[operand].and_then(|source| source.result);
-            if let Route::Indirect(at) = route {
-                stay += at - result.map_or(0, |result| result.cycle);
-            }
-            if let Some(from) = result
-                && has_network
-                && route.moves()
-            {
-                travels += ports.latency(from.element, memory);
+        let (mut stay, mut loads) = (0, 0);
+        for (operand, route) in plan.routes.iter().enumerate() {
+            match *route {
+                None | Some(Route::Held(_)) => {}
+                Some(Route::Load) => loads += 1,
+                Some(Route::Direct(_)) => status[operand] = 1,
+                Some(Route::Indirect(at)) => {
+                    status[operand] = 2;
+                    let result = sources[operand].and_then(|source| source.result);
+                    stay += at - result.map_or(0, |result| result.cycle);
+                }
             }
         }
+        let [left, right, third] = plan.memories;
+        let live = |memory: Memory| self.draft.live[memory.index()];
+        let words = live(left) + live(right) + live(third);
+        let travels = match self.draft.ports.has_network() {
+            true => self.travels(sources, plan),
+            false => 0,
+        };
         // Exchanged, the first operand is the one on the right.
         let side = usize::from(plan.swapped);
         let rank = RANKS[status[side]][status[1 - side]] + ADDEND_RANKS[status[2]];
         (rank, stay, travels, loads, words)
+    }
+
+    /// The way of all words of a plan through the network.
+    fn travels(&self, sources: OperandSources, plan: &IssuePlan) -> u32 {
+        let travel = |operand: usize| {
+            let moves = plan.routes[operand].is_some_and(Route::moves);
+            let producer = sources[operand].and_then(|source| source.result);
+            producer.filter(|_| moves).map_or(0, |from| {
+                let ports = &self.draft.ports;
+                ports.latency(from.element, plan.memories[operand])
+            })
+        };
+        (0..Operand::MAX_COUNT).map(travel).sum()
     }
 
     /// False when no element, free now or not, can take the node in this or

@@ -43,7 +43,7 @@ pub(super) struct RightSides {
 
 /// How an operation holds the term that is taken off, and the rest.
 #[derive(Clone, Copy)]
-struct Step {
+struct MeetingStep {
     operation: Operation,
     term: u32,
     term_is_first: bool,
@@ -52,7 +52,7 @@ struct Step {
 /// One search.
 struct Meeting<'a> {
     atoms: &'a Atoms,
-    steps: Vec<Step>,
+    steps: Vec<MeetingStep>,
     work: usize,
     visit: &'a mut dyn FnMut(Pattern),
 }
@@ -138,11 +138,11 @@ impl Atoms {
     }
 
     /// What remains of a value when a term is taken off, in all ways.
-    fn rests(&self, whole: &TermValue, term: u32) -> [(Step, TermValue); 4] {
+    fn rests(&self, whole: &TermValue, term: u32) -> [(MeetingStep, TermValue); 4] {
         let moduli = self.terms.moduli();
         let part = self.terms.value(term);
         let each = |rest: &dyn Fn(usize) -> u64| -> TermValue { std::array::from_fn(rest) };
-        let step = |operation, term_is_first| Step {
+        let step = |operation, term_is_first| MeetingStep {
             operation,
             term,
             term_is_first,
