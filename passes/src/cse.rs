@@ -85,7 +85,8 @@ impl KnownValues {
     }
 
     /// The value of the function with this key; when there is none, `next` is
-    /// entered, which is the value that is appended next and has this key.
+    /// entered, which has this key, at the latest when the next one is looked
+    /// for.
     pub fn find_or_insert(&mut self, function: &Function, key: Key, next: Value) -> Option<Value> {
         let same = |&value: &Value| Key::of(function.node(value)) == key;
         let rehash = |&other: &Value| Key::of(function.node(other)).hash();
@@ -152,6 +153,10 @@ pub fn merge_equal_noting(
     rewrites: &RewriteLimit,
     notes: &mut Notes,
 ) -> Option<(Function, u64)> {
+    // Mostly there is nothing to merge, and then nothing need be written.
+    if !some_are_equal(function) {
+        return None;
+    }
     let mut rewriter = Rewriter::with_formats(function, function.level);
     let mut known = KnownValues::with_capacity(function.nodes().len());
     let mut merges = SourceMerges::default();
@@ -185,6 +190,17 @@ pub fn merge_equal_noting(
     let mut new = rewriter.finish();
     merges.apply(&mut new, tables);
     Some((new, merged))
+}
+
+/// True when an operation on the same operands is there twice: until one was
+/// merged, operands are what they are.
+fn some_are_equal(function: &Function) -> bool {
+    let mut known = KnownValues::with_capacity(function.nodes().len());
+    let mut values = function.values();
+    values.any(|(value, node)| {
+        let same = known.find_or_insert(function, Key::of(node), value);
+        same.is_some()
+    })
 }
 
 impl Pass for Cse {

@@ -319,12 +319,12 @@ impl Sweep<'_> {
         let mut status = [0; Operand::MAX_COUNT];
         let (mut stay, mut loads) = (0, 0);
         for (operand, route) in plan.routes.iter().enumerate() {
-            match *route {
-                None | Some(Route::Held(_)) => {}
-                Some(Route::Load) => loads += 1,
-                Some(Route::Direct(_)) => status[operand] = 1,
-                Some(Route::Indirect(at)) => {
-                    status[operand] = 2;
+            let Some(route) = *route else { continue };
+            status[operand] = route.status();
+            match route {
+                Route::Held(_) | Route::Direct(_) => {}
+                Route::Load => loads += 1,
+                Route::Indirect(at) => {
                     let result = sources[operand].and_then(|source| source.result);
                     stay += at - result.map_or(0, |result| result.cycle);
                 }

@@ -35,10 +35,19 @@ struct Atoms {
     inverses: HashMap<u32, TermValue>,
 }
 
+/// What terms are made of: so many variables, sine and cosine of an angle or
+/// not, and numbers by their bits.
+#[derive(Clone, PartialEq, Eq)]
+struct AtomKinds {
+    variables: u32,
+    trigonometric: bool,
+    numbers: Vec<u64>,
+}
+
 /// All sets of variables that were needed so far.
 #[derive(Default)]
 pub(super) struct RightSides {
-    known: Vec<((u32, bool, Vec<u64>), Atoms)>,
+    known: Vec<(AtomKinds, Atoms)>,
 }
 
 /// How an operation holds the term that is taken off, and the rest.
@@ -100,18 +109,27 @@ impl RightSides {
         numbers.extend(angle.then_some(1f64.to_bits()));
         numbers.sort_unstable();
         numbers.dedup();
-        let key = (count, angle, numbers);
-        if let Some(place) = self.known.iter().position(|(known, _)| *known == key) {
+        let kinds = AtomKinds {
+            variables: count,
+            trigonometric: angle,
+            numbers,
+        };
+        if let Some(place) = self.known.iter().position(|(known, _)| *known == kinds) {
             return place;
         }
-        let atoms = Atoms::new(key.0, key.1, &key.2);
-        self.known.push((key, atoms));
+        let atoms = Atoms::new(&kinds);
+        self.known.push((kinds, atoms));
         self.known.len() - 1
     }
 }
 
 impl Atoms {
-    fn new(variables: u32, trigonometric: bool, numbers: &[u64]) -> Atoms {
+    fn new(kinds: &AtomKinds) -> Atoms {
+        let AtomKinds {
+            variables,
+            trigonometric,
+            ref numbers,
+        } = *kinds;
         let leaves = variables as usize + numbers.len() + 2 * usize::from(trigonometric);
         let depth = DEPTHS.iter().find(|(most, _)| leaves <= *most);
         let operations = depth.expect("the last row fits all").1;
