@@ -316,44 +316,47 @@ impl Sweep<'_> {
     }
 
     fn cost(&self, sources: OperandSources, plan: &IssuePlan) -> IssueCost {
-        let mut status = [0; Operand::MAX_COUNT];
-        let (mut stay, mut loads) = (0, 0);
-        for (operand, route) in plan.routes.iter().enumerate() {
-            let Some(route) = *route else { continue };
-            status[operand] = route.status();
-            match route {
-                Route::Held(_) | Route::Direct(_) => {}
-                Route::Load => loads += 1,
-                Route::Indirect(at) => {
-                    let result = sources[operand].and_then(|source| source.result);
-                    stay += at - result.map_or(0, |result| result.cycle);
-                }
-            }
-        }
-        let [left, right, third] = plan.memories;
-        let live = |memory: Memory| self.draft.live[memory.index()];
-        let words = live(left) + live(right) + live(third);
-        let travels = match self.draft.ports.has_network() {
-            true => self.travels(sources, plan),
-            false => 0,
+        let status = |side: usize| {
+            // Exchanged, the first operand is the one on the right.
+            plan.routes[side ^ usize::from(plan.swapped)].map_or(0, Route::status)
         };
-        // Exchanged, the first operand is the one on the right.
-        let side = usize::from(plan.swapped);
-        let rank = RANKS[status[side]][status[1 - side]] + ADDEND_RANKS[status[2]];
-        (rank, stay, travels, loads, words)
-    }
-
-    /// The way of all words of a plan through the network.
-    fn travels(&self, sources: OperandSources, plan: &IssuePlan) -> u32 {
+        let addend = plan.routes[2].map_or(0, Route::status);
+        let rank = RANKS[status(0)][status(1)] + ADDEND_RANKS[addend];
+        let loads = plan
+            .routes
+            .iter()
+            .filter(|&&route| route == Some(Route::Load))
+            .count() as u8;
+        let words = plan
+            .memories
+            .iter()
+            .map(|memory| self.draft.live[memory.index()])
+            .sum();
+        let ports = &self.draft.ports;
         let travel = |operand: usize| {
-            let moves = plan.routes[operand].is_some_and(Route::moves);
+            let moves = matches!(
+                plan.routes[operand],
+                Some(Route::Direct(_) | Route::Indirect(_))
+            );
             let producer = sources[operand].and_then(|source| source.result);
             producer.filter(|_| moves).map_or(0, |from| {
-                let ports = &self.draft.ports;
                 ports.latency(from.element, plan.memories[operand])
             })
         };
-        (0..Operand::MAX_COUNT).map(travel).sum()
+        let travels: u32 = match ports.has_network() {
+            true => (0..Operand::MAX_COUNT).map(travel).sum(),
+            false => 0,
+        };
+        let stay = plan.routes.iter().zip(sources).map(|(route, source)| {
+            let back = source
+                .and_then(|source| source.result)
+                .map_or(0, |result| result.cycle);
+            match route {
+                Some(Route::Indirect(at)) => at - back,
+                _ => 0,
+            }
+        });
+        (rank, stay.sum(), travels, loads, words)
     }
 
     /// False when no element, free now or not, can take the node in this or
