@@ -118,6 +118,9 @@ struct FunctionPrinter<'a> {
     sets: Vec<SourceSet>,
     /// Numbers of the steps of histories; 0 for those not needed.
     steps: Vec<u32>,
+    /// The name of every processing element and its length; of none where one
+    /// is longer, and where a definition is printed alone.
+    elements: Vec<([u8; 16], usize)>,
 }
 
 /// A piece of an expression that remains to be printed.
@@ -140,7 +143,21 @@ impl<'a> FunctionPrinter<'a> {
             set_numbers: HashMap::default(),
             sets: Vec::new(),
             steps: Vec::new(),
+            elements: Vec::new(),
         }
+    }
+
+    fn name_elements(&mut self, schedule: &Schedule) {
+        let names = (0..schedule.element_count()).map(|element| {
+            let (kind, number) = schedule.element_name(Element::new(element));
+            let name = format!("{kind}{number}");
+            let mut bytes = [0; 16];
+            let place = bytes.get_mut(..name.len())?;
+            place.copy_from_slice(name.as_bytes());
+            Some((bytes, name.len()))
+        });
+        let names: Option<Vec<([u8; 16], usize)>> = names.collect();
+        self.elements = names.unwrap_or_default();
     }
 
     fn number_sets(&mut self) {
@@ -165,6 +182,9 @@ impl<'a> FunctionPrinter<'a> {
         self.number_sets();
         if let Some(histories) = &self.view.function.histories {
             self.steps = histories.numbers();
+        }
+        if let Some(schedule) = &self.view.function.schedule {
+            self.name_elements(schedule);
         }
         let function = self.view.function;
         text.push("function ");
@@ -345,6 +365,9 @@ impl<'a> FunctionPrinter<'a> {
     }
 
     fn element_name(&self, text: &mut Text<'_>, schedule: &Schedule, element: Element) {
+        if let Some((bytes, length)) = self.elements.get(element.index()) {
+            return text.short(bytes, *length);
+        }
         let (kind, number) = schedule.element_name(element);
         text.push(kind);
         text.integer(number);
@@ -435,7 +458,7 @@ impl<'a> FunctionPrinter<'a> {
     fn name(&self, text: &mut Text<'_>, value: Value) {
         let name = self.view.function.node(value).name;
         text.push("%");
-        text.push(self.view.tables.symbols.text(name.base));
+        text.symbol(&self.view.tables.symbols, name.base);
         if name.suffix > 0 {
             text.push(".");
             text.integer(name.suffix);
@@ -460,6 +483,9 @@ impl<'a> FunctionPrinter<'a> {
     /// are shallow, those of hostile ones are not.
     fn expression(&self, text: &mut Text<'_>, value: Value) {
         let function = self.view.function;
+        if self.simple(text, value) {
+            return;
+        }
         let mut pieces = Pieces::new();
         self.open(&mut pieces, text, value);
         while let Some(piece) = pieces.pop() {
@@ -477,6 +503,32 @@ impl<'a> FunctionPrinter<'a> {
                 },
             }
         }
+    }
+
+    /// Prints an operation on two operands that have names of their own, as
+    /// almost all have below the equations level; false for any other one.
+    fn simple(&self, text: &mut Text<'_>, value: Value) -> bool {
+        let function = self.view.function;
+        let node = function.node(value);
+        let fixed = match node.operation {
+            Operation::Add => " + ",
+            Operation::Sub => " - ",
+            Operation::Mul => "*",
+            Operation::Div => "/",
+            _ => return false,
+        };
+        let [left, right, _] = node.operands;
+        let is_leaf = |operand: Operand| {
+            let value = operand.value();
+            value.is_none_or(|value| !function.node(value).name.is_none())
+        };
+        if !is_leaf(left) || !is_leaf(right) {
+            return false;
+        }
+        self.operand(text, left);
+        text.push(fixed);
+        self.operand(text, right);
+        true
     }
 
     /// Pushes the pieces of one node, last first.

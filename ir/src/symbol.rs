@@ -49,16 +49,28 @@ impl StoredText {
     /// The string, if it fits.
     #[inline]
     fn short(string: &str) -> Option<StoredText> {
-        let mut bytes = [0; 8];
-        if string.len() > bytes.len() {
-            return None;
-        }
-        let mut holds_zero = false;
-        for (place, &byte) in bytes.iter_mut().zip(string.as_bytes()) {
-            *place = byte;
-            holds_zero |= byte == 0;
-        }
-        (!holds_zero).then_some(StoredText(bytes))
+        let bytes = string.as_bytes();
+        let half = |at: usize| {
+            let bytes = bytes.get(at..at + 4)?.try_into().ok()?;
+            Some(u64::from(u32::from_le_bytes(bytes)))
+        };
+        // Of four bytes and more two halves that may overlap.
+        let packed = match bytes.len() {
+            0..4 => (0..)
+                .step_by(8)
+                .zip(bytes)
+                .fold(0, |packed, (shift, &byte)| {
+                    packed | u64::from(byte) << shift
+                }),
+            length @ 4..=8 => half(0)? | half(length - 4)? << (8 * (length - 4)),
+            _ => return None,
+        };
+        // A zero byte borrows from a bit of its own; those behind the string
+        // are filled up first.
+        let unused = u64::MAX.checked_shl(8 * bytes.len() as u32).unwrap_or(0);
+        let filled = packed | unused;
+        let zeros = filled.wrapping_sub(0x0101_0101_0101_0101) & !filled & 0x8080_8080_8080_8080;
+        (zeros == 0).then_some(StoredText(packed.to_le_bytes()))
     }
 
     fn long(number: usize) -> StoredText {
@@ -139,6 +151,15 @@ impl Symbols {
         let bits = u64::from_le_bytes(stored.0);
         let length = 8 - bits.leading_zeros() as usize / 8;
         str::from_utf8(&stored.0[..length]).expect("what is stored is a string")
+    }
+
+    /// The bytes of a string that fits into eight of them, zeros behind it, and
+    /// its length; copying all eight costs less than finding out how many.
+    #[inline]
+    pub(crate) fn short_text(&self, symbol: Symbol) -> Option<([u8; 8], usize)> {
+        let stored = self.strings[symbol.index()];
+        let length = 8 - u64::from_le_bytes(stored.0).leading_zeros() as usize / 8;
+        stored.number().is_none().then_some((stored.0, length))
     }
 
     fn long_text(&self, number: usize) -> &str {

@@ -1,6 +1,7 @@
 //! Common subexpressions are computed once.
 
 use hashbrown::HashTable;
+use hashbrown::hash_table::Entry;
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::Rewriter;
@@ -83,6 +84,21 @@ impl KnownValues {
             .copied()
     }
 
+    /// The value of the function with this key; when there is none, `next` is
+    /// entered, which has this key, at the latest when the next one is looked
+    /// for.
+    pub fn find_or_insert(&mut self, function: &Function, key: Key, next: Value) -> Option<Value> {
+        let same = |&value: &Value| Key::of(function.node(value)) == key;
+        let rehash = |&other: &Value| Key::of(function.node(other)).hash();
+        match self.table.entry(key.hash(), same, rehash) {
+            Entry::Occupied(known) => Some(*known.get()),
+            Entry::Vacant(place) => {
+                place.insert(next);
+                None
+            }
+        }
+    }
+
     /// Adds a value of the function that is not in the table yet.
     pub fn insert(&mut self, function: &Function, value: Value) {
         let hash = Key::of(function.node(value)).hash();
@@ -137,6 +153,10 @@ pub fn merge_equal_noting(
     rewrites: &RewriteLimit,
     notes: &mut Notes,
 ) -> Option<(Function, u64)> {
+    // Mostly there is nothing to merge, and then nothing need be written.
+    if !some_are_equal(function) {
+        return None;
+    }
     let mut rewriter = Rewriter::with_formats(function, function.level);
     let mut known = KnownValues::with_capacity(function.nodes().len());
     let mut merges = SourceMerges::default();
@@ -145,8 +165,9 @@ pub fn merge_equal_noting(
         let operands = rewriter.translate_operands(node);
         let key = Key::new(node.operation, operands);
         let format = |function: &Function, value| function.formats.as_ref()?.get(value);
-        let same = known.find(&rewriter.new, key);
-        let same = same.filter(|&same| format(&rewriter.new, same) == format(function, value));
+        let next = Value(rewriter.new.nodes().len() as u32);
+        let found = known.find_or_insert(&rewriter.new, key, next);
+        let same = found.filter(|&same| format(&rewriter.new, same) == format(function, value));
         if let Some(same) = same.filter(|_| rewrites.allow(node.name, "equal operations")) {
             merges.add(same, node.sources);
             if notes.are_wanted() {
@@ -157,7 +178,8 @@ pub fn merge_equal_noting(
             merged += 1;
         } else {
             let value = rewriter.keep(Node { operands, ..*node });
-            if same.is_none() {
+            // The same operation in another format is a value of its own.
+            if found.is_some() && same.is_none() {
                 known.insert(&rewriter.new, value);
             }
         }
@@ -168,6 +190,17 @@ pub fn merge_equal_noting(
     let mut new = rewriter.finish();
     merges.apply(&mut new, tables);
     Some((new, merged))
+}
+
+/// True when an operation on the same operands is there twice: until one was
+/// merged, operands are what they are.
+fn some_are_equal(function: &Function) -> bool {
+    let mut known = KnownValues::with_capacity(function.nodes().len());
+    let mut values = function.values();
+    values.any(|(value, node)| {
+        let same = known.find_or_insert(function, Key::of(node), value);
+        same.is_some()
+    })
 }
 
 impl Pass for Cse {

@@ -166,7 +166,9 @@ fn run(arguments: &OptimiserArguments) -> Result<(), CommandFailure> {
     if pipeline.steps.is_empty() && arguments.simulate.is_some() {
         placed::check(&input, &machine)?;
     }
-    let read: Vec<ReadCounts> = input.module.functions.iter().map(ReadCounts::of).collect();
+    let is_reported = arguments.report.is_some();
+    let functions = input.module.functions.iter().filter(|_| is_reported);
+    let read: Vec<ReadCounts> = functions.map(ReadCounts::of).collect();
     let mut trail = arguments.explain.is_some().then(Trail::new);
     let target = (&machine, &rules, scene);
     let drawn = (states(arguments, scene), scene.is_some());

@@ -78,7 +78,7 @@ impl<'a> RunSummary<'a> {
             let exact = || Yardstick::new(view, &states.0, count as u32);
             FunctionBefore {
                 name: function.name.clone(),
-                operations: Counts::of(function).operations,
+                operations: Counts::operations_of(function),
                 path: critical_path(function, machine).asap_cycle,
                 yardstick: (count > 0).then(exact),
             }
@@ -104,7 +104,7 @@ impl<'a> RunSummary<'a> {
                 "{}: {} -> {} operations, {}; {}\n",
                 function.name,
                 before.operations,
-                Counts::of(function).operations,
+                Counts::operations_of(function),
                 self.speed_and_cost(before, function),
                 self.error(before, view)
             ))

@@ -140,6 +140,9 @@ fn flag(row: &LimitRow, value: &str) -> Option<Invocation> {
         ("robovec check", _) => "f.rvir f.rvir",
         ("robovec rtl", _) => "f.rvir --passes=atomise,place -o out --check=iverilog --runs=1",
         ("robovec rules check" | "robovec rules profile", _) => "r.rules",
+        ("robovec rules find", "--window" | "--shapes" | "--values") => {
+            "f.rvir --from f.rvir --window=3 --shapes=10 --values=1000"
+        }
         ("robovec rules find", _) => "f.rvir --operations=2 --variables=2 --terms=1000",
         ("robovec rules why", _) => "a f.rvir --before=atomise",
         ("robovec rules why-not", _) => "a*x+b*x (a+b)*x",

@@ -7,6 +7,7 @@
 use super::HEADER;
 use crate::function::Array;
 use crate::module::Tables;
+use crate::symbol::{Symbol, Symbols};
 use std::io;
 
 const FLUSH_AT: usize = 1 << 16;
@@ -84,6 +85,25 @@ impl<'w> Text<'w> {
         self.length = end;
     }
 
+    /// Appends the string of a symbol.
+    #[inline]
+    pub(super) fn symbol(&mut self, symbols: &Symbols, symbol: Symbol) {
+        let Some((bytes, length)) = symbols.short_text(symbol) else {
+            return self.push(symbols.text(symbol));
+        };
+        self.reserve(bytes.len());
+        self.buffer[self.length..self.length + 8].copy_from_slice(&bytes);
+        self.length += length;
+    }
+
+    /// Appends so many of these bytes; copying all of them costs less.
+    #[inline]
+    pub(super) fn short(&mut self, bytes: &[u8; 16], length: usize) {
+        self.reserve(bytes.len());
+        self.buffer[self.length..self.length + 16].copy_from_slice(bytes);
+        self.length += length;
+    }
+
     fn character(&mut self, character: char) {
         self.push(character.encode_utf8(&mut [0; 4]));
     }
@@ -140,7 +160,7 @@ impl<'w> Text<'w> {
     }
 
     pub(super) fn element(&mut self, tables: &Tables, array: &Array, indices: &[u32]) {
-        self.push(tables.symbols.text(array.name));
+        self.symbol(&tables.symbols, array.name);
         if let Some((first, rest)) = indices.split_first() {
             self.push("[");
             self.integer(*first);

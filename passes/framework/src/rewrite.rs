@@ -73,7 +73,9 @@ impl<'a> Rewriter<'a> {
 
     /// The operands of a node, translated.
     pub fn translate_operands(&mut self, node: &Node) -> [Operand; Operand::MAX_COUNT] {
-        node.operands.map(|operand| self.translate(operand))
+        // Written out: `map` of an array is a call for each operand.
+        let [a, b, c] = node.operands;
+        [self.translate(a), self.translate(b), self.translate(c)]
     }
 
     /// Says what the next old value has become; called once per value, in

@@ -135,6 +135,29 @@ pub(super) fn grow(
     rewrites: &[Rewrite<GraphTerm, ()>],
     budget: GraphBudget,
 ) -> Grown {
+    run(runner(terms, budget), rewrites)
+}
+
+/// Whether two terms become equal in a graph grown from them, which ends when
+/// they do.
+pub(super) fn are_equal(
+    terms: &[RecExpr<GraphTerm>; 2],
+    rewrites: &[Rewrite<GraphTerm, ()>],
+    budget: GraphBudget,
+) -> bool {
+    let merged = |runner: &Runner<GraphTerm, ()>| {
+        let [one, other] = [0, 1].map(|term| runner.egraph.find(runner.roots[term]));
+        one == other
+    };
+    let runner = runner(terms, budget).with_hook(move |runner| match merged(runner) {
+        true => Err("equal".to_owned()),
+        false => Ok(()),
+    });
+    let grown = run(runner, rewrites);
+    grown.graph.find(grown.roots[0]) == grown.graph.find(grown.roots[1])
+}
+
+fn runner(terms: &[RecExpr<GraphTerm>], budget: GraphBudget) -> Runner<GraphTerm, ()> {
     let mut runner = Runner::<GraphTerm, ()>::new(())
         .with_scheduler(SimpleScheduler)
         .with_iter_limit(budget.iterations)
@@ -143,6 +166,10 @@ pub(super) fn grow(
     for term in terms {
         runner = runner.with_expr(term);
     }
+    runner
+}
+
+fn run(runner: Runner<GraphTerm, ()>, rewrites: &[Rewrite<GraphTerm, ()>]) -> Grown {
     let runner = runner.run(rewrites);
     Grown {
         saturated: matches!(runner.stop_reason, Some(StopReason::Saturated)),

@@ -160,7 +160,7 @@ impl Sweep<'_> {
             return IssueOutcome::Waits;
         }
         let plan = match self.consider(node, cycle) {
-            IssueDecision::Issue(plan) => plan,
+            IssueDecision::Issue(plan, _) => plan,
             IssueDecision::Wait => return IssueOutcome::Waits,
             IssueDecision::Fail => return IssueOutcome::Failed,
         };
@@ -168,7 +168,7 @@ impl Sweep<'_> {
             return IssueOutcome::Waits;
         };
         match self.consider(node, cycle) {
-            IssueDecision::Issue(plan) => {
+            IssueDecision::Issue(plan, _) => {
                 self.finish_ahead(node, cycle, plan, &booking);
                 IssueOutcome::Issued
             }
@@ -402,7 +402,8 @@ impl Sweep<'_> {
         }
         let datum = Datum::new(node as u32);
         // Its words must be known to be read before others give theirs up.
-        self.commit(node, cycle, plan);
+        let sources = self.sources(node);
+        self.commit(node, cycle, plan, &sources);
         for &(user, old) in &booking.seats {
             let user = user as usize;
             let Some(seat) = self.ahead.as_ref().and_then(|ahead| ahead.seat(user)) else {

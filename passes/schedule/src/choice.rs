@@ -76,6 +76,12 @@ impl Route {
             Route::Indirect(_) => 2,
         }
     }
+
+    /// True for a route that takes a port: the word is not there yet.
+    #[inline]
+    pub(super) fn moves(self) -> bool {
+        matches!(self, Route::Direct(_) | Route::Indirect(_))
+    }
 }
 
 /// A transfer that is planned for the other operand of the same operation
@@ -205,7 +211,7 @@ pub(super) fn plain_route(
     locations: &Locations,
     source: OperandSource,
     wanted: Wanted,
-    others: impl Fn() -> Others,
+    others: impl Fn() -> Option<Others>,
 ) -> Option<Route> {
     let Wanted {
         memory,
@@ -226,11 +232,17 @@ pub(super) fn plain_route(
         return None;
     }
     let others = others();
-    if !ports.can_write(arrives, memory, others.writes(arrives, memory) + 1) {
+    if let Some(others) = &others
+        && !ports.can_write(arrives, memory, others.writes(arrives, memory) + 1)
+    {
         return None;
     }
     let route = Route::Direct(arrives);
+    if !ports.has_network() {
+        return Some(route);
+    }
     let word = word(ports, source, memory, route)?;
+    let others = others.unwrap_or_default();
     let free = ports.can_travel(locations, word, || others.words());
     free.then_some(route)
 }

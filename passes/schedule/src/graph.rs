@@ -171,12 +171,19 @@ impl DependenceGraph {
     /// The data a node reads.
     #[inline]
     pub(super) fn data_of(&self, node: &Node) -> [Option<Datum>; Operand::MAX_COUNT] {
-        node.operands.map(|operand| match operand.kind() {
+        // Written out: `map` of an array is a call for each operand.
+        let [a, b, c] = node.operands;
+        [self.datum(a), self.datum(b), self.datum(c)]
+    }
+
+    #[inline]
+    fn datum(&self, operand: Operand) -> Option<Datum> {
+        match operand.kind() {
             OperandKind::Value(value) => Some(Datum::from(value)),
             OperandKind::Input(input) => Some(Datum::new(self.inputs[input.index()])),
             OperandKind::Constant(constant) => Some(Datum::new(self.constants[constant.index()])),
             OperandKind::None => None,
-        })
+        }
     }
 
     /// Numbers the inputs and constants that are read behind the values, in

@@ -39,6 +39,7 @@ pub(super) type OperandSources = [Option<OperandSource>; Operand::MAX_COUNT];
 
 /// The route of an earlier operand that is the same datum in the same memory:
 /// one transfer, not two that compete.
+#[inline]
 fn shared(sources: &OperandSources, plan: &IssuePlan, operand: usize) -> Option<Route> {
     let same = |&before: &usize| {
         sources[before] == sources[operand] && plan.memories[before] == plan.memories[operand]
@@ -48,11 +49,31 @@ fn shared(sources: &OperandSources, plan: &IssuePlan, operand: usize) -> Option<
         .and_then(|before| plan.routes[before])
 }
 
-/// The transfers planned for the other operands; what is there takes nothing.
-fn planned(ports: &Ports, sources: &OperandSources, plan: &IssuePlan, operand: usize) -> Others {
+/// The transfers planned for the other operands, if any; what is there takes
+/// nothing.
+#[inline]
+fn planned(
+    ports: &Ports,
+    sources: &OperandSources,
+    plan: &IssuePlan,
+    operand: usize,
+) -> Option<Others> {
+    let mut others = (0..Operand::MAX_COUNT).filter(|&other| other != operand);
+    let moves = |other: usize| plan.routes[other].is_some_and(Route::moves);
+    others
+        .any(moves)
+        .then(|| all_planned(ports, sources, plan, operand))
+}
+
+fn all_planned(
+    ports: &Ports,
+    sources: &OperandSources,
+    plan: &IssuePlan,
+    operand: usize,
+) -> Others {
     let mut others = Others::default();
     for other in (0..Operand::MAX_COUNT).filter(|&other| other != operand) {
-        let moves = |route: &Route| matches!(route, Route::Direct(_) | Route::Indirect(_));
+        let moves = |route: &Route| route.moves();
         if let Some(route) = plan.routes[other].filter(moves)
             && let Some(source) = sources[other]
         {
@@ -74,8 +95,8 @@ type IssueCost = (u8, u32, u32, u8, u32);
 /// The decision about an operation in a cycle.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum IssueDecision {
-    /// Issue it so.
-    Issue(IssuePlan),
+    /// Issue it so, its operands being these.
+    Issue(IssuePlan, OperandSources),
     /// An element that is taken in this cycle could do without a buffer.
     Wait,
     /// No free element can take it.
@@ -84,6 +105,7 @@ pub(super) enum IssueDecision {
 
 impl Sweep<'_> {
     /// The operand as data flow.
+    #[inline]
     pub(super) fn source(&self, datum: Datum) -> OperandSource {
         OperandSource {
             datum,
@@ -99,7 +121,9 @@ impl Sweep<'_> {
 
     /// The operands of a node as data flow.
     pub(super) fn sources(&self, node: usize) -> OperandSources {
-        self.data(node).map(|datum| Some(self.source(datum?)))
+        let [a, b, c] = self.data(node);
+        let source = |datum: Option<Datum>| Some(self.source(datum?));
+        [source(a), source(b), source(c)]
     }
 
     pub(super) fn mark(&mut self, sources: OperandSources) {
@@ -141,7 +165,9 @@ impl Sweep<'_> {
                 })
             }
         };
-        plan.map_or(IssueDecision::Fail, IssueDecision::Issue)
+        plan.map_or(IssueDecision::Fail, |plan| {
+            IssueDecision::Issue(plan, sources)
+        })
     }
 
     /// The plan of least cost among the first [`MAX_COMPARED`], the first of
@@ -212,7 +238,7 @@ impl Sweep<'_> {
         memory: Memory,
         held: Option<Entry>,
         before: u32,
-        others: impl Fn() -> Others,
+        others: impl Fn() -> Option<Others>,
     ) -> Option<Route> {
         let wanted = Wanted {
             memory,
@@ -279,6 +305,7 @@ impl Sweep<'_> {
                 None => {
                     let memory = plan.memories[operand];
                     let others = planned(&self.draft.ports, &sources, &plan, operand);
+                    let others = others.unwrap_or_default();
                     let ports = &draft.ports;
                     indirect_route(ports, &draft.locations, source, memory, cycle, &others)?
                 }
@@ -359,7 +386,7 @@ impl Sweep<'_> {
                     return true;
                 };
                 if self
-                    .plain_route(source, memory, held, u32::MAX, Others::default)
+                    .plain_route(source, memory, held, u32::MAX, || None)
                     .is_some()
                 {
                     return true;

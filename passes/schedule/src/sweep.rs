@@ -12,7 +12,7 @@ use super::choice::{ElementChoice, OperandSource, Route, word};
 use super::graph::{Datum, DependenceGraph, HOST};
 use super::locations::{Entry, Locations, Memory, Travel, WriteBack};
 use super::order::SchedulingOrder;
-use super::plan::{IssueDecision, IssuePlan};
+use super::plan::{IssueDecision, IssuePlan, OperandSources};
 use super::ports::{Ports, WordTransfer};
 use super::ready::{Calendar, RankSet};
 use robovec_ir::{Function, Machine, Operand};
@@ -269,8 +269,8 @@ impl<'a> Sweep<'a> {
             Manner::Ahead => return self.issue_ahead(node, cycle),
         }
         match self.consider(node, cycle) {
-            IssueDecision::Issue(plan) => {
-                self.commit(node, cycle, plan);
+            IssueDecision::Issue(plan, sources) => {
+                self.commit(node, cycle, plan, &sources);
                 IssueOutcome::Issued
             }
             IssueDecision::Wait => IssueOutcome::Waits,
@@ -295,8 +295,14 @@ impl<'a> Sweep<'a> {
         Ok(())
     }
 
-    /// Issues a node as planned.
-    pub(super) fn commit(&mut self, node: usize, cycle: u32, plan: IssuePlan) {
+    /// Issues a node as planned, its operands being these.
+    pub(super) fn commit(
+        &mut self,
+        node: usize,
+        cycle: u32,
+        plan: IssuePlan,
+        sources: &OperandSources,
+    ) {
         debug_assert_eq!(
             self.waiting[node].operands, 0,
             "an operation is issued after all its operands"
@@ -305,23 +311,22 @@ impl<'a> Sweep<'a> {
             self.busy[plan.element.index()] <= cycle,
             "an element issues one operation in a cycle"
         );
-        let data = self.data(node);
-        let sources = self.sources(node);
         let mut reads = [None; Operand::MAX_COUNT];
         for operand in 0..Operand::MAX_COUNT {
             let (Some(route), Some(source)) = (plan.routes[operand], sources[operand]) else {
                 continue;
             };
             let same_word = |&before: &usize| {
-                data[before] == data[operand] && plan.memories[before] == plan.memories[operand]
+                sources[before].is_some_and(|other| other.datum == source.datum)
+                    && plan.memories[before] == plan.memories[operand]
             };
             reads[operand] = match (0..operand).find(same_word) {
                 Some(before) => reads[before],
                 None => Some(self.transfer(source, route, plan.memories[operand], cycle)),
             };
         }
-        for datum in data.into_iter().flatten() {
-            self.has_read(datum);
+        for source in sources.iter().flatten() {
+            self.has_read(source.datum);
         }
         self.draft.locations.data[node].result = Some(WriteBack {
             cycle: cycle + self.graph.weight(node) - 1,

@@ -81,6 +81,15 @@ const FIRST_NODES: usize = 600_000;
 /// See [`FIRST_NODES`].
 const NODES_PER_OPERATION: usize = 2;
 
+/// The statistic of all windows, over all rounds.
+pub const WINDOWS: &str = "windows looked at";
+/// The statistic of windows that the limit of forms ended.
+pub const OUT_OF_NODES: &str = "windows without room for more forms";
+/// The statistic of windows that the limit of rounds of rules ended.
+pub const OUT_OF_ITERATIONS: &str = "windows with no rounds of rules left";
+/// The statistic of forms in all windows.
+pub const FORMS: &str = "forms in all windows";
+
 /// Rules that are one to this pass, and those it has no use for.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct Kinds {
@@ -167,6 +176,7 @@ impl Pass for Eqsat {
         let mut nodes = FIRST_NODES + before.1 * NODES_PER_OPERATION;
         let mut step = (best.0 / 16).max(12);
         let mut windows = 0;
+        let [mut out_of_nodes, mut out_of_iterations, mut forms] = [0; 3];
         let mut rewritten = 0;
         for _ in 0..self.rounds {
             let mut budget = RoundBudget {
@@ -182,6 +192,9 @@ impl Pass for Eqsat {
             );
             nodes -= given - budget.nodes;
             windows += round.windows;
+            out_of_nodes += round.out_of_nodes;
+            out_of_iterations += round.out_of_iterations;
+            forms += round.nodes as u64;
             let (new, notes) = write::write(function, context.tables, &weights, &round.rewritings);
             let reached = size(&new);
             if reached < best && reached.1 <= most.max(best.1) {
@@ -198,7 +211,12 @@ impl Pass for Eqsat {
                 }
             }
         }
-        context.statistics.push(("windows looked at", windows));
+        context.statistics.push((WINDOWS, windows));
+        context.statistics.push((OUT_OF_NODES, out_of_nodes));
+        context
+            .statistics
+            .push((OUT_OF_ITERATIONS, out_of_iterations));
+        context.statistics.push((FORMS, forms));
         context.statistics.push(("windows rewritten", rewritten));
         context.statistics.push((
             "cycles taken off the longest path",

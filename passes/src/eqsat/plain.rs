@@ -6,10 +6,10 @@
 //! merged earliest first lose nothing against it.
 
 use super::form::{ClassAnalysis, EquivalentForm};
-use super::saturate::SaturationLimits;
+use super::saturate::{SaturationEnd, SaturationLimits};
 use egg::{
     Applier, ConditionalApplier, EGraph, ENodeOrVar, FromOp, FromOpError, Id, Pattern, RecExpr,
-    Rewrite, Runner, Searcher, SimpleScheduler, StopReason, Subst, Var,
+    Rewrite, RewriteScheduler, Runner, SearchMatches, Searcher, StopReason, Subst, Var,
 };
 use robovec_analysis::class::NumericClass;
 use robovec_ir::Operation;
@@ -173,20 +173,57 @@ pub(crate) fn plain_number(number: f64) -> EquivalentForm {
     EquivalentForm::Number(if number == 0.0 { 0 } else { number.to_bits() })
 }
 
-/// Saturates an e-graph of plain terms; true when nothing new is left to find.
+/// Matches of one rule that a round keeps, per form that there is room for:
+/// with associativity a graph has many more places than forms, and all of them
+/// are kept before the first one makes a form.
+const MATCHES_PER_NODE: usize = 4;
+
+/// Takes no more than so many matches of a rule in a round.
+struct BoundedMatches {
+    most: usize,
+    /// Some matches were left out.
+    cut: bool,
+}
+
+impl RewriteScheduler<EquivalentForm, ClassAnalysis> for BoundedMatches {
+    fn can_stop(&mut self, _iteration: usize) -> bool {
+        !self.cut
+    }
+
+    fn search_rewrite<'a>(
+        &mut self,
+        _iteration: usize,
+        egraph: &EGraph<EquivalentForm, ClassAnalysis>,
+        rewrite: &'a PlainRule,
+    ) -> Vec<SearchMatches<'a, EquivalentForm>> {
+        let matches = rewrite.searcher.search_with_limit(egraph, self.most);
+        let count: usize = matches.iter().map(|found| found.substs.len()).sum();
+        self.cut |= count >= self.most;
+        matches
+    }
+}
+
+/// Saturates an e-graph of plain terms.
 pub(crate) fn saturate(
     egraph: EGraph<EquivalentForm, ClassAnalysis>,
     rules: &[PlainRule],
     limits: SaturationLimits,
-) -> (EGraph<EquivalentForm, ClassAnalysis>, bool) {
+) -> (EGraph<EquivalentForm, ClassAnalysis>, SaturationEnd) {
     let runner = Runner::default()
         .with_egraph(egraph)
-        .with_scheduler(SimpleScheduler)
+        .with_scheduler(BoundedMatches {
+            most: MATCHES_PER_NODE.saturating_mul(limits.nodes),
+            cut: false,
+        })
         .with_node_limit(limits.nodes)
         .with_iter_limit(limits.iterations as usize)
         // Never by the clock: what is found must not depend on the load.
         .with_time_limit(Duration::from_secs(u64::from(u32::MAX)))
         .run(rules);
-    let saturated = matches!(runner.stop_reason, Some(StopReason::Saturated));
-    (runner.egraph, saturated)
+    let end = match runner.stop_reason {
+        Some(StopReason::Saturated) => SaturationEnd::Complete,
+        Some(StopReason::NodeLimit(_)) => SaturationEnd::Nodes,
+        _ => SaturationEnd::Iterations,
+    };
+    (runner.egraph, end)
 }

@@ -6,7 +6,7 @@ use super::extract::{Cover, RequiredResult, extract};
 use super::graph::{EquivalenceGraph, FormMaker};
 use super::pattern::BagRule;
 use super::plain::{self, PlainRule};
-use super::saturate::{SaturationLimits, saturate};
+use super::saturate::{SaturationEnd, SaturationLimits, saturate};
 use super::window::{RewriteWindow, Surroundings, is_one_bag};
 use robovec_analysis::critical_path::{Weights, arrivals, tails};
 use robovec_ir::{Function, Value};
@@ -55,6 +55,10 @@ pub(crate) struct RewritingRound {
     pub(crate) rewritings: Vec<Rewriting>,
     /// Windows looked at.
     pub(crate) windows: u64,
+    /// Of them those whose e-graph had no room for more forms.
+    pub(crate) out_of_nodes: u64,
+    /// Of them those whose rounds of rules were used up.
+    pub(crate) out_of_iterations: u64,
     /// Forms made.
     pub(crate) nodes: usize,
 }
@@ -103,7 +107,7 @@ pub(crate) fn run(
         };
         let required = target.saturating_sub(tails[value.index()]);
         round.windows += 1;
-        let (made, found) = rewrite(
+        let tried = rewrite(
             &around,
             settings,
             limits,
@@ -111,9 +115,11 @@ pub(crate) fn run(
             required,
             budget.operations,
         );
-        budget.nodes = budget.nodes.saturating_sub(made);
-        round.nodes += made;
-        if let Some(rewriting) = found {
+        budget.nodes = budget.nodes.saturating_sub(tried.nodes);
+        round.nodes += tried.nodes;
+        round.out_of_nodes += u64::from(tried.end == SaturationEnd::Nodes);
+        round.out_of_iterations += u64::from(tried.end == SaturationEnd::Iterations);
+        if let Some(rewriting) = tried.found {
             budget.operations -=
                 i64::from(rewriting.cover.operations) - i64::from(rewriting.window.own);
             times[value.index()] = rewriting.cover.arrivals[0];
@@ -153,6 +159,13 @@ fn absorbed(function: &Function, uses: &[u32]) -> Vec<bool> {
     absorbed
 }
 
+/// What became of one window.
+struct TriedWindow {
+    nodes: usize,
+    end: SaturationEnd,
+    found: Option<Rewriting>,
+}
+
 fn rewrite(
     around: &Surroundings<'_>,
     settings: &Settings<'_>,
@@ -160,19 +173,25 @@ fn rewrite(
     root: Value,
     required: u32,
     room: i64,
-) -> (usize, Option<Rewriting>) {
+) -> TriedWindow {
     let interior = RewriteWindow::grow(around, root, settings.size);
     if interior.len() < 2 {
-        return (0, None);
+        return TriedWindow {
+            nodes: 0,
+            end: SaturationEnd::Complete,
+            found: None,
+        };
     }
     let mut graph = EquivalenceGraph::new();
     let (window, class) = RewriteWindow::enter(around, interior, &mut graph);
-    match settings.plain {
-        None => {
-            saturate(&mut graph, settings.rules, limits);
+    let end = match settings.plain {
+        None => saturate(&mut graph, settings.rules, limits),
+        Some(rules) => {
+            let (saturated, end) = plain::saturate(graph.egraph, rules, limits);
+            graph = saturated.into();
+            end
         }
-        Some(rules) => graph = plain::saturate(graph.egraph, rules, limits).0.into(),
-    }
+    };
     let (alternatives, classes) = Alternatives::of(&graph, &[class]);
     let times = SurroundingTimes {
         weights: settings.weights,
@@ -183,28 +202,31 @@ fn rewrite(
         class: classes[0],
         required,
     };
-    let made = graph.size();
+    let tried = |found| TriedWindow {
+        nodes: graph.size(),
+        end,
+        found,
+    };
     let Some(cover) = extract(&alternatives, times, &[demand]) else {
-        return (made, None);
+        return tried(None);
     };
     let growth = i64::from(cover.operations) - i64::from(window.own);
     let gain = before.saturating_sub(cover.arrivals[0]);
     if gain == 0 || growth > room.max(0) {
-        return (made, None);
+        return tried(None);
     }
     let makers = match settings.trail {
         true => makers(&graph, &alternatives, &cover),
         false => Vec::new(),
     };
-    let rewriting = Rewriting {
+    tried(Some(Rewriting {
         root,
         window,
         alternatives,
         class: classes[0],
         cover,
         makers,
-    };
-    (made, Some(rewriting))
+    }))
 }
 
 fn makers(

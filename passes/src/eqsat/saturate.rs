@@ -21,13 +21,23 @@ pub(crate) struct SaturationLimits {
 /// The steps that are no rules: what bags need to be seen through.
 pub(crate) const STRUCTURE: [&str; 3] = ["normal form", "flattening", "shared part"];
 
-/// Grows the e-graph until nothing new is found or a limit is met; true when
-/// nothing new was found.
+/// Why an e-graph grew no further.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum SaturationEnd {
+    /// Nothing new is left to find.
+    Complete,
+    /// There was no room for more forms.
+    Nodes,
+    /// The rounds were used up.
+    Iterations,
+}
+
+/// Grows the e-graph until nothing new is found or a limit is met.
 pub(crate) fn saturate(
     graph: &mut EquivalenceGraph,
     rules: &[BagRule],
     limits: SaturationLimits,
-) -> bool {
+) -> SaturationEnd {
     for _ in 0..limits.iterations {
         let before = (graph.size(), graph.egraph.number_of_classes());
         let classes = graph.classes();
@@ -59,13 +69,13 @@ pub(crate) fn saturate(
         graph.maker = Some(first);
         graph.egraph.rebuild();
         if !room {
-            return false;
+            return SaturationEnd::Nodes;
         }
         if before == (graph.size(), graph.egraph.number_of_classes()) {
-            return true;
+            return SaturationEnd::Complete;
         }
     }
-    false
+    SaturationEnd::Iterations
 }
 
 /// True when what the variables stand for is known to meet the conditions.

@@ -8,7 +8,7 @@ use super::form::{ClassAnalysis, ClassReference, EquivalentForm};
 use super::graph::EquivalenceGraph;
 use super::pattern::BagRule;
 use super::plain;
-use super::saturate::{SaturationLimits, saturate};
+use super::saturate::{SaturationEnd, SaturationLimits, saturate};
 use crate::reassociate::{TreeShape, reassociate};
 use crate::sums::groups::GroupReach;
 use egg::{EGraph, Id};
@@ -158,8 +158,8 @@ fn both(case: Case, result: (Operand, Id), weights: &Weights) -> Option<(u32, u3
         iterations: 40,
         steps: 0,
     };
-    let (egraph, saturated) = plain::saturate(egraph, &plain::structural(), limits);
-    if !saturated {
+    let (egraph, end) = plain::saturate(egraph, &plain::structural(), limits);
+    if end != SaturationEnd::Complete {
         return None;
     }
     let graph = EquivalenceGraph::from(egraph);

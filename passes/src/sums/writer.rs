@@ -269,11 +269,13 @@ impl SumWriter {
         sources: SourceSet,
         name: impl FnOnce(&mut SumWriter) -> Name,
     ) -> Operand {
-        if let Some(same) = self.find(operation, operands) {
-            if let Some((_, merges)) = &mut self.shared {
+        let next = Value(self.out.nodes().len() as u32);
+        if let Some((known, merges)) = &mut self.shared {
+            let key = Key::new(operation, operands);
+            if let Some(same) = known.find_or_insert(&self.out, key, next) {
                 merges.add(same, sources);
+                return same.into();
             }
-            return same.into();
         }
         let node = Node {
             name: name(self),
@@ -282,9 +284,7 @@ impl SumWriter {
             operation,
         };
         let value = self.times.push(&mut self.out, node);
-        if let Some((known, _)) = &mut self.shared {
-            known.insert(&self.out, value);
-        }
+        debug_assert_eq!(value, next, "a name is no operation");
         value.into()
     }
 

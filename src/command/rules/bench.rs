@@ -49,20 +49,37 @@ struct ProgramSize {
     operations: usize,
 }
 
+/// What limited the windows in which rules were used.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+struct WindowLimits {
+    windows: u64,
+    /// Those that the limit of forms ended, and that of rounds of rules.
+    out_of_nodes: u64,
+    out_of_iterations: u64,
+    forms: u64,
+}
+
+/// A program that rules were used on.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+struct Rewritten {
+    size: ProgramSize,
+    limits: WindowLimits,
+}
+
 /// One rule, or several that say the same.
 struct RuleRow {
     rules: Vec<String>,
     /// With no other rule.
-    alone: ProgramSize,
+    alone: Rewritten,
     /// With all rules but this.
-    without: ProgramSize,
+    without: Rewritten,
 }
 
 /// All rules on one input.
 struct RuleTable {
     input: String,
-    none: ProgramSize,
-    all: ProgramSize,
+    none: Rewritten,
+    all: Rewritten,
     rows: Vec<RuleRow>,
 }
 
@@ -98,14 +115,24 @@ fn compile(
     passes: &Pipeline,
     machine: &Machine,
     rules: &RuleSet,
-) -> Result<ProgramSize, CommandFailure> {
+) -> Result<Rewritten, CommandFailure> {
     let mut log = Vec::new();
     let config = Config {
         rules: Some(rules),
         ..Config::new(machine, &mut log)
     };
-    manager::run(module, passes, config)
+    let outcome = manager::run(module, passes, config)
         .map_err(|error| CommandFailure::plain(error.to_string()))?;
+    let mut limits = WindowLimits::default();
+    for (name, count) in outcome.records.iter().flat_map(|record| &record.statistics) {
+        match *name {
+            eqsat::WINDOWS => limits.windows += count,
+            eqsat::OUT_OF_NODES => limits.out_of_nodes += count,
+            eqsat::OUT_OF_ITERATIONS => limits.out_of_iterations += count,
+            eqsat::FORMS => limits.forms += count,
+            _ => {}
+        }
+    }
     let mut size = ProgramSize {
         cycles: 0,
         operations: 0,
@@ -114,7 +141,7 @@ fn compile(
         size.cycles = size.cycles.max(critical_path(function, machine).asap_cycle);
         size.operations += function.nodes().len();
     }
-    Ok(size)
+    Ok(Rewritten { size, limits })
 }
 
 /// The rules of a set whose names are asked for, or all but these.
@@ -174,10 +201,47 @@ fn changes(from: ProgramSize, to: ProgramSize) -> [String; 2] {
     ]
 }
 
+/// Why a program with a rule more is worse than the one without it.
+fn why_worse(row: &RuleRow, all: Rewritten) -> Option<String> {
+    let (with, without) = (all.limits, row.without.limits);
+    if all.size.cycles <= row.without.size.cycles {
+        return None;
+    }
+    let rule = row.rules.join(", ");
+    let forms = |limits: WindowLimits| limits.forms / limits.windows.max(1);
+    let room = |limits: WindowLimits| share(limits.out_of_nodes, limits.windows);
+    let why = match room(with).total_cmp(&room(without)) {
+        std::cmp::Ordering::Greater => "it takes the room of others in the graphs",
+        _ if with.out_of_iterations > without.out_of_iterations => {
+            "with it the rounds of rules end sooner"
+        }
+        _ => {
+            "no limit tells them apart: windows are rewritten one after the other, and a gain in \
+             one can spoil that of a later one"
+        }
+    };
+    Some(format!(
+        "  {rule}: {why}; {} of {} windows end without room for more forms ({} of {} without it), \
+         {} and {} with no rounds left, {} and {} forms a window",
+        with.out_of_nodes,
+        with.windows,
+        without.out_of_nodes,
+        without.windows,
+        with.out_of_iterations,
+        without.out_of_iterations,
+        forms(with),
+        forms(without),
+    ))
+}
+
+fn share(part: u64, whole: u64) -> f64 {
+    part as f64 / whole.max(1) as f64
+}
+
 fn to_text(tables: &[RuleTable], unused: &[String]) -> String {
     let mut text = String::new();
     for found in tables {
-        let (none, all) = (found.none, found.all);
+        let (none, all) = (found.none.size, found.all.size);
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
@@ -189,19 +253,36 @@ fn to_text(tables: &[RuleTable], unused: &[String]) -> String {
             .iter()
             .map(|row| {
                 let mut cells = vec![row.rules.join(", ")];
-                cells.extend(changes(none, row.alone));
-                cells.extend(changes(row.without, all));
+                cells.extend(changes(none, row.alone.size));
+                cells.extend(changes(row.without.size, all));
                 cells
             })
             .collect();
         let head = "rule | >alone: cycles | >operations | >among all: cycles | >operations";
         text.push_str(&text_table(head, &rows));
-        text.push_str("\n\n");
+        let limits = found.all.limits;
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "\n\nWith all rules: {} windows, {} forms; {:.0} % end without room for more forms, \
+             {:.0} % with no rounds of rules left.\n",
+            limits.windows,
+            limits.forms,
+            100.0 * share(limits.out_of_nodes, limits.windows),
+            100.0 * share(limits.out_of_iterations, limits.windows),
+        );
+        let worse: Vec<String> = found
+            .rows
+            .iter()
+            .filter_map(|row| why_worse(row, found.all))
+            .collect();
+        if !worse.is_empty() {
+            let _ = writeln!(text, "Worse with than without:\n{}\n", worse.join("\n"));
+        }
     }
     text.push_str(
         "Alone: change by this rule over no rule at all. Among all: change by adding this rule to \
-         all others;\nabove zero it takes the room or the way of better ones. Rules on one line \
-         say the same of signed sums.\n",
+         all others. Rules on one line say the same of signed sums.\n",
     );
     if !unused.is_empty() {
         let _ = writeln!(
@@ -214,7 +295,17 @@ fn to_text(tables: &[RuleTable], unused: &[String]) -> String {
 }
 
 fn to_json(tables: &[RuleTable], unused: &[String]) -> Value {
-    let size = |size: ProgramSize| json!({"cycles": size.cycles, "operations": size.operations});
+    let size = |made: Rewritten| {
+        let (size, limits) = (made.size, made.limits);
+        json!({
+            "cycles": size.cycles,
+            "operations": size.operations,
+            "windows": limits.windows,
+            "out_of_nodes": limits.out_of_nodes,
+            "out_of_iterations": limits.out_of_iterations,
+            "forms": limits.forms,
+        })
+    };
     let tables: Vec<Value> = tables
         .iter()
         .map(|found| {

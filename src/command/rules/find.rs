@@ -11,17 +11,14 @@ use crate::present::text_table;
 use crate::robotran::FunctionKind;
 use clap::Args;
 use robovec_framework::manager::{self, Config};
+use robovec_framework::pipeline::Pipeline;
 use robovec_ir::{Function, Machine, Module};
-use robovec_passes::registry::REGISTRY;
 use robovec_rules::RuleSet;
-use robovec_rules::find::{self, Found, RuleSearch, TermSpace};
+use robovec_rules::find::{self, Found, MinedRules, MiningSpace, RuleSearch, TermSpace};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::io;
 use std::path::{Path, PathBuf};
-
-/// What brings a function to the form in which rules meet it.
-const PIPELINE: &str = "atomise,zero-removal,balance,cse,dce";
 
 /// Which terms are tried, and on what.
 #[derive(Args, Debug)]
@@ -30,6 +27,31 @@ pub(super) struct FindArguments {
     /// whose critical paths rules are ranked
     #[arg(default_values = ["bogie", "serial-23", "semi-serial-23", "parallel-23"])]
     files: Vec<String>,
+    /// Take left sides from these (as FILES) instead of trying all terms:
+    /// windows of a few operations that occur more than once
+    #[arg(long, value_name = "FILE")]
+    from: Vec<String>,
+    /// Passes before rules are looked for and ranked: what is found gains
+    /// beyond them
+    #[arg(
+        long,
+        value_name = "PASSES",
+        default_value = "atomise,zero-removal,balance,cse,dce"
+    )]
+    before: String,
+    /// With '--from', operations of a window, at most
+    #[arg(long, value_name = "N", default_value_t = 6,
+          add = whole(2, 8, "windows of a value grow in number by a factor of three with every operation"))]
+    window: usize,
+    /// With '--from', shapes that right sides are looked for: so many to save
+    /// operations and so many to shorten chains
+    #[arg(long, value_name = "N", default_value_t = 500,
+          add = whole(1, 1_000_000, "some hundred thousand values are looked up for each"))]
+    shapes: usize,
+    /// With '--from', values looked up for one shape, at most
+    #[arg(long, value_name = "N", default_value_t = 500_000,
+          add = whole(1, 1_000_000_000, "ten million take a second"))]
+    values: usize,
     /// Operations of a term, at most
     #[arg(long, value_name = "N", default_value_t = 4,
           add = whole(1, 6, "terms grow in number by a factor of some hundred with every operation"))]
@@ -84,11 +106,19 @@ pub(super) fn run(arguments: &FindArguments) -> Result<String, CommandFailure> {
     };
     names.extend(arguments.rules.iter().cloned());
     let (known, _) = read::read(&names)?.sound();
-    let modules = modules(arguments, &machine)?;
-    let functions: Vec<&Function> = modules
-        .iter()
-        .flat_map(|module| &module.functions)
-        .collect();
+    let before = input::passes(&arguments.before)?;
+    let modules_on = modules(&arguments.files, &before, &machine)?;
+    let functions = functions(&modules_on);
+    if !arguments.from.is_empty() {
+        let from = modules(&arguments.from, &before, &machine)?;
+        return mine(
+            arguments,
+            &known,
+            &self::functions(&from),
+            &functions,
+            &machine,
+        );
+    }
     let space = TermSpace {
         operations: arguments.operations,
         variables: arguments.variables,
@@ -96,13 +126,30 @@ pub(super) fn run(arguments: &FindArguments) -> Result<String, CommandFailure> {
         trigonometric: arguments.trigonometric,
         budget: arguments.terms as usize,
     };
+    let mut search =
+        with_bar(|progress| find::find(&space, &known, &functions, &machine, progress));
+    let all = keep_best(&mut search, arguments)?;
+    if arguments.json {
+        return Ok(format!("{:#}\n", to_json(&search, all)));
+    }
+    Ok(to_text(&search, all))
+}
+
+/// Work whose progress a bar shows.
+fn with_bar<T>(work: impl FnOnce(&mut dyn FnMut(usize, usize)) -> T) -> T {
     let bar = progress::plain();
     let mut progress = |done: usize, total: usize| {
         bar.set_length(total as u64);
         bar.set_position(done as u64);
     };
-    let mut search = find::find(&space, &known, &functions, &machine, &mut progress);
+    let done = work(&mut progress);
     bar.finish_and_clear();
+    done
+}
+
+/// Keeps the rules that are shown, and writes them where that is wanted; the
+/// number of all.
+fn keep_best(search: &mut RuleSearch, arguments: &FindArguments) -> Result<usize, CommandFailure> {
     let all = search.found.len();
     search.found.truncate(arguments.top);
     for found in &mut search.found {
@@ -116,30 +163,54 @@ pub(super) fn run(arguments: &FindArguments) -> Result<String, CommandFailure> {
         };
         deliver(set.to_text(), Some(path))?;
     }
-    if arguments.json {
-        return Ok(format!("{:#}\n", to_json(&search, all)));
-    }
-    Ok(to_text(&search, all))
+    Ok(all)
 }
 
-fn modules(arguments: &FindArguments, machine: &Machine) -> Result<Vec<Module>, CommandFailure> {
-    let pipeline = REGISTRY
-        .pipeline(PIPELINE)
-        .map_err(|error| CommandFailure(error.0))?;
+/// Rules whose left sides functions have.
+fn mine(
+    arguments: &FindArguments,
+    known: &RuleSet,
+    from: &[&Function],
+    functions: &[&Function],
+    machine: &Machine,
+) -> Result<String, CommandFailure> {
+    let space = MiningSpace {
+        window: arguments.window,
+        shapes: arguments.shapes,
+        work: arguments.values,
+    };
+    let mut mined =
+        with_bar(|progress| find::mine(space, known, from, functions, machine, progress));
+    let all = keep_best(&mut mined.search, arguments)?;
+    if arguments.json {
+        let mut json = to_json(&mined.search, all);
+        json["windows"] = mined.windows.into();
+        json["shapes"] = mined.shapes.into();
+        return Ok(format!("{json:#}\n"));
+    }
+    Ok(mined_text(&mined, all))
+}
+
+fn functions(modules: &[Module]) -> Vec<&Function> {
+    let functions = modules.iter().flat_map(|module| &module.functions);
+    functions.collect()
+}
+
+fn modules(
+    names: &[String],
+    before: &Pipeline,
+    machine: &Machine,
+) -> Result<Vec<Module>, CommandFailure> {
     let mut modules = Vec::new();
-    for name in &arguments.files {
+    for name in names {
         check_number(name)?;
         let mut module = match built_in(name) {
             Some(model) => generate(&model, &GenerationRequest::new(FunctionKind::Dirdyna))
                 .map_err(|error| CommandFailure::plain(format!("{name}: {error}")))?,
             None => input::equations_or_model(Path::new(name), None, None)?.module,
         };
-        manager::run(
-            &mut module,
-            &pipeline,
-            Config::new(machine, &mut io::sink()),
-        )
-        .map_err(|error| CommandFailure::plain(format!("{name}: {error}")))?;
+        manager::run(&mut module, before, Config::new(machine, &mut io::sink()))
+            .map_err(|error| CommandFailure::plain(format!("{name}: {error}")))?;
         modules.push(module);
     }
     Ok(modules)
@@ -167,6 +238,32 @@ fn to_text(search: &RuleSearch, all: usize) -> String {
          {all} new.",
         search.tried, search.different, search.candidates, search.derived
     );
+    text.push_str(&table(search));
+    text
+}
+
+fn mined_text(mined: &MinedRules, all: usize) -> String {
+    let search = &mined.search;
+    let limits = match (mined.all_windows, search.complete) {
+        (false, _) => " (some values have more windows than are looked at)",
+        (true, false) => " (more than '--values' for some)",
+        (true, true) => "",
+    };
+    format!(
+        "{} windows of {} shapes that could gain; {} right sides tried for {} of them{limits}: \
+         {} candidates, {} derived by known rules, {all} new.\n{}",
+        mined.windows,
+        mined.shapes,
+        search.tried,
+        search.different,
+        search.candidates,
+        search.derived,
+        table(search)
+    )
+}
+
+fn table(search: &RuleSearch) -> String {
+    let mut text = String::new();
     let rows: Vec<Vec<String>> = search
         .found
         .iter()
@@ -184,10 +281,12 @@ fn to_text(search: &RuleSearch, all: usize) -> String {
         })
         .collect();
     let head = "name | rule | class | >cycles | >at critical places | >operations | >at places";
+    // Writing to a string cannot fail.
     let _ = writeln!(text, "\n{}", text_table(head, &rows));
     text.push_str(
-        "\nCycles: by how much values on a longest chain would be earlier, each place by itself, \
-         added up.\nOperations: saved, added up over the places where some are.\n",
+        "\nCycles: by how much values on a longest chain would be earlier than by any order of \
+         operands, each place by itself, added up.\nOperations: saved at places that do not touch \
+         each other: so many fewer there are when the rule is used.\n",
     );
     text
 }

@@ -126,7 +126,7 @@ impl RuleField {
     }
 
     /// The arithmetic of values, without angles.
-    pub(super) fn modulus(self) -> Modulus {
+    pub(crate) fn modulus(self) -> Modulus {
         self.value
     }
 

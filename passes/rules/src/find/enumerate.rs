@@ -10,6 +10,7 @@ use super::super::pattern::{Pattern, PatternNode, apply};
 use hashbrown::HashMap;
 use robovec_ir::Operation::{self, Add, Cos, Mul, Sin, Sub};
 use robovec_num::arithmetic::Arithmetic;
+use robovec_num::field::Modulus;
 
 /// The terms that are tried.
 #[derive(Clone, PartialEq, Debug)]
@@ -39,7 +40,7 @@ impl Default for TermSpace {
 }
 
 /// Points that tell terms apart: two of each field.
-const POINTS: usize = 4;
+pub(super) const POINTS: usize = 4;
 
 /// Selects the fields.
 const SEED: u64 = 1;
@@ -69,14 +70,14 @@ pub(super) struct Enumeration {
 
 /// A term: a leaf or an operation on earlier terms.
 #[derive(Clone, Copy)]
-enum EnumeratedTerm {
+pub(super) enum EnumeratedTerm {
     Leaf(PatternNode),
     /// A sine or cosine of a variable.
     Turn(Operation, u32),
     Operation(Operation, [u32; 2]),
 }
 
-struct EnumeratedTerms {
+pub(super) struct EnumeratedTerms {
     fields: Vec<RuleField>,
     terms: Vec<EnumeratedTerm>,
     values: Vec<TermFingerprint>,
@@ -84,39 +85,97 @@ struct EnumeratedTerms {
     known: HashMap<[u64; POINTS], u32>,
     /// Representatives by number of operations.
     levels: Vec<Vec<u32>>,
+    /// The number of operations of each.
+    sizes: Vec<u8>,
 }
 
 /// Tries all terms of a space, in a fixed order.
 pub(super) fn enumerate(space: &TermSpace) -> Enumeration {
-    let pair = RuleField::pair(SEED).map(|field| field.on_circle(space.trigonometric));
-    let mut terms = EnumeratedTerms {
-        fields: (0..POINTS)
-            .map(|point| pair[point % 2].at(point as u64))
-            .collect(),
-        terms: Vec::new(),
-        values: Vec::new(),
-        known: HashMap::new(),
-        levels: vec![Vec::new()],
-    };
-    let mut enumeration = Enumeration {
-        candidates: Vec::new(),
-        tried: 0,
-        different: 0,
-        complete: true,
-    };
-    terms.leaves(space);
-    for size in 1..=space.operations as usize {
-        terms.levels.push(Vec::new());
-        for first in 0..size {
-            let complete = terms.combine(first, size - 1 - first, space.budget, &mut enumeration);
-            enumeration.complete &= complete;
-        }
+    let mut candidates = Vec::new();
+    let (terms, tried, complete) = EnumeratedTerms::all(space, &mut |terms, term, same| {
+        candidates.push(RuleCandidate {
+            left: terms.pattern(term),
+            right: terms.written(same),
+        });
+    });
+    Enumeration {
+        candidates,
+        tried,
+        different: terms.known.len(),
+        complete,
     }
-    enumeration.different = terms.known.len();
-    enumeration
 }
 
+/// Told of a term that has the value of an earlier one, and of that.
+type OnSame<'a> = &'a mut dyn FnMut(&EnumeratedTerms, EnumeratedTerm, u32);
+
 impl EnumeratedTerms {
+    /// All terms of a space, how many were tried, and whether all were.
+    fn all(space: &TermSpace, on_same: OnSame<'_>) -> (EnumeratedTerms, usize, bool) {
+        let pair = RuleField::pair(SEED).map(|field| field.on_circle(space.trigonometric));
+        let mut terms = EnumeratedTerms {
+            fields: (0..POINTS)
+                .map(|point| pair[point % 2].at(point as u64))
+                .collect(),
+            terms: Vec::new(),
+            values: Vec::new(),
+            known: HashMap::new(),
+            levels: vec![Vec::new()],
+            sizes: Vec::new(),
+        };
+        terms.leaves(space);
+        let (mut tried, mut complete) = (0, true);
+        for size in 1..=space.operations as usize {
+            terms.levels.push(Vec::new());
+            for first in 0..size {
+                let sizes = [first, size - 1 - first];
+                complete &= terms.combine(sizes, space.budget, &mut tried, on_same);
+            }
+        }
+        (terms, tried, complete)
+    }
+
+    /// The terms of a space of different value.
+    pub(super) fn of(space: &TermSpace) -> EnumeratedTerms {
+        EnumeratedTerms::all(space, &mut |_, _, _| {}).0
+    }
+
+    /// The terms with so many operations.
+    pub(super) fn level(&self, size: usize) -> &[u32] {
+        self.levels.get(size).map_or(&[], Vec::as_slice)
+    }
+
+    /// The term of a value, and its number of operations.
+    pub(super) fn term_of(&self, value: &[u64; POINTS]) -> Option<(u32, usize)> {
+        let term = *self.known.get(value)?;
+        Some((term, usize::from(self.sizes[term as usize])))
+    }
+
+    /// The value of a term.
+    pub(super) fn value(&self, term: u32) -> [u64; POINTS] {
+        key(&self.values[term as usize])
+    }
+
+    /// The value of a pattern whose variables are those of the space; its
+    /// angle has the number behind them.
+    pub(super) fn value_of(&self, pattern: &Pattern, variables: u32) -> [u64; POINTS] {
+        let value = |field: &RuleField| {
+            let inputs = field.inputs(&vec![false; variables as usize + 1]);
+            pattern.evaluate(field, &inputs).value
+        };
+        std::array::from_fn(|point| value(&self.fields[point]))
+    }
+
+    /// The arithmetic at each point.
+    pub(super) fn moduli(&self) -> [Modulus; POINTS] {
+        std::array::from_fn(|point| self.fields[point].modulus())
+    }
+
+    /// A term written out.
+    pub(super) fn written(&self, term: u32) -> Pattern {
+        self.pattern(self.terms[term as usize])
+    }
+
     fn leaves(&mut self, space: &TermSpace) {
         let count = (space.variables + u32::from(space.trigonometric)) as usize;
         let points: Vec<Vec<RuleResidue>> = self
@@ -169,6 +228,7 @@ impl EnumeratedTerms {
         self.known.insert(key, index);
         self.terms.push(term);
         self.values.push(value);
+        self.sizes.push(self.levels.len() as u8 - 1);
         Some(index)
     }
 
@@ -176,10 +236,10 @@ impl EnumeratedTerms {
     /// does not suffice.
     fn combine(
         &mut self,
-        first: usize,
-        second: usize,
+        [first, second]: [usize; 2],
         budget: usize,
-        enumeration: &mut Enumeration,
+        tried: &mut usize,
+        on_same: OnSame<'_>,
     ) -> bool {
         let (left, right) = (self.levels[first].clone(), self.levels[second].clone());
         for &a in &left {
@@ -189,10 +249,10 @@ impl EnumeratedTerms {
                     if operation.is_commutative() && a < b {
                         continue;
                     }
-                    if enumeration.tried >= budget {
+                    if *tried >= budget {
                         return false;
                     }
-                    enumeration.tried += 1;
+                    *tried += 1;
                     let operands = [self.values[a as usize], self.values[b as usize]];
                     let value = self.apply(operation, operands);
                     let term = EnumeratedTerm::Operation(operation, [a, b]);
@@ -201,17 +261,13 @@ impl EnumeratedTerms {
                         continue;
                     }
                     let same = self.known[&key(&value)];
-                    enumeration.candidates.push(RuleCandidate {
-                        left: self.pattern(term),
-                        right: self.pattern(self.terms[same as usize]),
-                    });
+                    on_same(self, term, same);
                 }
             }
         }
         true
     }
 
-    /// A term written out.
     fn pattern(&self, root: EnumeratedTerm) -> Pattern {
         enum WritingStep {
             Write(EnumeratedTerm),

@@ -7,19 +7,24 @@
 //! within a budget is dropped, the smallest ones first, so that those that
 //! are left derive the others. They are ranked by what they would gain on the
 //! critical paths of functions.
+//!
+//! Or the left sides are those that functions have ([`mine`]), and only right
+//! sides are searched for.
 
 mod enumerate;
+mod mine;
 mod normal;
 mod rank;
 #[cfg(test)]
 mod tests;
 
 pub use enumerate::TermSpace;
+pub use mine::{MinedRules, MiningSpace, mine};
 pub use rank::RuleGain;
 
 use super::RuleSet;
 use super::check::{self, Finding};
-use super::graph::{GraphBudget, GraphTerm, grow, rewrites, term};
+use super::graph::{GraphBudget, GraphTerm, are_equal, rewrites, term};
 use super::pattern::Pattern;
 use super::rule::{Rule, RulePlaces};
 use egg::Rewrite;
@@ -83,33 +88,17 @@ pub fn find(
     let mut candidates = distinct(enumeration.candidates, space);
     let complete = enumeration.complete && candidates.len() <= MAX_CANDIDATES;
     candidates.truncate(MAX_CANDIDATES);
-    let weights = Weights::cycles(machine);
-    let timed: Vec<Timed<'_>> = functions
-        .iter()
-        .map(|function| Timed::new(function, &weights))
-        .collect();
-    // A rule with a condition does not hold of every value.
-    let free = known.rules.iter().filter(|rule| rule.conditions.is_empty());
-    let mut rewrites: Vec<Rewrite<GraphTerm, ()>> = free.flat_map(rewrites).collect();
-    let (mut found, mut derived) = (Vec::new(), 0);
     let count = candidates.len();
-    for (index, candidate) in candidates.into_iter().enumerate() {
-        progress(index, count);
-        if derives(&rewrites, &candidate) {
-            derived += 1;
-            continue;
-        }
-        let Some(rule) = rule(&candidate, found.len() + 1, space) else {
-            continue;
-        };
-        rewrites.extend(self::rewrites(&rule));
-        found.push(best(rule, &timed, machine));
+    let letters = Letters {
+        count: space.variables,
+        angle: space.variables,
+    };
+    let (found, derived) = Sieve {
+        known,
+        derivation: DERIVATION,
+        letters,
     }
-    // Of equal gains the smaller rule, which was found first.
-    found.sort_by_key(|found| std::cmp::Reverse(found.gain));
-    for (index, found) in found.iter_mut().enumerate() {
-        found.rule.name = format!("found-{}", index + 1);
-    }
+    .keep(candidates, functions, machine, progress);
     RuleSearch {
         tried: enumeration.tried,
         different: enumeration.different,
@@ -117,6 +106,73 @@ pub fn find(
         candidates: count,
         derived,
         found,
+    }
+}
+
+/// What candidates must not follow from, and how their variables are called.
+struct Sieve<'a> {
+    known: &'a RuleSet,
+    derivation: GraphBudget,
+    letters: Letters,
+}
+
+/// The names of variables: so many letters, and the angle by its number.
+#[derive(Clone, Copy)]
+struct Letters {
+    count: u32,
+    angle: u32,
+}
+
+impl Letters {
+    fn names(self) -> Vec<String> {
+        let name = |index: u32| match index {
+            _ if index == self.angle => "t".to_owned(),
+            // Letters are enough for the number of variables that can be tried.
+            _ => char::from(b'a' + (index % 19) as u8).to_string(),
+        };
+        (0..=self.count.max(self.angle)).map(name).collect()
+    }
+}
+
+impl Sieve<'_> {
+    /// The candidates that are proved and that neither known rules nor those
+    /// before them derive, by gain on functions; and how many were derived.
+    fn keep(
+        &self,
+        candidates: Vec<RuleCandidate>,
+        functions: &[&Function],
+        machine: &Machine,
+        progress: &mut dyn FnMut(usize, usize),
+    ) -> (Vec<Found>, usize) {
+        let weights = Weights::cycles(machine);
+        let timed: Vec<Timed<'_>> = functions
+            .iter()
+            .map(|function| Timed::new(function, &weights))
+            .collect();
+        // A rule with a condition does not hold of every value.
+        let free = self.known.rules.iter();
+        let free = free.filter(|rule| rule.conditions.is_empty());
+        let mut rewrites: Vec<Rewrite<GraphTerm, ()>> = free.flat_map(rewrites).collect();
+        let (mut found, mut derived) = (Vec::new(), 0);
+        let count = candidates.len();
+        for (index, candidate) in candidates.into_iter().enumerate() {
+            progress(index, count);
+            if derives(&rewrites, &candidate, self.derivation) {
+                derived += 1;
+                continue;
+            }
+            let Some(rule) = rule(&candidate, found.len() + 1, self.letters) else {
+                continue;
+            };
+            rewrites.extend(self::rewrites(&rule));
+            found.push(best(rule, &timed, machine));
+        }
+        // Of equal gains the smaller rule, which was found first.
+        found.sort_by_key(|found| std::cmp::Reverse(found.gain));
+        for (index, found) in found.iter_mut().enumerate() {
+            found.rule.name = format!("found-{}", index + 1);
+        }
+        (found, derived)
     }
 }
 
@@ -144,23 +200,18 @@ fn distinct(candidates: Vec<RuleCandidate>, space: &TermSpace) -> Vec<RuleCandid
 }
 
 /// Whether known rules make the sides equal.
-fn derives(rewrites: &[Rewrite<GraphTerm, ()>], candidate: &RuleCandidate) -> bool {
+fn derives(
+    rewrites: &[Rewrite<GraphTerm, ()>],
+    candidate: &RuleCandidate,
+    budget: GraphBudget,
+) -> bool {
     let terms = [term(&candidate.left), term(&candidate.right)];
-    let grown = grow(&terms, rewrites, DERIVATION);
-    let [left, right] = grown.roots[..] else {
-        unreachable!("a graph grown from two terms has two roots");
-    };
-    grown.graph.find(left) == grown.graph.find(right)
+    are_equal(&terms, rewrites, budget)
 }
 
 /// A candidate as a rule, if it is sound: it always is but for an accident of
 /// the field.
-fn rule(candidate: &RuleCandidate, number: usize, space: &TermSpace) -> Option<Rule> {
-    let names = (0..space.variables).map(|index| {
-        // Letters are enough for the number of variables that can be tried.
-        char::from(b'a' + (index % 20) as u8).to_string()
-    });
-    let variables: Vec<String> = names.chain(["t".to_owned()]).collect();
+fn rule(candidate: &RuleCandidate, number: usize, letters: Letters) -> Option<Rule> {
     let (mut left, mut right) = (candidate.left.clone(), candidate.right.clone());
     let bound = |from: &Pattern, to: &Pattern| {
         let known = from.variables();
@@ -178,7 +229,7 @@ fn rule(candidate: &RuleCandidate, number: usize, space: &TermSpace) -> Option<R
     let mut rule = Rule {
         name: format!("found-{number}"),
         group: "found".to_owned(),
-        variables,
+        variables: letters.names(),
         left,
         right,
         both_ways,

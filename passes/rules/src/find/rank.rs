@@ -1,18 +1,22 @@
 //! The gain of rules on the critical paths of real functions.
 
 use super::super::pattern::{Pattern, PatternNode};
-use super::super::profile::{arrival_of, operations};
+use super::super::profile::{earliest_of, operations};
 use super::super::rule::Rule;
+use super::mine::freed;
 use robovec_analysis::critical_path::{Weights, arrivals, tails};
-use robovec_ir::{Function, Machine, Operand, OperandKind, Value};
+use robovec_ir::{Function, Machine, Operand, OperandKind, Operation, Value};
 
 /// The gain of a rule on some functions, taken alone and at each place by
 /// itself: an indication, since gains at one place change the next.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
 pub struct RuleGain {
-    /// Cycles by which values on a longest chain would be earlier, added up.
+    /// Cycles by which values on a longest chain would be earlier than by any
+    /// order of the operands of sums and products, added up.
     pub cycles: u64,
-    /// Operations saved, added up over the places where some are.
+    /// Operations saved at places that do not touch each other, taken in
+    /// program order: so many fewer the functions have when the rule is used
+    /// there.
     pub operations: u64,
     /// Places on a longest chain that the left side matches.
     pub critical_places: u64,
@@ -22,10 +26,10 @@ pub struct RuleGain {
 
 /// A function with its times.
 pub(super) struct Timed<'a> {
-    function: &'a Function,
-    arrivals: Vec<u32>,
-    critical: Vec<bool>,
-    uses: Vec<u32>,
+    pub(super) function: &'a Function,
+    pub(super) arrivals: Vec<u32>,
+    pub(super) critical: Vec<bool>,
+    pub(super) uses: Vec<u32>,
 }
 
 impl<'a> Timed<'a> {
@@ -43,6 +47,13 @@ impl<'a> Timed<'a> {
             function,
         }
     }
+
+    /// True for an operation of the machine: sines, cosines and copies are
+    /// none.
+    fn counts(&self, value: Value) -> bool {
+        let operation = self.function.node(value).operation;
+        !operation.is_trigonometric() && operation != Operation::Copy
+    }
 }
 
 /// The gain of a rule from left to right.
@@ -51,19 +62,34 @@ pub(super) fn gain(rule: &Rule, functions: &[Timed<'_>], machine: &Machine) -> R
     let new_operations = operations(&rule.right);
     let mut gain = RuleGain::default();
     for timed in functions {
+        let mut touched = vec![false; timed.function.nodes().len()];
         for (value, _) in timed.function.values() {
             let matches = matches(&rule.left, timed.function, value, rule.variables.len());
             if matches.is_empty() {
                 continue;
             }
             gain.places += 1;
-            let saved = matches.iter().map(|found| {
-                // The root goes, and what nothing else uses.
-                let single = found.inner.iter();
-                let single = single.filter(|inner| timed.uses[inner.index()] == 1);
-                1 + single.count() as i64 - new_operations
+            let saved = matches.iter().filter_map(|found| {
+                let covered = found.covered(value);
+                if covered.iter().any(|inner| touched[inner.index()]) {
+                    return None;
+                }
+                let freed = freed(timed.function, &timed.uses, &covered);
+                let counted = freed.iter().filter(|&&value| timed.counts(value));
+                Some((counted.count() as i64 - new_operations, found))
             });
-            gain.operations += saved.max().unwrap_or(0).max(0) as u64;
+            // Of equal ones the first.
+            let most = saved.reduce(|best, other| if other.0 > best.0 { other } else { best });
+            if let Some((saved @ 1.., found)) = most {
+                gain.operations += saved as u64;
+                // Neither may be part of another place: the one is gone, of
+                // the other the number of reads has changed.
+                let bound = found.bound.iter().flatten();
+                let bound = bound.filter_map(|operand| operand.value());
+                for value in found.covered(value).into_iter().chain(bound) {
+                    touched[value.index()] = true;
+                }
+            }
             if !timed.critical[value.index()] {
                 continue;
             }
@@ -75,7 +101,8 @@ pub(super) fn gain(rule: &Rule, functions: &[Timed<'_>], machine: &Machine) -> R
                     let value = operand.value();
                     Some(value.map_or(0, |value| i64::from(timed.arrivals[value.index()])))
                 };
-                now - arrival_of(&rule.right, &weights, &arrival).unwrap_or(0)
+                let left = earliest_of(&rule.left, &weights, &arrival).unwrap_or(0);
+                now.min(left) - earliest_of(&rule.right, &weights, &arrival).unwrap_or(0)
             });
             gain.cycles += earlier.max().unwrap_or(0).max(0) as u64;
         }
@@ -89,6 +116,15 @@ struct PatternMatch {
     bound: Vec<Option<Operand>>,
     /// The values below the root that the pattern covers.
     inner: Vec<Value>,
+}
+
+impl PatternMatch {
+    /// The root and the values below it that the pattern covers.
+    fn covered(&self, root: Value) -> Vec<Value> {
+        let mut covered = vec![root];
+        covered.extend(&self.inner);
+        covered
+    }
 }
 
 /// Most matches at one place that are looked at.

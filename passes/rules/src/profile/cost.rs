@@ -40,7 +40,7 @@ pub(super) fn change(rule: &Rule, machine: &Machine) -> CostChange {
 
 /// When the value of a pattern is available, if its variables are at these
 /// times; `None` stands for long before all others.
-pub(crate) fn arrival_of(
+fn arrival_of(
     pattern: &Pattern,
     weights: &Weights,
     arrival: &dyn Fn(u32) -> Option<i64>,
@@ -57,6 +57,59 @@ pub(crate) fn arrival_of(
         times.push(time);
     }
     times.pop().flatten()
+}
+
+/// The same, sums and products in the order that is earliest: nested ones are
+/// one, of which the two earliest operands are combined first.
+pub(crate) fn earliest_of(
+    pattern: &Pattern,
+    weights: &Weights,
+    arrival: &dyn Fn(u32) -> Option<i64>,
+) -> Option<i64> {
+    /// The operands of a sum, of a product, or one value.
+    type Group = (Option<Operation>, Vec<Option<i64>>);
+    let ready = |(operation, mut times): Group| {
+        while times.len() > 1 {
+            // The latest first, so that the earliest are taken off the end.
+            times.sort_unstable_by_key(|&time| std::cmp::Reverse(time));
+            let (one, other) = (times.pop().flatten(), times.pop().flatten());
+            let weight = operation.map_or(0, |operation| i64::from(weights.of(operation)));
+            times.push(one.max(other).map(|time| time + weight));
+        }
+        times.pop().flatten()
+    };
+    let mut groups: Vec<Group> = Vec::with_capacity(pattern.nodes.len());
+    for node in &pattern.nodes {
+        let group = match *node {
+            PatternNode::Variable(variable) => (None, vec![arrival(variable)]),
+            PatternNode::Number(_) => (None, vec![None]),
+            PatternNode::Operation(operation, operands) => {
+                let kind = match operation {
+                    Operation::Add | Operation::Sub => Some(Operation::Add),
+                    Operation::Mul => Some(Operation::Mul),
+                    _ => None,
+                };
+                let mut times = Vec::new();
+                for &operand in &operands[..operation.arity()] {
+                    let (inner, inside) = groups[operand as usize].clone();
+                    match kind {
+                        Some(_) if inner == kind => times.extend(inside),
+                        _ => times.push(ready((inner, inside))),
+                    }
+                }
+                match kind {
+                    Some(_) => (kind, times),
+                    None => {
+                        let weight = i64::from(weights.of(operation));
+                        let last = times.into_iter().max().flatten();
+                        (None, vec![last.map(|time| time + weight)])
+                    }
+                }
+            }
+        };
+        groups.push(group);
+    }
+    groups.pop().and_then(ready)
 }
 
 /// The number of different operations of a pattern.

@@ -9,7 +9,7 @@ mod grow;
 mod tests;
 
 pub use cost::CostChange;
-pub(super) use cost::{arrival_of, operations};
+pub(super) use cost::{earliest_of, operations};
 pub use error::{SideErrors, Transfer};
 pub use fit::Growth;
 pub use grow::{Growing, PairGrowth, alone, pairs, partner};

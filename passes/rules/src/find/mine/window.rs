@@ -1,0 +1,97 @@
+//! Windows: connected sets of a few operations below one value.
+
+use robovec_ir::{Function, Operation, Value};
+
+/// Windows of one root at most; the operations read by many are few.
+const MOST: usize = 3_000;
+
+/// True for the operations that a window is made of: what rules with sums and
+/// products can be about.
+pub(super) fn belongs(operation: Operation) -> bool {
+    matches!(
+        operation,
+        Operation::Add | Operation::Sub | Operation::Mul | Operation::Neg
+    )
+}
+
+/// All windows of a root with two to `largest` operations, each once, as far
+/// as operations other than the root are `eligible`. The root comes first.
+/// False when there were more than are looked at.
+pub(super) fn each(
+    function: &Function,
+    root: Value,
+    largest: usize,
+    eligible: &dyn Fn(Value) -> bool,
+    visit: &mut dyn FnMut(&[Value]),
+) -> bool {
+    /// A window so far: what is in it, what may still be, and all that was
+    /// ever considered, which is not considered again.
+    #[derive(Clone)]
+    struct Partial {
+        inside: Vec<Value>,
+        open: Vec<Value>,
+        considered: Vec<Value>,
+    }
+    let offer = |partial: &mut Partial, value: Value| {
+        for operand in function.node(value).operands() {
+            if let Some(inner) = operand.value()
+                && belongs(function.node(inner).operation)
+                && eligible(inner)
+                && !partial.considered.contains(&inner)
+            {
+                partial.open.push(inner);
+                partial.considered.push(inner);
+            }
+        }
+    };
+    let mut first = Partial {
+        inside: vec![root],
+        open: Vec::new(),
+        considered: Vec::new(),
+    };
+    offer(&mut first, root);
+    let mut partials = vec![first];
+    let mut count = 0;
+    while let Some(mut partial) = partials.pop() {
+        let next = match partial.inside.len() < largest {
+            true => partial.open.pop(),
+            false => None,
+        };
+        let Some(next) = next else {
+            if partial.inside.len() > 1 {
+                if count == MOST {
+                    return false;
+                }
+                count += 1;
+                visit(&partial.inside);
+            }
+            continue;
+        };
+        let mut with = partial.clone();
+        with.inside.push(next);
+        offer(&mut with, next);
+        partials.push(partial);
+        partials.push(with);
+    }
+    true
+}
+
+/// Of the values of a window those that nothing needs any more once the root
+/// is computed otherwise, the root among them.
+pub(in super::super) fn freed(function: &Function, uses: &[u32], window: &[Value]) -> Vec<Value> {
+    let mut order = window.to_vec();
+    // Users before what they use.
+    order.sort_unstable_by_key(|&value| std::cmp::Reverse(value));
+    order.dedup();
+    let mut freed: Vec<Value> = Vec::with_capacity(order.len());
+    for &value in &order {
+        let reads = freed
+            .iter()
+            .flat_map(|&user| function.node(user).operands())
+            .filter(|operand| operand.value() == Some(value));
+        if freed.is_empty() || reads.count() == uses[value.index()] as usize {
+            freed.push(value);
+        }
+    }
+    freed
+}
