@@ -18,8 +18,8 @@ struct Outcome {
     files: BTreeMap<PathBuf, Vec<u8>>,
 }
 
-/// All files below a folder.
-fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+/// All files below a folder, by their paths from there.
+pub(crate) fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
     while let Some(next) = folders.pop() {
@@ -131,50 +131,4 @@ fn sweeps_are_the_same_bytes() {
 fn studies_are_the_same_bytes() {
     let plan = path("tests/study/plans/suspension.toml");
     same(ROBOVEC, &["study", "--plan", &plan, "-o", "out"], 10);
-}
-
-#[test]
-fn shares_of_a_sweep_are_the_whole_also_when_one_is_lost_half_way() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let sweep = |out: &str, more: &[&str]| {
-        let output = Command::new(ROBOVEC)
-            .args(["sweep", "serial-3", "--passes=atomise,balance"])
-            .args(["--adders=1,2", "--multipliers=1,2", "--couples=3-3,6-4"])
-            .args(["-o", out])
-            .args(more)
-            .current_dir(folder.path())
-            .output()
-            .expect("the program starts");
-        let message = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{more:?}: {message}");
-        String::from_utf8(output.stdout).expect("text")
-    };
-    let said = sweep("whole", &[]);
-    sweep("shared", &["--shard=1/3"]);
-    sweep("shared", &["--shard=2/3"]);
-    let shared = folder.path().join("shared");
-    assert!(
-        !shared.join("sweep.json").exists(),
-        "a share writes no tables"
-    );
-    // What a worker leaves that is killed: a point it never wrote, and one cut off.
-    let points: Vec<PathBuf> = files(&shared.join("points")).into_keys().collect();
-    let point = |index: usize| shared.join("points").join(&points[index]);
-    fs::remove_file(point(0)).expect("it is there");
-    fs::write(point(1), "{\"key\": \"").expect("it can be written");
-    let found: usize = ["1/3", "2/3", "3/3"]
-        .map(|share| {
-            let said = sweep("shared", &["--shard", share]);
-            let words: Vec<&str> = said.split_whitespace().collect();
-            words[3].parse::<usize>().expect("a number")
-        })
-        .iter()
-        .sum();
-    assert_eq!(found, points.len() - 2, "what was left is used");
-    assert_eq!(sweep("shared", &["--resume"]), said);
-    let [whole, shared] = ["whole", "shared"].map(|out| files(&folder.path().join(out)));
-    assert_eq!(whole.keys().count(), shared.keys().count());
-    for (name, content) in &whole {
-        assert!(shared[name] == *content, "{}", name.display());
-    }
 }

@@ -48,6 +48,7 @@ mod rtl_fits;
 mod rtl_host;
 mod rules;
 mod scenes;
+mod shares;
 mod sim;
 mod simulate;
 mod stress;

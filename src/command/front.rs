@@ -2,7 +2,9 @@
 
 use super::flags::{SEED, real, states, whole};
 use super::output::result_files;
+use super::shares::ShareArguments;
 use super::{CommandFailure, generation, input, output, progress, subjects};
+use crate::explore::share::SharedWork;
 use crate::front::{self, Front, FrontQuestion};
 use crate::generate::{Formulation, Options};
 use crate::model::Model;
@@ -44,11 +46,13 @@ pub(super) struct FrontArguments {
     #[arg(long, default_value_t = 1, add = SEED)]
     seed: u64,
     /// Also time every program on this computer, with the C compiler 'cc'
-    #[arg(long)]
+    #[arg(long, conflicts_with = "shard")]
     cpu: bool,
-    /// Folder for front.html, front.csv, front.json and front.svg
+    /// Folder for front.html, front.csv, front.json and front.svg, and for the points
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    shares: ShareArguments,
 }
 
 /// Runs the command.
@@ -56,6 +60,8 @@ pub(super) fn run(arguments: &FrontArguments) -> Result<String, CommandFailure> 
     if !(arguments.angle > 0.0 && arguments.angle.is_finite()) {
         return Err(CommandFailure::plain("'--angle' must be a positive number"));
     }
+    let store = arguments.shares.store(arguments.output.as_deref())?;
+    let work = SharedWork::new(store.as_ref(), arguments.shares.share());
     let bar = progress::spinner();
     let mut fronts: Vec<Front> = Vec::new();
     let mut text = String::new();
@@ -80,10 +86,18 @@ pub(super) fn run(arguments: &FrontArguments) -> Result<String, CommandFailure> 
             count,
             angle: arguments.angle,
             cpu: arguments.cpu,
+            work,
         };
         let progress = |choice: &str| bar.set_message(format!("{name}: {choice}"));
-        let front = front::front(&name, &module, others, &question, &progress)
-            .map_err(|error| CommandFailure::plain(format!("{name}: {error}")))?;
+        let failure = |error| CommandFailure::plain(format!("{name}: {error}"));
+        if arguments.shares.shard.is_some() {
+            let share = front::measure_share(&module, others, &question, &progress);
+            let share = share.map_err(failure)?;
+            let (count, found) = (share.choices, share.found);
+            text += &format!("{name}: {count} choices, {found} of them found\n");
+            continue;
+        }
+        let front = front::front(&name, &module, others, &question, &progress).map_err(failure)?;
         text += &front::text::text(&front);
         text.push('\n');
         fronts.push(front);
@@ -92,7 +106,7 @@ pub(super) fn run(arguments: &FrontArguments) -> Result<String, CommandFailure> 
         }
     }
     bar.finish_and_clear();
-    if let Some(folder) = &arguments.output {
+    if let (Some(folder), None) = (&arguments.output, arguments.shares.shard) {
         write(folder, &fronts, &machines)?;
     }
     Ok(text)

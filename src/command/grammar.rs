@@ -29,7 +29,7 @@ const fn word(
     }
 }
 
-const WORDS: [GrammarWord; 18] = [
+const WORDS: [GrammarWord; 20] = [
     word(
         "function",
         Some("NAME"),
@@ -95,6 +95,16 @@ const WORDS: [GrammarWord; 18] = [
         "jobs",
         Some("N"),
         "threads; as many as there are processors without a word",
+    ),
+    word(
+        "resume",
+        None,
+        "use the results that an earlier run left in the folder",
+    ),
+    word(
+        "shard",
+        Some("K/N"),
+        "only this share of the work, for several workers on one folder ([below](#in-shares))",
     ),
     word("json", None, "results for programs, in place of text"),
     word("csv", None, "results as a table, in place of text"),
@@ -307,6 +317,33 @@ fn groups(command: &Command) -> String {
     text
 }
 
+/// The section about several workers on one folder.
+const SHARES: &str = "
+## In shares
+
+What takes hours can be shared by any number of workers that see one folder and have the same robovec, on one machine or many:
+
+    robovec front bogie serial-23 -o results --shard 1/8
+
+does a share of the work, keeps its results in `results/points` and writes no tables. A worker that was stopped is started again and goes on; results that were cut off are computed anew. When all are done,
+
+    robovec front bogie serial-23 -o results --resume
+
+writes what one run writes, byte for byte. All other words are given to every share alike.
+
+| command | what is shared |
+|---|---|
+| `study` | placements; all of a model after a pipeline are in one share |
+| `sweep` | placements on designs; the searches for programs, each with its share of the numbers of elements first |
+| `front` | choices to be measured; the searches as in `sweep` |
+| `rules bench` | rules on inputs |
+| `optimise` | programs and schedules of the search, as told below |
+
+What `optimise` tries next depends on what came of all that it tried before, so that a share of its search cannot be done alone. There every worker does the whole search, but of the programs that are made at a time first those of its share, and takes from the folder what others have made by then. Workers side by side save each other work; one that is alone does all of it, and none waits for another. Errors, times of C and the proof are left to the last run.
+
+`scripts/on-hyperqueue` does all of it with HyperQueue, also on a cluster ([study.md](study.md#on-several-machines)); with Slurm alone, an array of jobs with `--shard $SLURM_ARRAY_TASK_ID/8` does.
+";
+
 /// The page `docs/commands.md`.
 pub fn manual() -> String {
     let [_, tool] = super::commands();
@@ -349,6 +386,7 @@ pub fn manual() -> String {
     }
     text.truncate(text.trim_end().len());
     text.push('\n');
+    text.push_str(SHARES);
     text
 }
 

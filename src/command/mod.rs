@@ -38,6 +38,7 @@ mod rtl;
 mod rtl_bench;
 mod rules;
 mod scene;
+mod shares;
 mod sim;
 mod simulation;
 mod standing;

@@ -1,6 +1,7 @@
 //! `robovec study`.
 
 use super::flags::{FlagLimit, whole};
+use super::shares::ShareArguments;
 use super::subjects::{self, SubjectFiles, locate};
 use super::{CommandFailure, input, output, progress};
 use crate::explore::processor::{Computer, LARGEST};
@@ -44,17 +45,11 @@ pub(super) struct StudyArguments {
     /// Folder for the results
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
-    /// Use the points that an earlier run left in the folder
-    #[arg(long)]
-    resume: bool,
-    /// Only this share of the placements, as 2/8: results are kept in the
-    /// folder, and those of an earlier run used; a last run with --resume and
-    /// without a share writes the tables
-    #[arg(long, value_name = "K/N", conflicts_with = "cpu")]
-    shard: Option<WorkShare>,
+    #[command(flatten)]
+    shares: ShareArguments,
     /// Also time the same functions on one core of this computer, as C
     /// compiled by cc
-    #[arg(long)]
+    #[arg(long, conflicts_with = "shard")]
     cpu: bool,
     /// Leave functions with more operations than this out of --cpu
     #[arg(long, value_name = "OPERATIONS", default_value_t = LARGEST,
@@ -86,20 +81,15 @@ const PROGRESS: &str = "{pos}/{len} placements, {eta} left, {msg}";
 /// Runs the study; the text is for the standard output.
 pub(super) fn study(arguments: &StudyArguments) -> Result<String, CommandFailure> {
     let mut plan = read_plan(arguments)?;
-    if let Some(share) = arguments.shard {
-        keep(share, &mut plan);
-    }
+    keep(arguments.shares.share(), &mut plan);
     // A slip in a name is told before hours of work, not after them.
     for subject in &plan.models {
         locate(subject)?;
     }
-    output::make_folder(&arguments.output)?;
-    let reuse = arguments.resume || arguments.shard.is_some();
-    let store = PointStore::open(&arguments.output.join("points"), reuse).map_err(|error| {
-        CommandFailure::plain(format!("cannot make the folder for points: {error}"))
-    })?;
+    let store = arguments.shares.store(Some(&arguments.output))?;
+    let store = store.expect("there is a folder");
     let results = compute(arguments, plan, &store)?;
-    if arguments.shard.is_some() {
+    if arguments.shares.shard.is_some() {
         let (placed, found) = (results.outcome.points.len(), results.outcome.reused);
         return Ok(format!("{placed} placements, {found} of them found\n"));
     }
@@ -163,7 +153,7 @@ fn compute(
 fn time(arguments: &StudyArguments, results: &Results) -> Result<Vec<CpuTime>, CommandFailure> {
     let path = arguments.output.join("cpu.json");
     let earlier: Vec<CpuTime> = match fs::read_to_string(&path) {
-        Ok(text) if arguments.resume => serde_json::from_str(&text).unwrap_or_default(),
+        Ok(text) if arguments.shares.reuses() => serde_json::from_str(&text).unwrap_or_default(),
         Ok(_) | Err(_) => Vec::new(),
     };
     let computer = Computer::this();

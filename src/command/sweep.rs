@@ -3,11 +3,11 @@
 use super::flags::{FlagLimit, whole};
 use super::front::programs;
 use super::output::result_files;
+use super::shares::ShareArguments;
 use super::{CommandFailure, input, output, progress};
 use crate::explore::operators::{Couple, couples};
 use crate::explore::program::{ExplorationError, transformed_by, view};
-use crate::explore::share::WorkShare;
-use crate::explore::store::PointStore;
+use crate::explore::share::SharedWork;
 use crate::generate::Formulation;
 use crate::optimise::found::found;
 use crate::optimise::start::starts;
@@ -75,7 +75,7 @@ pub(super) struct SweepArguments {
     #[arg(long, default_value_t, value_name = "FAMILY")]
     device: DeviceFamily,
     /// Also time the program on this computer, with the C compiler 'cc'
-    #[arg(long)]
+    #[arg(long, conflicts_with = "shard")]
     cpu: bool,
     /// Power of the device with nothing running, W, from its vendor's estimator or a meter
     #[arg(long, value_name = "W", requires = "full_watts", add = FlagLimit(WATTS))]
@@ -90,13 +90,8 @@ pub(super) struct SweepArguments {
     /// Folder for sweep.html, sweep.csv, sweep.json and sweep.svg, and for the placements
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
-    /// Use the placements that an earlier run left in the folder
-    #[arg(long, requires = "output")]
-    resume: bool,
-    /// Only this share of the placements, as 2/8: results are kept in the folder, and those of an
-    /// earlier run used; a last run with --resume and without a share writes the tables
-    #[arg(long, value_name = "K/N", requires = "output", conflicts_with = "cpu")]
-    shard: Option<WorkShare>,
+    #[command(flatten)]
+    shares: ShareArguments,
 }
 
 /// A style of memories on the command line.
@@ -113,7 +108,9 @@ const STATE_SEED: u64 = 1;
 /// Runs the command.
 pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> {
     let space = space(arguments)?;
-    let store = store(arguments)?;
+    let shares = &arguments.shares;
+    let store = shares.store(arguments.output.as_deref())?;
+    let work = SharedWork::new(store.as_ref(), shares.share());
     let thesis = input::machine("thesis")?;
     let mut sweeps: Vec<FunctionSweep> = Vec::new();
     let mut report = String::new();
@@ -132,12 +129,12 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> 
                 let program = SweptProgram::new(passes.clone(), made(passes)?, &yardstick);
                 program.map(|program| vec![program])
             }
-            None => searched(&module, others, (&thesis, &space), &yardstick),
+            None => searched(&module, others, (&thesis, &space), work, &yardstick),
         };
         let swept = swept.map_err(|error| failure(error.to_string()))?;
-        if let Some(share) = arguments.shard {
+        if shares.shard.is_some() {
             let placed = check_work(&swept, &space)
-                .and_then(|()| place_share(&swept, &space, store.as_ref(), share))
+                .and_then(|()| place_share(&swept, &space, work))
                 .map_err(|error| failure(error.to_string()))?;
             let (count, found) = (placed.designs.len(), placed.found);
             report += &format!("{name}: {count} placements, {found} of them found\n");
@@ -149,7 +146,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> 
         };
         let drawn = random_states(yardstick.len(), STATE_SEED, false);
         let compiled = compiled.as_ref().map(view);
-        let mut result = sweep(&name, swept, &drawn, &space, store.as_ref(), compiled)
+        let mut result = sweep(&name, swept, &drawn, &space, work, compiled)
             .map_err(|error| failure(error.to_string()))?;
         if let Some((idle_watts, full_watts)) = arguments.idle_watts.zip(arguments.full_watts) {
             result.add_energy(PowerFigures {
@@ -162,23 +159,10 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> 
         report.push('\n');
         sweeps.push(result);
     }
-    if let (Some(folder), None) = (&arguments.output, arguments.shard) {
+    if let (Some(folder), None) = (&arguments.output, shares.shard) {
         write(folder, &sweeps)?;
     }
     Ok(report)
-}
-
-/// Where placements are kept, if there is a folder.
-fn store(arguments: &SweepArguments) -> Result<Option<PointStore>, CommandFailure> {
-    let Some(folder) = &arguments.output else {
-        return Ok(None);
-    };
-    output::make_folder(folder)?;
-    let reuse = arguments.resume || arguments.shard.is_some();
-    let store = PointStore::open(&folder.join("points"), reuse);
-    store.map(Some).map_err(|error| {
-        CommandFailure::plain(format!("cannot make the folder for points: {error}"))
-    })
 }
 
 /// The programs that the search finds for the fewest elements of a space, the
@@ -187,6 +171,7 @@ fn searched(
     module: &Module,
     others: Vec<(Formulation, Module)>,
     (machine, space): (&Machine, &DesignSpace),
+    work: SharedWork<'_>,
     yardstick: &Yardstick,
 ) -> Result<Vec<SweptProgram>, ExplorationError> {
     let starts = starts(module.clone(), others);
@@ -198,7 +183,7 @@ fn searched(
     };
     let bar = progress::spinner();
     let told = |what: &str| bar.set_message(what.to_owned());
-    let found = found(&starts, machine, &wanted, &told);
+    let found = found(&starts, machine, &wanted, work, &told);
     bar.finish_and_clear();
     let programs = found?.into_iter();
     let programs = programs.map(|found| {

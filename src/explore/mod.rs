@@ -14,8 +14,8 @@
 //!   design, `study` one for a request;
 //! - the order of work: `front` shares the beginnings of pipelines, `fit` stops
 //!   an axis where it is exact or quick enough, `sweep` and `study` place on
-//!   all cores and keep their points, so that shares of the work can be done by
-//!   several workers ([`share`]);
+//!   all cores; all but `fit` keep their points, so that shares of the work can
+//!   be done by several workers ([`share`]);
 //! - `accuracy` is no client: the pass manager measures for it, at every pass.
 
 pub mod axes;

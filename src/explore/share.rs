@@ -1,5 +1,15 @@
 //! A share of the work of an exploration, for several workers on one folder.
+//!
+//! Where pieces of work do not depend on one another a worker does those of its
+//! share and no other. In a search what is tried next depends on what came of
+//! all that was tried before: there a worker does its own pieces first, then
+//! finds those of the others in the folder or does them itself. None ever waits
+//! for another one, so that each ends alone, too.
 
+use super::store::{PointKey, PointStore, build_key};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::io;
 use std::str::FromStr;
 
 /// A share of the work: the `k`-th of `n`.
@@ -16,6 +26,78 @@ impl WorkShare {
     /// Whether the share holds a piece of work, by its number from 0.
     pub fn holds(self, number: usize) -> bool {
         number % self.n == self.k - 1
+    }
+
+    /// So many pieces of work: first those of the share, then those of others,
+    /// the last one first, since others begin at the front.
+    pub fn own_and_others(self, count: usize) -> [Vec<usize>; 2] {
+        let (own, mut others): (Vec<usize>, Vec<usize>) =
+            (0..count).partition(|&number| self.holds(number));
+        others.reverse();
+        [own, others]
+    }
+}
+
+/// Where the results of an exploration are kept, and whose share of it is done.
+#[derive(Clone, Copy, Debug)]
+pub struct SharedWork<'a> {
+    /// Absent where nothing is kept.
+    kept: Option<(&'a PointStore, PointKey)>,
+    /// The share.
+    pub share: WorkShare,
+}
+
+impl<'a> SharedWork<'a> {
+    /// All of the work, of which nothing is kept.
+    pub const ALONE: SharedWork<'static> = SharedWork {
+        kept: None,
+        share: WorkShare::ALL,
+    };
+
+    /// A share of the work, whose results are kept in a store, if there is one.
+    pub fn new(store: Option<&'a PointStore>, share: WorkShare) -> SharedWork<'a> {
+        SharedWork {
+            // Where the build cannot be known no result can be told from another's.
+            kept: store.zip(build_key().ok()),
+            share,
+        }
+    }
+
+    /// The key of results of this build of robovec, to be completed with all
+    /// that they depend on; `None` where nothing is kept.
+    pub fn key(&self, kind: &str) -> Option<PointKey> {
+        let (_, build) = self.kept?;
+        Some(build.with(kind))
+    }
+
+    /// The result of a key, if it is kept.
+    pub fn load<P: Serialize + DeserializeOwned>(&self, key: Option<PointKey>) -> Option<P> {
+        let ((store, _), key) = self.kept.zip(key)?;
+        store.load(key)
+    }
+
+    /// Keeps a result. One that cannot be kept is only made again.
+    pub fn save(&self, key: Option<PointKey>, point: &impl Serialize) {
+        if let Some(((store, _), key)) = self.kept.zip(key) {
+            store.save(key, point).unwrap_or_default();
+        }
+    }
+
+    /// The result of a key, measured and kept where it is not there; and whether
+    /// it was there.
+    ///
+    /// # Errors
+    ///
+    /// When it cannot be written.
+    pub fn point<P: Serialize + DeserializeOwned>(
+        &self,
+        key: Option<PointKey>,
+        measure: impl FnOnce() -> P,
+    ) -> io::Result<(P, bool)> {
+        match self.kept.zip(key) {
+            None => Ok((measure(), false)),
+            Some(((store, _), key)) => store.point(key, measure),
+        }
     }
 }
 
@@ -48,6 +130,8 @@ mod tests {
             assert_eq!(holders.count(), 1, "{number}");
             assert!(WorkShare::ALL.holds(number));
         }
+        let [own, others] = shares[1].own_and_others(7);
+        assert_eq!((own, others), (vec![1, 4], vec![6, 5, 3, 2, 0]));
         for wrong in ["0/3", "4/3", "1", "1/0", "-1/2", "a/b"] {
             assert!(wrong.parse::<WorkShare>().is_err(), "{wrong}");
         }

@@ -6,6 +6,7 @@
 //! edited, of another version) counts as missing.
 
 use crate::files::{Replace, make_folder, write_whole};
+use robovec_ir::{Machine, Module, Symbol, print};
 use robovec_num::fnv::Fnv;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -28,6 +29,23 @@ impl PointKey {
         self.add(text.as_bytes());
         self.add(&[0xff]);
         self
+    }
+
+    /// Adds a module as passes see it: its text, and the order in which its
+    /// symbols were first met, of which the text says nothing.
+    pub fn with_module(mut self, module: &Module) -> PointKey {
+        let symbols = &module.tables.symbols;
+        for number in 0..symbols.len() {
+            self = self.with(symbols.text(Symbol(number as u32)));
+        }
+        // Hashing cannot fail.
+        let _ = print::write_module(module, &mut self);
+        self.with("")
+    }
+
+    /// Adds a machine with all its fields.
+    pub fn with_machine(self, machine: &Machine) -> PointKey {
+        self.with(&serde_json::to_string(machine).expect("a machine is plain data"))
     }
 
     fn add(&mut self, bytes: &[u8]) {

@@ -5,6 +5,7 @@ use super::tolerance::FormatErrors;
 use super::{FitError, FitProgram, FitTask, SineTreatment};
 use crate::explore::ExplorationProgress;
 use crate::explore::program::{ExplorationError, transformed_by, view};
+use crate::explore::share::SharedWork;
 use crate::generate::Formulation;
 use crate::optimise::found::found;
 use crate::optimise::start::OptimisationStart;
@@ -149,7 +150,13 @@ fn searched(
     if starts.is_empty() {
         return Ok(Vec::new());
     }
-    let found = found(&starts, task.machine, &SEARCHED, progress)?;
+    let found = found(
+        &starts,
+        task.machine,
+        &SEARCHED,
+        SharedWork::ALONE,
+        progress,
+    )?;
     let programs = found.into_iter().map(|found| FitProgram {
         name: found.name,
         pipeline: format!("specialise,{}", found.passes),

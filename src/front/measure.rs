@@ -12,10 +12,10 @@ use robovec_codegen::hardware;
 use robovec_ir::count::Counts;
 use robovec_ir::{Format, Machine, Module, Operation};
 use robovec_schedule::PlaceOptions;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A choice, measured in a format.
-#[derive(Clone, PartialEq, Debug, Serialize)]
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct FrontPoint {
     /// The choice's name.
     pub choice: String,

@@ -9,19 +9,23 @@
 //! there is something to choose.
 
 pub mod choice;
+mod key;
 pub mod measure;
 pub mod page;
 pub mod text;
 
 use crate::explore::pareto::{self, EqualPoints};
 use crate::explore::program::{ExplorationError, ProgramWorkshop, view};
+use crate::explore::share::SharedWork;
 use crate::explore::{ExplorationProgress, processor};
 use crate::generate::Formulation;
 use crate::optimise::found::found;
 use crate::optimise::start::starts;
 use crate::yardstick::Yardstick;
 use choice::FrontChoice;
+use key::ChoiceKeys;
 use measure::{FrontPoint, measure};
+use robovec_ir::count::Counts;
 use robovec_ir::states::States;
 use robovec_ir::{Machine, Module};
 use serde::Serialize;
@@ -41,6 +45,8 @@ pub struct FrontQuestion<'a> {
     pub angle: f64,
     /// Also compile every program with the C compiler and time it here.
     pub cpu: bool,
+    /// Where points are kept, and the share of the choices that is measured.
+    pub work: SharedWork<'a>,
 }
 
 /// The front of one function.
@@ -79,24 +85,64 @@ pub struct FrontVerdict {
     pub in_its_format: Option<usize>,
 }
 
+/// What was measured of a share of the choices.
+#[derive(Clone, PartialEq, Debug)]
+pub struct MeasuredShare {
+    /// The choices of the share.
+    pub choices: usize,
+    /// How many of them were kept by an earlier run or another worker.
+    pub found: usize,
+    /// Their points, in the order of the choices.
+    points: Vec<FrontPoint>,
+    left: Vec<(String, String)>,
+}
+
 /// Measures all choices for a function: `module` holds it alone, as it came;
 /// `others` the same in other formulations. Each choice is told before it is
 /// measured.
 ///
 /// # Errors
 ///
-/// When a pass gives up on it, or a formulation computes something else.
+/// When a pass gives up on it, a formulation computes something else, or a point
+/// cannot be kept.
 pub fn front(
     name: &str,
+    module: &Module,
+    others: Vec<(Formulation, Module)>,
+    question: &FrontQuestion<'_>,
+    progress: ExplorationProgress<'_>,
+) -> Result<Front, ExplorationError> {
+    let measured = measure_share(module, others, question, progress)?;
+    let verdicts = verdicts(&measured.points, question.elements.len());
+    Ok(Front {
+        name: name.to_owned(),
+        operations: Counts::of(view(module).function).operations,
+        elements: question.elements.to_vec(),
+        states: question.count,
+        seed: question.states.seed(),
+        left: measured.left,
+        points: measured.points,
+        verdicts,
+    })
+}
+
+/// Measures the choices of a share; those that are kept are found, and the
+/// others kept.
+///
+/// # Errors
+///
+/// Those of [`front`].
+pub fn measure_share(
     module: &Module,
     mut others: Vec<(Formulation, Module)>,
     question: &FrontQuestion<'_>,
     progress: ExplorationProgress<'_>,
-) -> Result<Front, ExplorationError> {
+) -> Result<MeasuredShare, ExplorationError> {
     let view = view(module);
-    let operations = robovec_ir::count::Counts::of(view.function).operations;
+    let operations = Counts::of(view.function).operations;
     let yardstick = Yardstick::new(view, question.states, question.count);
     let left = leave_out(&yardstick, &mut others);
+    let keys = ChoiceKeys::new(module, &others, question);
     let mut workshop = ProgramWorkshop::new(question.machine, module.clone());
     let formulations: Vec<Formulation> =
         others.iter().map(|(formulation, _)| *formulation).collect();
@@ -106,28 +152,36 @@ pub fn front(
     for (formulation, module) in others {
         workshop.add(formulation, module);
     }
-    let mut points = Vec::new();
-    for choice in &choices {
-        progress(&choice.name);
-        let program = workshop.program(choice.formulation, &choice.stages)?;
-        let (machine, elements) = (question.machine, question.elements);
-        let mut measured = measure(choice, &program, machine, elements, &yardstick)?;
-        if question.cpu && operations <= processor::LARGEST {
-            measure::time(&program, &mut measured);
-        }
-        points.extend(measured);
-    }
-    let verdicts = verdicts(&points, question.elements.len());
-    Ok(Front {
-        name: name.to_owned(),
-        operations,
-        elements: question.elements.to_vec(),
-        states: question.count,
-        seed: question.states.seed(),
+    let mut share = MeasuredShare {
+        choices: 0,
+        found: 0,
+        points: Vec::new(),
         left,
-        points,
-        verdicts,
-    })
+    };
+    let numbered = choices.iter().enumerate();
+    for (_, choice) in numbered.filter(|&(number, _)| question.work.share.holds(number)) {
+        progress(&choice.name);
+        let key = keys.of(choice);
+        let kept: Option<Vec<FrontPoint>> = question.work.load(key);
+        share.choices += 1;
+        share.found += usize::from(kept.is_some());
+        let times = question.cpu && operations <= processor::LARGEST;
+        let mut program = || workshop.program(choice.formulation, &choice.stages);
+        let mut measured = match kept {
+            Some(kept) => kept,
+            None => {
+                let (machine, elements) = (question.machine, question.elements);
+                let measured = measure(choice, &*program()?, machine, elements, &yardstick)?;
+                question.work.save(key, &measured);
+                measured
+            }
+        };
+        if times {
+            measure::time(&*program()?, &mut measured);
+        }
+        share.points.extend(measured);
+    }
+    Ok(share)
 }
 
 /// Leaves out formulations that read what the function does not, with the
@@ -157,7 +211,13 @@ fn searched(
 ) -> Result<Vec<FrontChoice>, ExplorationError> {
     let starts = starts(module.clone(), others.iter().cloned());
     let elements: Vec<[u32; 2]> = question.elements.iter().map(|&n| [n, n]).collect();
-    let programs = found(&starts, question.machine, &elements, progress);
+    let programs = found(
+        &starts,
+        question.machine,
+        &elements,
+        question.work,
+        progress,
+    );
     let programs = programs?.into_iter().map(|program| {
         let other = program.start.checked_sub(1);
         let formulation = other.map(|other| others[other].0);

@@ -6,10 +6,13 @@ use super::start::{self, OptimisationStart};
 use super::{OptimisationQuestion, OptimisationTarget, maker};
 use crate::explore::ExplorationProgress;
 use crate::explore::placing::with_counts;
-use crate::explore::program::ExplorationError;
+use crate::explore::program::{ExplorationError, transformed_by};
+use crate::explore::share::SharedWork;
+use crate::explore::store::PointKey;
 use robovec_ir::states::States;
 use robovec_ir::{Machine, Module, Operation};
 use robovec_passes::optimise::VariantClass;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// A program that was found.
@@ -25,9 +28,18 @@ pub struct FoundProgram {
     pub program: Arc<Module>,
 }
 
+/// What is kept of a search: the program follows from it.
+#[derive(Serialize, Deserialize)]
+struct KeptSearch {
+    name: String,
+    start: usize,
+    passes: String,
+}
+
 /// The best programs that one effort finds for a machine with so many adders
 /// and multipliers each, in this order and each once. Numbers of elements with
-/// which the machine can place no program are left out.
+/// which the machine can place no program are left out. A worker searches for
+/// the numbers of its share first, so that it finds what others kept meanwhile.
 ///
 /// # Errors
 ///
@@ -36,45 +48,96 @@ pub fn found(
     starts: &[OptimisationStart],
     machine: &Machine,
     elements: &[[u32; 2]],
+    work: SharedWork<'_>,
     progress: ExplorationProgress<'_>,
 ) -> Result<Vec<FoundProgram>, ExplorationError> {
-    let mut programs: Vec<FoundProgram> = Vec::new();
-    for &[add, multi] in elements {
-        progress(&format!("search for {add}+{multi}"));
+    let forms = |key: PointKey, start: &OptimisationStart| {
+        let key = key.with(&start.name).with(&format!("{:?}", start.form));
+        key.with_module(&start.module)
+    };
+    let key = work.key("found").map(|key| starts.iter().fold(key, forms));
+    let mut searched: Vec<Option<FoundProgram>> = vec![None; elements.len()];
+    for index in work.share.own_and_others(elements.len()).concat() {
+        let [add, multi] = elements[index];
         let counts = [
             (Operation::Add, add),
             (Operation::Mul, multi),
             (Operation::Fma, multi),
         ];
         let machine = with_counts(machine, &counts);
-        let question = OptimisationQuestion {
-            target: OptimisationTarget::Fpga,
-            machine: &machine,
-            scene: None,
-            class: VariantClass::RealTrig,
-            effort: 1,
-            states: &States::new(1),
-            count: 0,
-            compiler: None,
-            flags: "",
-            store: None,
+        let key = key.map(|key| key.with_machine(&machine));
+        searched[index] = match work.load::<Option<KeptSearch>>(key) {
+            Some(kept) => kept.map(|kept| made(starts, &machine, kept)).transpose()?,
+            None => {
+                progress(&format!("search for {add}+{multi}"));
+                let found = searched_for(starts, &machine, progress)?;
+                work.save(key, &found.as_ref().map(FoundProgram::kept));
+                found
+            }
         };
-        let prepared = start::prepared(starts, &question)?;
-        let outcome = maker::programs(starts, &prepared, &question, progress)?;
-        let Some(trial) = outcome.best.map(|best| &outcome.trials[best]) else {
-            continue;
+    }
+    let mut programs: Vec<FoundProgram> = Vec::new();
+    for found in searched.into_iter().flatten() {
+        let known = |program: &FoundProgram| {
+            (program.start, &program.passes) == (found.start, &found.passes)
         };
-        let passes = prepared.passes(&trial.pipeline);
-        let known =
-            |program: &FoundProgram| (program.start, &program.passes) == (trial.start, &passes);
         if !programs.iter().any(known) {
-            programs.push(FoundProgram {
-                name: trial.name.clone(),
-                start: trial.start,
-                passes,
-                program: trial.program.module.clone(),
-            });
+            programs.push(found);
         }
     }
     Ok(programs)
+}
+
+impl FoundProgram {
+    fn kept(&self) -> KeptSearch {
+        KeptSearch {
+            name: self.name.clone(),
+            start: self.start,
+            passes: self.passes.clone(),
+        }
+    }
+}
+
+/// A program made again.
+fn made(
+    starts: &[OptimisationStart],
+    machine: &Machine,
+    kept: KeptSearch,
+) -> Result<FoundProgram, ExplorationError> {
+    let program = transformed_by(&starts[kept.start].module, &kept.passes, machine, None)?;
+    Ok(FoundProgram {
+        name: kept.name,
+        start: kept.start,
+        passes: kept.passes,
+        program: Arc::new(program),
+    })
+}
+
+/// The best program for a machine, if it can place one.
+fn searched_for(
+    starts: &[OptimisationStart],
+    machine: &Machine,
+    progress: ExplorationProgress<'_>,
+) -> Result<Option<FoundProgram>, ExplorationError> {
+    let question = OptimisationQuestion {
+        target: OptimisationTarget::Fpga,
+        machine,
+        scene: None,
+        class: VariantClass::RealTrig,
+        effort: 1,
+        states: &States::new(1),
+        count: 0,
+        compiler: None,
+        flags: "",
+        work: SharedWork::ALONE,
+    };
+    let prepared = start::prepared(starts, &question)?;
+    let (outcome, _) = maker::programs(starts, &prepared, &question, progress)?;
+    let best = outcome.best.map(|best| &outcome.trials[best]);
+    Ok(best.map(|trial| FoundProgram {
+        name: trial.name.clone(),
+        start: trial.start,
+        passes: prepared.passes(&trial.pipeline),
+        program: trial.program.module.clone(),
+    }))
 }

@@ -5,7 +5,8 @@ use super::start::{OptimisationStart, PreparedStarts};
 use super::{OptimisationError, OptimisationQuestion};
 use crate::explore::ExplorationProgress;
 use crate::explore::program::{ExplorationError, transformed, view};
-use crate::explore::store::{PointKey, build_key};
+use crate::explore::share::WorkShare;
+use crate::explore::store::PointKey;
 use rayon::prelude::*;
 use robovec_framework::pass::PassError;
 use robovec_framework::pipeline::Pipeline;
@@ -22,7 +23,8 @@ use robovec_passes::registry::REGISTRY;
 use robovec_schedule::PlaceError;
 use serde::{Deserialize, Serialize};
 use std::cmp::Reverse;
-use std::sync::Arc;
+use std::collections::BTreeMap;
+use std::sync::{Arc, OnceLock};
 
 /// A program of the search.
 #[derive(Clone, Debug)]
@@ -35,6 +37,15 @@ pub struct MadeProgram {
     /// go another way from there, since texts do not tell in which order
     /// symbols were first met.
     read: Option<String>,
+}
+
+/// What a maker did.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct MakerTally {
+    /// Programs that were asked for.
+    pub programs: usize,
+    /// Those that were kept by an earlier run or another worker.
+    pub found: usize,
 }
 
 /// What is kept of a program.
@@ -52,12 +63,12 @@ pub(super) fn programs(
     prepared: &PreparedStarts,
     question: &OptimisationQuestion<'_>,
     progress: ExplorationProgress<'_>,
-) -> Result<SearchOutcome<MadeProgram>, ExplorationError> {
+) -> Result<(SearchOutcome<MadeProgram>, MakerTally), ExplorationError> {
     let mut maker = ParallelMaker {
         question,
         progress,
-        build: build_key().ok(),
         starts: &prepared.modules,
+        tally: MakerTally::default(),
     };
     let sizes = prepared.modules.iter();
     let sizes = sizes.map(|module| Counts::of(view(module).function).operations);
@@ -81,8 +92,9 @@ pub(super) fn programs(
         },
     });
     let starts = starts.collect();
-    search(&mut maker, starts, search_question)
-        .map_err(|error| ExplorationError::Pass(error.to_string()))
+    let outcome = search(&mut maker, starts, search_question)
+        .map_err(|error| ExplorationError::Pass(error.to_string()))?;
+    Ok((outcome, maker.tally))
 }
 
 /// A program of a search as it was made, where its text was read from disk.
@@ -94,8 +106,8 @@ pub(super) fn as_made(
     let maker = ParallelMaker {
         question,
         progress: &|_| {},
-        build: None,
         starts: &prepared.modules,
+        tally: MakerTally::default(),
     };
     maker
         .as_made(&trial.program, trial.start)
@@ -105,29 +117,33 @@ pub(super) fn as_made(
 struct ParallelMaker<'a> {
     question: &'a OptimisationQuestion<'a>,
     progress: ExplorationProgress<'a>,
-    /// Of this robovec; programs are kept only where it is known.
-    build: Option<PointKey>,
     /// The programs of the starts.
     starts: &'a [Arc<Module>],
+    tally: MakerTally,
 }
+
+/// Programs that jobs start from, made again, each once; by start and passes.
+/// No pass computes on several threads, so that none waits for itself.
+type AgainMade = BTreeMap<(usize, String), OnceLock<Result<Arc<Module>, PassError>>>;
 
 impl ParallelMaker<'_> {
     fn start_key(&self, module: &Module) -> Option<PointKey> {
-        self.question.store?;
-        let machine = serde_json::to_string(self.question.machine);
-        let machine = machine.expect("a machine is plain data");
-        Some(self.build?.with(&machine).with(&print_module(module)))
+        let key = self.question.work.key("optimise")?;
+        Some(key.with_machine(self.question.machine).with_module(module))
     }
 
     /// A program from disk, or made.
-    fn program(&self, job: SearchJob<MadeProgram>) -> Result<MadeProgram, PassError> {
+    fn program(
+        &self,
+        job: &SearchJob<MadeProgram>,
+        again: &AgainMade,
+    ) -> Result<MadeProgram, PassError> {
         (self.progress)(&job.passes);
         let key = job
             .program
             .key
             .map(|key| key.with(&job.pipeline.to_string()));
-        let kept = (self.question.store.zip(key)).and_then(|(store, key)| store.load(key));
-        match kept {
+        match self.question.work.load(key) {
             Some(KeptProgram::Failure(message)) => return Err(PassError::new(message)),
             Some(KeptProgram::Text(text)) => {
                 let module = parse_module("program", &text);
@@ -135,22 +151,25 @@ impl ParallelMaker<'_> {
                     return Ok(MadeProgram {
                         module: Arc::new(module),
                         key,
-                        read: Some(job.passes),
+                        read: Some(job.passes.clone()),
                     });
                 }
             }
             None => {}
         }
-        let made = self
-            .as_made(&job.program, job.start)
-            .and_then(|module| self.run(&module, &job.pipeline));
-        if let Some((store, key)) = self.question.store.zip(key) {
+        let origin = match &job.program.read {
+            None => Ok(job.program.module.clone()),
+            Some(passes) => again[&(job.start, passes.clone())]
+                .get_or_init(|| self.as_made(&job.program, job.start))
+                .clone(),
+        };
+        let made = origin.and_then(|module| self.run(&module, &job.pipeline));
+        if key.is_some() {
             let kept = match &made {
                 Ok(module) => KeptProgram::Text(print_module(module)),
                 Err(error) => KeptProgram::Failure(error.to_string()),
             };
-            // A program that cannot be kept is only made again.
-            store.save(key, &kept).unwrap_or_default();
+            self.question.work.save(key, &kept);
         }
         made.map(|module| MadeProgram {
             module,
@@ -180,17 +199,23 @@ impl ProgramMaker for ParallelMaker<'_> {
 
     fn make(&mut self, jobs: Vec<SearchJob<MadeProgram>>) -> Vec<Result<MadeProgram, PassError>> {
         let maker = &*self;
+        let origins = jobs.iter().filter_map(|job| {
+            let read = job.program.read.as_ref()?;
+            Some(((job.start, read.clone()), OnceLock::new()))
+        });
+        let again: AgainMade = origins.collect();
         // The longest work begins first, so that no thread is left with it.
-        let mut order: Vec<(usize, SearchJob<MadeProgram>)> =
-            jobs.into_iter().enumerate().collect();
-        order.sort_by_key(|(index, job)| (Reverse(job.work), *index));
-        let mut made: Vec<(usize, Result<MadeProgram, PassError>)> = order
-            .into_par_iter()
-            .with_max_len(1)
-            .map(|(index, job)| (index, maker.program(job)))
-            .collect();
-        made.sort_by_key(|(index, _)| *index);
-        made.into_iter().map(|(_, made)| made).collect()
+        let mut order: Vec<usize> = (0..jobs.len()).collect();
+        order.sort_by_key(|&index| (Reverse(jobs[index].work), index));
+        let made = own_first(self.question.work.share, &order, |index| {
+            maker.program(&jobs[index], &again)
+        });
+        let is_found = |made: &&Result<MadeProgram, PassError>| {
+            (made.as_ref()).is_ok_and(|program| program.read.is_some())
+        };
+        self.tally.programs += made.len();
+        self.tally.found += made.iter().filter(is_found).count();
+        made
     }
 
     fn function(program: &MadeProgram) -> &Function {
@@ -199,13 +224,37 @@ impl ProgramMaker for ParallelMaker<'_> {
 
     fn schedules(
         &mut self,
-        functions: &[&Function],
+        programs: &[&MadeProgram],
         machine: &Machine,
     ) -> Vec<Result<ScheduleSize, PlaceError>> {
         (self.progress)("placing");
-        let functions = functions.par_iter();
-        functions
-            .map(|function| schedule_size(function, machine))
-            .collect()
+        let work = self.question.work;
+        let order: Vec<usize> = (0..programs.len()).collect();
+        own_first(work.share, &order, |index| {
+            let key = programs[index].key.map(|key| key.with("schedule"));
+            if let Some((cycles, words)) = work.load(key) {
+                return Ok(ScheduleSize { cycles, words });
+            }
+            let size = schedule_size(Self::function(programs[index]), machine)?;
+            work.save(key, &(size.cycles, size.words));
+            Ok(size)
+        })
     }
+}
+
+/// Does pieces of work on all cores, beginning with those of a share; what came
+/// of each stands under its number.
+fn own_first<T: Send>(
+    share: WorkShare,
+    order: &[usize],
+    piece: impl Fn(usize) -> T + Sync,
+) -> Vec<T> {
+    let mut done: Vec<(usize, T)> = Vec::with_capacity(order.len());
+    for part in share.own_and_others(order.len()) {
+        let part = part.into_par_iter().with_max_len(1);
+        let part = part.map(|place| (order[place], piece(order[place])));
+        done.extend(part.collect::<Vec<(usize, T)>>());
+    }
+    done.sort_by_key(|(index, _)| *index);
+    done.into_iter().map(|(_, result)| result).collect()
 }

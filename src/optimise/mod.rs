@@ -25,9 +25,9 @@ use crate::bench::Compiler;
 use crate::explore::device;
 use crate::explore::placing::words_of_a_side;
 use crate::explore::program::ExplorationError;
-use crate::explore::store::PointStore;
+use crate::explore::share::SharedWork;
 use crate::yardstick::account::{ErrorAccount, random_states};
-use maker::MadeProgram;
+use maker::{MadeProgram, MakerTally};
 use robovec_codegen::hardware;
 use robovec_framework::scene::Scene;
 use robovec_ir::states::States;
@@ -82,8 +82,8 @@ pub struct OptimisationQuestion<'a> {
     pub compiler: Option<&'a Compiler>,
     /// Its flags.
     pub flags: &'a str,
-    /// Where programs that were made are kept.
-    pub store: Option<&'a PointStore>,
+    /// Where programs that were made are kept, and which of them come first.
+    pub work: SharedWork<'a>,
 }
 
 /// A program that was tried.
@@ -157,6 +157,23 @@ pub enum OptimisationError {
     Proof(String),
 }
 
+/// Searches as one of several workers, so that their programs are kept: those of
+/// its share first, then those that no other worker has made by then. What is
+/// measured and proved waits for [`optimise`] with the same question.
+///
+/// # Errors
+///
+/// When a pass gives up on the equations.
+pub fn search_share(
+    starts: &[OptimisationStart],
+    question: &OptimisationQuestion<'_>,
+    progress: crate::explore::ExplorationProgress<'_>,
+) -> Result<MakerTally, OptimisationError> {
+    let prepared = start::prepared(starts, question)?;
+    let (_, tally) = maker::programs(starts, &prepared, question, progress)?;
+    Ok(tally)
+}
+
 /// Searches, measures, proves.
 ///
 /// # Errors
@@ -168,7 +185,7 @@ pub fn optimise(
     progress: crate::explore::ExplorationProgress<'_>,
 ) -> Result<Optimised, OptimisationError> {
     let prepared = start::prepared(starts, question)?;
-    let mut outcome = maker::programs(starts, &prepared, question, progress)?;
+    let (mut outcome, _) = maker::programs(starts, &prepared, question, progress)?;
     let measured = measure::measure(&prepared, &outcome, question, progress)?;
     let best = measured.best;
     outcome.trials[best].program.module =

@@ -21,8 +21,7 @@ use crate::explore::device::{self, DeviceShare};
 use crate::explore::pareto::{self, EqualPoints};
 use crate::explore::processor;
 use crate::explore::program::{ExplorationError, transformed_by, view};
-use crate::explore::share::WorkShare;
-use crate::explore::store::PointStore;
+use crate::explore::share::SharedWork;
 use crate::yardstick::{ErrorSpread, Yardstick};
 use design::{DesignSpace, MachineDesign};
 use energy::PowerFigures;
@@ -171,7 +170,7 @@ impl SweptProgram {
 /// Places programs of one function, whose errors were measured at these
 /// states (in words), on every design of a space, of which each
 /// takes the one with the shortest schedule, and times what a processor would
-/// run in its place. Placements that a store has are found there.
+/// run in its place.
 ///
 /// # Errors
 ///
@@ -182,11 +181,11 @@ pub fn sweep(
     programs: Vec<SweptProgram>,
     states: &str,
     space: &DesignSpace,
-    store: Option<&PointStore>,
+    work: SharedWork<'_>,
     processor: Option<View<'_>>,
 ) -> Result<FunctionSweep, SweepError> {
     check_work(&programs, space)?;
-    let placed = placement::place_share(&programs, space, store, WorkShare::ALL)?;
+    let placed = placement::place_share(&programs, space, work)?;
     let mut points = Vec::new();
     let mut failures = Vec::new();
     for (design, result) in placed.designs {
@@ -341,7 +340,15 @@ mod tests {
             multipliers: vec![1, 2],
             ..DesignSpace::default()
         };
-        sweep("f", programs(), "8 random states", &space, None, None).expect("it is small")
+        sweep(
+            "f",
+            programs(),
+            "8 random states",
+            &space,
+            SharedWork::ALONE,
+            None,
+        )
+        .expect("it is small")
     }
 
     #[test]
@@ -352,8 +359,15 @@ mod tests {
             instances: vec![1, 4],
             ..DesignSpace::default()
         };
-        let sweep =
-            sweep("f", programs(), "8 random states", &space, None, None).expect("it is small");
+        let sweep = sweep(
+            "f",
+            programs(),
+            "8 random states",
+            &space,
+            SharedWork::ALONE,
+            None,
+        )
+        .expect("it is small");
         assert_eq!(sweep.failures, []);
         assert_eq!(sweep.points.len(), space.designs().len());
         let front = sweep.front();
@@ -369,8 +383,15 @@ mod tests {
         let mut is_short_taken = false;
         for index in 0..2 {
             let alone = vec![programs().swap_remove(index)];
-            let alone = super::sweep("f", alone, "8 random states", &space, None, None)
-                .expect("it is small");
+            let alone = super::sweep(
+                "f",
+                alone,
+                "8 random states",
+                &space,
+                SharedWork::ALONE,
+                None,
+            )
+            .expect("it is small");
             for (point, own) in sweep.points.iter().zip(&alone.points) {
                 assert!(point.cycles <= own.cycles);
                 is_short_taken |= point.program == 1;
@@ -389,8 +410,15 @@ mod tests {
             multipliers: (1..=4096).collect(),
             ..DesignSpace::default()
         };
-        let error = sweep("f", programs(), "8 random states", &space, None, None)
-            .expect_err("it is too much");
+        let error = sweep(
+            "f",
+            programs(),
+            "8 random states",
+            &space,
+            SharedWork::ALONE,
+            None,
+        )
+        .expect_err("it is too much");
         assert!(matches!(error, SweepError::TooMuch { .. }), "{error}");
     }
 }

@@ -8,10 +8,10 @@
 use super::design::{DesignSpace, MachineDesign};
 use super::{SweepError, SweptProgram, interleaved};
 use crate::explore::placing::verified;
-use crate::explore::share::WorkShare;
-use crate::explore::store::{PointKey, PointStore, build_key};
+use crate::explore::share::SharedWork;
+use crate::explore::store::PointKey;
 use rayon::prelude::*;
-use robovec_ir::{Machine, Module, print};
+use robovec_ir::{Machine, Module};
 use robovec_schedule::{PlaceOptions, schedule_bound};
 use serde::{Deserialize, Serialize};
 
@@ -40,8 +40,8 @@ pub struct PlacedShare {
     pub found: usize,
 }
 
-/// Places programs on the designs of a share; those that the store has are
-/// found there, and the others are kept in it.
+/// Places programs on the designs of a share; those that are kept are found, and
+/// the others kept.
 ///
 /// # Errors
 ///
@@ -49,23 +49,17 @@ pub struct PlacedShare {
 pub fn place_share(
     programs: &[SweptProgram],
     space: &DesignSpace,
-    store: Option<&PointStore>,
-    share: WorkShare,
+    work: SharedWork<'_>,
 ) -> Result<PlacedShare, SweepError> {
-    let candidates = Candidates::new(programs, space)?;
+    let candidates = Candidates::new(programs, space, work.key("sweep"))?;
     let designs = space.designs().into_iter().enumerate();
-    let designs = designs.filter(|&(number, _)| share.holds(number));
+    let designs = designs.filter(|&(number, _)| work.share.holds(number));
     let designs: Vec<MachineDesign> = designs.map(|(_, design)| design).collect();
-    // Where the build cannot be known no point can be told from another's.
-    let kept = store.zip(build_key().ok());
     let place = |design: &MachineDesign| {
         let (modules, programs) = candidates.of(design);
         let machine = design.machine();
-        let measure = || shortest(modules, &machine);
-        match kept {
-            None => Ok((measure(), false)),
-            Some((store, build)) => store.point(key(build, programs, &machine), measure),
-        }
+        let key = programs.map(|programs| programs.with_machine(&machine));
+        work.point(key, || shortest(modules, &machine))
     };
     let placed: Result<Vec<_>, std::io::Error> = designs.par_iter().map(place).collect();
     let placed = placed.map_err(SweepError::NotKept)?;
@@ -77,32 +71,23 @@ pub fn place_share(
     })
 }
 
-fn key(build: PointKey, programs: PointKey, machine: &Machine) -> PointKey {
-    let machine = serde_json::to_string(machine).expect("a machine is plain data");
-    // A key's file name is its hash as text.
-    programs.with(&build.file_name()).with(&machine)
-}
-
 /// All programs for every number of instances of a space, with the keys of
 /// their texts.
 struct Candidates<'a> {
     space: &'a DesignSpace,
-    many: Vec<(Vec<Module>, PointKey)>,
+    many: Vec<(Vec<Module>, Option<PointKey>)>,
 }
 
 impl Candidates<'_> {
     fn new<'a>(
         programs: &[SweptProgram],
         space: &'a DesignSpace,
+        key: Option<PointKey>,
     ) -> Result<Candidates<'a>, SweepError> {
         let many = interleaved(programs, space)?.into_iter();
         let keyed = many.map(|modules| {
-            let mut key = PointKey::new().with("sweep");
-            for module in &modules {
-                // Hashing cannot fail.
-                let _ = print::write_module(module, &mut key);
-                key = key.with("");
-            }
+            let with = |key: PointKey, module: &Module| key.with_module(module);
+            let key = key.map(|key| modules.iter().fold(key, with));
             (modules, key)
         });
         Ok(Candidates {
@@ -111,7 +96,7 @@ impl Candidates<'_> {
         })
     }
 
-    fn of(&self, design: &MachineDesign) -> (&[Module], PointKey) {
+    fn of(&self, design: &MachineDesign) -> (&[Module], Option<PointKey>) {
         let mut instances = self.space.instances.iter();
         let place = instances.position(|&count| count == design.instances);
         let (modules, key) = &self.many[place.expect("a design has instances of the space")];

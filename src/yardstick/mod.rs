@@ -71,14 +71,24 @@ pub enum Unmeasurable {
 }
 
 /// Three places in a distribution of errors.
-#[derive(Clone, Copy, PartialEq, Default, Debug, serde::Serialize)]
+#[derive(Clone, Copy, PartialEq, Default, Debug, serde::Serialize, serde::Deserialize)]
 pub struct ErrorSpread {
     /// Half of the errors are at or below it.
+    #[serde(deserialize_with = "infinite_where_null")]
     pub median: f64,
     /// 99 of 100 errors are at or below it.
+    #[serde(deserialize_with = "infinite_where_null")]
     pub percentile_99: f64,
     /// The largest; infinite when a result was not finite.
+    #[serde(deserialize_with = "infinite_where_null")]
     pub worst: f64,
+}
+
+/// JSON has no infinite numbers: they are written as null, and no error is one
+/// that is no number.
+fn infinite_where_null<'de, D: serde::Deserializer<'de>>(source: D) -> Result<f64, D::Error> {
+    let error: Option<f64> = serde::Deserialize::deserialize(source)?;
+    Ok(error.unwrap_or(f64::INFINITY))
 }
 
 /// How far a program is from the exact results.

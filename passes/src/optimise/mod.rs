@@ -227,10 +227,10 @@ impl ProgramMaker for NestedPasses<'_, '_> {
 
     fn schedules(
         &mut self,
-        functions: &[&Function],
+        programs: &[&Self::Program],
         machine: &Machine,
     ) -> Vec<Result<ScheduleSize, PlaceError>> {
-        let functions = functions.iter();
+        let functions = programs.iter().map(|(function, _)| function);
         functions
             .map(|function| schedule_size(function, machine))
             .collect()

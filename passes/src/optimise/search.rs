@@ -84,10 +84,10 @@ pub trait ProgramMaker {
     /// The function of a program.
     fn function(program: &Self::Program) -> &Function;
 
-    /// The schedules of functions on a machine.
+    /// The schedules of programs on a machine.
     fn schedules(
         &mut self,
-        functions: &[&Function],
+        programs: &[&Self::Program],
         machine: &Machine,
     ) -> Vec<Result<ScheduleSize, PlaceError>>;
 }
@@ -438,10 +438,10 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
             for &(_, _, index) in hopeless {
                 self.trials[index].remark = "cannot be better";
             }
-            let functions: Vec<&Function> = (hopeful.iter())
-                .map(|entry| M::function(&self.trials[entry.2].program))
+            let programs: Vec<&M::Program> = (hopeful.iter())
+                .map(|entry| &self.trials[entry.2].program)
                 .collect();
-            let sizes = self.maker.schedules(&functions, self.question.machine);
+            let sizes = self.maker.schedules(&programs, self.question.machine);
             for (&(_, _, index), size) in hopeful.into_iter().zip(sizes) {
                 let trial = &mut self.trials[index];
                 match size {

@@ -4,11 +4,15 @@ mod given;
 mod told;
 
 use super::flags::{EFFORT, SEED, states, whole};
-use super::{CommandFailure, input, output, progress};
+use super::shares::ShareArguments;
+use super::{CommandFailure, input, progress};
 use crate::bench::{Compiler, own};
 use crate::explore::placing::with_counts;
-use crate::explore::store::PointStore;
-use crate::optimise::{OptimisationError, OptimisationQuestion, OptimisationTarget, optimise};
+use crate::explore::share::SharedWork;
+use crate::optimise::maker::MakerTally;
+use crate::optimise::{
+    OptimisationError, OptimisationQuestion, OptimisationTarget, optimise, search_share,
+};
 use clap::Args;
 use robovec_framework::options::OptionValue;
 use robovec_framework::scene::Scene;
@@ -69,9 +73,8 @@ pub(super) struct OptimiseArguments {
     /// Folder for the program, optimise.html, .csv, .json and .svg
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
-    /// Go on with the programs that an earlier run left in the folder
-    #[arg(long, requires = "output")]
-    resume: bool,
+    #[command(flatten)]
+    shares: ShareArguments,
     /// Threads; as many as there are processors by default
     #[arg(long, value_name = "N", add = whole(1, 1024, "every thread takes memory of its own"))]
     jobs: Option<u32>,
@@ -95,16 +98,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<String, CommandFailur
         ..arguments.clone()
     };
     let machine = machine(arguments, given.scene.as_ref())?;
-    let store = match &arguments.output {
-        None => None,
-        Some(folder) => {
-            output::make_folder(folder)?;
-            let store = PointStore::open(&folder.join("points"), arguments.resume);
-            Some(store.map_err(|error| {
-                CommandFailure::plain(format!("cannot make the folder for points: {error}"))
-            })?)
-        }
-    };
+    let store = arguments.shares.store(arguments.output.as_deref())?;
     let source = match &given.scene {
         Some(scene) => scene.states(arguments.seed),
         None => States::new(arguments.seed),
@@ -124,19 +118,26 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<String, CommandFailur
         },
         compiler: compiler.as_ref(),
         flags: &arguments.flags,
-        store: store.as_ref(),
+        work: SharedWork::new(store.as_ref(), arguments.shares.share()),
     };
     let bar = progress::spinner();
     let told = |what: &str| bar.set_message(what.to_owned());
-    let found = pool.install(|| optimise(&given.starts, &question, &told));
-    bar.finish_and_clear();
-    let found = found.map_err(|error| {
+    let failure = |error: OptimisationError| {
         let notes = match error {
             OptimisationError::Placement(_) => input::other_machine(),
             OptimisationError::Program(_) | OptimisationError::Proof(_) => Vec::new(),
         };
         CommandFailure::advised(format!("{}: {error}", arguments.input), notes)
-    })?;
+    };
+    if arguments.shares.shard.is_some() {
+        let tally = pool.install(|| search_share(&given.starts, &question, &told));
+        bar.finish_and_clear();
+        let MakerTally { programs, found } = tally.map_err(failure)?;
+        return Ok(format!("{programs} programs, {found} of them found\n"));
+    }
+    let found = pool.install(|| optimise(&given.starts, &question, &told));
+    bar.finish_and_clear();
+    let found = found.map_err(failure)?;
     told::tell(arguments, &given, &question, &found)
 }
 

@@ -1,8 +1,13 @@
 //! `robovec rules bench`.
 
-use super::super::{CommandFailure, input};
+use super::super::shares::ShareArguments;
+use super::super::{CommandFailure, input, output};
 use super::read;
+use crate::explore::share::SharedWork;
+use crate::explore::store::PointKey;
+use crate::present::json::json_text;
 use crate::present::text_table;
+use crate::present::{DataCell, DataTable};
 use clap::Args;
 use rayon::prelude::*;
 use robovec_analysis::critical_path::critical_path;
@@ -11,9 +16,10 @@ use robovec_framework::pipeline::Pipeline;
 use robovec_ir::{Machine, Module};
 use robovec_passes::eqsat;
 use robovec_rules::RuleSet;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What is measured.
 #[derive(Args, Debug)]
@@ -40,17 +46,22 @@ pub(super) struct RuleBenchArguments {
     /// Write the figures as JSON
     #[arg(long)]
     json: bool,
+    /// Folder for rules.csv and rules.json, and for the figures of every rule
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    shares: ShareArguments,
 }
 
 /// Size of a program.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 struct ProgramSize {
     cycles: u32,
     operations: usize,
 }
 
 /// What limited the windows in which rules were used.
-#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Serialize, Deserialize)]
 struct WindowLimits {
     windows: u64,
     /// Those that the limit of forms ended, and that of rounds of rules.
@@ -60,7 +71,7 @@ struct WindowLimits {
 }
 
 /// A program that rules were used on.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 struct Rewritten {
     size: ProgramSize,
     limits: WindowLimits,
@@ -83,6 +94,17 @@ struct RuleTable {
     rows: Vec<RuleRow>,
 }
 
+/// What is asked of every input.
+struct RuleBench<'a> {
+    machine: &'a Machine,
+    /// Passes that use the rules.
+    passes: &'a Pipeline,
+    rules: &'a RuleSet,
+    /// Names of the rules, those that say the same together.
+    kinds: &'a [Vec<String>],
+    work: SharedWork<'a>,
+}
+
 /// Runs the command.
 pub(super) fn run(arguments: &RuleBenchArguments) -> Result<String, CommandFailure> {
     let machine = input::machine(&arguments.machine)?;
@@ -90,22 +112,38 @@ pub(super) fn run(arguments: &RuleBenchArguments) -> Result<String, CommandFailu
     let passes = input::passes(&arguments.passes)?;
     let rules = read::sound(&arguments.rules, !arguments.only)?;
     let kinds = eqsat::kinds(&rules, arguments.passes.contains("trig"));
+    let store = arguments.shares.store(arguments.output.as_deref())?;
+    let bench = RuleBench {
+        machine: &machine,
+        passes: &passes,
+        rules: &rules,
+        kinds: &kinds.used,
+        work: SharedWork::new(store.as_ref(), arguments.shares.share()),
+    };
     let mut tables = Vec::with_capacity(arguments.inputs.len());
-    for path in &arguments.inputs {
+    let mut text = String::new();
+    for (number, path) in arguments.inputs.iter().enumerate() {
         let mut input = input::equations_or_model(path, None, None)?;
         compile(&mut input.module, &before, &machine, &RuleSet::default())?;
-        let name = input.name.clone();
-        tables.push(measure(
-            name,
-            &input.module,
-            &passes,
-            &machine,
-            &rules,
-            &kinds.used,
-        )?);
+        let measured = bench.measure(number, &input.module)?;
+        match arguments.shares.shard {
+            None => tables.push(bench.table(input.name, &measured)),
+            Some(_) => {
+                let (count, found) = (measured.len(), measured.iter().filter(|m| m.found).count());
+                let name = input.name;
+                text += &format!("{name}: {count} measurements, {found} of them found\n");
+            }
+        }
+    }
+    if arguments.shares.shard.is_some() {
+        return Ok(text);
+    }
+    let data = to_json(&tables, &kinds.unused);
+    if let Some(folder) = &arguments.output {
+        write(folder, &tables, &data)?;
     }
     if arguments.json {
-        return Ok(format!("{:#}\n", to_json(&tables, &kinds.unused)));
+        return Ok(format!("{data:#}\n"));
     }
     Ok(to_text(&tables, &kinds.unused))
 }
@@ -156,34 +194,89 @@ fn subset(rules: &RuleSet, names: &[String], keep: bool) -> RuleSet {
     }
 }
 
-fn measure(
-    input: String,
-    module: &Module,
-    passes: &Pipeline,
-    machine: &Machine,
-    rules: &RuleSet,
-    kinds: &[Vec<String>],
-) -> Result<RuleTable, CommandFailure> {
-    let with = |rules: &RuleSet| compile(&mut module.clone(), passes, machine, rules);
-    let none = with(&RuleSet::default())?;
-    let all = with(rules)?;
-    // Side by side; the rows stay in order of the rules.
-    let rows: Result<Vec<RuleRow>, CommandFailure> = kinds
-        .par_iter()
-        .map(|names| {
-            Ok(RuleRow {
-                rules: names.clone(),
-                alone: with(&subset(rules, names, true))?,
-                without: with(&subset(rules, names, false))?,
-            })
-        })
-        .collect();
-    Ok(RuleTable {
-        input,
-        none,
-        all,
-        rows: rows?,
-    })
+/// Two programs of an input.
+struct RuleMeasurement {
+    /// By rules alone and by all others; first of all, by no rules and by all.
+    programs: [Rewritten; 2],
+    /// Kept by an earlier run or another worker.
+    found: bool,
+}
+
+impl RuleBench<'_> {
+    /// The measurements of a share on an input, which is the `number`-th: what
+    /// all rules do together, then what each kind does.
+    fn measure(
+        &self,
+        number: usize,
+        module: &Module,
+    ) -> Result<Vec<RuleMeasurement>, CommandFailure> {
+        let key = self.work.key("rules bench");
+        let key = key.map(|key| self.with_rules(key.with_module(module)));
+        let count = self.kinds.len() + 1;
+        let own = (0..count).filter(|kind| self.work.share.holds(number * count + kind));
+        let own: Vec<usize> = own.collect();
+        // Side by side; the measurements stay in order of the rules.
+        let measured = own.into_par_iter().map(|kind| {
+            let names: &[String] = kind.checked_sub(1).map_or(&[], |kind| &self.kinds[kind]);
+            let key = key.map(|key| names.iter().fold(key, |key, name| key.with(name)));
+            let found = self.work.load(key);
+            let programs = match found {
+                Some(programs) => programs,
+                None => {
+                    let programs = self.programs(module, names)?;
+                    self.work.save(key, &programs);
+                    programs
+                }
+            };
+            let found = found.is_some();
+            Ok(RuleMeasurement { programs, found })
+        });
+        measured.collect()
+    }
+
+    /// Programs with rules alone, and with all others.
+    fn programs(
+        &self,
+        module: &Module,
+        names: &[String],
+    ) -> Result<[Rewritten; 2], CommandFailure> {
+        let with = |keep: bool| {
+            let rules = subset(self.rules, names, keep);
+            compile(&mut module.clone(), self.passes, self.machine, &rules)
+        };
+        Ok([with(true)?, with(false)?])
+    }
+
+    /// Adds to a key what is asked of every input.
+    fn with_rules(&self, key: PointKey) -> PointKey {
+        let key = key.with_machine(self.machine);
+        let mut key = key.with(&self.passes.to_string());
+        for file in &self.rules.files {
+            key = key.with(&file.name).with(&file.text);
+        }
+        // Which of their rules are used.
+        for rule in &self.rules.rules {
+            key = key.with(&rule.name);
+        }
+        key.with("")
+    }
+
+    /// The table of an input, all of whose measurements are there.
+    fn table(&self, input: String, measured: &[RuleMeasurement]) -> RuleTable {
+        let [none, all] = measured[0].programs;
+        let rows = self.kinds.iter().zip(&measured[1..]);
+        let rows = rows.map(|(names, measured)| RuleRow {
+            rules: names.clone(),
+            alone: measured.programs[0],
+            without: measured.programs[1],
+        });
+        RuleTable {
+            input,
+            none,
+            all,
+            rows: rows.collect(),
+        }
+    }
 }
 
 /// A change, with a sign.
@@ -292,6 +385,45 @@ fn to_text(tables: &[RuleTable], unused: &[String]) -> String {
         );
     }
     text
+}
+
+/// The figures of every rule.
+fn data_table(tables: &[RuleTable]) -> DataTable {
+    let size = |size: ProgramSize| {
+        [
+            DataCell::count(size.cycles),
+            DataCell::count(size.operations),
+        ]
+    };
+    let rows = tables.iter().flat_map(|found| {
+        found.rows.iter().map(move |row| {
+            let mut cells = vec![
+                DataCell::text(&found.input),
+                DataCell::text(row.rules.join(" ")),
+            ];
+            for each in [found.none, row.alone, row.without, found.all] {
+                cells.extend(size(each.size));
+            }
+            cells
+        })
+    });
+    DataTable::new(
+        "rules",
+        "Rules: what each earns",
+        "Cycles of the longest path and operations: without rules, with this rule alone, with all but this, with all.",
+        "input | rules | cycles without rules | operations without rules | cycles alone | \
+         operations alone | cycles among others without | operations among others without | \
+         cycles with all | operations with all",
+        rows,
+    )
+}
+
+fn write(folder: &Path, tables: &[RuleTable], data: &Value) -> Result<(), CommandFailure> {
+    let files = [
+        ("rules.csv", data_table(tables).to_csv()),
+        ("rules.json", json_text(data)),
+    ];
+    output::write_files(folder, &files)
 }
 
 fn to_json(tables: &[RuleTable], unused: &[String]) -> Value {

@@ -1,0 +1,46 @@
+//! Shares of the work of an exploration, as commands are told of them.
+
+use super::{CommandFailure, output};
+use crate::explore::share::WorkShare;
+use crate::explore::store::PointStore;
+use clap::Args;
+use std::path::Path;
+
+/// Which part of the work is done, and whether what is there is used.
+#[derive(Args, Clone, Debug)]
+pub(super) struct ShareArguments {
+    /// Use the results that an earlier run left in the folder
+    #[arg(long, requires = "output")]
+    resume: bool,
+    /// Only this share of the work, as 2/8: results are kept in the folder, and those of an earlier
+    /// run used; a last run with --resume and without a share writes the tables
+    #[arg(long, value_name = "K/N", requires = "output")]
+    pub(super) shard: Option<WorkShare>,
+}
+
+impl ShareArguments {
+    /// The share; all of the work where the user names none.
+    pub(super) fn share(&self) -> WorkShare {
+        self.shard.unwrap_or(WorkShare::ALL)
+    }
+
+    /// True when the results of an earlier run are used.
+    pub(super) fn reuses(&self) -> bool {
+        self.resume || self.shard.is_some()
+    }
+
+    /// Where results are kept, if there is a folder.
+    pub(super) fn store(
+        &self,
+        folder: Option<&Path>,
+    ) -> Result<Option<PointStore>, CommandFailure> {
+        let Some(folder) = folder else {
+            return Ok(None);
+        };
+        output::make_folder(folder)?;
+        let store = PointStore::open(&folder.join("points"), self.reuses());
+        store.map(Some).map_err(|error| {
+            CommandFailure::plain(format!("cannot make the folder for points: {error}"))
+        })
+    }
+}
