@@ -37,3 +37,8 @@ pub mod whole_step;
 pub mod yardstick;
 
 pub use command::{grammar, limits};
+
+/// The page on the library, whose examples `cargo test` compiles and runs.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/library.md")]
+struct LibraryPage;

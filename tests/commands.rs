@@ -1,235 +1,372 @@
-//! Every command that README.md and docs/ show in a block of code: the
-//! programs understand all of them, and those that need nothing but what
-//! ships are run, in the order of the document.
+//! Every block of code in README.md and docs/ is what its fence says: commands
+//! run, in the order of the document, what they print is what is shown, rules
+//! are proved, functions and machines read, C compiled.
+//!
+//! Blocks of Python run where the package is built (`scripts/test-wheel.sh`),
+//! those of Rust as tests of documentation. A document has a folder of its own,
+//! with what ships and what a user may have; all documents are tried side by
+//! side.
 
-use crate::support::files::{each, name, tree};
+mod blocks;
+mod given;
+
+use crate::support::files::{list, name, tree};
+use blocks::{CodeBlock, blocks, commands};
+use given::{NOT_RUN, PLACEHOLDERS, SMALLER};
+use robovec::model::mbs::read_mbs;
+use robovec::motion::Laws;
+use robovec_ir::Machine;
+use robovec_ir::parse::parse_module;
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::Mutex;
 
-/// Commands that are not run, with the reason; `…` stands for the rest of one.
-const NOT_RUN: &[(&str, &str)] = &[
-    ("robovec bench …", "measures times on this computer"),
-    ("robovec fit …", "takes a minute; tests/front.rs is smaller"),
-    (
-        "robovec front …",
-        "takes minutes; tests/front.rs is smaller",
-    ),
-    (
-        "robovec neglect …",
-        "takes a minute; tests/neglect.rs is smaller",
-    ),
-    (
-        "robovec optimise examples/scenes/…",
-        "searches long; tests/optimise.rs has smaller scenes",
-    ),
-    (
-        "robovec rtl examples/models/…",
-        "needs verilator; tests/rtl.rs is smaller",
-    ),
-    ("robovec rules bench …", "takes a minute"),
-    ("robovec rules why VALUE …", "VALUE stands for a name"),
-    ("robovec simulate images …", "needs images of a program"),
-    (
-        "robovec stress",
-        "takes minutes; tests/stress.rs is smaller",
-    ),
-    ("robovec stress --class …", "takes a minute"),
-    ("robovec stress --verdicts", "takes a minute"),
-    ("robovec stress -o …", "takes minutes"),
-    (
-        "robovec study …",
-        "takes minutes; tests/study.rs is smaller",
-    ),
-    (
-        "robovec sweep …",
-        "takes minutes; tests/determinism.rs is smaller",
-    ),
-    (
-        "robovec view examples/models/bogie.mbs --passes 'atomise,…",
-        "saturates the bogie, as a command of README.md does",
-    ),
-    ("robovec synthesise", "needs yosys"),
-    ("robovec synthesise …", "needs yosys"),
-];
-
-/// Options whose values are written.
-const WRITTEN: &[&str] = &["-o", "--plot", "--report", "--events"];
-
-/// The commands in the blocks of code of a document.
-fn commands(document: &str) -> Vec<String> {
-    let joined = document.replace("\\\n", " ");
-    let mut is_fenced = false;
-    let mut commands = Vec::new();
-    for line in joined.lines() {
-        if line.starts_with("```") {
-            is_fenced = !is_fenced;
-        }
-        let Some(line) = line.strip_prefix("    ").or(is_fenced.then_some(line)) else {
-            continue;
-        };
-        let line = line
-            .strip_prefix("cargo run --release --bin ")
-            .map_or_else(|| line.to_owned(), |rest| rest.replacen(" -- ", " ", 1));
-        if !(line.starts_with("robovec ") || line.starts_with("robovec-opt ")) {
-            continue;
-        }
-        // Behind a command stands what it does.
-        let line = line.split(" # ").next().unwrap_or_default().trim_end();
-        let columns: Vec<&str> = line.split("   ").filter(|part| !part.is_empty()).collect();
-        let is_option = |part: &&&str| part.trim_start().starts_with('-');
-        let options = columns[1..].iter().take_while(is_option);
-        let parts: Vec<&str> = [&columns[0]].into_iter().chain(options).copied().collect();
-        commands.push(parts.join(" "));
-    }
-    commands
+/// The documents, the longest first.
+fn documents() -> Vec<PathBuf> {
+    let mut documents = list("docs", &["md"]);
+    documents.insert(0, tree("README.md"));
+    documents
 }
 
-/// The words of a command as a shell splits them, without the brackets around
-/// what may be left out.
-fn words(command: &str) -> Vec<String> {
-    let mut words = Vec::new();
-    let mut word = String::new();
-    let mut quote = None;
-    for letter in command.chars() {
-        match (letter, quote) {
-            ('\'' | '"', None) => quote = Some(letter),
-            (_, Some(open)) if open == letter => quote = None,
-            (' ', None) => words.push(std::mem::take(&mut word)),
-            _ => word.push(letter),
-        }
-    }
-    words.push(word);
-    let is_whole = |word: &str| word.matches('[').count() == word.matches(']').count();
-    words
-        .into_iter()
-        .filter(|word| !word.is_empty())
-        .map(|word| match word.strip_prefix("[-") {
-            Some(rest) => format!("-{}", rest.trim_end_matches(']')),
-            None if is_whole(&word) => word,
-            None => word.trim_end_matches(']').to_owned(),
-        })
-        .collect()
+fn read(path: &Path) -> (String, Vec<CodeBlock>) {
+    let text = fs::read_to_string(path).expect("a document");
+    let blocks = blocks(&text).unwrap_or_else(|error| panic!("{}: {error}", name(path)));
+    (name(path), blocks)
 }
 
-fn run(words: &[String], folder: &Path) -> Output {
-    let program = match words[0].as_str() {
-        "robovec" => env!("CARGO_BIN_EXE_robovec"),
-        _ => env!("CARGO_BIN_EXE_robovec-opt"),
-    };
-    Command::new(program)
-        .args(&words[1..])
+/// A command as one types it whose programs are installed.
+fn installed(command: &str) -> String {
+    let run = command.strip_prefix("cargo run --release --bin ");
+    run.map_or_else(|| command.to_owned(), |rest| rest.replacen(" -- ", " ", 1))
+}
+
+/// True for one of robovec's own programs.
+fn is_ours(command: &str) -> bool {
+    command.starts_with("robovec ") || command.starts_with("robovec-opt ")
+}
+
+/// True for what tells which words a command takes: `FILE… [-o FOLDER]`.
+fn is_synopsis(command: &str) -> bool {
+    command.contains(" [-")
+        || command.contains('…')
+        || command.contains("...")
+        || command.contains("PIPELINE")
+}
+
+/// A line for the shell, run in a folder by the programs of this build.
+fn shell(line: &str, folder: &Path) -> Output {
+    let programs = Path::new(env!("CARGO_BIN_EXE_robovec")).parent();
+    let mut paths = vec![programs.expect("a folder").to_owned()];
+    paths.extend(std::env::split_paths(
+        &std::env::var_os("PATH").unwrap_or_default(),
+    ));
+    Command::new("sh")
+        .args(["-c", line])
+        .env("PATH", std::env::join_paths(paths).expect("paths"))
         .current_dir(folder)
         .output()
-        .expect("the program starts")
+        .expect("a shell")
 }
 
-fn succeed(command: &str, words: &[String], folder: &Path) {
-    let output = run(words, folder);
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{command}\n{message}");
-}
-
-/// Calls a function for every document.
-fn documents(mut attempt: impl FnMut(&str, &str)) {
-    let mut read = |path: &Path| {
-        let text = fs::read_to_string(path).expect("a document");
-        attempt(&name(path), &text);
-    };
-    read(&tree("README.md"));
-    each("docs", &["md"], read);
+/// What a command printed; it must succeed.
+fn printed(line: &str, folder: &Path) -> Result<String, String> {
+    let output = shell(line, folder);
+    let [told, warned] =
+        [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
+    match output.status.success() {
+        true => Ok(told + &warned),
+        false => Err(format!("{line}\n{warned}")),
+    }
 }
 
 #[test]
 fn programs_understand_every_command_of_the_documents() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut count = 0;
-    documents(|_, text| {
-        for command in commands(text) {
-            count += 1;
-            let mut words = words(&command);
-            // Everything before it is read, nothing is run.
-            words.push("--help".to_owned());
-            succeed(&command, &words, folder.path());
+    for document in documents() {
+        let (name, blocks) = read(&document);
+        for block in blocks.iter().filter(|block| block.kind == "sh") {
+            for command in commands(&block.text) {
+                let command = installed(&command);
+                if !is_ours(&command) {
+                    continue;
+                }
+                count += 1;
+                // What may be left out is read as well; then everything before
+                // --help is read, and nothing is run.
+                let mut asked = command.clone();
+                if is_synopsis(&command) {
+                    let plain = command.replace(" [", " ").replace("] ", " ");
+                    let plain = plain.trim_end_matches(']').replace('|', "/");
+                    asked = plain.replace('(', "\\(").replace(')', "\\)");
+                }
+                let asked = format!("{asked} --help");
+                let line = block.line;
+                if let Err(error) = printed(&asked, folder.path()) {
+                    panic!("{name}:{line}: {error}");
+                }
+            }
         }
-    });
+    }
     assert!(count > 80, "{count} commands");
 }
 
-/// Whether a word names a file by its extension.
-fn is_file(word: &str) -> bool {
-    [
-        ".mbs", ".urdf", ".c", ".m", ".py", ".rvir", ".toml", ".rules", ".rkt",
-    ]
-    .iter()
-    .any(|extension| word.ends_with(extension))
+/// What running the documents found out.
+#[derive(Default)]
+struct Tried {
+    /// Entries of [`NOT_RUN`] that a document shows.
+    used: BTreeSet<usize>,
+    /// Smaller commands that were run.
+    smaller: BTreeSet<String>,
+    /// How many commands were run.
+    count: usize,
+    wrong: Vec<String>,
 }
 
-/// Whether a word stands for something of the user's: `MODEL.mbs`, `FILE…`.
-fn is_placeholder(word: &str) -> bool {
-    let stem = word.split('.').next().unwrap_or_default();
-    let stem = stem.trim_end_matches('…');
-    word.contains('…') || stem.len() > 1 && stem.bytes().all(|byte| byte.is_ascii_uppercase())
+/// A document being tried.
+struct TriedDocument<'a> {
+    name: String,
+    folder: PathBuf,
+    /// What the last command that was run printed.
+    printed: Option<String>,
+    tried: &'a Mutex<Tried>,
 }
 
-/// Whether everything is there that a command reads. What a document says of
-/// the examples must be there.
-fn is_complete(command: &str, words: &[String], folder: &Path) -> bool {
-    let mut before = "";
-    for word in &words[1..] {
-        let is_read = !WRITTEN.contains(&before);
-        before = word;
-        if word.starts_with("examples/") {
-            assert!(folder.join(word).exists(), "{command}: there is no {word}");
-        }
-        let is_there = !is_file(word) || folder.join(word).exists();
-        if is_placeholder(word) || is_read && !is_there {
-            return false;
+impl TriedDocument<'_> {
+    fn attempt(&mut self, block: &CodeBlock) -> Result<(), String> {
+        match block.kind.as_str() {
+            "sh" => self.commands(&block.text),
+            "console" => self.excerpt(&block.text),
+            "rules" => self.rules(&block.text),
+            "rvir" => function(&block.text),
+            "c" => self.compile(block),
+            "toml" => self.toml(block),
+            "python" => {
+                let tests = fs::read_to_string(tree("python/tests/test_robovec.py"));
+                let known = tests.is_ok_and(|tests| tests.contains(&self.name));
+                let message = "python/tests/test_robovec.py does not run this document";
+                known.then_some(()).ok_or_else(|| message.to_owned())
+            }
+            "rust" => {
+                let library = fs::read_to_string(tree("src/lib.rs")).expect("it is there");
+                let known = library.contains(&format!("docs/{}", self.name));
+                let message = "src/lib.rs does not compile this document";
+                known.then_some(()).ok_or_else(|| message.to_owned())
+            }
+            "text" => match block.text.lines().find(|line| is_ours(line)) {
+                Some(line) => Err(format!("'{line}' is a command, and text is not run")),
+                None => Ok(()),
+            },
+            kind => Err(format!("'{kind}' is no kind of code that is tried")),
         }
     }
-    true
+
+    fn commands(&mut self, text: &str) -> Result<(), String> {
+        let mut folder = self.folder.clone();
+        for command in commands(text) {
+            let command = installed(&command);
+            if let Some(place) = command.strip_prefix("cd ") {
+                folder = folder.join(given(place));
+                let message = || format!("there is no folder {}", folder.display());
+                folder.is_dir().then_some(()).ok_or_else(message)?;
+                continue;
+            }
+            self.command(&command, &folder)?;
+        }
+        Ok(())
+    }
+
+    fn command(&mut self, command: &str, folder: &Path) -> Result<(), String> {
+        let is_excused = |(line, _): &(&str, &str)| match line.strip_suffix('…') {
+            Some(start) => command.starts_with(start),
+            None => command == *line,
+        };
+        let smaller = SMALLER.iter().find(|(start, _)| command.starts_with(start));
+        if let Some(index) = NOT_RUN.iter().position(is_excused) {
+            self.tried
+                .lock()
+                .expect("no test panics")
+                .used
+                .insert(index);
+            return Ok(());
+        }
+        if is_synopsis(command) {
+            return Ok(());
+        }
+        let mut command = given(command);
+        if let Some((_, smaller)) = smaller {
+            command = (*smaller).to_owned();
+            let mut tried = self.tried.lock().expect("no test panics");
+            if !tried.smaller.insert(command.clone()) {
+                return Ok(());
+            }
+        }
+        if command.contains("iverilog") && Command::new("iverilog").arg("-V").output().is_err() {
+            println!("SKIPPED: without Icarus Verilog: {command}");
+            return Ok(());
+        }
+        let start = std::time::Instant::now();
+        self.printed = Some(printed(&command, folder)?);
+        println!("{}: {:.1?} {command}", self.name, start.elapsed());
+        self.tried.lock().expect("no test panics").count += 1;
+        Ok(())
+    }
+
+    /// Lines of what the last command printed, in this order.
+    fn excerpt(&self, text: &str) -> Result<(), String> {
+        let printed = self.printed.as_ref().ok_or("no command printed it")?;
+        let mut lines = printed.lines().map(str::trim);
+        for line in text.lines().map(str::trim) {
+            let is_gap = line.is_empty() || line == "…";
+            if !is_gap && !lines.any(|printed| printed == line) {
+                return Err(format!("the last command does not print\n{line}"));
+            }
+        }
+        Ok(())
+    }
+
+    /// A file of rules, under the name of its first line.
+    fn rules(&self, text: &str) -> Result<(), String> {
+        let first = text.lines().next().unwrap_or_default();
+        let name = first
+            .strip_prefix("# ")
+            .ok_or("the first line names the file")?;
+        fs::write(self.folder.join(name), text).expect("a folder of our own");
+        printed(&format!("robovec rules check {name}"), &self.folder).map(drop)
+    }
+
+    /// C, with the headers of the folder that the fence names.
+    fn compile(&self, block: &CodeBlock) -> Result<(), String> {
+        fs::write(self.folder.join("block.c"), &block.text).expect("a folder of our own");
+        let headers = given(&block.note);
+        let compile = format!("cc -Wall -Werror -fsyntax-only -I '{headers}' block.c");
+        printed(&compile, &self.folder).map(drop)
+    }
+
+    /// A file that robovec reads, or a part of the file that the fence names.
+    fn toml(&self, block: &CodeBlock) -> Result<(), String> {
+        let text = &block.text;
+        if let Some(model) = block.note.strip_prefix("laws of ") {
+            let bytes = fs::read(tree(model)).map_err(|error| error.to_string())?;
+            let read = read_mbs(model, &bytes).expect("what ships is read");
+            let laws = Laws::parse(&read.model, text);
+            return laws.map(drop).map_err(|errors| format!("{errors:?}"));
+        }
+        if block.note == "plan" {
+            fs::write(self.folder.join("plan.toml"), text).expect("a folder of our own");
+            // A share of nothing: the plan is read and resolved.
+            let study = "robovec study --plan plan.toml -o plan --shard 1000/1000";
+            return printed(study, &self.folder).map(drop);
+        }
+        let whole = fs::read_to_string(tree(&block.note)).map_err(|error| error.to_string())?;
+        let mut whole: toml::Table = whole.parse().expect("what ships is read");
+        let part: toml::Table = text
+            .parse()
+            .map_err(|error: toml::de::Error| error.to_string())?;
+        whole.extend(part);
+        let whole = toml::to_string(&whole).expect("it was TOML");
+        if block.note.starts_with("machines/") {
+            return Machine::parse(&whole)
+                .map(drop)
+                .map_err(|error| error.to_string());
+        }
+        let folder = self.folder.join("part");
+        fs::create_dir_all(folder.join("scenes")).expect("a folder of our own");
+        for part in ["models", "laws"] {
+            let link = std::os::unix::fs::symlink(tree("examples").join(part), folder.join(part));
+            // The first scene of the document made it.
+            link.unwrap_or_default();
+        }
+        fs::write(folder.join("scenes/part.scene.toml"), whole).expect("a folder of our own");
+        printed("robovec scene part/scenes/part.scene.toml", &self.folder).map(drop)
+    }
 }
 
-/// A folder with links to what ships, and the rules that documents begin with.
-fn clone() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    for part in ["examples", "machines"] {
-        std::os::unix::fs::symlink(tree(part), folder.path().join(part)).expect("a link");
-    }
-    let readme = fs::read_to_string(tree("README.md")).expect("it is there");
-    let (_, rules) = readme.split_once("    # mine.rules\n").expect("a rule");
-    let (rules, _) = rules.split_once("\n\n").expect("an end");
-    fs::write(folder.path().join("mine.rules"), rules).expect("a folder of our own");
-    folder
+/// A command with something for what stands for something.
+fn given(command: &str) -> String {
+    let words = command.split(' ').map(|word| {
+        let known = PLACEHOLDERS
+            .iter()
+            .find(|(placeholder, _)| *placeholder == word);
+        known.map_or(word, |(_, stands_for)| *stands_for)
+    });
+    let words: Vec<&str> = words.collect();
+    words.join(" ").replace("FOLDER/", "folder/")
+}
+
+/// A function in robovec's own text; sources may be left out.
+fn function(text: &str) -> Result<(), String> {
+    let text = match text.contains("source 0") {
+        true => text.to_owned(),
+        false => format!("source 0 \"a.m\"\n{text}"),
+    };
+    parse_module("block", &text)
+        .map(drop)
+        .map_err(|errors| format!("{errors:?}"))
+}
+
+/// A copy of a folder of files; links stay links.
+fn copy(from: &Path, to: &Path) {
+    let status = Command::new("cp")
+        .arg("-R")
+        .arg(from.join("."))
+        .arg(to)
+        .status();
+    assert!(status.expect("cp").success());
 }
 
 #[test]
-fn commands_on_what_ships_run() {
-    let mut used = vec![false; NOT_RUN.len()];
-    // What stands in two documents is run once.
-    let mut done = BTreeSet::new();
-    documents(|document, text| {
-        let folder = clone();
-        for command in commands(text) {
-            let is_excused = |(line, _): &(&str, &str)| match line.strip_suffix('…') {
-                Some(start) => command.starts_with(start),
-                None => command == *line,
-            };
-            if let Some(index) = NOT_RUN.iter().position(is_excused) {
-                used[index] = true;
-                continue;
-            }
-            let words = words(&command);
-            if is_complete(&command, &words, folder.path()) && done.insert(command.clone()) {
-                let start = std::time::Instant::now();
-                succeed(&command, &words, folder.path());
-                println!("{document}: {:.1?} {command}", start.elapsed());
-            }
+fn every_block_of_the_documents_is_what_its_fence_says() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let filled = folder.path().join("filled");
+    fs::create_dir(&filled).expect("a folder of our own");
+    given::fill(&filled);
+    let readme = read(&tree("README.md")).1;
+    let rules = readme
+        .iter()
+        .find(|block| block.kind == "rules")
+        .expect("a rule");
+    fs::write(filled.join("mine.rules"), &rules.text).expect("a folder of our own");
+    let (tried, waiting) = (Mutex::new(Tried::default()), Mutex::new(documents()));
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(2, usize::from) {
+            scope.spawn(|| {
+                while let Some(path) = { waiting.lock().expect("no test panics").pop() } {
+                    let (name, blocks) = read(&path);
+                    let own = folder.path().join(&name);
+                    fs::create_dir(&own).expect("a folder of our own");
+                    copy(&filled, &own);
+                    let printed = None;
+                    let (name, folder, tried) = (name.clone(), own, &tried);
+                    let mut document = TriedDocument {
+                        name,
+                        folder,
+                        printed,
+                        tried,
+                    };
+                    for block in blocks {
+                        if let Err(error) = document.attempt(&block) {
+                            let wrong = format!("{}:{}: {error}", document.name, block.line);
+                            tried.lock().expect("no test panics").wrong.push(wrong);
+                        }
+                    }
+                }
+            });
         }
     });
-    assert!(done.len() >= 12, "{} commands are run", done.len());
-    let unused = NOT_RUN.iter().zip(used).filter(|(_, used)| !used);
-    let unused: Vec<_> = unused.map(|(entry, _)| entry).collect();
+    let tried = tried.into_inner().expect("no test panics");
+    assert!(tried.wrong.is_empty(), "{}", tried.wrong.join("\n"));
+    assert!(tried.count > 80, "{} commands are run", tried.count);
+    let unused = NOT_RUN
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| !tried.used.contains(index));
+    let unused: Vec<_> = unused.map(|(_, entry)| entry).collect();
     assert!(unused.is_empty(), "no document shows {unused:?}");
+    let unused = SMALLER
+        .iter()
+        .filter(|(_, smaller)| !tried.smaller.contains(*smaller));
+    assert_eq!(unused.count(), 0, "no document shows what is run smaller");
 }

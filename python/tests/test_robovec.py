@@ -166,16 +166,17 @@ class Compiling(unittest.TestCase):
 
 
 class Documentation(unittest.TestCase):
-    def test_the_examples_of_the_page_run(self):
-        text = (ROOT / "docs/python.md").read_text()
-        blocks = re.findall(r"```python\n(.*?)```", text, re.S)
-        self.assertGreater(len(blocks), 2)
+    def test_the_examples_of_the_pages_run(self):
         before = os.getcwd()
         os.chdir(ROOT)
         try:
-            names = {}
-            for block in blocks:
-                exec(compile(block, "docs/python.md", "exec"), names)
+            for page in ["README.md", "docs/python.md", "docs/tutorials.md"]:
+                text = (ROOT / page).read_text()
+                blocks = re.findall(r"```python\n(.*?)```", text, re.S)
+                self.assertGreater(len(blocks), 0, page)
+                names = {}
+                for block in blocks:
+                    exec(compile(block, page, "exec"), names)
         finally:
             os.chdir(before)
 

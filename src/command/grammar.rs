@@ -323,11 +323,15 @@ const SHARES: &str = "
 
 What takes hours can be shared by any number of workers that see one folder and have the same robovec, on one machine or many:
 
-    robovec front bogie serial-23 -o results --shard 1/8
+```sh
+robovec front bogie serial-23 -o results --shard 1/8
+```
 
 does a share of the work, keeps its results in `results/points` and writes no tables. A worker that was stopped is started again and goes on; results that were cut off are computed anew. When all are done,
 
-    robovec front bogie serial-23 -o results --resume
+```sh
+robovec front bogie serial-23 -o results --resume
+```
 
 writes what one run writes, byte for byte. All other words are given to every share alike.
 
@@ -376,12 +380,9 @@ pub fn manual() -> String {
             let about = sub.and_then(Command::get_about);
             let about = about.map(ToString::to_string).unwrap_or_default();
             let _ = writeln!(text, "`robovec {name}`: {}\n", about.replace('\n', " "));
-            for (known, lines) in EXAMPLES {
-                for line in lines.iter().filter(|_| known == name) {
-                    let _ = writeln!(text, "    {line}");
-                }
+            for (_, lines) in EXAMPLES.iter().filter(|(known, _)| known == name) {
+                let _ = writeln!(text, "```sh\n{}\n```\n", lines.join("\n"));
             }
-            text.push('\n');
         }
     }
     text.truncate(text.trim_end().len());

@@ -1,0 +1,60 @@
+//! Blocks of code in documents.
+
+/// A fenced block.
+pub(crate) struct CodeBlock {
+    /// What it is: the first word behind the fence.
+    pub(crate) kind: String,
+    /// The other words: what a fragment belongs to.
+    pub(crate) note: String,
+    pub(crate) text: String,
+    /// Its first line in the document, from 1.
+    pub(crate) line: usize,
+}
+
+/// The blocks of a document. Code is fenced: a fence says what is in it, and four
+/// spaces do not.
+pub(crate) fn blocks(document: &str) -> Result<Vec<CodeBlock>, String> {
+    let mut blocks = Vec::new();
+    let mut open: Option<CodeBlock> = None;
+    let mut before = "";
+    for (number, line) in document.lines().enumerate() {
+        match (&mut open, line.strip_prefix("```")) {
+            (None, Some(words)) => {
+                let (kind, note) = words.split_once(' ').unwrap_or((words, ""));
+                open = Some(CodeBlock {
+                    kind: kind.to_owned(),
+                    note: note.to_owned(),
+                    text: String::new(),
+                    line: number + 2,
+                });
+            }
+            (Some(_), Some(_)) => blocks.extend(open.take()),
+            (Some(block), None) => {
+                block.text += line;
+                block.text.push('\n');
+            }
+            (None, None) if line.starts_with("    ") && before.trim().is_empty() => {
+                return Err(format!("line {}: code stands between fences", number + 1));
+            }
+            (None, None) => {}
+        }
+        before = line;
+    }
+    match open {
+        Some(block) => Err(format!("line {}: the fence is not closed", block.line)),
+        None => Ok(blocks),
+    }
+}
+
+/// The commands of a block for the shell, without what stands behind ` # `.
+pub(crate) fn commands(text: &str) -> Vec<String> {
+    let joined = text.replace("\\\n", " ");
+    let lines = joined.lines().map(|line| match line.starts_with('#') {
+        true => "",
+        false => line.split(" # ").next().unwrap_or_default().trim(),
+    });
+    lines
+        .filter(|line| !line.is_empty())
+        .map(str::to_owned)
+        .collect()
+}

@@ -1,0 +1,191 @@
+//! What the commands of the documents are given: files that stand for a user's,
+//! smaller commands in place of long ones, and those that are not run.
+
+use crate::support::files::tree;
+use crate::support::programs::{opt_in, robovec_in, said};
+use std::fs;
+use std::path::Path;
+
+/// Commands that are not run, with the reason; `…` stands for the rest of one.
+/// The programs are asked whether they understand them.
+pub(crate) const NOT_RUN: &[(&str, &str)] = &[
+    (
+        "cargo test …",
+        ".ci/run does it, and so does whoever reads this failure",
+    ),
+    (
+        "cargo install …",
+        "builds everything in release; docs/tutorials.md tells how long it took",
+    ),
+    (
+        "cargo run …",
+        "tests/library.rs runs the examples as they were built",
+    ),
+    ("bash scripts/…", ".ci/run builds the package and tests it"),
+    ("pip install …", ".ci/run builds the package and tests it"),
+    (
+        "scripts/on-hyperqueue …",
+        "needs HyperQueue; tests/shares.rs runs shares",
+    ),
+    ("scripts/compare-with-form", "needs FORM"),
+    ("scripts/compare-with-pinocchio …", "needs Pinocchio"),
+    ("scripts/check-rtl.sh …", "takes minutes"),
+    ("scripts/try-in-project.sh …", "needs a project of Robotran"),
+    (
+        "seq 8 | …",
+        "shares side by side; tests/shares.rs runs shares",
+    ),
+    ("quartus_…", "needs Quartus"),
+    (
+        "make verilator…",
+        "takes a minute; tests/rtl_host.rs does it where Verilator is",
+    ),
+    ("./try time…", "measures this computer"),
+    ("robovec bench --robots…", "takes minutes"),
+    (
+        "robovec optimise examples/scenes/…",
+        "searches long; tests/optimise.rs has smaller scenes",
+    ),
+    ("robovec fit …", "takes a minute; tests/front.rs is smaller"),
+    (
+        "robovec neglect …",
+        "takes minutes; tests/neglect.rs is smaller",
+    ),
+    (
+        "robovec rtl examples/models/bogie.mbs …",
+        "takes minutes; the double pendulum is run",
+    ),
+    (
+        "robovec rtl bogie …",
+        "takes minutes; the double pendulum is run",
+    ),
+    ("robovec rtl bogie.rvir …", "needs yosys"),
+    ("robovec rtl program.rvir …", "needs yosys and nextpnr"),
+    ("robovec rtl --fits …", "tests/rtl_fits.rs does it"),
+    (
+        "robovec rules import …",
+        "tests/rules.rs reads what Herbie writes",
+    ),
+    (
+        "robovec rules find …",
+        "takes a minute; tests/rules.rs is smaller",
+    ),
+    (
+        "robovec simulate images …",
+        "needs images of a program of its own",
+    ),
+    ("robovec stress --class …", "takes long; one case is run"),
+    (
+        "robovec study -o results --…",
+        "takes minutes; tests/study.rs is smaller",
+    ),
+    (
+        "robovec sweep arm.mbs …",
+        "takes minutes; a smaller space is run",
+    ),
+    (
+        "robovec view examples/models/bogie.mbs --passes 'atomise,…",
+        "saturates the bogie, as a command of README.md does",
+    ),
+    ("robovec synthesise…", "needs yosys"),
+];
+
+/// Beginnings of commands that take long, and what is run in their place, once:
+/// the same with less to do. What they leave is not looked at by later commands.
+pub(crate) const SMALLER: &[(&str, &str)] = &[
+    (
+        "robovec bench",
+        "robovec bench quarter-car --peers none --milliseconds 1 --rounds 1",
+    ),
+    (
+        "robovec modal examples/models/bogie.mbs",
+        "robovec modal examples/models/bogie.mbs --laws examples/laws/bogie.toml",
+    ),
+    (
+        "robovec optimise examples/models/bogie.mbs --for cpu",
+        "robovec optimise examples/models/bogie.mbs --for cpu --effort 1 -o fast",
+    ),
+    (
+        "robovec front",
+        "robovec front bogie --elements 1 --states 4",
+    ),
+    (
+        "robovec rules bench",
+        "robovec rules bench examples/models/bogie.mbs --rules mine.rules --only",
+    ),
+    (
+        "robovec stress -o",
+        "robovec stress --case tiny-1e-9 -o stress",
+    ),
+    (
+        "robovec stress --verdicts",
+        "robovec stress --verdicts --case tiny-1e-9",
+    ),
+    ("robovec stress --case", "robovec stress --case tiny-1e-9"),
+    ("robovec stress", "robovec stress --case tiny-1e-9"),
+    (
+        "robovec study",
+        "robovec study -o results --models bogie --pe 1",
+    ),
+    (
+        "robovec sweep",
+        "robovec sweep bogie --adders 2 --multipliers 2 --couples 3-3 --memories unified --instances 1",
+    ),
+];
+
+/// Words that stand for something of the user's.
+pub(crate) const PLACEHOLDERS: &[(&str, &str)] = &[
+    ("FILE", "mbs_dirdyna_mine.c"),
+    ("FILE.c", "mbs_dirdyna_mine.c"),
+    ("MODEL.mbs", "mine.mbs"),
+    ("FOLDER", "folder"),
+    ("DIR", "folder"),
+    ("DIR/tb", "folder/tb"),
+    ("STATES", "2"),
+    // Icarus Verilog compiles in a moment what Verilator takes a minute for.
+    ("verilator", "iverilog"),
+];
+
+/// Fills a folder with links to what ships, and with what a user may have: a
+/// model and its equations.
+pub(crate) fn fill(folder: &Path) {
+    for part in ["examples", "machines", "scripts"] {
+        std::os::unix::fs::symlink(tree(part), folder.join(part)).expect("a link");
+    }
+    let model = fs::read_to_string(tree("examples/models/bogie.mbs")).expect("it ships");
+    for name in ["mine", "Car", "X", "model", "bogie", "robot"] {
+        let own = model.replace("<mbsname>bogie", &format!("<mbsname>{name}"));
+        fs::write(folder.join(format!("{name}.mbs")), own).expect("a folder of our own");
+    }
+    let run = |line: &str| {
+        let words: Vec<&str> = line.split(' ').collect();
+        said(&robovec_in(folder, &words));
+    };
+    run("gen bogie.mbs --function dirdyna -o bogie.rvir");
+    run("gen bogie.mbs --function dirdyna,accelred --language c -o symbolicR");
+    run("write bogie.rvir --language matlab -o symbolicR");
+    run("write bogie.rvir --language python -o symbolicR");
+    let model = "examples/models/double-pendulum.mbs";
+    let place = [
+        "-passes=$shorten,place",
+        "--machine=side-split",
+        "-o",
+        "placed.rvir",
+    ];
+    said(&opt_in(folder, &[&[model], &place[..]].concat()));
+    let copy = |from: &str, to: &str| {
+        fs::copy(folder.join("symbolicR").join(from), folder.join(to)).expect(from);
+    };
+    for name in ["mine", "car", "Car", "X"] {
+        copy("mbs_dirdyna_bogie.c", &format!("mbs_dirdyna_{name}.c"));
+    }
+    copy("mbs_dirdyna_bogie.py", "mbs_dirdyna_X.py");
+    copy("mbs_accelred_bogie.c", "mbs_accelred_bogie.c");
+    copy("mbs_dirdyna_bogie.m", "symbolicR/mbs_dirdyna_Car.m");
+    for (name, scene) in [("bogie", "bogie-straight"), ("flat", "bogie-1e-4")] {
+        let scene = tree(&format!("examples/scenes/{scene}.scene.toml"));
+        let scene = fs::read_to_string(scene).expect("it ships");
+        let scene = scene.replace("../models", "examples/models");
+        fs::write(folder.join(format!("{name}.scene.toml")), scene).expect("a folder of our own");
+    }
+}
