@@ -7,6 +7,8 @@ use crate::support::programs::model;
 use std::fs;
 use std::path::PathBuf;
 
+/// Passes that write down their rules.
+const RULED: &str = "atomise,zero-removal,balance,factor{path=free},eqsat,balance,cse,dce,place";
 const DRIVE: &str = include_str!("drive.js");
 
 /// Drives through the page of a pipeline; on the chain of the latest output
@@ -21,6 +23,8 @@ fn check(input: PathBuf, passes: &str, with_rule: bool, (width, most_kilobytes):
     };
     let number = |key: &str| seen[key].parse::<u32>().expect("a number");
     assert_eq!(seen["errors"], "", "{seen:?}");
+    assert_eq!(seen["requests"], "0", "{seen:?}");
+    assert!(number("clicks") <= 5, "{seen:?}");
     assert!(number("outputs") > 0 && number("chain") > 3, "{seen:?}");
     assert!(number("reasons") > 0 && number("steps") > 1, "{seen:?}");
     assert!(number("rules") > 0 || !with_rule, "{seen:?}");
@@ -36,8 +40,14 @@ fn check(input: PathBuf, passes: &str, with_rule: bool, (width, most_kilobytes):
 
 #[test]
 fn five_clicks_lead_from_a_late_output_to_equation_and_rule() {
-    let passes = "atomise,zero-removal,balance,factor{path=free},eqsat,balance,cse,dce,place";
-    check(suspension(), passes, true, (1400, 300));
+    check(suspension(), RULED, true, (1400, 300));
+    check(model("bogie.mbs"), RULED, true, (1400, 2000));
+}
+
+/// As large as the Jeep of Robotran's examples through the same pipeline.
+#[test]
+fn five_clicks_lead_through_a_car() {
+    check(model("wishbone-car.mbs"), RULED, true, (1400, 4500));
 }
 
 #[test]

@@ -4,6 +4,10 @@
 const told = [];
 const errors = [];
 addEventListener("error", event => errors.push(event.message));
+addEventListener("unhandledrejection", event => errors.push(String(event.reason)));
+for (const level of ["error", "warn"]) {
+  console[level] = (...words) => errors.push(`${level}: ${words.join(" ")}`);
+}
 const wait = () => new Promise(done => setTimeout(done, 60));
 const click = async element => {
   if (!element) throw new Error("nothing to click after " + told.join("; "));
@@ -29,6 +33,7 @@ async function drive() {
   say("equation", document.querySelector("#story .equation").textContent.trim().replace(/\s+/g, " "));
   await click(document.querySelector("#story .step button.value"));
   say("pass", document.getElementById("pass").selectedOptions[0].textContent);
+  say("clicks", clicks);
   say("lines", document.querySelectorAll(".lines .line").length);
   for (const tab of ["graph", "schedule", "source", "report", "passes", "late"]) {
     await click(document.getElementById("tab-" + tab));
@@ -41,9 +46,13 @@ async function drive() {
     if (!wide) say(tab, "too wide");
   }
 }
+let clicks = 0;
+addEventListener("click", () => clicks++, true);
 drive().catch(error => errors.push(String(error))).then(() => {
   const box = document.createElement("pre");
   box.id = "told";
+  // What was loaded but the page itself.
+  say("requests", performance.getEntriesByType("resource").length);
   box.textContent = [...told, `errors=${errors.join(" | ")}`].join("\n");
   document.body.append(box);
 });
