@@ -83,10 +83,6 @@ pub(crate) const NOT_RUN: &[(&str, &str)] = &[
         "robovec sweep arm.mbs …",
         "takes minutes; a smaller space is run",
     ),
-    (
-        "robovec view examples/models/bogie.mbs --passes 'atomise,…",
-        "saturates the bogie, as a command of README.md does",
-    ),
     ("robovec synthesise…", "needs yosys"),
 ];
 
