@@ -12,6 +12,25 @@ pub(crate) fn of_one_size(
     of_seeds((0..count).map(|case| case << 32 | size), property);
 }
 
+/// As [`of_one_size`], the same cases on all cores, for a property that takes
+/// longer than all other tests together.
+pub(crate) fn on_all_cores(
+    count: u64,
+    size: u64,
+    property: impl Fn(&mut Unstructured<'_>) -> Result<()> + Sync,
+) {
+    let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get() as u64);
+    std::thread::scope(|scope| {
+        for core in 0..cores {
+            let property = &property;
+            scope.spawn(move || {
+                let own = (core..count).step_by(cores as usize);
+                of_seeds(own.map(|case| case << 32 | size), property);
+            });
+        }
+    });
+}
+
 /// Tries a property with so many cases of up to so many bytes, and half as
 /// many at the least.
 pub(crate) fn of_sizes(

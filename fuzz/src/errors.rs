@@ -220,7 +220,7 @@ mod tests {
 
     #[test]
     fn random_pipelines_keep_equations_and_their_errors() {
-        cases::of_one_size(150, 6000, |bytes| {
+        cases::on_all_cores(150, 6000, |bytes| {
             let result = run(bytes);
             STATISTICS.record(&result);
             result.map(|_| ())
