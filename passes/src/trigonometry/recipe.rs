@@ -116,6 +116,8 @@ impl RecipeBuilder {
             };
             PolynomialPlan::new(polynomial, cycles, scheme).build(self)
         });
+        // Back to the whole angle: `sin 2x = 2 sin x cos x` and
+        // `cos 2x = 1 - 2 sin^2 x`, with `2 sin x` by what is quicker.
         for _ in 0..halved.halvings {
             let [sine, cosine] = results;
             let double = if cycles.multiply <= cycles.add {

@@ -238,9 +238,9 @@ impl RobotBuilder<'_> {
             else {
                 continue;
             };
-            let (Some(joint), Some(leader)) = (self.numbers[index], self.numbers[leader]) else {
-                continue;
-            };
+            let [joint, leader] = [index, leader].map(|joint| {
+                self.numbers[joint].expect("only joints with a position follow and lead")
+            });
             let position = factor * self.model.joints[leader].initial[0] + offset;
             let model = &mut self.model;
             let follower = &mut model.joints[joint];

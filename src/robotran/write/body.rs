@@ -67,6 +67,7 @@ impl RobotranFile<'_> {
             Language::Python => body.text.indent(8),
         }
         for (index, case) in self.cases.iter().enumerate() {
+            // Only a function that sets nothing may lack the number of its sensor.
             let case = case.unwrap_or(0);
             match self.language {
                 Language::C => body.text.line(&format!("case {case}:")),
@@ -239,7 +240,7 @@ impl RobotranFile<'_> {
             return;
         }
         let place = function.outputs().iter().position(|other| other == array);
-        let name = place.map_or("", |place| &outputs[place]);
+        let name = &outputs[place.expect("an assignment sets an array of its function")];
         if rank == 0 {
             body.declare(name);
         }
