@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn energy_is_power_times_time() {
-        let mut sweep = small_sweep();
+        let (_, mut sweep) = small_sweep(&[1]);
         sweep.cpu_us = Some(2.0);
         sweep.add_energy(PowerFigures {
             idle_watts: 0.5,
@@ -100,7 +100,7 @@ mod tests {
 
     #[test]
     fn without_power_the_ratio_is_told() {
-        let mut sweep = small_sweep();
+        let (_, mut sweep) = small_sweep(&[1]);
         assert_eq!(sweep.energy_text(), "");
         sweep.cpu_us = Some(2.0);
         assert!(sweep.energy_text().contains("times the core's power"));

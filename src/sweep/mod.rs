@@ -333,30 +333,12 @@ mod tests {
         vec![program("printed", printed.clone()), program("short", short)]
     }
 
-    /// All points of a few machines.
-    pub(super) fn small_sweep() -> FunctionSweep {
+    /// A few machines, with so many instances at once, and all points of them.
+    pub(super) fn small_sweep(instances: &[u32]) -> (DesignSpace, FunctionSweep) {
         let space = DesignSpace {
             adders: vec![1, 2],
             multipliers: vec![1, 2],
-            ..DesignSpace::default()
-        };
-        sweep(
-            "f",
-            programs(),
-            "8 random states",
-            &space,
-            SharedWork::ALONE,
-            None,
-        )
-        .expect("it is small")
-    }
-
-    #[test]
-    fn a_front_has_no_point_that_another_one_beats() {
-        let space = DesignSpace {
-            adders: vec![1, 2],
-            multipliers: vec![1, 2],
-            instances: vec![1, 4],
+            instances: instances.to_vec(),
             ..DesignSpace::default()
         };
         let sweep = sweep(
@@ -366,8 +348,13 @@ mod tests {
             &space,
             SharedWork::ALONE,
             None,
-        )
-        .expect("it is small");
+        );
+        (space, sweep.expect("it is small"))
+    }
+
+    #[test]
+    fn a_front_has_no_point_that_another_one_beats() {
+        let (space, sweep) = small_sweep(&[1, 4]);
         assert_eq!(sweep.failures, []);
         assert_eq!(sweep.points.len(), space.designs().len());
         let front = sweep.front();

@@ -11,6 +11,7 @@ mod given;
 mod instrument;
 mod measure;
 mod plan;
+mod settle;
 mod walk;
 
 pub use bisect::{Executed, LIMIT, Limit};
@@ -36,6 +37,7 @@ use robovec_analysis::rounding::{RoundingErrors, rounding, usual_states};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Level, Machine, Module, Tables, View, verify};
 use robovec_rules::RuleSet;
+use settle::{pass_failed, settled};
 use std::any::Any;
 use std::borrow::Cow;
 use std::io;
@@ -570,37 +572,4 @@ impl PipelineRun<'_> {
             reason: verdict.to_string(),
         })
     }
-}
-
-/// What a pass gave up with, and where.
-fn pass_failed(name: &str, function: &Function, error: PassError) -> RunError {
-    RunError::Pass {
-        pass: name.to_owned(),
-        function: function.name.clone(),
-        error,
-    }
-}
-
-/// What a pass reported, or why the run ends with it.
-fn settled(
-    ran: Result<Result<NestedReport, PassError>, Box<dyn Any + Send>>,
-    name: &str,
-    function: &Function,
-) -> Result<NestedReport, RunError> {
-    match ran {
-        Ok(Ok(report)) => Ok(report),
-        Ok(Err(error)) => Err(pass_failed(name, function, error)),
-        Err(panic) => Err(RunError::Panic {
-            pass: name.to_owned(),
-            function: function.name.clone(),
-            message: panic_message(panic.as_ref()),
-        }),
-    }
-}
-
-/// The message of a panic.
-fn panic_message(panic: &(dyn Any + Send)) -> String {
-    let text = panic.downcast_ref::<&str>().copied();
-    let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
-    text.unwrap_or("without a message").to_owned()
 }
