@@ -2,7 +2,8 @@
 
 use super::forms::ProductTerm;
 use super::network::{ChoiceNetwork, Class, Opaque, RANK_STEP, SignedClass};
-use super::timing::Arrivals;
+use super::order::common_levels;
+use super::timing::{Arrivals, NEVER};
 use crate::sums::groups::{GroupFamily, GroupLeaf, GroupReach, OperandGroups, single_product};
 use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_framework::fingerprint::{Fingerprint, Images};
@@ -44,46 +45,60 @@ impl Import {
 /// Reads a function at the atomic level. `None` when some value is undefined
 /// (a division by what is always zero), so that nothing can be said of it.
 pub(crate) fn import(function: &Function, tables: &mut Tables, timing: Weights) -> Option<Import> {
-    let images = Images::of(function, false);
-    let values = images.values(function);
-    let undefined = |constant: &f64| !constant.is_finite();
-    if values.iter().any(Fingerprint::is_undefined) || function.constants().iter().any(undefined) {
-        return None;
+    import_all(&[function], tables, timing, Images::of(function, false))
+}
+
+/// Reads functions that compute the same outputs, all of them into one
+/// network: a value that several compute gets a form from each. `None` as in
+/// [`import`].
+///
+/// A form of a later function is left out where it would close a cycle with
+/// those of earlier ones; the first function is there as it was.
+pub(crate) fn import_all(
+    functions: &[&Function],
+    tables: &mut Tables,
+    timing: Weights,
+    images: Images,
+) -> Option<Import> {
+    let mut values: Vec<Vec<Fingerprint>> = Vec::with_capacity(functions.len());
+    for function in functions {
+        values.push(defined_values(function, &images)?);
     }
-    let groups = OperandGroups::find(function, GroupReach::Maximal);
-    let mut reader = ChoiceImporter {
-        function,
-        levels: arrivals(function, &Weights::operations()),
-        inlined: inlined(function, &groups),
-        groups,
-        values,
-        timing,
-        map: Vec::with_capacity(function.nodes().len()),
-        products: Vec::new(),
-        merges: Vec::new(),
-        import: Import {
-            network: ChoiceNetwork::new(images),
-            outputs: Vec::new(),
-            classes: Vec::new(),
-            names: Vec::new(),
-            arrivals: Arrivals::default(),
-        },
+    let levels = match functions {
+        [only] => vec![arrivals(only, &Weights::operations())],
+        _ => common_levels(functions, &values, &images),
     };
-    let owners = owners(tables, function);
-    for (value, node) in function.values() {
-        reader.import.network.origin = (owners[value.index()], node.sources);
-        reader.node(value);
+    let mut merges = Vec::new();
+    let mut import = Import {
+        network: ChoiceNetwork::new(images),
+        outputs: Vec::new(),
+        classes: Vec::new(),
+        names: Vec::new(),
+        arrivals: Arrivals::default(),
+    };
+    for ((&function, values), levels) in functions.iter().zip(values).zip(levels) {
+        let groups = OperandGroups::find(function, GroupReach::Maximal);
+        let mut reader = ChoiceImporter {
+            function,
+            levels,
+            inlined: inlined(function, &groups),
+            groups,
+            values,
+            timing,
+            map: Vec::with_capacity(function.nodes().len()),
+            products: Vec::new(),
+            merges: &mut merges,
+            is_first: import.outputs.is_empty(),
+            import: &mut import,
+        };
+        reader.read(&owners(tables, function));
     }
-    for assignment in &function.assignments {
-        reader.import.network.origin = (robovec_ir::Symbol(0), assignment.sources);
-        let output = reader.operand(assignment.operand);
-        reader.import.outputs.push(output);
+    let network = &import.network;
+    // Operands come first; a class of a later function may stand among those
+    // of the first.
+    if functions.len() > 1 {
+        import.classes.sort_by_key(|&class| network.rank(class));
     }
-    let ChoiceImporter {
-        mut import,
-        mut merges,
-        ..
-    } = reader;
     merges.sort_unstable();
     merges.dedup();
     for group in merges.chunk_by(|a, b| a.0 == b.0) {
@@ -94,6 +109,16 @@ pub(crate) fn import(function: &Function, tables: &mut Tables, timing: Weights) 
         import.network.set_sources(class, union);
     }
     Some(import)
+}
+
+/// The values of a function, unless one is undefined or a constant is not
+/// finite.
+fn defined_values(function: &Function, images: &Images) -> Option<Vec<Fingerprint>> {
+    let values = images.values(function);
+    let undefined = |constant: &f64| !constant.is_finite();
+    let is_defined = !values.iter().any(Fingerprint::is_undefined)
+        && !function.constants().iter().any(undefined);
+    is_defined.then_some(values)
 }
 
 struct ChoiceImporter<'a> {
@@ -110,11 +135,28 @@ struct ChoiceImporter<'a> {
     /// Products that became terms of the sum being read.
     products: Vec<Value>,
     /// Classes and equations they also come from.
-    merges: Vec<(Class, SourceSet)>,
-    import: Import,
+    merges: &'a mut Vec<(Class, SourceSet)>,
+    /// True for the first function of a network.
+    is_first: bool,
+    import: &'a mut Import,
 }
 
 impl ChoiceImporter<'_> {
+    fn read(&mut self, owners: &[robovec_ir::Symbol]) {
+        let function = self.function;
+        for (value, node) in function.values() {
+            self.import.network.origin = (owners[value.index()], node.sources);
+            self.node(value);
+        }
+        for assignment in &function.assignments {
+            self.import.network.origin = (robovec_ir::Symbol(0), assignment.sources);
+            let output = self.operand(assignment.operand);
+            if self.is_first {
+                self.import.outputs.push(output);
+            }
+        }
+    }
+
     fn node(&mut self, value: Value) {
         if self.groups.is_absorbed(value) || self.inlined[value.index()] {
             self.map.push(None);
@@ -128,8 +170,8 @@ impl ChoiceImporter<'_> {
         let rank = (u64::from(self.levels[value.index()]) + 1) * RANK_STEP;
         let known = self.import.network.find(fingerprint);
         let signed = match known {
-            Some(signed) => signed,
-            None => self.define(value, fingerprint, rank),
+            Some(signed) if self.is_first => signed,
+            _ => self.define(value, fingerprint, rank),
         };
         self.note_sources(signed.class, value);
         self.map.push(Some(signed));
@@ -225,12 +267,18 @@ impl ChoiceImporter<'_> {
         if self.import.names.len() <= index {
             self.import.names.resize(index + 1, Name::NONE);
         }
-        self.import.names[index] = name;
+        // Later functions have other values of the same names.
+        if self.is_first {
+            self.import.names[index] = name;
+        }
         signed
     }
 
     /// Notes a class and its arrival after its form is known.
     fn settle(&mut self, class: Class, listed: bool) {
+        if self.import.arrivals.of(class) != NEVER {
+            return;
+        }
         if listed {
             self.import.classes.push(class);
         }
@@ -241,7 +289,7 @@ impl ChoiceImporter<'_> {
     fn time(&mut self, class: Class) {
         let Import {
             network, arrivals, ..
-        } = &mut self.import;
+        } = &mut *self.import;
         if let Some(form) = network.first_form(class) {
             arrivals.take(network, &self.timing, class, form);
         }

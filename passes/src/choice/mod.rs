@@ -30,4 +30,5 @@ mod forms;
 pub(crate) mod import;
 pub(crate) mod map;
 pub(crate) mod network;
+mod order;
 pub(crate) mod timing;
