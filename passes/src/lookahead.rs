@@ -1,14 +1,11 @@
 //! Look-ahead within a budget of operations.
 
-use crate::balance::balanced;
 use crate::choice::compose::{CompositionLimits, look_ahead};
-use crate::choice::emit::emit;
-use crate::choice::import::Import;
-use crate::choice::map::{Mapper, Mapping};
-use robovec_analysis::critical_path::{Weights, arrivals};
+use crate::choice::search::PathSearch;
+use robovec_analysis::critical_path::Weights;
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
-use robovec_ir::{Function, Level, Tables};
+use robovec_ir::{Function, Level};
 use robovec_num::limits::NumberLimit;
 
 declare_pass! {
@@ -51,13 +48,13 @@ declare_pass! {
         pub doublings: u32 = 0 => NumberLimit::whole(
             0, 20, "every value gets forms at all frontiers of every distance"),
         /// Late terms a form may have.
-        pub width: u32 = 12 => NumberLimit::whole(
+        pub width: u32 = 24 => NumberLimit::whole(
             0, 64, "a form is composed of the forms of its terms, width times width products each"),
         /// A value ready so many cycles before a frontier counts as early.
-        pub window: u32 = 60 => NumberLimit::whole(
+        pub window: u32 = 100 => NumberLimit::whole(
             0, 1_000_000, "no value is ready earlier"),
         /// Rounds in which operations are saved again.
-        pub rounds: u32 = 6 => NumberLimit::whole(
+        pub rounds: u32 = 3 => NumberLimit::whole(
             0, 64, "operations are counted and chosen again for every value in every round"),
     }
     takes: [Atomic],
@@ -82,21 +79,26 @@ impl Pass for Lookahead {
         let Some((import, _)) = look_ahead(function, context, timing, limits) else {
             return Ok(());
         };
-        let search = LookaheadSearch {
-            pass: self,
+        let search = PathSearch {
             function,
             import: &import,
             timing,
             weights,
+            shortest: self.path,
+            rounds: self.rounds,
         };
         let before = search.size(function);
+        let allowed = match self.operations {
+            0 => before.1 * u64::from(self.growth) / 100,
+            operations => u64::from(operations),
+        };
         let (forms, classes) = (import.network.form_count(), import.network.len());
         context
             .statistics
             .push(("values considered", classes as u64));
         context.statistics.push(("forms considered", forms as u64));
         let mut cycles = 0;
-        if let Some((new, path)) = search.run(context.tables, before) {
+        if let Some((new, (path, _))) = search.run(context.tables, before, allowed) {
             cycles = u64::from(before.0 - path);
             *function = new;
         }
@@ -104,82 +106,5 @@ impl Pass for Lookahead {
             .statistics
             .push(("cycles taken off the longest path", cycles));
         Ok(())
-    }
-}
-
-/// In how many steps the path is shortened at least.
-const STEPS: u32 = 10;
-
-/// The part of the path below which a step is not worth its time.
-const FINEST: u64 = 400;
-
-/// The step to try after one was too dear, from the operations before it, those
-/// allowed and those it took: where the budget should end, half way at most.
-fn smaller_step(step: u32, (before, allowed, dear): (u64, u64, u64)) -> u32 {
-    let (left, taken) = (allowed.saturating_sub(before), dear.saturating_sub(before));
-    let share = u64::from(step) * left / taken.max(1);
-    u32::try_from(share).map_or(step / 2, |share| share.clamp(step / 8, step / 2))
-}
-
-/// The search for the shortest path within the budget.
-struct LookaheadSearch<'a> {
-    pass: &'a Lookahead,
-    function: &'a Function,
-    import: &'a Import,
-    timing: Weights,
-    weights: Weights,
-}
-
-impl LookaheadSearch<'_> {
-    /// Longest path in cycles, and operations.
-    fn size(&self, function: &Function) -> (u32, u64) {
-        let path = arrivals(function, &self.weights).into_iter().max();
-        let free = function.nodes().iter();
-        let free = free
-            .filter(|node| node.operation.is_trigonometric())
-            .count();
-        (path.unwrap_or(0), (function.nodes().len() - free) as u64)
-    }
-
-    /// The best function and its path, if it is better than what there was.
-    fn run(&self, tables: &mut Tables, before: (u32, u64)) -> Option<(Function, u32)> {
-        let allowed = match self.pass.operations {
-            0 => before.1 * u64::from(self.pass.growth) / 100,
-            operations => u64::from(operations),
-        };
-        let mapper = Mapper::new(&self.import.network, self.timing, &self.import.outputs);
-        let earliest = mapper.earliest();
-        let fastest = mapper.path(&earliest).max(self.pass.path);
-        let mut best: Option<(Function, (u32, u64))> = None;
-        // A mapping is best modelled on one that is little later, so the path
-        // is shortened step by step, and when a step is too dear by less.
-        let mut model = mapper.cheapest(self.pass.rounds);
-        let mut reached = before;
-        let mut step = (before.0.saturating_sub(fastest) / STEPS).max(1);
-        while reached.0 > fastest && u64::from(step) * FINEST >= u64::from(reached.0) {
-            let target = reached.0.saturating_sub(step).max(fastest);
-            let mut mapping = earliest.clone();
-            mapper.recover(&mut mapping, target, self.pass.rounds, Some(model.clone()));
-            let made = self.realise(tables, &mapper, &mapping);
-            let size = self.size(&made);
-            if size.1 > allowed {
-                step = smaller_step(step, (reached.1, allowed, size.1));
-                continue;
-            }
-            reached = (target.min(size.0), size.1);
-            model = mapping.into_uses();
-            if best.as_ref().is_none_or(|(_, known)| size < *known) {
-                best = Some((made, size));
-            }
-        }
-        best.filter(|(_, size)| *size < before)
-            .map(|(function, size)| (function, size.0))
-    }
-
-    /// The function of a mapping, balanced.
-    fn realise(&self, tables: &mut Tables, mapper: &Mapper<'_>, mapping: &Mapping) -> Function {
-        let import = self.import;
-        let raw = emit(self.function, import, mapper, mapping, self.timing, tables);
-        balanced(&raw, tables, &self.weights)
     }
 }

@@ -45,7 +45,7 @@ declare_pass! {
         pub window: u32 = 250 => NumberLimit::whole(
             0, 1_000_000, "no value is ready earlier"),
         /// Rounds in which operations are saved again.
-        pub rounds: u32 = 6 => NumberLimit::whole(
+        pub rounds: u32 = 3 => NumberLimit::whole(
             0, 64, "operations are counted and chosen again for every value in every round"),
     }
     takes: [Atomic],
@@ -106,14 +106,12 @@ impl Recurrence {
         before: u32,
         tables: &mut Tables,
     ) -> Option<Function> {
-        let mapper = Mapper::new(&import.network, timing, &import.outputs);
-        let mut mapping = mapper.earliest();
-        let target = mapper.path(&mapping).max(self.path);
+        let mut mapper = Mapper::new(&import.network, timing, &import.outputs);
+        let target = mapper.shortest().max(self.path);
         if target >= before {
             return None;
         }
-        let model = mapper.cheapest(self.rounds);
-        mapper.recover(&mut mapping, target, self.rounds, Some(model));
+        let mapping = mapper.map(target, self.rounds);
         Some(emit(function, &import, &mapper, &mapping, timing, tables))
     }
 }

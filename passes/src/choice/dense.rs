@@ -5,19 +5,11 @@
 
 use super::forms::{ChoiceForm, ProductTerm};
 use super::network::{ChoiceNetwork, Class};
-use crate::sums::earliest::{LatestTwo, finish, levels};
+use crate::sums::earliest::{finish, levels};
 use robovec_analysis::critical_path::Weights;
 use robovec_ir::Operation;
 use smallvec::SmallVec;
 use std::ops::Range;
-
-/// What a class hands on to its users while forms are chosen.
-#[derive(Clone, Copy, Default, Debug)]
-pub(crate) struct FlowState {
-    /// The operations that each user bears.
-    pub(crate) flow: f64,
-    pub(crate) arrival: u32,
-}
 
 /// The forms of a network by class, in the order they were made.
 pub(crate) struct FormsByClass<'a> {
@@ -60,6 +52,21 @@ impl FormsByClass<'_> {
         is_above
     }
 
+    /// The network.
+    pub(super) fn network(&self) -> &ChoiceNetwork {
+        self.network
+    }
+
+    /// Weights of operations.
+    pub(super) fn timing(&self) -> Weights {
+        self.timing
+    }
+
+    /// The class of a form.
+    pub(super) fn class_of(&self, form: u32) -> usize {
+        self.network.class_of(form).index()
+    }
+
     /// Number of classes.
     pub(crate) fn len(&self) -> usize {
         self.starts.len() - 1
@@ -92,53 +99,6 @@ impl FormsByClass<'_> {
     pub(crate) fn operands(&self, form: u32, mut visit: impl FnMut(usize)) {
         let visit = |class: Class| visit(class.index());
         self.network.operands(form, visit);
-    }
-
-    /// The operations of a form and its share of those of its operands, a time
-    /// before which it is not available, and whether it is available then.
-    pub(crate) fn flow(&self, states: &[FlowState], form: u32) -> (f64, u32, bool) {
-        let mut sum = 0.0;
-        let mut latest = LatestTwo::default();
-        let (cost, (time, exact)) = match self.network.form(form) {
-            ChoiceForm::Input(..) | ChoiceForm::Constant(_) => (0, (0, true)),
-            ChoiceForm::Opaque(index) => {
-                self.operands(form, |operand| {
-                    sum += states[operand].flow;
-                    latest.add(states[operand].arrival);
-                });
-                let operation = self.network.opaques[index as usize].operation;
-                let ready = latest.finish(0).0;
-                let time = ready.saturating_add(self.timing.of(operation));
-                (self.cost(form), (time, true))
-            }
-            ChoiceForm::Product(factors) => {
-                for factor in factors {
-                    let state = &states[factor.a.index()];
-                    sum += state.flow;
-                    latest.add(state.arrival);
-                }
-                let weight = self.timing.of(Operation::Mul);
-                (factors.len() as u32 - 1, latest.finish(weight))
-            }
-            ChoiceForm::Sum(terms) => {
-                let multiply = self.timing.of(Operation::Mul);
-                let mut cost = terms.len() as u32 - 1;
-                for term in terms {
-                    let state = &states[term.a.index()];
-                    sum += state.flow;
-                    let mut time = state.arrival;
-                    if term.is_product() {
-                        let state = &states[term.b().index()];
-                        sum += state.flow;
-                        time = time.max(state.arrival).saturating_add(multiply);
-                        cost += 1;
-                    }
-                    latest.add(time);
-                }
-                (cost, latest.finish(self.timing.of(Operation::Add)))
-            }
-        };
-        (f64::from(cost) + sum, time, exact)
     }
 
     /// When a term is available.

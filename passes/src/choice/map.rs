@@ -1,8 +1,10 @@
 //! Choosing a form for every class: early enough, then few operations.
 
-use super::dense::{FlowState, FormsByClass};
+use super::curves::Curves;
+use super::dense::FormsByClass;
 use super::network::{ChoiceNetwork, Class, SignedClass};
 use super::timing::NEVER;
+use super::trial::FormTrial;
 use robovec_analysis::critical_path::Weights;
 
 /// One form for every class, and what follows from it. Indexed by class.
@@ -19,25 +21,19 @@ pub(crate) struct Mapping {
     pub(crate) operations: u64,
 }
 
-/// How often each class is used in a mapping.
-#[derive(Clone)]
-pub(crate) struct ClassUses(Vec<u32>);
-
-impl Mapping {
-    /// How often each class is used.
-    pub(crate) fn into_uses(self) -> ClassUses {
-        ClassUses(self.uses)
-    }
-}
-
-/// The largest network whose choices are improved one by one, in classes: the
-/// operations that hang on a choice are counted anew for every form.
+/// The largest network whose choices are made in several rounds and improved
+/// one by one, in classes: the operations that hang on a choice are counted
+/// anew for every form.
 const LARGEST_EXACT: usize = 200_000;
 
 /// Chooses forms.
 pub(crate) struct Mapper<'a> {
     forms: FormsByClass<'a>,
     outputs: Vec<usize>,
+    curves: Curves,
+    /// How many users of each class bear its operations: those of the mappings
+    /// made so far, the last ones before all.
+    shares: Vec<f32>,
 }
 
 impl Mapper<'_> {
@@ -48,11 +44,139 @@ impl Mapper<'_> {
         timing: Weights,
         outputs: &[Option<SignedClass>],
     ) -> Mapper<'a> {
+        let forms = FormsByClass::new(network, timing);
         let outputs = outputs.iter().flatten();
-        Mapper {
-            forms: FormsByClass::new(network, timing),
+        let mut mapper = Mapper {
             outputs: outputs.map(|output| output.class.index()).collect(),
+            curves: Curves::new(forms.len()),
+            shares: Vec::new(),
+            forms,
+        };
+        let mut first = mapper.unmapped();
+        for at in 0..mapper.forms.len() {
+            if let Some(form) = mapper.forms.of(at).next() {
+                first.chosen[at] = form;
+            }
         }
+        mapper.settle(&mut first, None);
+        mapper.shares = first.uses.iter().map(|&uses| share(uses)).collect();
+        let Mapper {
+            forms,
+            shares,
+            outputs,
+            curves,
+        } = &mut mapper;
+        curves.update(forms, shares, outputs);
+        mapper
+    }
+
+    /// The shortest path there is.
+    pub(crate) fn shortest(&self) -> u32 {
+        let outputs = self.outputs.iter();
+        let earliest = outputs.filter_map(|&output| self.curves.of(output).first());
+        earliest.map(|point| point.arrival).max().unwrap_or(0)
+    }
+
+    /// A mapping with few operations and no output later than `latest`.
+    pub(crate) fn map(&mut self, latest: u32, rounds: u32) -> Mapping {
+        let rounds = match self.forms.len() > LARGEST_EXACT {
+            true => 1,
+            false => rounds.max(1),
+        };
+        let mut best: Option<Mapping> = None;
+        for round in 0..rounds {
+            let mut mapping = self.select(latest);
+            self.settle(&mut mapping, Some(latest));
+            let mut rounds = 0..rounds;
+            while rounds.next().is_some() && self.improve(&mut mapping, latest) {}
+            for (known, &uses) in self.shares.iter_mut().zip(&mapping.uses) {
+                *known = (*known + 2.0 * share(uses)) / 3.0;
+            }
+            match round {
+                0 => self.curves.update(&self.forms, &self.shares, &self.outputs),
+                _ => self.curves.update_live(&self.forms, &self.shares),
+            }
+            if best
+                .as_ref()
+                .is_none_or(|best| mapping.operations < best.operations)
+            {
+                best = Some(mapping);
+            }
+        }
+        best.expect("there is a round")
+    }
+
+    /// The users of each class that bear its operations.
+    pub(crate) fn shares(&self) -> Vec<f32> {
+        self.shares.clone()
+    }
+
+    /// Goes back to former users.
+    pub(crate) fn set_shares(&mut self, shares: &[f32]) {
+        self.shares.copy_from_slice(shares);
+        self.curves.update(&self.forms, &self.shares, &self.outputs);
+    }
+
+    /// Chooses from the outputs on, for every class that is used by then what
+    /// takes least beyond what is there already.
+    fn select(&self, latest: u32) -> Mapping {
+        let (forms, curves) = (&self.forms, &self.curves);
+        let mut mapping = self.unmapped();
+        for &output in &self.outputs {
+            mapping.uses[output] += 1;
+            mapping.required[output] = latest;
+        }
+        let (mut trial, mut best) = (FormTrial::default(), FormTrial::default());
+        for at in (0..forms.len()).rev() {
+            if curves.of(at).is_empty() {
+                continue;
+            }
+            let required = mapping.required[at];
+            let point = curves.point(at, curves.in_time(at, required));
+            mapping.chosen[at] = point.form;
+            if mapping.uses[at] == 0 {
+                continue;
+            }
+            best.read(forms, curves, point.form);
+            best.meet(curves, required);
+            let known = |class: usize| (mapping.uses[class] > 0).then(|| mapping.required[class]);
+            let mut least = best.marginal(curves, known);
+            for form in forms.of(at).filter(|&form| form != point.form) {
+                if trial.read(forms, curves, form) && trial.meet(curves, required) {
+                    let flow = trial.marginal(curves, known);
+                    if flow < least {
+                        least = flow;
+                        mapping.chosen[at] = form;
+                        std::mem::swap(&mut trial, &mut best);
+                    }
+                }
+            }
+            best.require(required, |class, time| {
+                mapping.uses[class] += 1;
+                mapping.required[class] = mapping.required[class].min(time);
+            });
+        }
+        for at in 0..forms.len() {
+            if mapping.chosen[at] != u32::MAX {
+                mapping.arrivals[at] = self.arrival(&mapping, mapping.chosen[at]);
+            }
+        }
+        mapping
+    }
+
+    /// Takes operations off one by one, where that is not too much work; whether
+    /// it did.
+    fn improve(&self, mapping: &mut Mapping, latest: u32) -> bool {
+        if self.forms.len() > LARGEST_EXACT {
+            return false;
+        }
+        let before = (mapping.operations, mapping.chosen.clone());
+        self.exact_round(mapping);
+        self.settle(mapping, Some(latest));
+        if mapping.operations > before.0 {
+            self.take(mapping, &before, latest);
+        }
+        mapping.operations < before.0
     }
 
     /// The classes a mapping uses, operands first, with the forms chosen.
@@ -77,99 +201,6 @@ impl Mapper<'_> {
         }
     }
 
-    /// The mapping that takes the earliest form of everything, of several the
-    /// cheapest.
-    pub(crate) fn earliest(&self) -> Mapping {
-        let mut mapping = self.unmapped();
-        let mut states = vec![FlowState::default(); self.forms.len()];
-        for at in 0..self.forms.len() {
-            let mut best: Option<((u32, f64), u32)> = None;
-            for form in self.forms.of(at) {
-                let (sum, time, exact) = self.forms.flow(&states, form);
-                if best.is_some_and(|((known, _), _)| time > known) {
-                    continue;
-                }
-                let key = (self.refine(&mapping, form, (time, exact)), sum);
-                if best.is_none_or(|(known, _)| key < known) {
-                    best = Some((key, form));
-                }
-            }
-            let Some(((arrival, flow), form)) = best else {
-                continue;
-            };
-            mapping.chosen[at] = form;
-            mapping.arrivals[at] = arrival;
-            states[at] = FlowState { flow, arrival };
-        }
-        self.settle(&mut mapping, None);
-        mapping
-    }
-
-    /// The mapping with few operations, however late: it starts from the forms
-    /// the function came with.
-    pub(crate) fn cheapest(&self, rounds: u32) -> ClassUses {
-        let mut mapping = self.unmapped();
-        for at in 0..self.forms.len() {
-            let Some(form) = self.forms.of(at).next() else {
-                continue;
-            };
-            mapping.chosen[at] = form;
-            mapping.arrivals[at] = self.arrival(&mapping, form);
-        }
-        self.recover(&mut mapping, NEVER, rounds, None);
-        mapping.into_uses()
-    }
-
-    /// The latest output of a mapping.
-    pub(crate) fn path(&self, mapping: &Mapping) -> u32 {
-        let outputs = self.outputs.iter();
-        let arrivals = outputs.map(|&output| mapping.arrivals[output]);
-        arrivals.max().unwrap_or(0)
-    }
-
-    /// Takes operations off a mapping without making an output later than
-    /// `latest`.
-    ///
-    /// What a class costs each of its users is estimated from how often it is
-    /// used in a `model`, a mapping for a later time, when there is one.
-    pub(crate) fn recover(
-        &self,
-        mapping: &mut Mapping,
-        latest: u32,
-        rounds: u32,
-        model: Option<ClassUses>,
-    ) {
-        self.settle(mapping, Some(latest));
-        let share = |&uses: &u32| f64::from(uses.max(1));
-        let uses = model.as_ref().map_or(&mapping.uses, |model| &model.0);
-        let mut shares: Vec<f64> = uses.iter().map(share).collect();
-        drop(model);
-        let mut best = (mapping.operations, mapping.chosen.clone());
-        let flow_rounds = match self.forms.len() > LARGEST_EXACT {
-            true => rounds,
-            false => rounds / 2,
-        };
-        for round in 0..rounds {
-            if round < flow_rounds {
-                self.flow_round(mapping, &shares);
-            } else if !self.exact_round(mapping) {
-                break;
-            }
-            self.settle(mapping, Some(latest));
-            for (known, uses) in shares.iter_mut().zip(&mapping.uses) {
-                *known = (*known + 2.0 * share(uses)) / 3.0;
-            }
-            if mapping.operations < best.0 {
-                best.0 = mapping.operations;
-                best.1.clone_from(&mapping.chosen);
-            }
-            if round + 1 == flow_rounds {
-                self.take(mapping, &best, latest);
-            }
-        }
-        self.take(mapping, &best, latest);
-    }
-
     /// Takes the forms chosen in another mapping, unless they are those of this
     /// one already.
     fn take(&self, mapping: &mut Mapping, (operations, chosen): &(u64, Vec<u32>), latest: u32) {
@@ -185,55 +216,8 @@ impl Mapper<'_> {
         self.settle(mapping, Some(latest));
     }
 
-    /// When a form is available, of which a bound is known or the time itself.
-    fn refine(&self, mapping: &Mapping, form: u32, (time, exact): (u32, bool)) -> u32 {
-        match exact {
-            true => time,
-            false => self.arrival(mapping, form),
-        }
-    }
-
     fn arrival(&self, mapping: &Mapping, form: u32) -> u32 {
         self.forms.arrival(&mapping.arrivals, form)
-    }
-
-    /// Chooses by estimated cost, every class's cost divided among those that
-    /// used it so far.
-    fn flow_round(&self, mapping: &mut Mapping, shares: &[f64]) {
-        let mut states = vec![FlowState::default(); self.forms.len()];
-        for at in 0..self.forms.len() {
-            let required = mapping.required[at];
-            let forms = self.forms.of(at);
-            // The form chosen last is mostly chosen again: it comes first, and
-            // what is surely later or dearer need not be timed.
-            let last = mapping.chosen[at];
-            let last = forms.contains(&last).then_some(last);
-            let others = forms.filter(|&form| Some(form) != last);
-            let mut best: Option<((u32, f64, u32), u32, f64)> = None;
-            for form in last.into_iter().chain(others) {
-                let (sum, time, exact) = self.forms.flow(&states, form);
-                let least = (time.saturating_sub(required), sum);
-                if best.is_some_and(|((late, known, _), ..)| least > (late, known)) {
-                    continue;
-                }
-                let arrival = self.refine(mapping, form, (time, exact));
-                // In time comes first, then cheap, then early; of equal ones
-                // the first made.
-                let key = (arrival.saturating_sub(required), sum, arrival);
-                if best.is_none_or(|(known, first, _)| (key, form) < (known, first)) {
-                    best = Some((key, form, sum));
-                }
-            }
-            let Some((key, form, sum)) = best else {
-                continue;
-            };
-            mapping.chosen[at] = form;
-            mapping.arrivals[at] = key.2;
-            states[at] = FlowState {
-                flow: sum / shares[at],
-                arrival: key.2,
-            };
-        }
     }
 
     /// Chooses for one class after the other what costs least now. False when
@@ -317,6 +301,11 @@ impl Mapper<'_> {
             }
         }
     }
+}
+
+/// Those who bear the operations of a class that is used so often.
+fn share(uses: u32) -> f32 {
+    uses.max(1) as f32
 }
 
 /// Counts the uses of classes as forms are taken and given up. Its vectors are

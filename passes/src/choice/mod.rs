@@ -13,17 +13,18 @@
 //! within the rounding of double-double.
 //!
 //! A [`Mapping`](map::Mapping) chooses one form per class, as technology
-//! mappers do for logic networks: first the earliest form of everything, then,
-//! under the required times that follow from the latest time allowed for the
-//! outputs, fewer operations again, first by estimates that share the cost of
-//! a class among its users (area flow; Manohararajah, Brown and Vranesic
-//! 2006), then exactly (Mishchenko, Chatterjee and Brayton 2007). A class that
-//! several chosen forms use is paid for once.
+//! mappers do for logic networks. First every class gets a [curve](curves) of
+//! what it costs by when it is needed, sums of what its operands cost by then,
+//! a class's operations being shared among its users. From the outputs back
+//! classes are then given the form that adds least and is in time, and last
+//! operations are counted exactly (Mishchenko, Chatterjee and Brayton 2007). A
+//! class that several chosen forms use is paid for once.
 //!
 //! **Invariant.** Every form of a class only uses classes of smaller rank, so
 //! any choice of forms is free of cycles.
 
 pub(crate) mod compose;
+mod curves;
 mod dense;
 pub(crate) mod emit;
 mod forms;
@@ -31,4 +32,6 @@ pub(crate) mod import;
 pub(crate) mod map;
 pub(crate) mod network;
 mod order;
+pub(crate) mod search;
 pub(crate) mod timing;
+mod trial;

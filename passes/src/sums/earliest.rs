@@ -39,6 +39,17 @@ impl LatestTwo {
     }
 }
 
+/// Whether a tree of the operands can be done at a time: whether the levels
+/// that there is time for obey Kraft's inequality.
+pub(crate) fn fits(times: impl Iterator<Item = u32>, weight: u32, done: u32) -> bool {
+    const WHOLE: u64 = 1 << 32;
+    let Some(weight) = std::num::NonZeroU32::new(weight) else {
+        return true;
+    };
+    let part = |time: u32| WHOLE >> (done.saturating_sub(time) / weight).min(32);
+    times.map(part).sum::<u64>() <= WHOLE
+}
+
 /// When the last operation of a sum or product is done.
 pub(crate) fn finish(arrivals: impl IntoIterator<Item = u32>, weight: u32) -> u32 {
     let mut two = LatestTwo::default();
@@ -49,6 +60,10 @@ pub(crate) fn finish(arrivals: impl IntoIterator<Item = u32>, weight: u32) -> u3
     }
     if let (time, true) = two.finish(weight) {
         return time;
+    }
+    let done = two.latest.saturating_add(weight);
+    if fits(times.iter().copied(), weight, done) {
+        return done;
     }
     times.sort_unstable();
     // Results come in the order of their times: they queue up in the places

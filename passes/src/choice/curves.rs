@@ -1,0 +1,206 @@
+//! What a class costs by when it is needed.
+//!
+//! The *curve* of a class holds its ways to be computed, the earliest first and
+//! every later one cheaper (Chaudhary and Pedram 1992, for trees of gates). A
+//! class that is used in several places shares its operations among them, by
+//! how often it was used when forms were last chosen (*area flow*;
+//! Manohararajah, Brown and Vranesic 2006). Curves hold for every time at which
+//! the outputs may be wanted, and are made anew only where something changed.
+
+use super::dense::FormsByClass;
+use super::trial::FormTrial;
+
+/// One way to compute a class.
+#[derive(Clone, Copy, Default, Debug)]
+pub(super) struct CurvePoint {
+    pub(super) arrival: u32,
+    pub(super) form: u32,
+    /// The operations that each user bears.
+    pub(super) flow: f32,
+}
+
+/// Points that a curve has at most, and at least, when there are many classes.
+const POINTS: (usize, usize) = (4, 2);
+
+/// Room for points of all curves together, beyond the least.
+const ROOM: usize = 4_000_000;
+
+/// The part by which operations change before a curve is made anew.
+const TOLERANCE: f32 = 0.01;
+
+/// By class its curve.
+pub(super) struct Curves {
+    /// Points a curve has at most.
+    width: usize,
+    points: Vec<CurvePoint>,
+    counts: Vec<u8>,
+    /// The number of users that its curve was made for.
+    shares: Vec<f32>,
+    /// Whether its curve changed when curves were made last.
+    changed: Vec<bool>,
+    /// The forms that outputs may come to use, by class.
+    live: Vec<u32>,
+}
+
+/// What is kept from one class to the next while curves are made.
+#[derive(Default)]
+struct CurveSpace {
+    trial: FormTrial,
+    curve: Vec<CurvePoint>,
+}
+
+impl Curves {
+    /// Curves without points.
+    pub(super) fn new(classes: usize) -> Curves {
+        let width = (ROOM / classes.max(1)).clamp(POINTS.1, POINTS.0);
+        Curves {
+            width,
+            points: vec![CurvePoint::default(); classes * width],
+            counts: vec![0; classes],
+            shares: vec![0.0; classes],
+            changed: vec![true; classes],
+            live: Vec::new(),
+        }
+    }
+
+    /// The curve of a class.
+    pub(super) fn of(&self, class: usize) -> &[CurvePoint] {
+        let start = class * self.width;
+        &self.points[start..start + usize::from(self.counts[class])]
+    }
+
+    /// A point of a curve.
+    #[inline]
+    pub(super) fn point(&self, class: usize, point: usize) -> CurvePoint {
+        self.points[class * self.width + point]
+    }
+
+    /// The place of the cheapest point that is in time, or the earliest.
+    pub(super) fn in_time(&self, class: usize, required: u32) -> usize {
+        let curve = self.of(class);
+        let late = curve.partition_point(|point| point.arrival <= required);
+        late.max(1) - 1
+    }
+
+    /// Makes the curves of all classes, which have so many users.
+    pub(super) fn update(&mut self, forms: &FormsByClass<'_>, shares: &[f32], outputs: &[usize]) {
+        let mut space = CurveSpace::default();
+        for (class, &share) in shares.iter().enumerate() {
+            self.class(forms, class, share, forms.of(class), &mut space);
+        }
+        self.find_live(forms, outputs);
+    }
+
+    /// Makes the curves of those classes that others had a use for when all
+    /// were made last, from the forms that were of use.
+    pub(super) fn update_live(&mut self, forms: &FormsByClass<'_>, shares: &[f32]) {
+        let mut space = CurveSpace::default();
+        let live = std::mem::take(&mut self.live);
+        for of_class in live.chunk_by(|&a, &b| forms.class_of(a) == forms.class_of(b)) {
+            let class = forms.class_of(of_class[0]);
+            let of_class = of_class.iter().copied();
+            self.class(forms, class, shares[class], of_class, &mut space);
+        }
+        self.live = live;
+    }
+
+    /// Finds the forms of the points that outputs may come to use.
+    fn find_live(&mut self, forms: &FormsByClass<'_>, outputs: &[usize]) {
+        let mut is_used = vec![false; self.counts.len()];
+        for &output in outputs {
+            is_used[output] = true;
+        }
+        let mut live = std::mem::take(&mut self.live);
+        live.clear();
+        for class in (0..is_used.len()).rev() {
+            if !is_used[class] {
+                continue;
+            }
+            let start = live.len();
+            for point in self.of(class) {
+                if !live[start..].contains(&point.form) {
+                    live.push(point.form);
+                    forms.operands(point.form, |operand| is_used[operand] = true);
+                }
+            }
+        }
+        live.reverse();
+        self.live = live;
+    }
+
+    /// Makes the curve of a class from some of its forms, unless nothing that
+    /// it depends on changed.
+    fn class(
+        &mut self,
+        forms: &FormsByClass<'_>,
+        class: usize,
+        share: f32,
+        of_class: impl Iterator<Item = u32> + Clone,
+        space: &mut CurveSpace,
+    ) {
+        let is_known = (self.shares[class] - share).abs() <= TOLERANCE * share;
+        let is_behind = |form: u32| {
+            let mut is_behind = false;
+            forms.operands(form, |operand| is_behind |= self.changed[operand]);
+            is_behind
+        };
+        if is_known && !of_class.clone().any(is_behind) {
+            self.changed[class] = false;
+            return;
+        }
+        self.shares[class] = share;
+        space.curve.clear();
+        for form in of_class {
+            if space.trial.read(forms, self, form) {
+                space.trial.trace(self, share, &mut space.curve);
+            }
+        }
+        let is_changed = !is_alike(self.of(class), &space.curve);
+        self.changed[class] = is_changed;
+        if is_changed {
+            let start = class * self.width;
+            self.points[start..start + space.curve.len()].copy_from_slice(&space.curve);
+            self.counts[class] = space.curve.len() as u8;
+        }
+    }
+
+    /// Adds a point to a curve unless another is as good.
+    pub(super) fn add(&self, curve: &mut Vec<CurvePoint>, point: CurvePoint) {
+        if is_beaten(curve, point.arrival, point.flow) {
+            return;
+        }
+        let place = curve.partition_point(|known| known.arrival < point.arrival);
+        let worse = curve[place..].iter();
+        let worse = worse.take_while(|known| known.flow >= point.flow).count();
+        curve.splice(place..place + worse, [point]);
+        if curve.len() > self.width {
+            curve.remove(most_dispensable(curve));
+        }
+    }
+}
+
+/// The point without which a curve loses least: those who would have taken it
+/// take the one before.
+fn most_dispensable(curve: &[CurvePoint]) -> usize {
+    let loss = |&at: &usize| {
+        let time = curve[at + 1].arrival - curve[at].arrival;
+        (curve[at - 1].flow - curve[at].flow) * time as f32
+    };
+    let between = 1..curve.len() - 1;
+    let least = between.min_by(|a, b| loss(a).total_cmp(&loss(b)));
+    least.expect("a curve with too many points has one between two")
+}
+
+/// Whether a curve has a point as early and as cheap.
+pub(super) fn is_beaten(curve: &[CurvePoint], arrival: u32, flow: f32) -> bool {
+    let late = curve.partition_point(|known| known.arrival <= arrival);
+    let before = late.checked_sub(1);
+    before.is_some_and(|last| curve[last].flow <= flow)
+}
+
+fn is_alike(a: &[CurvePoint], b: &[CurvePoint]) -> bool {
+    let alike = |(a, b): (&CurvePoint, &CurvePoint)| {
+        a.arrival == b.arrival && a.form == b.form && (a.flow - b.flow).abs() <= TOLERANCE * b.flow
+    };
+    a.len() == b.len() && a.iter().zip(b).all(alike)
+}

@@ -1,0 +1,88 @@
+//! The shortest path that a network allows within a budget of operations.
+
+use super::emit::emit;
+use super::import::Import;
+use super::map::{Mapper, Mapping};
+use crate::balance::balanced;
+use robovec_analysis::critical_path::{Weights, arrivals};
+use robovec_ir::{Function, Tables};
+
+/// In how many steps the path is shortened at least.
+const STEPS: u32 = 3;
+
+/// The part of the path below which a step is not worth its time.
+const FINEST: u64 = 150;
+
+/// The step to try after one was too dear, from the operations before it, those
+/// allowed and those it took: where the budget should end, half way at most.
+fn smaller_step(step: u32, (before, allowed, dear): (u64, u64, u64)) -> u32 {
+    let (left, taken) = (allowed.saturating_sub(before), dear.saturating_sub(before));
+    let share = u64::from(step) * left / taken.max(1);
+    u32::try_from(share).map_or(step / 2, |share| share.clamp(step / 8, step / 2))
+}
+
+/// The search for the shortest path within a budget of operations.
+pub(crate) struct PathSearch<'a> {
+    /// The function that was read: its signature and its names.
+    pub(crate) function: &'a Function,
+    pub(crate) import: &'a Import,
+    pub(crate) timing: Weights,
+    pub(crate) weights: Weights,
+    /// The path, in cycles, below which nothing is spent.
+    pub(crate) shortest: u32,
+    /// Rounds in which operations are saved again.
+    pub(crate) rounds: u32,
+}
+
+impl PathSearch<'_> {
+    /// Longest path in cycles, and operations.
+    pub(crate) fn size(&self, function: &Function) -> (u32, u64) {
+        let path = arrivals(function, &self.weights).into_iter().max();
+        let free = function.nodes().iter();
+        let free = free
+            .filter(|node| node.operation.is_trigonometric())
+            .count();
+        (path.unwrap_or(0), (function.nodes().len() - free) as u64)
+    }
+
+    /// The best function and its path, if it is better than what there was.
+    pub(crate) fn run(
+        &self,
+        tables: &mut Tables,
+        before: (u32, u64),
+        allowed: u64,
+    ) -> Option<(Function, (u32, u64))> {
+        let mut mapper = Mapper::new(&self.import.network, self.timing, &self.import.outputs);
+        let fastest = mapper.shortest().max(self.shortest);
+        let mut best: Option<(Function, (u32, u64))> = None;
+        // A mapping is best modelled on one that is little later, so the path
+        // is shortened step by step, and when a step is too dear by less.
+        let mut shares = mapper.shares();
+        let mut reached = before;
+        let mut step = (before.0.saturating_sub(fastest) / STEPS).max(1);
+        while reached.0 > fastest && u64::from(step) * FINEST >= u64::from(reached.0) {
+            let target = reached.0.saturating_sub(step).max(fastest);
+            let mapping = mapper.map(target, self.rounds);
+            let made = self.realise(tables, &mapper, &mapping);
+            let size = self.size(&made);
+            if size.1 > allowed {
+                step = smaller_step(step, (reached.1, allowed, size.1));
+                mapper.set_shares(&shares);
+                continue;
+            }
+            reached = (target.min(size.0), size.1);
+            shares = mapper.shares();
+            if best.as_ref().is_none_or(|(_, known)| size < *known) {
+                best = Some((made, size));
+            }
+        }
+        best.filter(|(_, size)| *size < before)
+    }
+
+    /// The function of a mapping, balanced.
+    fn realise(&self, tables: &mut Tables, mapper: &Mapper<'_>, mapping: &Mapping) -> Function {
+        let import = self.import;
+        let raw = emit(self.function, import, mapper, mapping, self.timing, tables);
+        balanced(&raw, tables, &self.weights)
+    }
+}

@@ -1,0 +1,281 @@
+//! A form while it is decided how early each of its classes has to be.
+
+use super::curves::{CurvePoint, Curves, is_beaten};
+use super::dense::FormsByClass;
+use super::forms::ChoiceForm;
+use crate::sums::earliest::{LatestTwo, finish, fits, levels};
+use robovec_ir::Operation;
+use smallvec::SmallVec;
+
+/// A class that a form uses, with a point of its curve.
+#[derive(Clone, Copy)]
+struct Slot {
+    class: u32,
+    point: u32,
+    arrival: u32,
+    flow: f32,
+}
+
+/// A class or a product of two: one of what the form joins.
+#[derive(Clone, Copy)]
+struct TrialTerm {
+    /// Its classes are those at this place and, in a product, the next.
+    first: u32,
+    is_product: bool,
+    /// True when it cannot be earlier.
+    is_earliest: bool,
+    time: u32,
+}
+
+/// A form with a point for each of its classes, the cheapest of their curves
+/// at first.
+#[derive(Default)]
+pub(super) struct FormTrial {
+    form: u32,
+    slots: Vec<Slot>,
+    terms: Vec<TrialTerm>,
+    /// Weight of what joins the terms.
+    weight: u32,
+    multiply: u32,
+    /// True when terms are not joined two by two.
+    is_opaque: bool,
+    /// The operations of the form and what it bears of those of its classes.
+    flow: f32,
+}
+
+impl FormTrial {
+    /// Reads a form. False when one of its classes cannot be computed.
+    pub(super) fn read(&mut self, forms: &FormsByClass<'_>, curves: &Curves, form: u32) -> bool {
+        let (network, timing) = (forms.network(), forms.timing());
+        self.form = form;
+        self.slots.clear();
+        self.terms.clear();
+        self.multiply = timing.of(Operation::Mul);
+        self.weight = timing.of(Operation::Add);
+        self.is_opaque = false;
+        let mut is_known = true;
+        match network.form(form) {
+            ChoiceForm::Input(..) | ChoiceForm::Constant(_) => self.flow = 0.0,
+            ChoiceForm::Opaque(index) => {
+                let opaque = &network.opaques[index as usize];
+                self.is_opaque = true;
+                self.weight = timing.of(opaque.operation);
+                self.flow = f32::from(u8::from(!opaque.operation.is_trigonometric()));
+                for operand in opaque.operands.iter().flatten() {
+                    is_known &= self.push(curves, operand.class.index(), None);
+                }
+            }
+            ChoiceForm::Product(factors) => {
+                self.weight = self.multiply;
+                self.flow = factors.len() as f32 - 1.0;
+                for factor in factors {
+                    is_known &= self.push(curves, factor.a.index(), None);
+                }
+            }
+            ChoiceForm::Sum(terms) => {
+                self.flow = terms.len() as f32 - 1.0;
+                for term in terms {
+                    let second = term.is_product().then(|| term.b().index());
+                    is_known &= self.push(curves, term.a.index(), second);
+                }
+            }
+        }
+        is_known
+    }
+
+    fn push(&mut self, curves: &Curves, class: usize, second: Option<usize>) -> bool {
+        let first = self.slots.len() as u32;
+        let mut time = 0;
+        let is_product = second.is_some();
+        for class in [Some(class), second].into_iter().flatten() {
+            let Some(last) = curves.of(class).len().checked_sub(1) else {
+                return false;
+            };
+            let CurvePoint { arrival, flow, .. } = curves.point(class, last);
+            self.slots.push(Slot {
+                class: class as u32,
+                point: last as u32,
+                arrival,
+                flow,
+            });
+            time = time.max(arrival);
+            self.flow += flow;
+        }
+        if is_product {
+            self.flow += 1.0;
+            time = time.saturating_add(self.multiply);
+        }
+        self.terms.push(TrialTerm {
+            first,
+            is_product,
+            is_earliest: false,
+            time,
+        });
+        true
+    }
+
+    /// When the form is available.
+    pub(super) fn arrival(&self) -> u32 {
+        let times = self.terms.iter().map(|term| term.time);
+        match self.is_opaque {
+            true => times.max().unwrap_or(0).saturating_add(self.weight),
+            false => finish(times, self.weight),
+        }
+    }
+
+    /// A time before which the form is not available, and whether it is then.
+    fn bound(&self) -> (u32, bool) {
+        if self.is_opaque {
+            return (self.arrival(), true);
+        }
+        let mut two = LatestTwo::default();
+        for term in &self.terms {
+            two.add(term.time);
+        }
+        let (time, exact) = two.finish(self.weight);
+        let times = self.terms.iter().map(|term| term.time);
+        (time, exact || fits(times, self.weight, time))
+    }
+
+    /// A time before which the form is not available whatever points are taken.
+    fn earliest(&self, curves: &Curves) -> u32 {
+        let mut latest = 0;
+        for term in &self.terms {
+            let slots = self.slots(*term).iter();
+            let earliest = slots.map(|slot| curves.point(slot.class as usize, 0).arrival);
+            let ready = earliest.max().unwrap_or(0);
+            let product = if term.is_product { self.multiply } else { 0 };
+            latest = latest.max(ready.saturating_add(product));
+        }
+        match self.terms.len() > 1 || self.is_opaque {
+            true => latest.saturating_add(self.weight),
+            false => latest,
+        }
+    }
+
+    fn slots(&self, term: TrialTerm) -> &[Slot] {
+        let first = term.first as usize;
+        &self.slots[first..=first + usize::from(term.is_product)]
+    }
+
+    /// Takes earlier points for what the latest terms wait for, of those that
+    /// can be earlier. False when none can.
+    pub(super) fn hasten(&mut self, curves: &Curves) -> bool {
+        loop {
+            let open = self.terms.iter().filter(|term| !term.is_earliest);
+            let Some(latest) = open.map(|term| term.time).max() else {
+                return false;
+            };
+            let mut is_earlier = false;
+            for index in 0..self.terms.len() {
+                let term = self.terms[index];
+                if term.time == latest && !term.is_earliest {
+                    is_earlier |= self.hasten_term(curves, index);
+                }
+            }
+            if is_earlier {
+                return true;
+            }
+        }
+    }
+
+    fn hasten_term(&mut self, curves: &Curves, index: usize) -> bool {
+        let term = self.terms[index];
+        let ready = self.slots(term).iter().map(|slot| slot.arrival).max();
+        let ready = ready.expect("a term has a class");
+        let is_late = |slot: &Slot| slot.arrival == ready;
+        let mut late = self.slots(term).iter().filter(|slot| is_late(slot));
+        if late.any(|slot| slot.point == 0) {
+            self.terms[index].is_earliest = true;
+            return false;
+        }
+        let first = term.first as usize;
+        let mut time = 0;
+        for slot in &mut self.slots[first..=first + usize::from(term.is_product)] {
+            if is_late(slot) {
+                slot.point -= 1;
+                let point = curves.point(slot.class as usize, slot.point as usize);
+                self.flow += point.flow - slot.flow;
+                (slot.arrival, slot.flow) = (point.arrival, point.flow);
+            }
+            time = time.max(slot.arrival);
+        }
+        let product = if term.is_product { self.multiply } else { 0 };
+        self.terms[index].time = time.saturating_add(product);
+        true
+    }
+
+    /// Adds all that the form can be to the curve of its class, which has so
+    /// many users.
+    pub(super) fn trace(&mut self, curves: &Curves, share: f32, curve: &mut Vec<CurvePoint>) {
+        let earliest = self.earliest(curves);
+        let form = self.form;
+        loop {
+            let flow = self.flow / share;
+            // What comes is earlier, but no cheaper.
+            if is_beaten(curve, earliest, flow) {
+                return;
+            }
+            let (bound, is_exact) = self.bound();
+            if !is_beaten(curve, bound, flow) {
+                let arrival = if is_exact { bound } else { self.arrival() };
+                let point = CurvePoint {
+                    arrival,
+                    form,
+                    flow,
+                };
+                curves.add(curve, point);
+                if arrival == earliest {
+                    return;
+                }
+            }
+            if !self.hasten(curves) {
+                return;
+            }
+        }
+    }
+
+    /// Takes earlier points until the form is in time; whether it is.
+    pub(super) fn meet(&mut self, curves: &Curves, required: u32) -> bool {
+        loop {
+            if self.bound().0 <= required && self.arrival() <= required {
+                return true;
+            }
+            if !self.hasten(curves) {
+                return false;
+            }
+        }
+    }
+
+    /// What it takes beyond what is there already, by the time that each class
+    /// in use is required at.
+    pub(super) fn marginal(&self, curves: &Curves, known: impl Fn(usize) -> Option<u32>) -> f32 {
+        let mut flow = self.flow;
+        for slot in &self.slots {
+            let class = slot.class as usize;
+            if let Some(required) = known(class) {
+                let there = curves.in_time(class, required);
+                flow -= curves.point(class, there).flow.min(slot.flow);
+            }
+        }
+        flow
+    }
+
+    /// Hands the time that the form is required at on to its classes.
+    pub(super) fn require(&self, time: u32, mut demand: impl FnMut(usize, u32)) {
+        let times: SmallVec<[u32; 16]> = self.terms.iter().map(|term| term.time).collect();
+        let levels = match self.is_opaque {
+            true => SmallVec::from_elem(1, times.len()),
+            false => levels(&times, self.weight),
+        };
+        for (term, level) in self.terms.iter().zip(levels) {
+            let mut time = time.saturating_sub(level * self.weight);
+            if term.is_product {
+                time = time.saturating_sub(self.multiply);
+            }
+            for slot in self.slots(*term) {
+                demand(slot.class as usize, time);
+            }
+        }
+    }
+}
