@@ -49,6 +49,7 @@ folders! {
     inline "inline"
     interleave "interleave"
     lookahead "lookahead"
+    meet "meet"
     mixed "mixed"
     optimise "optimise"
     pipeline "pipeline"

@@ -22,6 +22,7 @@ pub mod fold;
 pub mod inline;
 pub mod interleave;
 pub mod lookahead;
+pub mod meet;
 pub mod mixed;
 pub mod optimise;
 mod reassociate;

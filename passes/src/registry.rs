@@ -3,8 +3,8 @@
 
 use crate::{
     accurate, asap_alap, atomise, balance, cancellation, composite, cse, dce, differentiate, eqsat,
-    factor, fma, fold, inline, interleave, lookahead, mixed, optimise, recurrence, specialise,
-    swap, trigonometry, zero_removal,
+    factor, fma, fold, inline, interleave, lookahead, meet, mixed, optimise, recurrence,
+    specialise, swap, trigonometry, zero_removal,
 };
 use robovec_codegen::Codegen;
 use robovec_framework::pass::{PassInfo, Preset, Registry};
@@ -39,6 +39,7 @@ const PASSES: &[PassInfo] = &[
     inline::Inline::INFO,
     lookahead::Lookahead::INFO,
     recurrence::Recurrence::INFO,
+    meet::Meet::INFO,
     mixed::Mixed::INFO,
     interleave::Interleave::INFO,
     asap_alap::AsapAlap::INFO,

@@ -13,6 +13,8 @@ fn printing_and_parsing_are_inverse() {
         "atomise",
         "atomise,cse,dce",
         "atomise,fixpoint{max=3}(cse,fixpoint{max=8}(dce,cse)),dce",
+        "atomise,mixed{narrow=\"float(8,17)\"}",
+        "atomise,meet{moves=\"balance,cse; lookahead{width=3},cse\" operations=9}",
     ] {
         let pipeline = REGISTRY.pipeline(text).expect("well formed");
         assert_eq!(pipeline.to_string(), text);

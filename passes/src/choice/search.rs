@@ -79,6 +79,20 @@ impl PathSearch<'_> {
         best.filter(|(_, size)| *size < before)
     }
 
+    /// The function with few operations that is no later than `shortest`, or
+    /// any when that is 0.
+    pub(crate) fn cheapest(&self, tables: &mut Tables) -> Option<(Function, (u32, u64))> {
+        let mut mapper = Mapper::new(&self.import.network, self.timing, &self.import.outputs);
+        let latest = match self.shortest {
+            0 => u32::MAX,
+            path => path.max(mapper.shortest()),
+        };
+        let mapping = mapper.map(latest, self.rounds);
+        let made = self.realise(tables, &mapper, &mapping);
+        let size = self.size(&made);
+        Some((made, size))
+    }
+
     /// The function of a mapping, balanced.
     fn realise(&self, tables: &mut Tables, mapper: &Mapper<'_>, mapping: &Mapping) -> Function {
         let import = self.import;

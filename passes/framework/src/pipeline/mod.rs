@@ -112,14 +112,22 @@ impl PartialEq for Pipeline {
     }
 }
 
+/// Whether a value needs no quotes.
+fn is_word(value: &str) -> bool {
+    let plain = |letter: char| letter.is_ascii_alphanumeric() || "_.+-".contains(letter);
+    !value.is_empty() && value.chars().all(plain)
+}
+
 impl fmt::Display for PassStep {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(self.info.name)?;
         if !self.options.is_empty() {
-            let options: Vec<String> = self
-                .options
-                .iter()
-                .map(|(name, value)| format!("{name}={value}"))
+            let options = self.options.iter();
+            let options: Vec<String> = options
+                .map(|(name, value)| match is_word(value) {
+                    true => format!("{name}={value}"),
+                    false => format!("{name}=\"{value}\""),
+                })
                 .collect();
             write!(formatter, "{{{}}}", options.join(" "))?;
         }
