@@ -157,6 +157,19 @@ impl Sources {
         }
     }
 
+    /// The number of a set with several places, counted from 0 in order of
+    /// their making; `None` for one with none or a single place.
+    #[inline]
+    pub(crate) fn number_of_several(&self, set: SourceSet) -> Option<usize> {
+        let several = set.0 & SEVERAL != 0;
+        several.then_some((set.0 & !SEVERAL) as usize)
+    }
+
+    /// The number of sets with several places.
+    pub(crate) fn several(&self) -> usize {
+        self.ranges.len()
+    }
+
     /// The first place of a set.
     pub fn first(&self, set: SourceSet) -> Option<SourcePlace> {
         self.places(set).next()
