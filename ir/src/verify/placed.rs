@@ -36,7 +36,7 @@ pub(super) fn check(
                 format!("has {present} addresses to read from instead of {expected}")
             });
         }
-        writes(collector, schedule, placement, value);
+        writes(collector, (schedule, elements), placement, value);
     }
     preloads(collector, schedule, placement, elements);
     homes(collector, schedule, placement, elements);
@@ -66,7 +66,7 @@ fn tables_fit(collector: &mut ViolationCollector<'_>, placement: &Placement) -> 
 /// cycle and word, between issue and end; none for a value of the host.
 fn writes(
     collector: &mut ViolationCollector<'_>,
-    schedule: &Schedule,
+    (schedule, elements): (&Schedule, u32),
     placement: &Placement,
     value: Value,
 ) {
@@ -80,7 +80,6 @@ fn writes(
         }
         return;
     };
-    let elements = schedule.element_count();
     for (index, write) in writes.iter().enumerate() {
         if write.word.element.number() >= elements {
             collector.value(value, || {
