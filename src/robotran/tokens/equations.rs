@@ -357,7 +357,7 @@ mod tests {
     }
 
     fn expression(random: &mut Random, leaves: &[&str], depth: u32) -> String {
-        let mut inner = |random: &mut Random| expression(random, leaves, depth - 1);
+        let inner = |random: &mut Random| expression(random, leaves, depth - 1);
         match random.below(if depth == 0 { 1 } else { 8 }) {
             0 | 1 => leaves[random.below(leaves.len())].to_owned(),
             2 => format!("({})", inner(random)),
