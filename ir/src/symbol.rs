@@ -136,8 +136,8 @@ impl Symbols {
         let symbol = self.strings.len() as u32;
         let stored = short.unwrap_or_else(|| self.store(string));
         self.strings.push(stored);
-        self.bases
-            .push(is_word(string) && Name::split(string).1 == 0);
+        let is_derived = string.contains('.') && Name::split(string).1 > 0;
+        self.bases.push(is_word(string) && !is_derived);
         self.table
             .insert_unique(spread(hash), (hash, symbol), |&(hash, _)| spread(hash));
         Symbol(symbol)

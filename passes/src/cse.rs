@@ -12,6 +12,7 @@ use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_framework::trail::{Notes, equal_to};
 use robovec_ir::{Function, Node, Operand, Operation, SourceSet, Tables, Value};
 use rustc_hash::FxBuildHasher;
+use smallvec::SmallVec;
 use std::hash::BuildHasher;
 
 declare_pass! {
@@ -130,7 +131,7 @@ impl SourceMerges {
         self.merges.sort_by_key(|(value, _)| *value);
         for group in self.merges.chunk_by(|a, b| a.0 == b.0) {
             let value = group[0].0;
-            let mut sets: Vec<SourceSet> = group.iter().map(|(_, set)| *set).collect();
+            let mut sets: SmallVec<[SourceSet; 8]> = group.iter().map(|(_, set)| *set).collect();
             sets.push(function.node(value).sources);
             function.node_mut(value).sources = tables.sources.union(&sets);
         }
