@@ -28,10 +28,10 @@ pub(super) fn check(
             true => 0,
             false => node.operation.arity(),
         };
-        let present = addresses.iter().flatten().count();
         // The first operands have the addresses, without a gap.
-        let leading = addresses.iter().map_while(|&address| address).count();
-        if present != expected || leading != present {
+        let fits = |place: usize| addresses[place].is_some() == (place < expected);
+        if !(0..Operand::MAX_COUNT).all(fits) {
+            let present = addresses.iter().flatten().count();
             collector.value(value, || {
                 format!("has {present} addresses to read from instead of {expected}")
             });
