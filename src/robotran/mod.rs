@@ -4,7 +4,9 @@
 //! A file passes through [`decode`] (bytes to text), a lexer of its language
 //! ([`raw`], [`tokens`]), one grammar for all three (`grammar.lalrpop`) that
 //! writes into an arena ([`syntax`]), [`structure`] (functions, sensor cases,
-//! loops), [`storage`] (arrays and their extents) and [`lower`]. The result is
+//! loops), [`storage`] (arrays and their extents) and [`lower`]. Plain
+//! equations, nearly all of a file, do not pass through the tables of the
+//! grammar (`tokens/equations.rs`); they are read as it reads them. The result is
 //! a module at the equations level whose evaluation in 64-bit floats equals
 //! the compiled C file bit for bit.
 
