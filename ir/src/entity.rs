@@ -116,6 +116,14 @@ impl Operand {
         (self.0 <= INDEX_MASK).then_some(Value(self.0))
     }
 
+    /// The entry that a table of values, in program order, has for the operand;
+    /// `None` for an operand that is no value, or beyond the table.
+    #[inline]
+    pub fn entry<T>(self, table: &[T]) -> Option<&T> {
+        // What is no value has larger bits than any table has entries.
+        table.get(self.0 as usize)
+    }
+
     /// The constant, when the operand is one.
     #[inline]
     pub fn constant(self) -> Option<Constant> {

@@ -14,9 +14,7 @@ use crate::history::History;
 use crate::module::{Module, View};
 use crate::placement::{Bank, Element, Placement, Schedule, Word};
 use crate::source::{SourcePlace, SourceSet};
-use hashbrown::HashMap;
 use robovec_num::operation::Operation;
-use rustc_hash::FxBuildHasher;
 use smallvec::SmallVec;
 use std::io;
 use text::Text;
@@ -113,8 +111,10 @@ pub fn print_operand(view: View<'_>, operand: Operand) -> String {
 
 struct FunctionPrinter<'a> {
     view: View<'a>,
-    /// Numbers of the sets with several places, in order of first use.
-    set_numbers: HashMap<SourceSet, u32, FxBuildHasher>,
+    /// Numbers of the sets with several places, in order of first use;
+    /// [`UNUSED`] for those that the function does not use, and none where a
+    /// definition is printed alone.
+    set_numbers: Vec<u32>,
     sets: Vec<SourceSet>,
     /// Numbers of the steps of histories; 0 for those not needed.
     steps: Vec<u32>,
@@ -122,6 +122,9 @@ struct FunctionPrinter<'a> {
     /// is longer, and where a definition is printed alone.
     elements: Vec<([u8; 16], usize)>,
 }
+
+/// The number of a set of places that the function does not use.
+const UNUSED: u32 = u32::MAX;
 
 /// A piece of an expression that remains to be printed.
 enum PendingPiece {
@@ -140,7 +143,7 @@ impl<'a> FunctionPrinter<'a> {
     fn new(view: View<'a>) -> FunctionPrinter<'a> {
         FunctionPrinter {
             view,
-            set_numbers: HashMap::default(),
+            set_numbers: Vec::new(),
             sets: Vec::new(),
             steps: Vec::new(),
             elements: Vec::new(),
@@ -168,11 +171,13 @@ impl<'a> FunctionPrinter<'a> {
             .map(|boundary| boundary.sources)
             .chain(function.nodes().iter().map(|node| node.sources))
             .chain(function.assignments.iter().map(|output| output.sources));
+        let sources = &self.view.tables.sources;
+        self.set_numbers = vec![UNUSED; sources.several()];
         for set in used {
-            if self.view.tables.sources.places(set).len() > 1
-                && !self.set_numbers.contains_key(&set)
+            if let Some(several) = sources.number_of_several(set)
+                && self.set_numbers[several] == UNUSED
             {
-                self.set_numbers.insert(set, self.sets.len() as u32);
+                self.set_numbers[several] = self.sets.len() as u32;
                 self.sets.push(set);
             }
         }
@@ -580,10 +585,13 @@ impl<'a> FunctionPrinter<'a> {
     }
 
     fn sources(&self, text: &mut Text<'_>, set: SourceSet) {
-        if let Some(&number) = self.set_numbers.get(&set) {
+        let sources = &self.view.tables.sources;
+        let several = sources.number_of_several(set);
+        if let Some(&number) = several.and_then(|several| self.set_numbers.get(several)) {
+            debug_assert_ne!(number, UNUSED, "a function uses the sets it prints");
             text.push(" @!");
             text.integer(number);
-        } else if let Some(place) = self.view.tables.sources.first(set) {
+        } else if let Some(place) = sources.first(set) {
             text.push(" @");
             self.place(text, place);
         }

@@ -6,7 +6,10 @@
 //! set with one place costs nothing beyond the place.
 
 use hashbrown::HashMap;
+use hashbrown::hash_table::{Entry, HashTable};
 use rustc_hash::FxBuildHasher;
+use smallvec::SmallVec;
+use std::hash::BuildHasher;
 
 /// A stretch of a source file. Lines and columns count from 1, columns in
 /// characters; the end column is the last one of the stretch.
@@ -46,7 +49,8 @@ pub struct Sources {
     place_index: HashMap<SourcePlace, u32, FxBuildHasher>,
     ranges: Vec<(u32, u32)>,
     members: Vec<u32>,
-    set_index: HashMap<Box<[u32]>, u32, FxBuildHasher>,
+    /// Sets with several places, by their members.
+    set_index: HashTable<u32>,
 }
 
 impl Sources {
@@ -100,7 +104,7 @@ impl Sources {
         {
             return first;
         }
-        let mut members: Vec<u32> = Vec::new();
+        let mut members: SmallVec<[u32; 16]> = SmallVec::new();
         for &set in sets {
             members.extend_from_slice(self.member_indices(&set));
         }
@@ -110,7 +114,7 @@ impl Sources {
             members.is_sorted_by(|&a, &b| self.places[a as usize] < self.places[b as usize]),
             "the places of a set are in order, each once"
         );
-        self.intern(members)
+        self.intern(&members)
     }
 
     fn member_indices<'a>(&'a self, set: &'a SourceSet) -> &'a [u32] {
@@ -124,20 +128,28 @@ impl Sources {
         }
     }
 
-    fn intern(&mut self, members: Vec<u32>) -> SourceSet {
-        if let [only] = members[..] {
+    fn intern(&mut self, members: &[u32]) -> SourceSet {
+        if let [only] = *members {
             return SourceSet(only);
         }
         debug_assert!(!members.is_empty(), "only the empty set has no places");
-        let members = members.into_boxed_slice();
-        if let Some(&found) = self.set_index.get(&members) {
-            return SourceSet(found | SEVERAL);
-        }
+        let (all, ranges) = (&self.members, &self.ranges);
+        let known = |set: u32| {
+            let (start, end) = ranges[set as usize];
+            &all[start as usize..end as usize]
+        };
+        let hash = |members: &[u32]| FxBuildHasher.hash_one(members);
+        let (same, rehash) = (
+            |&set: &u32| known(set) == members,
+            |&set: &u32| hash(known(set)),
+        );
+        let set = match self.set_index.entry(hash(members), same, rehash) {
+            Entry::Occupied(found) => return SourceSet(*found.get() | SEVERAL),
+            Entry::Vacant(place) => *place.insert(ranges.len() as u32).get(),
+        };
         let start = self.members.len() as u32;
-        self.members.extend_from_slice(&members);
-        let set = self.ranges.len() as u32;
+        self.members.extend_from_slice(members);
         self.ranges.push((start, self.members.len() as u32));
-        self.set_index.insert(members, set);
         SourceSet(set | SEVERAL)
     }
 
@@ -155,6 +167,19 @@ impl Sources {
             sources: self,
             members: range,
         }
+    }
+
+    /// The number of a set with several places, counted from 0 in order of
+    /// their making; `None` for one with none or a single place.
+    #[inline]
+    pub(crate) fn number_of_several(&self, set: SourceSet) -> Option<usize> {
+        let several = set.0 & SEVERAL != 0;
+        several.then_some((set.0 & !SEVERAL) as usize)
+    }
+
+    /// The number of sets with several places.
+    pub(crate) fn several(&self) -> usize {
+        self.ranges.len()
     }
 
     /// The first place of a set.

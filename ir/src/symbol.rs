@@ -35,7 +35,15 @@ pub struct Symbols {
     /// The hash beside the symbol: growing the table reads no string, and
     /// almost every string that is compared is the right one.
     table: HashTable<(u32, u32)>,
+    /// The short strings met last, by hash: most names are read again within
+    /// a few lines, and finding them here costs no walk through a table that
+    /// has outgrown the caches. Empty while the table has not.
+    recent: Vec<(StoredText, Symbol)>,
 }
+
+/// Places of [`Symbols::recent`], a power of two; they take half of a cache of
+/// first level.
+const RECENT: usize = 2048;
 
 /// A string of up to eight bytes, as most names are, without a zero among
 /// them: the bytes and then zeros. Or the number of a longer one, behind a
@@ -45,6 +53,9 @@ struct StoredText([u8; 8]);
 
 impl StoredText {
     const LONG: u8 = 0xff;
+
+    /// No string.
+    const NONE: StoredText = StoredText([StoredText::LONG; 8]);
 
     /// The string, if it fits.
     #[inline]
@@ -101,14 +112,32 @@ impl Symbols {
     pub fn intern(&mut self, string: &str) -> Symbol {
         let short = StoredText::short(string);
         let hash = short.map_or_else(|| hash(string), StoredText::hash);
-        if let Some(found) = self.lookup(hash, short, string) {
-            return found;
+        if let Some(short) = short
+            && let Some(&(known, symbol)) = self.recent.get(recent(hash))
+            && known == short
+        {
+            return symbol;
+        }
+        let symbol = self.lookup(hash, short, string);
+        let symbol = symbol.unwrap_or_else(|| self.enter(hash, short, string));
+        if let Some(short) = short
+            && let Some(place) = self.recent.get_mut(recent(hash))
+        {
+            *place = (short, symbol);
+        }
+        symbol
+    }
+
+    /// Makes the symbol of a string that has none.
+    fn enter(&mut self, hash: u32, short: Option<StoredText>, string: &str) -> Symbol {
+        if self.strings.len() == RECENT {
+            self.recent = vec![(StoredText::NONE, Symbol(0)); RECENT];
         }
         let symbol = self.strings.len() as u32;
         let stored = short.unwrap_or_else(|| self.store(string));
         self.strings.push(stored);
-        self.bases
-            .push(is_word(string) && Name::split(string).1 == 0);
+        let is_derived = string.contains('.') && Name::split(string).1 > 0;
+        self.bases.push(is_word(string) && !is_derived);
         self.table
             .insert_unique(spread(hash), (hash, symbol), |&(hash, _)| spread(hash));
         Symbol(symbol)
@@ -190,6 +219,11 @@ impl Symbols {
     pub fn is_empty(&self) -> bool {
         self.strings.is_empty()
     }
+}
+
+/// The place of a hash among the strings met last.
+fn recent(hash: u32) -> usize {
+    hash as usize & (RECENT - 1)
 }
 
 fn hash(key: impl Hash) -> u32 {

@@ -1,7 +1,10 @@
 //! Common subexpressions are computed once.
 
+mod lookalikes;
+
 use hashbrown::HashTable;
 use hashbrown::hash_table::Entry;
+use lookalikes::Lookalikes;
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::Rewriter;
@@ -9,6 +12,7 @@ use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_framework::trail::{Notes, equal_to};
 use robovec_ir::{Function, Node, Operand, Operation, SourceSet, Tables, Value};
 use rustc_hash::FxBuildHasher;
+use smallvec::SmallVec;
 use std::hash::BuildHasher;
 
 declare_pass! {
@@ -127,7 +131,7 @@ impl SourceMerges {
         self.merges.sort_by_key(|(value, _)| *value);
         for group in self.merges.chunk_by(|a, b| a.0 == b.0) {
             let value = group[0].0;
-            let mut sets: Vec<SourceSet> = group.iter().map(|(_, set)| *set).collect();
+            let mut sets: SmallVec<[SourceSet; 8]> = group.iter().map(|(_, set)| *set).collect();
             sets.push(function.node(value).sources);
             function.node_mut(value).sources = tables.sources.union(&sets);
         }
@@ -154,15 +158,21 @@ pub fn merge_equal_noting(
     notes: &mut Notes,
 ) -> Option<(Function, u64)> {
     // Mostly there is nothing to merge, and then nothing need be written.
-    if !some_are_equal(function) {
+    let lookalikes = Lookalikes::find(function);
+    let count = lookalikes.count();
+    if !some_are_equal(function, &lookalikes, count) {
         return None;
     }
     let mut rewriter = Rewriter::with_formats(function, function.level);
-    let mut known = KnownValues::with_capacity(function.nodes().len());
+    let mut known = KnownValues::with_capacity(count);
     let mut merges = SourceMerges::default();
     let mut merged = 0;
     for (value, node) in function.values() {
         let operands = rewriter.translate_operands(node);
+        if !lookalikes.has(value) {
+            rewriter.keep(Node { operands, ..*node });
+            continue;
+        }
         let key = Key::new(node.operation, operands);
         let format = |function: &Function, value| function.formats.as_ref()?.get(value);
         let next = Value(rewriter.new.nodes().len() as u32);
@@ -194,9 +204,11 @@ pub fn merge_equal_noting(
 
 /// True when an operation on the same operands is there twice: until one was
 /// merged, operands are what they are.
-fn some_are_equal(function: &Function) -> bool {
-    let mut known = KnownValues::with_capacity(function.nodes().len());
-    let mut values = function.values();
+fn some_are_equal(function: &Function, lookalikes: &Lookalikes, count: usize) -> bool {
+    let mut known = KnownValues::with_capacity(count);
+    let mut values = function
+        .values()
+        .filter(|&(value, _)| lookalikes.has(value));
     values.any(|(value, node)| {
         let same = known.find_or_insert(function, Key::of(node), value);
         same.is_some()

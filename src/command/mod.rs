@@ -22,6 +22,7 @@ pub(crate) mod input;
 pub mod limits;
 mod listing;
 mod manual;
+mod memory;
 mod model;
 mod names;
 mod neglect;

@@ -6,8 +6,8 @@ use super::input::{self, InputModule};
 use super::summary::RunSummary;
 use super::tables::{self, MeasuredStage};
 use super::{
-    CommandFailure, explain, listing, names, output, placed, progress, reduction, reproducer,
-    rules, simulation, telling,
+    CommandFailure, explain, listing, memory, names, output, placed, progress, reduction,
+    reproducer, rules, simulation, telling,
 };
 use crate::files::{Replace, limited};
 use crate::report;
@@ -32,6 +32,7 @@ use std::process::ExitCode;
 
 /// Runs the program.
 pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
+    memory::keep_freed();
     CompleteEnv::with_factory(arguments::command).complete();
     let words = arguments::normalise(arguments);
     let matches = arguments::command().get_matches_from(&words);

@@ -62,7 +62,10 @@ fn reject_binary<'a>(text: Cow<'a, str>, kind: &str) -> Result<Cow<'a, str>, Dia
 /// name's extension says, else the style of its comments.
 pub(super) fn detect(name: &str, text: &str) -> Option<Language> {
     let by_extension = Language::from_extension(name.rsplit('.').next().unwrap_or_default());
-    let mut heads = text.lines().filter_map(language_of_head);
+    // Almost no line is a head, and its first byte tells.
+    let breaks = memchr::memchr_iter(b'\n', text.as_bytes());
+    let starts = std::iter::once(0).chain(breaks.map(|at| at + 1));
+    let mut heads = starts.filter_map(|start| language_of_head(&text[start..]));
     if let Some(first) = heads.next()
         && heads.all(|other| other == first)
     {
@@ -71,8 +74,13 @@ pub(super) fn detect(name: &str, text: &str) -> Option<Language> {
     by_extension.or_else(|| text.lines().find_map(language_of_comment))
 }
 
-fn language_of_head(line: &str) -> Option<Language> {
-    let first = *line.as_bytes().first()?;
+/// The language whose head the first line of a text is.
+fn language_of_head(text: &str) -> Option<Language> {
+    let first = *text.as_bytes().first()?;
+    if !matches!(first, b'f' | b'd' | b'v' | b'i' | b'#') {
+        return None;
+    }
+    let line = text.lines().next()?;
     match first {
         b'f' if line.starts_with("function ") && line.contains('(') => Some(Language::Matlab),
         b'd' if line.starts_with("def ") && line.contains('(') => Some(Language::Python),

@@ -4,7 +4,9 @@
 //! A file passes through [`decode`] (bytes to text), a lexer of its language
 //! ([`raw`], [`tokens`]), one grammar for all three (`grammar.lalrpop`) that
 //! writes into an arena ([`syntax`]), [`structure`] (functions, sensor cases,
-//! loops), [`storage`] (arrays and their extents) and [`lower`]. The result is
+//! loops), [`storage`] (arrays and their extents) and [`lower`]. Plain
+//! equations, nearly all of a file, do not pass through the tables of the
+//! grammar (`tokens/equations.rs`); they are read as it reads them. The result is
 //! a module at the equations level whose evaluation in 64-bit floats equals
 //! the compiled C file bit for bit.
 
@@ -48,8 +50,9 @@ use self::lower::Lowering;
 pub(crate) use self::places::LineIndex;
 use self::raw::{C, Matlab, Python, Surface};
 use self::syntax::{CAPACITY, SyntaxBuilder, SyntaxTree};
+use self::token::RobotranToken;
 pub(crate) use self::token::SourceSpan;
-use self::tokens::{TokenSource, TokenStream};
+use self::tokens::{ExpressionStacks, TokenSource, TokenStream};
 use robovec_ir::diagnostic::{Diagnostic, Report};
 use robovec_ir::{Module, Symbols};
 use robovec_num::limits::NumberLimit;
@@ -286,6 +289,27 @@ fn parse(
     }
 }
 
+/// The tokens up to the end of a statement, and whether they were the last.
+struct StatementTokens<'a, T> {
+    tokens: &'a mut T,
+    ended: bool,
+    last: bool,
+}
+
+impl<T: TokenSource> Iterator for StatementTokens<'_, T> {
+    type Item = T::Item;
+
+    fn next(&mut self) -> Option<T::Item> {
+        if self.ended {
+            return None;
+        }
+        let token = self.tokens.next();
+        self.last = token.is_none();
+        self.ended = matches!(token, None | Some(Ok((_, RobotranToken::End, _))));
+        token
+    }
+}
+
 /// Parses all statements; behind one that cannot be read it starts anew.
 fn parse_tokens<'s, L: Surface<'s>>(
     text: &str,
@@ -293,22 +317,33 @@ fn parse_tokens<'s, L: Surface<'s>>(
     builder: &mut SyntaxBuilder,
 ) -> Vec<Diagnostic> {
     let parser = grammar::FileParser::new();
+    let mut stacks = ExpressionStacks::default();
     let mut errors = Vec::new();
-    while let Err(error) = parser.parse(builder, &mut tokens) {
-        let [last, before] = tokens.recent();
-        let previous = match error {
-            lalrpop_util::ParseError::UnrecognizedEof { .. } => last,
-            _ => before,
+    loop {
+        while tokens.plain_equation(builder, &mut stacks) {}
+        let mut statement = StatementTokens {
+            tokens: &mut tokens,
+            ended: false,
+            last: false,
         };
+        let read = parser.parse(builder, &mut statement);
+        let last = statement.last;
+        let Err(error) = read else {
+            if last {
+                return errors;
+            }
+            continue;
+        };
+        let [last, before] = tokens.recent();
         let at_end = matches!(error, lalrpop_util::ParseError::UnrecognizedEof { .. });
+        let previous = if at_end { last } else { before };
         errors.push(explain(error, previous, text));
         builder.abandon_statement();
         if at_end || errors.len() >= ERROR_LIMIT {
-            break;
+            return errors;
         }
         tokens.skip_statement();
     }
-    errors
 }
 
 fn build(

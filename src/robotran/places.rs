@@ -19,7 +19,8 @@ pub(crate) struct LineIndex<'t> {
 
 impl<'t> LineIndex<'t> {
     pub(crate) fn new(text: &'t str, file: u32) -> LineIndex<'t> {
-        let after_breaks = text.match_indices('\n').map(|(at, _)| at as u32 + 1);
+        let breaks = memchr::memchr_iter(b'\n', text.as_bytes());
+        let after_breaks = breaks.map(|at| at as u32 + 1);
         LineIndex {
             text,
             starts: std::iter::once(0).chain(after_breaks).collect(),

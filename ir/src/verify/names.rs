@@ -12,18 +12,21 @@ const BITS_PER_NODE: usize = 64;
 pub(super) fn check(collector: &mut ViolationCollector<'_>) {
     let view = collector.view;
     let symbols = &view.tables.symbols;
-    // For each symbol one more than the largest number behind it.
-    let mut counts = vec![0u32; symbols.len()];
+    // For each symbol which of the first numbers behind it are borne.
+    let mut borne = vec![0u64; symbols.len()];
+    let mut differ = true;
     for (value, node) in view.function.values() {
         let name = node.name;
         if name.is_none() {
             continue;
         }
-        let Some(count) = counts.get_mut(name.base.index()) else {
+        let Some(borne) = borne.get_mut(name.base.index()) else {
             collector.value(value, || "bears a name that is not in the table".to_owned());
             continue;
         };
-        *count = (*count).max(name.suffix.saturating_add(1));
+        let bit = 1u64.checked_shl(name.suffix).unwrap_or(0);
+        differ &= bit & !*borne != 0;
+        *borne |= bit;
         if !symbols.is_base(name.base) {
             collector.value(value, || {
                 "bears a name that is no word, or reads as derived from another".to_owned()
@@ -35,7 +38,9 @@ pub(super) fn check(collector: &mut ViolationCollector<'_>) {
             });
         }
     }
-    if !known_to_differ(collector, counts) {
+    // Two names are equal, or some number is larger.
+    drop(borne);
+    if !differ && !known_to_differ(collector) {
         duplicates(collector);
     }
 }
@@ -49,9 +54,14 @@ fn names<'a>(collector: &ViolationCollector<'a>) -> impl Iterator<Item = (Value,
 
 /// True when no two names are equal and their numbers lie close enough
 /// together to tell.
-fn known_to_differ(collector: &ViolationCollector<'_>, counts: Vec<u32>) -> bool {
-    // For each symbol the place of its number 0 among the bits.
-    let mut starts = counts;
+fn known_to_differ(collector: &ViolationCollector<'_>) -> bool {
+    // For each symbol one more than the largest number behind it, and then
+    // the place of its number 0 among the bits.
+    let mut starts = vec![0u32; collector.view.tables.symbols.len()];
+    for (_, name) in names(collector) {
+        let count = &mut starts[name.base.index()];
+        *count = (*count).max(name.suffix.saturating_add(1));
+    }
     let limit = BITS_PER_NODE * (collector.view.function.nodes().len() + 1);
     let mut bits = 0usize;
     for start in &mut starts {

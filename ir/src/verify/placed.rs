@@ -28,15 +28,15 @@ pub(super) fn check(
             true => 0,
             false => node.operation.arity(),
         };
-        let present = addresses.iter().flatten().count();
         // The first operands have the addresses, without a gap.
-        let leading = addresses.iter().map_while(|&address| address).count();
-        if present != expected || leading != present {
+        let fits = |place: usize| addresses[place].is_some() == (place < expected);
+        if !(0..Operand::MAX_COUNT).all(fits) {
+            let present = addresses.iter().flatten().count();
             collector.value(value, || {
                 format!("has {present} addresses to read from instead of {expected}")
             });
         }
-        writes(collector, schedule, placement, value);
+        writes(collector, (schedule, elements), placement, value);
     }
     preloads(collector, schedule, placement, elements);
     homes(collector, schedule, placement, elements);
@@ -66,7 +66,7 @@ fn tables_fit(collector: &mut ViolationCollector<'_>, placement: &Placement) -> 
 /// cycle and word, between issue and end; none for a value of the host.
 fn writes(
     collector: &mut ViolationCollector<'_>,
-    schedule: &Schedule,
+    (schedule, elements): (&Schedule, u32),
     placement: &Placement,
     value: Value,
 ) {
@@ -80,7 +80,6 @@ fn writes(
         }
         return;
     };
-    let elements = schedule.element_count();
     for (index, write) in writes.iter().enumerate() {
         if write.word.element.number() >= elements {
             collector.value(value, || {

@@ -55,9 +55,8 @@ pub fn verify_placement(view: View<'_>, machine: &Machine) -> Vec<Violation> {
         elements,
         routes: Routes::new(machine.interconnect, &counts),
     };
-    check.performers(&mut collector);
-    check.words(&mut collector);
-    check.write_cycles(&mut collector);
+    check.preloads(&mut collector);
+    check.values(&mut collector);
     replay::check(&check, &mut collector);
     if let Some(routes) = &check.routes {
         network::check(&check, routes, &mut collector);
@@ -152,7 +151,36 @@ impl PlacementCheck<'_> {
         format!("{kind}{number}{bank}[{}]", word.address)
     }
 
-    fn performers(&self, collector: &mut ViolationCollector<'_>) {
+    fn fits(&self, word: Word) -> bool {
+        let memory = &self.machine.memory;
+        let split = word.bank != Bank::Unified;
+        split == (memory.style == MemoryStyle::SideSplit)
+            && memory
+                .words
+                .is_none_or(|words| word.address.number() < words)
+    }
+
+    /// The memory an operand is read from, by its side.
+    pub(super) fn bank(&self, side: usize) -> Bank {
+        match (self.machine.memory.style, side) {
+            (MemoryStyle::Unified | MemoryStyle::FourPort, _) => Bank::Unified,
+            (MemoryStyle::SideSplit, 0) => Bank::Left,
+            (MemoryStyle::SideSplit, _) => Bank::Right,
+        }
+    }
+
+    fn preloads(&self, collector: &mut ViolationCollector<'_>) {
+        for (index, preload) in self.placement.preloads.iter().enumerate() {
+            if !self.fits(preload.word) {
+                collector.add(ViolationSubject::Preload(index), || {
+                    format!("the machine has no word {}", self.name(preload.word))
+                });
+            }
+        }
+    }
+
+    /// Who performs every operation, and where and when its result is written.
+    fn values(&self, collector: &mut ViolationCollector<'_>) {
         for value in self.placed_values() {
             let operation = self.view.function.node(value).operation;
             let element = self.slot(value).element;
@@ -163,86 +191,47 @@ impl PlacementCheck<'_> {
                     format!("is on {kind}{number}, which does not perform '{operation}'")
                 });
             }
+            self.writes(collector, value);
         }
     }
 
-    fn fits(&self, word: Word) -> bool {
-        let memory = &self.machine.memory;
-        let split = word.bank != Bank::Unified;
-        split == (memory.style == MemoryStyle::SideSplit)
-            && memory
-                .words
-                .is_none_or(|words| word.address.number() < words)
-    }
-
-    /// The word an operand is read from.
-    pub(super) fn read_word(&self, value: Value, side: usize) -> Word {
-        let bank = match (self.machine.memory.style, side) {
-            (MemoryStyle::Unified | MemoryStyle::FourPort, _) => Bank::Unified,
-            (MemoryStyle::SideSplit, 0) => Bank::Left,
-            (MemoryStyle::SideSplit, _) => Bank::Right,
-        };
-        Word {
-            element: self.slot(value).element,
-            bank,
-            address: self.placement.reads[value.index()][side]
-                .expect("every operand has an address"),
-        }
-    }
-
-    fn words(&self, collector: &mut ViolationCollector<'_>) {
-        for (index, preload) in self.placement.preloads.iter().enumerate() {
-            if !self.fits(preload.word) {
-                collector.add(ViolationSubject::Preload(index), || {
-                    format!("the machine has no word {}", self.name(preload.word))
-                });
-            }
-        }
-        for value in self.placed_values() {
-            for write in self.placement.writes_of(value) {
-                if !self.fits(write.word) {
-                    let name = self.name(write.word);
-                    collector.value(value, || {
-                        format!("is written to {name}, which does not exist")
-                    });
-                }
-            }
-        }
-    }
-
-    fn write_cycles(&self, collector: &mut ViolationCollector<'_>) {
-        for value in self.placed_values() {
-            let back = self.write_back(value);
-            let writes = self.placement.writes_of(value);
-            let buffered = self.placement.buffers[value.index()].is_some();
-            for write in writes {
-                let departs = self.departs(value, write);
-                if departs < back {
-                    collector.value(value, || {
-                        format!(
-                            "is written at cycle {}, before its result is there at {back}",
-                            write.cycle
-                        )
-                    });
-                } else if departs > back && !buffered {
-                    collector.value(value, || {
-                        format!(
-                            "is written at cycle {}, after {back}, but is in no buffer",
-                            write.cycle
-                        )
-                    });
-                }
-            }
-            self.buffer_word(collector, value);
-            if buffered
-                && writes
-                    .iter()
-                    .all(|write| self.departs(value, write) <= back)
-            {
+    fn writes(&self, collector: &mut ViolationCollector<'_>, value: Value) {
+        let back = self.write_back(value);
+        let buffered = self.placement.buffers[value.index()].is_some();
+        // Whether a write departs later than the result appears.
+        let mut waits = false;
+        for write in self.placement.writes_of(value) {
+            if !self.fits(write.word) {
+                let name = self.name(write.word);
                 collector.value(value, || {
-                    "is in a buffer that nothing reads it from".to_owned()
+                    format!("is written to {name}, which does not exist")
                 });
             }
+            let departs = self.departs(value, write);
+            waits |= departs > back;
+            if departs < back {
+                collector.value(value, || {
+                    format!(
+                        "is written at cycle {}, before its result is there at {back}",
+                        write.cycle
+                    )
+                });
+            } else if departs > back && !buffered {
+                collector.value(value, || {
+                    format!(
+                        "is written at cycle {}, after {back}, but is in no buffer",
+                        write.cycle
+                    )
+                });
+            }
+        }
+        if buffered {
+            self.buffer_word(collector, value);
+        }
+        if buffered && !waits {
+            collector.value(value, || {
+                "is in a buffer that nothing reads it from".to_owned()
+            });
         }
     }
 

@@ -21,6 +21,7 @@ pub(super) fn check(check: &PlacementCheck<'_>, collector: &mut ViolationCollect
     let mut replay = PlacementReplay {
         check,
         collector,
+        banks: std::array::from_fn(|side| check.bank(side)),
         memories: memories(check, elements),
         memory_ports: vec![Port::default(); 3 * elements],
         buffers: buffers(check, elements),
@@ -130,6 +131,8 @@ impl Port {
 struct PlacementReplay<'c, 'a, 'v> {
     check: &'c PlacementCheck<'a>,
     collector: &'c mut ViolationCollector<'v>,
+    /// The bank that operands of each side are read from.
+    banks: [Bank; Operand::MAX_COUNT],
     /// Three banks for every processing element.
     memories: Vec<WordStore<Cell>>,
     memory_ports: Vec<Port>,
@@ -211,8 +214,14 @@ impl PlacementReplay<'_, '_, '_> {
     fn start(&mut self, value: Value) {
         let check = self.check;
         let operands = check.view.function.node(value).operands();
+        let addresses = &check.placement.reads[value.index()];
+        let element = check.slot(value).element;
         for (side, &operand) in operands.iter().enumerate() {
-            let word = check.read_word(value, side);
+            let word = Word {
+                element,
+                bank: self.banks[side],
+                address: addresses[side].expect("every operand has an address"),
+            };
             let held = self.memories[memory(word)]
                 .get(word.address.number())
                 .operand;

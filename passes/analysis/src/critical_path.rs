@@ -68,8 +68,11 @@ pub fn critical_path(function: &Function, machine: &Machine) -> CriticalPath {
 pub fn arrivals(function: &Function, weights: &Weights) -> Vec<u32> {
     let mut arrivals: Vec<u32> = Vec::with_capacity(function.nodes().len());
     for node in function.nodes() {
-        let ready = node.values().map(|value| arrivals[value.index()]);
-        let ready = ready.fold(0, u32::max);
+        let ready = node
+            .operands
+            .map(|operand| operand.entry(&arrivals).copied());
+        let ready = ready.map(Option::unwrap_or_default);
+        let ready = ready[0].max(ready[1]).max(ready[2]);
         arrivals.push(ready.saturating_add(weights.of(node.operation)));
     }
     arrivals

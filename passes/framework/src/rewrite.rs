@@ -156,6 +156,9 @@ pub fn output_name(view: View<'_>, output: Output) -> String {
 pub fn owners(tables: &mut Tables, function: &Function) -> Vec<Symbol> {
     let unknown = Symbol(u32::MAX);
     let mut owners: Vec<Symbol> = function.nodes().iter().map(|node| node.name.base).collect();
+    if !owners.contains(&unknown) {
+        return owners;
+    }
     for assignment in &function.assignments {
         if let Some(value) = assignment.operand.value()
             && owners[value.index()] == unknown

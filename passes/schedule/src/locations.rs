@@ -121,7 +121,8 @@ impl Locations {
             })
             .collect();
         Locations {
-            entries: Vec::with_capacity(data.len() + data.len() / 2),
+            // Most are read on two elements; room that is not used costs nothing.
+            entries: Vec::with_capacity(2 * data.len()),
             data,
         }
     }

@@ -351,7 +351,11 @@ impl<'a> Sweep<'a> {
         cycle: u32,
     ) -> Entry {
         let draft = &mut self.draft;
-        let word = word(&draft.ports, source, memory, route);
+        // Over a crossbar a word takes no link and arrives when it departs.
+        let word = match draft.ports.has_network() {
+            true => word(&draft.ports, source, memory, route),
+            false => None,
+        };
         let travel = |arrives| Travel {
             departs: word.map_or(arrives, |word| word.departs),
             arrives,

@@ -155,13 +155,13 @@ impl<'p> TreeBuilder<'p> {
         deadlines: Option<Deadlines>,
     ) -> TreeBuilder<'p> {
         let draft = shape == TreeShape::Earliest && deadlines.is_none();
-        let writer = SumWriter::new(plan.function, plan.function.level, weights);
+        let (old, level) = (plan.function, plan.function.level);
         TreeBuilder {
             plan,
             writer: match shape {
-                TreeShape::Earliest if draft => writer.draft(),
-                TreeShape::Earliest => writer.sharing(),
-                TreeShape::Written | TreeShape::Cascade => writer,
+                TreeShape::Earliest if draft => SumWriter::draft(old, level, weights),
+                TreeShape::Earliest => SumWriter::new(old, level, weights).sharing(),
+                TreeShape::Written | TreeShape::Cascade => SumWriter::new(old, level, weights),
             },
             shape,
             deadlines,

@@ -180,24 +180,25 @@ pub(crate) struct SumWriter {
 impl SumWriter {
     /// Starts with an empty body at a level.
     pub(crate) fn new(old: &Function, level: Level, weights: Weights) -> SumWriter {
+        SumWriter {
+            names: old.fresh_names(),
+            named: level != Level::Equations,
+            ..SumWriter::draft(old, level, weights)
+        }
+    }
+
+    /// The same, but what is written is only looked at: it needs no names.
+    pub(crate) fn draft(old: &Function, level: Level, weights: Weights) -> SumWriter {
         let count = old.nodes().len();
         let mut out = old.skeleton(level);
         out.reserve(count);
         SumWriter {
             out,
             times: ArrivalTimes::new(weights, count),
-            names: old.fresh_names(),
-            named: level != Level::Equations,
+            names: FreshNames::new(std::iter::empty()),
+            named: false,
             shared: None,
             negated: HashMap::default(),
-        }
-    }
-
-    /// The same, but what is written is only looked at: it needs no names.
-    pub(crate) fn draft(self) -> SumWriter {
-        SumWriter {
-            named: false,
-            ..self
         }
     }
 

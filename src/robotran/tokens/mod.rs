@@ -6,10 +6,12 @@
 //! the preprocessor makes of a word.
 
 mod elements;
+mod equations;
 mod numbers;
 mod refusals;
 mod words;
 
+pub(super) use self::equations::ExpressionStacks;
 use super::Language;
 use super::preprocessor::Preprocessor;
 use super::raw::{Raw, Surface};

@@ -26,7 +26,7 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
     }
 
     /// A word that is no macro.
-    fn plain_word(&mut self, word: &str) -> Result<Option<RobotranToken>, LexicalError> {
+    pub(super) fn plain_word(&mut self, word: &str) -> Result<Option<RobotranToken>, LexicalError> {
         // Keywords and types start like this, hardly any name of Robotran's
         // does.
         let candidate = word.len() > 1 && (word.as_bytes()[0].is_ascii_lowercase())

@@ -2,7 +2,7 @@
 
 use crate::pass::{PassError, PassInfo, Property};
 use robovec_analysis::critical_path::{Weights, arrivals};
-use robovec_ir::{Function, Machine, Operation, ValueFormats};
+use robovec_ir::{Function, Machine, Node, Operation, ValueFormats};
 use rustc_hash::FxHasher;
 use std::hash::{Hash, Hasher};
 
@@ -54,28 +54,43 @@ pub fn usage() -> (f64, f64) {
 pub(super) fn computation(function: &Function) -> u64 {
     let mut hasher = FxHasher::default();
     for node in function.nodes() {
-        (node.operation, node.operands).hash(&mut hasher);
+        hash_operation(node, &mut hasher);
     }
+    hash_outputs(function, &mut hasher);
+    hasher.finish()
+}
+
+fn hash_operation(node: &Node, hasher: &mut FxHasher) {
+    let [a, b, c] = node.operands.map(|operand| u64::from(operand.bits()));
+    hasher.write_u64((node.operation as u64) << 32 | a);
+    hasher.write_u64(b << 32 | c);
+}
+
+/// What decides every number beside the operations.
+fn hash_outputs(function: &Function, hasher: &mut FxHasher) {
     for assignment in &function.assignments {
-        (assignment.output, assignment.operand).hash(&mut hasher);
+        (assignment.output, assignment.operand).hash(hasher);
     }
     for constant in function.constants() {
-        constant.to_bits().hash(&mut hasher);
+        constant.to_bits().hash(hasher);
     }
     for format in function.formats.iter().flat_map(ValueFormats::iter) {
-        format.hash(&mut hasher);
+        format.hash(hasher);
     }
-    hasher.finish()
 }
 
 /// A hash of all that a pass can change, to tell whether it did.
 pub(super) fn fingerprint(function: &Function) -> u64 {
-    let mut hasher = FxHasher::default();
-    computation(function).hash(&mut hasher);
-    function.level.hash(&mut hasher);
+    // Two hashes in one walk over the nodes: neither waits for the other.
+    let (mut computed, mut hasher) = (FxHasher::default(), FxHasher::default());
     for node in function.nodes() {
-        (node.name, node.sources).hash(&mut hasher);
+        hash_operation(node, &mut computed);
+        hasher.write_u64(u64::from(node.name.base.0) << 32 | u64::from(node.name.suffix));
+        node.sources.hash(&mut hasher);
     }
+    hash_outputs(function, &mut computed);
+    computed.finish().hash(&mut hasher);
+    function.level.hash(&mut hasher);
     for assignment in &function.assignments {
         assignment.sources.hash(&mut hasher);
     }

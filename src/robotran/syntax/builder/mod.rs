@@ -38,7 +38,7 @@ pub(in crate::robotran) struct SyntaxBuilder {
     /// Whose whole numbers the literals are.
     pub(in crate::robotran) arithmetic: IntegerArithmetic,
     /// Lengths of the arenas behind the last complete statement.
-    complete: [usize; 4],
+    complete: [usize; 5],
     /// Where the statements of the current chained assignment start.
     chain: usize,
     outputs: Vec<RobotranName>,
@@ -59,23 +59,25 @@ pub(in crate::robotran) struct SyntaxBuilder {
 }
 
 impl SyntaxBuilder {
-    fn lengths(&self) -> [usize; 4] {
+    fn lengths(&self) -> [usize; 5] {
         let syntax = &self.syntax;
         [
             syntax.nodes.len(),
             syntax.elements.len(),
             syntax.statements.len(),
             syntax.arguments.len(),
+            syntax.numbers.len(),
         ]
     }
 
     /// Forgets the parts of a statement that could not be read.
     pub(in crate::robotran) fn abandon_statement(&mut self) {
-        let [nodes, elements, statements, arguments] = self.complete;
+        let [nodes, elements, statements, arguments, numbers] = self.complete;
         self.syntax.nodes.truncate(nodes);
         self.syntax.elements.truncate(elements);
         self.syntax.statements.truncate(statements);
         self.syntax.arguments.truncate(arguments);
+        self.syntax.numbers.truncate(numbers);
         self.outputs.clear();
         self.parameters.clear();
         self.parameter = None;
