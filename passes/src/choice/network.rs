@@ -326,14 +326,27 @@ impl ChoiceNetwork {
     }
 
     fn add_form(&mut self, class: Class, terms: &[ProductTerm], product: bool, negated: bool) {
-        let rank = self.rank(class);
-        let low = |class: Class| self.ranks[class.index()] < rank;
-        if terms.len() < 2 || !terms.iter().all(|term| low(term.a) && low(term.b())) {
+        if !self.is_allowed(class, terms) {
             return;
         }
         if let Some(form) = self.forms.insert(class, terms, product, negated) {
             self.note_form(class, form);
         }
+    }
+
+    /// As [`add_form`](ChoiceNetwork::add_form), of terms that are not known.
+    fn add_new_form(&mut self, class: Class, terms: &[ProductTerm], product: bool, negated: bool) {
+        if self.is_allowed(class, terms) {
+            let form = self.forms.insert_new(class, terms, product, negated);
+            self.note_form(class, form);
+        }
+    }
+
+    /// True when terms can be a form of a class.
+    fn is_allowed(&self, class: Class, terms: &[ProductTerm]) -> bool {
+        let rank = self.rank(class);
+        let low = |class: Class| self.ranks[class.index()] < rank;
+        terms.len() >= 2 && terms.iter().all(|term| low(term.a) && low(term.b()))
     }
 
     /// The class that has these terms as a form, and whether they are the
@@ -371,7 +384,7 @@ impl ChoiceNetwork {
         // A new class has the sign of the sum as it was given.
         let value = self.values.images.negate_if(flipped, value);
         let signed = self.class(value, rank.unwrap_or(0) + 1);
-        self.add_form(signed.class, terms, false, signed.negative ^ flipped);
+        self.add_new_form(signed.class, terms, false, signed.negative ^ flipped);
         Some(signed)
     }
 
@@ -397,7 +410,7 @@ impl ChoiceNetwork {
         // A new class has the sign of the product as it was given.
         let value = self.values.images.negate_if(negative, value);
         let signed = self.class(value, rank.unwrap_or(0) + 1);
-        self.add_form(signed.class, terms, true, signed.negative ^ negative);
+        self.add_new_form(signed.class, terms, true, signed.negative ^ negative);
         signed
     }
 

@@ -30,12 +30,19 @@ impl LatestTwo {
     /// latest comes.
     #[inline]
     pub(crate) fn finish(self, weight: u32) -> (u32, bool) {
-        let Some(others) = self.count.checked_sub(2) else {
-            return (self.latest, true);
+        let others = match self.count {
+            0 | 1 => return (self.latest, true),
+            2 => return (self.latest.saturating_add(weight), true),
+            count => count - 2,
         };
+        // Of three operands or more the two latest are not joined alone.
+        let joined = self.latest.max(self.second.saturating_add(weight));
         let depth = usize::BITS - others.leading_zeros();
         let done = self.second.saturating_add(weight.saturating_mul(depth));
-        (self.latest.saturating_add(weight), done <= self.latest)
+        (
+            joined.saturating_add(weight),
+            others == 1 || done <= self.latest,
+        )
     }
 }
 
