@@ -1,6 +1,7 @@
 //! Classes of equal values and their forms.
 
 use super::forms::{ChoiceForm, FormStore, ProductTerm};
+use super::recent::RecentSums;
 use crate::sums::terms::cancel;
 use crate::sums::values::ValueTable;
 use robovec_framework::fingerprint::{Fingerprint, Images};
@@ -75,6 +76,7 @@ pub(crate) struct ChoiceNetwork {
     /// Symbols that classes are named after, and equations they come from.
     origins: Vec<(Symbol, SourceSet)>,
     forms: FormStore,
+    recent: RecentSums,
     pub(crate) opaques: Vec<Opaque>,
     /// The symbol that new classes are named after, and their sources.
     pub(crate) origin: (Symbol, SourceSet),
@@ -89,6 +91,7 @@ impl ChoiceNetwork {
             classes: Vec::new(),
             origins: Vec::new(),
             forms: FormStore::default(),
+            recent: RecentSums::default(),
             opaques: Vec::new(),
             origin: (Symbol(0), SourceSet::EMPTY),
         };
@@ -113,6 +116,7 @@ impl ChoiceNetwork {
     /// can be added any more; what finds classes and forms is freed.
     pub(crate) fn sort(&mut self) -> Vec<Class> {
         self.values = ValueTable::new(self.values.images);
+        self.recent = RecentSums::default();
         let ranks = std::mem::take(&mut self.ranks);
         let mut order: Vec<u32> = (0..ranks.len() as u32).collect();
         order.sort_unstable_by_key(|&class| (ranks[class as usize], class));
@@ -363,9 +367,30 @@ impl ChoiceNetwork {
     /// when the value is zero. A sum that is a class already known is that
     /// class.
     pub(crate) fn sum(&mut self, terms: &mut Vec<ProductTerm>) -> Option<SignedClass> {
+        if let [] | [_] = terms[..] {
+            return self.new_sum(terms);
+        }
+        let place = RecentSums::place(terms);
+        if let Some(class) = self.recent.find(place, terms) {
+            return class;
+        }
+        let given = SmallVec::from_slice(terms);
+        let class = self.new_sum(terms);
+        self.recent.keep(place, given, class);
+        class
+    }
+
+    /// As [`ChoiceNetwork::sum`], of a sum that may not have been looked for.
+    fn new_sum(&mut self, terms: &mut Vec<ProductTerm>) -> Option<SignedClass> {
         self.tidy(terms);
         match terms[..] {
             [] => return None,
+            [term] if !term.is_product() => {
+                return Some(SignedClass {
+                    class: term.a,
+                    negative: term.negative(),
+                });
+            }
             [term] => {
                 return Some(self.signed_product(&mut [term.a, term.b()], term.negative()));
             }
@@ -419,7 +444,9 @@ impl ChoiceNetwork {
         for term in terms.iter_mut() {
             *term = term.ordered();
         }
-        cancel(terms, ProductTerm::opposite);
+        if terms.len() > 1 {
+            cancel(terms, ProductTerm::opposite);
+        }
     }
 }
 
