@@ -214,6 +214,11 @@ impl FormStore {
         }
     }
 
+    /// Adds a sum that is not looked for again.
+    pub(crate) fn push_sum(&mut self, class: Class, terms: &[ProductTerm], negated: bool) -> u32 {
+        self.push(class, FormKind::Sum, terms, negated)
+    }
+
     /// Adds a sum or product that is not known.
     pub(crate) fn insert_new(
         &mut self,
@@ -229,11 +234,15 @@ impl FormStore {
 
     /// The sum or product of these terms.
     pub(crate) fn find(&self, terms: &[ProductTerm], product: bool) -> Option<u32> {
-        let kind = FormKind::of(product);
-        let equal = |form: u32| {
-            self.records[form as usize].kind() == kind && self.terms[self.range(form)] == *terms
-        };
+        let equal = |form: u32| self.is(form, terms, product);
         self.known.find(hash(terms, product), equal)
+    }
+
+    /// True when a form is the sum or product of these terms.
+    #[inline]
+    pub(crate) fn is(&self, form: u32, terms: &[ProductTerm], product: bool) -> bool {
+        self.records[form as usize].kind() == FormKind::of(product)
+            && self.terms[self.range(form)] == *terms
     }
 
     /// Gives every class another number and puts the forms into their order;
@@ -340,6 +349,7 @@ impl FormStore {
     }
 }
 
-fn hash(terms: &[ProductTerm], product: bool) -> u64 {
+/// The hash that a sum or product is found by.
+pub(crate) fn hash(terms: &[ProductTerm], product: bool) -> u64 {
     FxBuildHasher.hash_one((terms, product))
 }

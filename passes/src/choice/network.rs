@@ -1,6 +1,6 @@
 //! Classes of equal values and their forms.
 
-use super::forms::{ChoiceForm, FormStore, ProductTerm};
+use super::forms::{ChoiceForm, FormStore, ProductTerm, hash};
 use super::recent::RecentSums;
 use crate::sums::terms::cancel;
 use crate::sums::values::ValueTable;
@@ -52,6 +52,10 @@ pub(crate) struct Opaque {
     /// True when the class is the negation of the result.
     pub(crate) negative: bool,
 }
+
+/// Sums that are forms of one class, with their hashes.
+#[derive(Default)]
+pub(crate) struct OwnForms(Vec<(u64, u32)>);
 
 /// What is known of a class besides its value.
 #[derive(Clone, Copy, Debug)]
@@ -321,6 +325,41 @@ impl ChoiceNetwork {
         }
         let flipped = normalise(terms);
         self.add_form(class, terms, false, negated ^ flipped);
+    }
+
+    /// As [`ChoiceNetwork::add_sum`] of a sum that was composed for the class,
+    /// but refused only when it is one of `own`, forms of the class with their
+    /// hashes, which it becomes one of. Nothing else needs to find it, and the
+    /// table of all forms would be several times as large with such forms.
+    pub(crate) fn add_composed(
+        &mut self,
+        class: Class,
+        terms: &mut [ProductTerm],
+        own: &mut OwnForms,
+    ) {
+        if terms.len() < 2 {
+            return self.add_sum(class, terms, false);
+        }
+        let flipped = normalise(terms);
+        let hash = hash(terms, false);
+        let is_it =
+            |&(known, form): &(u64, u32)| known == hash && self.forms.is(form, terms, false);
+        if !own.0.iter().any(is_it) && self.is_allowed(class, terms) {
+            let form = self.forms.push_sum(class, terms, flipped);
+            self.note_form(class, form);
+            own.0.push((hash, form));
+        }
+    }
+
+    /// The forms of a class that composed ones are compared with: the one it
+    /// was made with.
+    pub(crate) fn own_forms(&self, class: Class, own: &mut OwnForms) {
+        own.0.clear();
+        if let Some(first) = self.first_form(class) {
+            if let ChoiceForm::Sum(terms) = self.form(first) {
+                own.0.push((hash(terms, false), first));
+            }
+        }
     }
 
     /// Adds a product as a form of a class, as [`ChoiceNetwork::add_sum`].
