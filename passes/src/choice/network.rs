@@ -351,14 +351,14 @@ impl ChoiceNetwork {
         }
     }
 
-    /// The forms of a class that composed ones are compared with: the one it
-    /// was made with.
+    /// Finds the forms of a class that composed ones are compared with: the one
+    /// it was made with, when that is a sum.
     pub(crate) fn own_forms(&self, class: Class, own: &mut OwnForms) {
         own.0.clear();
-        if let Some(first) = self.first_form(class) {
-            if let ChoiceForm::Sum(terms) = self.form(first) {
-                own.0.push((hash(terms, false), first));
-            }
+        if let Some(first) = self.first_form(class)
+            && let ChoiceForm::Sum(terms) = self.form(first)
+        {
+            own.0.push((hash(terms, false), first));
         }
     }
 

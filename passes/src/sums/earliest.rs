@@ -69,9 +69,14 @@ pub(crate) fn finish(arrivals: impl IntoIterator<Item = u32>, weight: u32) -> u3
         return time;
     }
     let done = two.latest.saturating_add(weight);
-    if fits(times.iter().copied(), weight, done) {
-        return done;
+    match fits(times.iter().copied(), weight, done) {
+        true => done,
+        false => joined(times, weight),
     }
+}
+
+/// When the last operation of a sum or product of two operands or more is done.
+pub(crate) fn joined(mut times: SmallVec<[u32; 32]>, weight: u32) -> u32 {
     times.sort_unstable();
     // Results come in the order of their times: they queue up in the places
     // of the operands that have been taken.
