@@ -20,7 +20,7 @@
 
 use super::forms::{ChoiceForm, ProductTerm};
 use super::import::{Import, import};
-use super::network::{ChoiceNetwork, Class};
+use super::network::{ChoiceNetwork, Class, OwnForms};
 use super::timing::Arrivals;
 use robovec_analysis::critical_path::Weights;
 use robovec_framework::pass::Context;
@@ -114,6 +114,8 @@ struct CompositionSpace {
     coefficients: Vec<Vec<ProductTerm>>,
     rest: Vec<ProductTerm>,
     made: Vec<ProductTerm>,
+    /// Forms of the class that is composed for.
+    own: OwnForms,
 }
 
 /// A function as a network whose classes have forms that look back, and the
@@ -189,6 +191,7 @@ impl Composer<'_> {
         let (mut direct, mut split) = (LastComposition::default(), LastComposition::default());
         let first = self.made.len() as u32;
         let mut space = std::mem::take(&mut self.space);
+        self.network.own_forms(class, &mut space.own);
         for &frontier in &frontiers {
             space.outer.clear();
             space.outer.extend_from_slice(&base);
@@ -371,7 +374,8 @@ impl Composer<'_> {
             false => Composed::Added,
         };
         self.network.tidy(&mut space.made);
-        self.network.add_sum(class, &mut space.made, false);
+        self.network
+            .add_composed(class, &mut space.made, &mut space.own);
         made
     }
 }

@@ -2,19 +2,36 @@
 //! networks have millions of classes.
 
 use super::network::Class;
-use hashbrown::HashTable;
+use crate::sums::places::PlaceTable;
 use robovec_ir::Input;
 use rustc_hash::FxBuildHasher;
+use std::cmp::Ordering;
 use std::hash::BuildHasher;
 use std::ops::Range;
 
 /// A signed product of two classes; the second is [`Class::ONE`] for a plain
 /// term. Ordered by the classes, then by the sign.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(crate) struct ProductTerm {
     pub(crate) a: Class,
     /// The second class, shifted left, and the sign.
     second: u32,
+}
+
+impl Ord for ProductTerm {
+    #[inline]
+    fn cmp(&self, other: &ProductTerm) -> Ordering {
+        // One comparison: terms are sorted more often than anything else.
+        let key = |term: &ProductTerm| u64::from(term.a.0) << 32 | u64::from(term.second);
+        key(self).cmp(&key(other))
+    }
+}
+
+impl PartialOrd for ProductTerm {
+    #[inline]
+    fn partial_cmp(&self, other: &ProductTerm) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
 }
 
 impl ProductTerm {
@@ -142,7 +159,7 @@ pub(crate) struct FormStore {
     constants: Vec<u64>,
     /// Sums and products by their terms. Equal terms have equal values, and
     /// are a form of one class.
-    known: HashTable<u32>,
+    known: PlaceTable,
 }
 
 impl FormStore {
@@ -191,33 +208,48 @@ impl FormStore {
         product: bool,
         negated: bool,
     ) -> Option<u32> {
-        if self.find(terms, product).is_some() {
-            return None;
+        match self.find(terms, product) {
+            Some(_) => None,
+            None => Some(self.insert_new(class, terms, product, negated)),
         }
+    }
+
+    /// Adds a sum that is not looked for again.
+    pub(crate) fn push_sum(&mut self, class: Class, terms: &[ProductTerm], negated: bool) -> u32 {
+        self.push(class, FormKind::Sum, terms, negated)
+    }
+
+    /// Adds a sum or product that is not known.
+    pub(crate) fn insert_new(
+        &mut self,
+        class: Class,
+        terms: &[ProductTerm],
+        product: bool,
+        negated: bool,
+    ) -> u32 {
         let form = self.push(class, FormKind::of(product), terms, negated);
-        let mut known = std::mem::take(&mut self.known);
-        known.insert_unique(hash(terms, product), form, |&form| {
-            let product = self.records[form as usize].kind() == FormKind::Product;
-            hash(&self.terms[self.range(form)], product)
-        });
-        self.known = known;
-        Some(form)
+        self.known.insert(hash(terms, product), form);
+        form
     }
 
     /// The sum or product of these terms.
     pub(crate) fn find(&self, terms: &[ProductTerm], product: bool) -> Option<u32> {
-        let kind = FormKind::of(product);
-        let equal = |&form: &u32| {
-            self.records[form as usize].kind() == kind && self.terms[self.range(form)] == *terms
-        };
-        self.known.find(hash(terms, product), equal).copied()
+        let equal = |form: u32| self.is(form, terms, product);
+        self.known.find(hash(terms, product), equal)
+    }
+
+    /// True when a form is the sum or product of these terms.
+    #[inline]
+    pub(crate) fn is(&self, form: u32, terms: &[ProductTerm], product: bool) -> bool {
+        self.records[form as usize].kind() == FormKind::of(product)
+            && self.terms[self.range(form)] == *terms
     }
 
     /// Gives every class another number and puts the forms into their order;
     /// those of one class stay in the order they were made. No form is found
     /// any more.
     pub(crate) fn sort(&mut self, numbers: &[Class]) {
-        self.known = HashTable::new();
+        self.known = PlaceTable::default();
         for form in 0..self.records.len() {
             let range = self.range(form as u32);
             let record = self.records[form];
@@ -235,7 +267,7 @@ impl FormStore {
             records: Vec::with_capacity(self.records.len()),
             terms: Vec::with_capacity(self.terms.len()),
             constants: std::mem::take(&mut self.constants),
-            known: HashTable::new(),
+            known: PlaceTable::default(),
         };
         // What was moved is freed part by part: there is never a second copy.
         let mut begin = 0;
@@ -317,6 +349,7 @@ impl FormStore {
     }
 }
 
-fn hash(terms: &[ProductTerm], product: bool) -> u64 {
+/// The hash that a sum or product is found by.
+pub(crate) fn hash(terms: &[ProductTerm], product: bool) -> u64 {
     FxBuildHasher.hash_one((terms, product))
 }

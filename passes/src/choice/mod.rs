@@ -32,6 +32,7 @@ pub(crate) mod import;
 pub(crate) mod map;
 pub(crate) mod network;
 mod order;
+mod recent;
 pub(crate) mod search;
 pub(crate) mod timing;
 mod trial;

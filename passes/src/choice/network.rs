@@ -1,6 +1,7 @@
 //! Classes of equal values and their forms.
 
-use super::forms::{ChoiceForm, FormStore, ProductTerm};
+use super::forms::{ChoiceForm, FormStore, ProductTerm, hash};
+use super::recent::RecentSums;
 use crate::sums::terms::cancel;
 use crate::sums::values::ValueTable;
 use robovec_framework::fingerprint::{Fingerprint, Images};
@@ -52,6 +53,10 @@ pub(crate) struct Opaque {
     pub(crate) negative: bool,
 }
 
+/// Sums that are forms of one class, with their hashes.
+#[derive(Default)]
+pub(crate) struct OwnForms(Vec<(u64, u32)>);
+
 /// What is known of a class besides its value.
 #[derive(Clone, Copy, Debug)]
 struct Record {
@@ -75,6 +80,7 @@ pub(crate) struct ChoiceNetwork {
     /// Symbols that classes are named after, and equations they come from.
     origins: Vec<(Symbol, SourceSet)>,
     forms: FormStore,
+    recent: RecentSums,
     pub(crate) opaques: Vec<Opaque>,
     /// The symbol that new classes are named after, and their sources.
     pub(crate) origin: (Symbol, SourceSet),
@@ -89,6 +95,7 @@ impl ChoiceNetwork {
             classes: Vec::new(),
             origins: Vec::new(),
             forms: FormStore::default(),
+            recent: RecentSums::default(),
             opaques: Vec::new(),
             origin: (Symbol(0), SourceSet::EMPTY),
         };
@@ -113,6 +120,7 @@ impl ChoiceNetwork {
     /// can be added any more; what finds classes and forms is freed.
     pub(crate) fn sort(&mut self) -> Vec<Class> {
         self.values = ValueTable::new(self.values.images);
+        self.recent = RecentSums::default();
         let ranks = std::mem::take(&mut self.ranks);
         let mut order: Vec<u32> = (0..ranks.len() as u32).collect();
         order.sort_unstable_by_key(|&class| (ranks[class as usize], class));
@@ -319,6 +327,41 @@ impl ChoiceNetwork {
         self.add_form(class, terms, false, negated ^ flipped);
     }
 
+    /// As [`ChoiceNetwork::add_sum`] of a sum that was composed for the class,
+    /// but refused only when it is one of `own`, forms of the class with their
+    /// hashes, which it becomes one of. Nothing else needs to find it, and the
+    /// table of all forms would be several times as large with such forms.
+    pub(crate) fn add_composed(
+        &mut self,
+        class: Class,
+        terms: &mut [ProductTerm],
+        own: &mut OwnForms,
+    ) {
+        if terms.len() < 2 {
+            return self.add_sum(class, terms, false);
+        }
+        let flipped = normalise(terms);
+        let hash = hash(terms, false);
+        let is_it =
+            |&(known, form): &(u64, u32)| known == hash && self.forms.is(form, terms, false);
+        if !own.0.iter().any(is_it) && self.is_allowed(class, terms) {
+            let form = self.forms.push_sum(class, terms, flipped);
+            self.note_form(class, form);
+            own.0.push((hash, form));
+        }
+    }
+
+    /// Finds the forms of a class that composed ones are compared with: the one
+    /// it was made with, when that is a sum.
+    pub(crate) fn own_forms(&self, class: Class, own: &mut OwnForms) {
+        own.0.clear();
+        if let Some(first) = self.first_form(class)
+            && let ChoiceForm::Sum(terms) = self.form(first)
+        {
+            own.0.push((hash(terms, false), first));
+        }
+    }
+
     /// Adds a product as a form of a class, as [`ChoiceNetwork::add_sum`].
     pub(crate) fn add_product(&mut self, class: Class, factors: &mut [Class], negated: bool) {
         let terms = sorted_factors(factors);
@@ -326,14 +369,27 @@ impl ChoiceNetwork {
     }
 
     fn add_form(&mut self, class: Class, terms: &[ProductTerm], product: bool, negated: bool) {
-        let rank = self.rank(class);
-        let low = |class: Class| self.ranks[class.index()] < rank;
-        if terms.len() < 2 || !terms.iter().all(|term| low(term.a) && low(term.b())) {
+        if !self.is_allowed(class, terms) {
             return;
         }
         if let Some(form) = self.forms.insert(class, terms, product, negated) {
             self.note_form(class, form);
         }
+    }
+
+    /// As [`add_form`](ChoiceNetwork::add_form), of terms that are not known.
+    fn add_new_form(&mut self, class: Class, terms: &[ProductTerm], product: bool, negated: bool) {
+        if self.is_allowed(class, terms) {
+            let form = self.forms.insert_new(class, terms, product, negated);
+            self.note_form(class, form);
+        }
+    }
+
+    /// True when terms can be a form of a class.
+    fn is_allowed(&self, class: Class, terms: &[ProductTerm]) -> bool {
+        let rank = self.rank(class);
+        let low = |class: Class| self.ranks[class.index()] < rank;
+        terms.len() >= 2 && terms.iter().all(|term| low(term.a) && low(term.b()))
     }
 
     /// The class that has these terms as a form, and whether they are the
@@ -350,9 +406,30 @@ impl ChoiceNetwork {
     /// when the value is zero. A sum that is a class already known is that
     /// class.
     pub(crate) fn sum(&mut self, terms: &mut Vec<ProductTerm>) -> Option<SignedClass> {
+        if let [] | [_] = terms[..] {
+            return self.new_sum(terms);
+        }
+        let place = RecentSums::place(terms);
+        if let Some(class) = self.recent.find(place, terms) {
+            return class;
+        }
+        let given = SmallVec::from_slice(terms);
+        let class = self.new_sum(terms);
+        self.recent.keep(place, given, class);
+        class
+    }
+
+    /// As [`ChoiceNetwork::sum`], of a sum that may not have been looked for.
+    fn new_sum(&mut self, terms: &mut Vec<ProductTerm>) -> Option<SignedClass> {
         self.tidy(terms);
         match terms[..] {
             [] => return None,
+            [term] if !term.is_product() => {
+                return Some(SignedClass {
+                    class: term.a,
+                    negative: term.negative(),
+                });
+            }
             [term] => {
                 return Some(self.signed_product(&mut [term.a, term.b()], term.negative()));
             }
@@ -371,7 +448,7 @@ impl ChoiceNetwork {
         // A new class has the sign of the sum as it was given.
         let value = self.values.images.negate_if(flipped, value);
         let signed = self.class(value, rank.unwrap_or(0) + 1);
-        self.add_form(signed.class, terms, false, signed.negative ^ flipped);
+        self.add_new_form(signed.class, terms, false, signed.negative ^ flipped);
         Some(signed)
     }
 
@@ -397,7 +474,7 @@ impl ChoiceNetwork {
         // A new class has the sign of the product as it was given.
         let value = self.values.images.negate_if(negative, value);
         let signed = self.class(value, rank.unwrap_or(0) + 1);
-        self.add_form(signed.class, terms, true, signed.negative ^ negative);
+        self.add_new_form(signed.class, terms, true, signed.negative ^ negative);
         signed
     }
 
@@ -406,7 +483,9 @@ impl ChoiceNetwork {
         for term in terms.iter_mut() {
             *term = term.ordered();
         }
-        cancel(terms, ProductTerm::opposite);
+        if terms.len() > 1 {
+            cancel(terms, ProductTerm::opposite);
+        }
     }
 }
 

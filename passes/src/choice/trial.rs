@@ -3,13 +3,13 @@
 use super::curves::{CurvePoint, Curves, is_beaten};
 use super::dense::FormsByClass;
 use super::forms::ChoiceForm;
-use crate::sums::earliest::{LatestTwo, finish, fits, levels};
+use crate::sums::earliest::{LatestTwo, fits, joined, levels};
 use robovec_ir::Operation;
 use smallvec::SmallVec;
 
 /// A class that a form uses, with a point of its curve.
 #[derive(Clone, Copy)]
-struct Slot {
+struct TrialSlot {
     class: u32,
     point: u32,
     arrival: u32,
@@ -32,7 +32,7 @@ struct TrialTerm {
 #[derive(Default)]
 pub(super) struct FormTrial {
     form: u32,
-    slots: Vec<Slot>,
+    slots: Vec<TrialSlot>,
     terms: Vec<TrialTerm>,
     /// Weight of what joins the terms.
     weight: u32,
@@ -92,7 +92,7 @@ impl FormTrial {
                 return false;
             };
             let CurvePoint { arrival, flow, .. } = curves.point(class, last);
-            self.slots.push(Slot {
+            self.slots.push(TrialSlot {
                 class: class as u32,
                 point: last as u32,
                 arrival,
@@ -114,27 +114,31 @@ impl FormTrial {
         true
     }
 
-    /// When the form is available.
-    pub(super) fn arrival(&self) -> u32 {
-        let times = self.terms.iter().map(|term| term.time);
-        match self.is_opaque {
-            true => times.max().unwrap_or(0).saturating_add(self.weight),
-            false => finish(times, self.weight),
-        }
+    fn times(&self) -> impl Iterator<Item = u32> + '_ {
+        self.terms.iter().map(|term| term.time)
     }
 
-    /// A time before which the form is not available, and whether it is then.
+    /// A time before which the form is not available, and whether it is known
+    /// to be available then.
+    #[inline]
     fn bound(&self) -> (u32, bool) {
         if self.is_opaque {
-            return (self.arrival(), true);
+            let ready = self.times().max().unwrap_or(0);
+            return (ready.saturating_add(self.weight), true);
         }
         let mut two = LatestTwo::default();
-        for term in &self.terms {
-            two.add(term.time);
+        for time in self.times() {
+            two.add(time);
         }
-        let (time, exact) = two.finish(self.weight);
-        let times = self.terms.iter().map(|term| term.time);
-        (time, exact || fits(times, self.weight, time))
+        two.finish(self.weight)
+    }
+
+    /// When the form is available, which is not before a bound.
+    fn arrival(&self, (bound, is_exact): (u32, bool)) -> u32 {
+        match is_exact || fits(self.times(), self.weight, bound) {
+            true => bound,
+            false => joined(self.times().collect(), self.weight),
+        }
     }
 
     /// A time before which the form is not available whatever points are taken.
@@ -153,7 +157,7 @@ impl FormTrial {
         }
     }
 
-    fn slots(&self, term: TrialTerm) -> &[Slot] {
+    fn slots(&self, term: TrialTerm) -> &[TrialSlot] {
         let first = term.first as usize;
         &self.slots[first..=first + usize::from(term.is_product)]
     }
@@ -183,7 +187,7 @@ impl FormTrial {
         let term = self.terms[index];
         let ready = self.slots(term).iter().map(|slot| slot.arrival).max();
         let ready = ready.expect("a term has a class");
-        let is_late = |slot: &Slot| slot.arrival == ready;
+        let is_late = |slot: &TrialSlot| slot.arrival == ready;
         let mut late = self.slots(term).iter().filter(|slot| is_late(slot));
         if late.any(|slot| slot.point == 0) {
             self.terms[index].is_earliest = true;
@@ -216,9 +220,9 @@ impl FormTrial {
             if is_beaten(curve, earliest, flow) {
                 return;
             }
-            let (bound, is_exact) = self.bound();
-            if !is_beaten(curve, bound, flow) {
-                let arrival = if is_exact { bound } else { self.arrival() };
+            let bound = self.bound();
+            if !is_beaten(curve, bound.0, flow) {
+                let arrival = self.arrival(bound);
                 let point = CurvePoint {
                     arrival,
                     form,
@@ -238,7 +242,8 @@ impl FormTrial {
     /// Takes earlier points until the form is in time; whether it is.
     pub(super) fn meet(&mut self, curves: &Curves, required: u32) -> bool {
         loop {
-            if self.bound().0 <= required && self.arrival() <= required {
+            let (bound, is_exact) = self.bound();
+            if bound <= required && (is_exact || fits(self.times(), self.weight, required)) {
                 return true;
             }
             if !self.hasten(curves) {

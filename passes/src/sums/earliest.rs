@@ -30,12 +30,19 @@ impl LatestTwo {
     /// latest comes.
     #[inline]
     pub(crate) fn finish(self, weight: u32) -> (u32, bool) {
-        let Some(others) = self.count.checked_sub(2) else {
-            return (self.latest, true);
+        let others = match self.count {
+            0 | 1 => return (self.latest, true),
+            2 => return (self.latest.saturating_add(weight), true),
+            count => count - 2,
         };
+        // Of three operands or more the two latest are not joined alone.
+        let joined = self.latest.max(self.second.saturating_add(weight));
         let depth = usize::BITS - others.leading_zeros();
         let done = self.second.saturating_add(weight.saturating_mul(depth));
-        (self.latest.saturating_add(weight), done <= self.latest)
+        (
+            joined.saturating_add(weight),
+            others == 1 || done <= self.latest,
+        )
     }
 }
 
@@ -62,9 +69,14 @@ pub(crate) fn finish(arrivals: impl IntoIterator<Item = u32>, weight: u32) -> u3
         return time;
     }
     let done = two.latest.saturating_add(weight);
-    if fits(times.iter().copied(), weight, done) {
-        return done;
+    match fits(times.iter().copied(), weight, done) {
+        true => done,
+        false => joined(times, weight),
     }
+}
+
+/// When the last operation of a sum or product of two operands or more is done.
+pub(crate) fn joined(mut times: SmallVec<[u32; 32]>, weight: u32) -> u32 {
     times.sort_unstable();
     // Results come in the order of their times: they queue up in the places
     // of the operands that have been taken.

@@ -1,6 +1,6 @@
 //! Values known by their fingerprints, each up to its sign.
 
-use hashbrown::HashTable;
+use super::places::PlaceTable;
 use robovec_framework::fingerprint::{Fingerprint, Images};
 use robovec_num::arithmetic::Arithmetic;
 use rustc_hash::FxBuildHasher;
@@ -14,7 +14,7 @@ pub(crate) struct ValueTable {
     /// The images in which values are identified.
     pub(crate) images: Images,
     values: Vec<Fingerprint>,
-    places: HashTable<u32>,
+    places: PlaceTable,
 }
 
 impl ValueTable {
@@ -23,7 +23,7 @@ impl ValueTable {
         ValueTable {
             images,
             values: Vec::new(),
-            places: HashTable::new(),
+            places: PlaceTable::default(),
         }
     }
 
@@ -41,16 +41,21 @@ impl ValueTable {
 
     /// The place of a value, and whether it is the negation of what is there.
     pub(crate) fn find(&self, value: Fingerprint) -> Option<(u32, bool)> {
+        self.find_hashed(value, hash(&self.images, value))
+    }
+
+    fn find_hashed(&self, value: Fingerprint, hash: u64) -> Option<(u32, bool)> {
         let equal = is_equal(&self.images, &self.values, value);
-        let place = *self.places.find(hash(&self.images, value), equal)?;
+        let place = self.places.find(hash, equal)?;
         Some((place, value.is_negation_of(&self.values[place as usize])))
     }
 
     /// As [`ValueTable::find`]; a new value gets the next place.
     pub(crate) fn place(&mut self, value: Fingerprint) -> (u32, bool) {
-        self.find(value).unwrap_or_else(|| {
+        let hash = hash(&self.images, value);
+        self.find_hashed(value, hash).unwrap_or_else(|| {
             let place = self.push(value);
-            self.remember(place);
+            self.places.insert(hash, place);
             (place, false)
         })
     }
@@ -58,10 +63,9 @@ impl ValueTable {
     /// Lets the value at a place be found, unless an equal one is.
     pub(crate) fn remember(&mut self, place: u32) {
         let value = self.values[place as usize];
-        if self.find(value).is_none() {
-            let (images, values) = (&self.images, &self.values);
-            let again = |&place: &u32| hash(images, values[place as usize]);
-            self.places.insert_unique(again(&place), place, again);
+        let hash = hash(&self.images, value);
+        if self.find_hashed(value, hash).is_none() {
+            self.places.insert(hash, place);
         }
     }
 
@@ -69,9 +73,7 @@ impl ValueTable {
     pub(crate) fn forget(&mut self, place: u32) {
         let value = self.values[place as usize];
         let equal = is_equal(&self.images, &self.values, value);
-        if let Ok(entry) = self.places.find_entry(hash(&self.images, value), equal) {
-            entry.remove();
-        }
+        self.places.remove(hash(&self.images, value), equal);
     }
 
     /// Lets no value be found any more.
@@ -85,7 +87,7 @@ fn hash(images: &Images, value: Fingerprint) -> u64 {
 }
 
 /// Whether what is at a place is a value or its negation.
-fn is_equal(images: &Images, values: &[Fingerprint], value: Fingerprint) -> impl Fn(&u32) -> bool {
+fn is_equal(images: &Images, values: &[Fingerprint], value: Fingerprint) -> impl Fn(u32) -> bool {
     let negation = images.neg(value);
-    move |&place| [value, negation].contains(&values[place as usize])
+    move |place| [value, negation].contains(&values[place as usize])
 }
