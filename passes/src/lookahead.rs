@@ -1,5 +1,6 @@
 //! Look-ahead within a budget of operations.
 
+use crate::choice::chooser::ChoiceMethod;
 use crate::choice::compose::{CompositionLimits, look_ahead};
 use crate::choice::search::PathSearch;
 use robovec_analysis::critical_path::Weights;
@@ -53,6 +54,8 @@ declare_pass! {
         /// A value ready so many cycles before a frontier counts as early.
         pub window: u32 = 100 => NumberLimit::whole(
             0, 1_000_000, "no value is ready earlier"),
+        /// How forms are chosen; by curves up to 200,000 values considered.
+        pub choice: ChoiceMethod = ChoiceMethod::Curves,
         /// Rounds in which operations are saved again.
         pub rounds: u32 = 3 => NumberLimit::whole(
             0, 64, "operations are counted and chosen again for every value in every round"),
@@ -86,6 +89,7 @@ impl Pass for Lookahead {
             weights,
             shortest: self.path,
             rounds: self.rounds,
+            method: self.choice,
         };
         let before = search.size(function);
         let allowed = match self.operations {

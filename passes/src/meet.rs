@@ -1,5 +1,6 @@
 //! What several passes make of a function, chosen from value by value.
 
+use crate::choice::chooser::ChoiceMethod;
 use crate::choice::import::import_all;
 use crate::choice::search::PathSearch;
 use crate::optimise::VariantClass;
@@ -92,6 +93,8 @@ declare_pass! {
         /// `for=operations` the one allowed, 0 for any.
         pub path: u32 = 0 => NumberLimit::whole(
             0, 1_000_000_000, "no function takes more cycles"),
+        /// How forms are chosen; by curves up to 200,000 values considered.
+        pub choice: ChoiceMethod = ChoiceMethod::Curves,
         /// Rounds in which operations are saved again.
         pub rounds: u32 = 3 => NumberLimit::whole(
             0, 64, "operations are counted and chosen again for every value in every round"),
@@ -136,6 +139,7 @@ impl Pass for Meet {
             weights,
             shortest: self.path,
             rounds: self.rounds,
+            method: self.choice,
         };
         let before = search.size(function);
         let allowed = match (self.r#for, self.operations) {

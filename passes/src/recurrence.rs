@@ -1,6 +1,7 @@
 //! Linear recurrences solved by parallel prefix.
 
 use crate::balance::balanced;
+use crate::choice::chooser::{ChoiceMethod, FormChooser};
 use crate::choice::compose::{CompositionLimits, look_ahead};
 use crate::choice::emit::emit;
 use crate::choice::import::Import;
@@ -44,6 +45,8 @@ declare_pass! {
         /// A value ready so many cycles before such a point counts as early.
         pub window: u32 = 250 => NumberLimit::whole(
             0, 1_000_000, "no value is ready earlier"),
+        /// How forms are chosen; by curves up to 200,000 values considered.
+        pub choice: ChoiceMethod = ChoiceMethod::Curves,
         /// Rounds in which operations are saved again.
         pub rounds: u32 = 3 => NumberLimit::whole(
             0, 64, "operations are counted and chosen again for every value in every round"),
@@ -106,12 +109,13 @@ impl Recurrence {
         before: u32,
         tables: &mut Tables,
     ) -> Option<Function> {
-        let mut mapper = Mapper::new(&import.network, timing, &import.outputs);
-        let target = mapper.shortest().max(self.path);
+        let mapper = Mapper::new(&import.network, timing, &import.outputs);
+        let mut chooser = FormChooser::new(&mapper, self.choice, self.rounds);
+        let target = chooser.shortest().max(self.path);
         if target >= before {
             return None;
         }
-        let mapping = mapper.map(target, self.rounds);
+        let mapping = chooser.map(target);
         Some(emit(function, &import, &mapper, &mapping, timing, tables))
     }
 }

@@ -13,20 +13,22 @@
 //! within the rounding of double-double.
 //!
 //! A [`Mapping`](map::Mapping) chooses one form per class, as technology
-//! mappers do for logic networks. First every class gets a [curve](curves) of
-//! what it costs by when it is needed, sums of what its operands cost by then,
-//! a class's operations being shared among its users. From the outputs back
-//! classes are then given the form that adds least and is in time, and last
-//! operations are counted exactly (Mishchenko, Chatterjee and Brayton 2007). A
-//! class that several chosen forms use is paid for once.
+//! mappers do for logic networks: early enough, with few operations over all
+//! outputs, a class that several chosen forms use being paid for once. Forms
+//! are chosen by [curves](curve_map) of what a class costs by when it is
+//! needed, or, of large networks, by [flow]; then operations are counted
+//! exactly (Mishchenko, Chatterjee and Brayton 2007).
 //!
 //! **Invariant.** Every form of a class only uses classes of smaller rank, so
 //! any choice of forms is free of cycles.
 
+pub(crate) mod chooser;
 pub(crate) mod compose;
+mod curve_map;
 mod curves;
 mod dense;
 pub(crate) mod emit;
+mod flow;
 mod forms;
 pub(crate) mod import;
 pub(crate) mod map;

@@ -1,17 +1,12 @@
 //! The shortest path that a network allows within a budget of operations.
 
+use super::chooser::{ChoiceMethod, FormChooser};
 use super::emit::emit;
 use super::import::Import;
 use super::map::{Mapper, Mapping};
 use crate::balance::balanced;
 use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_ir::{Function, Tables};
-
-/// In how many steps the path is shortened at least.
-const STEPS: u32 = 3;
-
-/// The part of the path below which a step is not worth its time.
-const FINEST: u64 = 150;
 
 /// The step to try after one was too dear, from the operations before it, those
 /// allowed and those it took: where the budget should end, half way at most.
@@ -32,6 +27,7 @@ pub(crate) struct PathSearch<'a> {
     pub(crate) shortest: u32,
     /// Rounds in which operations are saved again.
     pub(crate) rounds: u32,
+    pub(crate) method: ChoiceMethod,
 }
 
 impl PathSearch<'_> {
@@ -52,26 +48,27 @@ impl PathSearch<'_> {
         before: (u32, u64),
         allowed: u64,
     ) -> Option<(Function, (u32, u64))> {
-        let mut mapper = Mapper::new(&self.import.network, self.timing, &self.import.outputs);
-        let fastest = mapper.shortest().max(self.shortest);
+        let mapper = Mapper::new(&self.import.network, self.timing, &self.import.outputs);
+        let mut chooser = FormChooser::new(&mapper, self.method, self.rounds);
+        let fastest = chooser.shortest().max(self.shortest);
+        let (steps, finest) = chooser.steps();
         let mut best: Option<(Function, (u32, u64))> = None;
         // A mapping is best modelled on one that is little later, so the path
         // is shortened step by step, and when a step is too dear by less.
-        let mut shares = mapper.shares();
         let mut reached = before;
-        let mut step = (before.0.saturating_sub(fastest) / STEPS).max(1);
-        while reached.0 > fastest && u64::from(step) * FINEST >= u64::from(reached.0) {
+        let mut step = (before.0.saturating_sub(fastest) / steps).max(1);
+        while reached.0 > fastest && u64::from(step) * finest >= u64::from(reached.0) {
             let target = reached.0.saturating_sub(step).max(fastest);
-            let mapping = mapper.map(target, self.rounds);
+            let mapping = chooser.map(target);
             let made = self.realise(tables, &mapper, &mapping);
             let size = self.size(&made);
             if size.1 > allowed {
                 step = smaller_step(step, (reached.1, allowed, size.1));
-                mapper.set_shares(&shares);
+                chooser.go_back();
                 continue;
             }
             reached = (target.min(size.0), size.1);
-            shares = mapper.shares();
+            chooser.keep(mapping);
             if best.as_ref().is_none_or(|(_, known)| size < *known) {
                 best = Some((made, size));
             }
@@ -82,12 +79,13 @@ impl PathSearch<'_> {
     /// The function with few operations that is no later than `shortest`, or
     /// any when that is 0.
     pub(crate) fn cheapest(&self, tables: &mut Tables) -> Option<(Function, (u32, u64))> {
-        let mut mapper = Mapper::new(&self.import.network, self.timing, &self.import.outputs);
+        let mapper = Mapper::new(&self.import.network, self.timing, &self.import.outputs);
+        let mut chooser = FormChooser::new(&mapper, self.method, self.rounds);
         let latest = match self.shortest {
             0 => u32::MAX,
-            path => path.max(mapper.shortest()),
+            path => path.max(chooser.shortest()),
         };
-        let mapping = mapper.map(latest, self.rounds);
+        let mapping = chooser.map(latest);
         let made = self.realise(tables, &mapper, &mapping);
         let size = self.size(&made);
         Some((made, size))

@@ -1,0 +1,118 @@
+//! One of two ways to choose forms.
+
+use super::curve_map::CurveMapper;
+use super::flow::MappingModel;
+use super::map::{Mapper, Mapping};
+use robovec_framework::option_words;
+
+option_words! {
+    /// How forms are chosen.
+    #[derive(Default)]
+    pub enum ChoiceMethod {
+        /// By curves of what a value costs by when it is needed: the best known.
+        #[default]
+        Curves = "curves",
+        /// By estimated shares of operations: several times quicker.
+        Flow = "flow",
+    }
+}
+
+/// The largest network that is chosen from by curves, in classes: the others
+/// would take minutes.
+const LARGEST_BY_CURVES: usize = 200_000;
+
+/// Chooses forms of a network, for one time after the other.
+pub(crate) enum FormChooser<'a, 'n> {
+    Curves {
+        chooser: CurveMapper<'a, 'n>,
+        /// The users of classes in the mappings that were kept.
+        kept: Vec<f32>,
+        rounds: u32,
+    },
+    Flow {
+        mapper: &'a Mapper<'n>,
+        earliest: Mapping,
+        /// The mapping that was kept last.
+        model: MappingModel,
+        rounds: u32,
+    },
+}
+
+impl<'a, 'n> FormChooser<'a, 'n> {
+    /// Large networks are always chosen from by flow.
+    pub(crate) fn new(
+        mapper: &'a Mapper<'n>,
+        method: ChoiceMethod,
+        rounds: u32,
+    ) -> FormChooser<'a, 'n> {
+        match method {
+            ChoiceMethod::Curves if mapper.forms.len() <= LARGEST_BY_CURVES => {
+                let chooser = CurveMapper::new(mapper);
+                FormChooser::Curves {
+                    kept: chooser.shares(),
+                    chooser,
+                    rounds,
+                }
+            }
+            _ => FormChooser::Flow {
+                mapper,
+                earliest: mapper.earliest(),
+                model: mapper.cheapest(rounds),
+                rounds,
+            },
+        }
+    }
+
+    /// The shortest path there is.
+    pub(crate) fn shortest(&self) -> u32 {
+        match self {
+            FormChooser::Curves { chooser, .. } => chooser.shortest(),
+            FormChooser::Flow {
+                mapper, earliest, ..
+            } => mapper.path(earliest),
+        }
+    }
+
+    /// In how many steps a search shortens the path at least, and the part of
+    /// the path below which a step is not worth its time.
+    pub(crate) fn steps(&self) -> (u32, u64) {
+        match self {
+            FormChooser::Curves { .. } => (3, 150),
+            FormChooser::Flow { .. } => (10, 400),
+        }
+    }
+
+    /// A mapping with few operations and no output later than `latest`.
+    pub(crate) fn map(&mut self, latest: u32) -> Mapping {
+        match self {
+            FormChooser::Curves {
+                chooser, rounds, ..
+            } => chooser.map(latest, *rounds),
+            FormChooser::Flow {
+                mapper,
+                earliest,
+                model,
+                rounds,
+            } => {
+                let mut mapping = earliest.clone();
+                mapper.recover(&mut mapping, latest, *rounds, Some(model));
+                mapping
+            }
+        }
+    }
+
+    /// Lets the next mapping be modelled on one.
+    pub(crate) fn keep(&mut self, mapping: Mapping) {
+        match self {
+            FormChooser::Curves { chooser, kept, .. } => *kept = chooser.shares(),
+            FormChooser::Flow { model, .. } => *model = mapping.into_model(),
+        }
+    }
+
+    /// Forgets the mappings made since one was kept.
+    pub(crate) fn go_back(&mut self) {
+        if let FormChooser::Curves { chooser, kept, .. } = self {
+            chooser.set_shares(kept);
+        }
+    }
+}
