@@ -2,7 +2,7 @@
 
 use crate::choice::chooser::ChoiceMethod;
 use crate::choice::compose::{CompositionLimits, look_ahead};
-use crate::choice::search::PathSearch;
+use crate::choice::search::{self, PathSearch};
 use robovec_analysis::critical_path::Weights;
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
@@ -30,14 +30,11 @@ declare_pass! {
     /// is used. `balance,cse,dce` belong behind this pass.
     pub struct Lookahead("lookahead") {
         /// Operations allowed, in percent of those the function has.
-        pub growth: u32 = 100 => NumberLimit::whole(
-            0, 10_000, "operations become up to a hundred times those there are"),
+        pub growth: u32 = 100 => search::GROWTH,
         /// Operations allowed, as a number; 0 leaves it to `growth`.
-        pub operations: u32 = 0 => NumberLimit::whole(
-            0, 100_000_000, "no function has more operations"),
+        pub operations: u32 = 0 => search::OPERATIONS,
         /// Longest path wanted, in cycles: nothing is spent on a shorter one.
-        pub path: u32 = 0 => NumberLimit::whole(
-            0, 1_000_000_000, "no function takes more cycles"),
+        pub path: u32 = 0 => search::PATH,
         /// Cycles from one frontier to the next.
         pub grid: u32 = 10 => NumberLimit::whole(
             1, 1_000_000, "no frontier is left to look back to"),
@@ -55,10 +52,9 @@ declare_pass! {
         pub window: u32 = 100 => NumberLimit::whole(
             0, 1_000_000, "no value is ready earlier"),
         /// How forms are chosen; by curves up to 200,000 values considered.
-        pub choice: ChoiceMethod = ChoiceMethod::Curves,
+        pub choice: ChoiceMethod = ChoiceMethod::default(),
         /// Rounds in which operations are saved again.
-        pub rounds: u32 = 3 => NumberLimit::whole(
-            0, 64, "operations are counted and chosen again for every value in every round"),
+        pub rounds: u32 = 3 => search::ROUNDS,
     }
     takes: [Atomic],
     gives: Gives::Level(Level::Atomic),
@@ -92,15 +88,8 @@ impl Pass for Lookahead {
             method: self.choice,
         };
         let before = search.size(function);
-        let allowed = match self.operations {
-            0 => before.1 * u64::from(self.growth) / 100,
-            operations => u64::from(operations),
-        };
-        let (forms, classes) = (import.network.form_count(), import.network.len());
-        context
-            .statistics
-            .push(("values considered", classes as u64));
-        context.statistics.push(("forms considered", forms as u64));
+        let allowed = search::allowed(self.operations, self.growth, before.1);
+        context.statistics.extend(import.counts());
         let mut cycles = 0;
         if let Some((new, (path, _))) = search.run(context.tables, before, allowed) {
             cycles = u64::from(before.0 - path);

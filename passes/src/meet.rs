@@ -1,8 +1,8 @@
 //! What several passes make of a function, chosen from value by value.
 
 use crate::choice::chooser::ChoiceMethod;
-use crate::choice::import::import_all;
-use crate::choice::search::PathSearch;
+use crate::choice::import::import;
+use crate::choice::search::{self, PathSearch};
 use crate::optimise::VariantClass;
 use robovec_analysis::class::NumericClass;
 use robovec_analysis::critical_path::Weights;
@@ -13,7 +13,6 @@ use robovec_framework::pass::{Context, Gives, NestedReport, Pass, PassError, Reg
 use robovec_framework::pipeline::Pipeline;
 use robovec_framework::{declare_pass, option_words};
 use robovec_ir::{Function, Level};
-use robovec_num::limits::NumberLimit;
 
 /// Texts of pipelines that are run side by side.
 #[derive(Clone, PartialEq, Debug)]
@@ -84,20 +83,16 @@ declare_pass! {
         /// What moves may rest on.
         pub class: VariantClass = VariantClass::Real,
         /// Operations allowed, in percent of those the function has.
-        pub growth: u32 = 100 => NumberLimit::whole(
-            0, 10_000, "operations become up to a hundred times those there are"),
+        pub growth: u32 = 100 => search::GROWTH,
         /// Operations allowed, as a number; 0 leaves it to `growth`.
-        pub operations: u32 = 0 => NumberLimit::whole(
-            0, 100_000_000, "no function has more operations"),
+        pub operations: u32 = 0 => search::OPERATIONS,
         /// Longest path, in cycles: nothing is spent on a shorter one. With
         /// `for=operations` the one allowed, 0 for any.
-        pub path: u32 = 0 => NumberLimit::whole(
-            0, 1_000_000_000, "no function takes more cycles"),
+        pub path: u32 = 0 => search::PATH,
         /// How forms are chosen; by curves up to 200,000 values considered.
-        pub choice: ChoiceMethod = ChoiceMethod::Curves,
+        pub choice: ChoiceMethod = ChoiceMethod::default(),
         /// Rounds in which operations are saved again.
-        pub rounds: u32 = 3 => NumberLimit::whole(
-            0, 64, "operations are counted and chosen again for every value in every round"),
+        pub rounds: u32 = 3 => search::ROUNDS,
     }
     takes: [Atomic],
     gives: Gives::Level(Level::Atomic),
@@ -121,17 +116,11 @@ impl Pass for Meet {
         let circle = self.class == VariantClass::RealTrig;
         let functions: Vec<&Function> = variants.iter().collect();
         let images = Images::of(function, circle);
-        let Some(mut import) = import_all(&functions, context.tables, timing, images) else {
-            let reason = "a value is undefined everywhere; nothing is changed";
-            context.remarks.push(reason.to_owned());
+        let Some(mut import) = import(&functions, context, timing, images) else {
             return Ok(());
         };
         import.sort();
-        let (forms, classes) = (import.network.form_count(), import.network.len());
-        context.statistics.extend([
-            ("values considered", classes as u64),
-            ("forms considered", forms as u64),
-        ]);
+        context.statistics.extend(import.counts());
         let search = PathSearch {
             function,
             import: &import,
@@ -142,11 +131,7 @@ impl Pass for Meet {
             method: self.choice,
         };
         let before = search.size(function);
-        let allowed = match (self.r#for, self.operations) {
-            (MeetGoal::Operations, _) => u64::MAX,
-            (MeetGoal::Path, 0) => before.1 * u64::from(self.growth) / 100,
-            (MeetGoal::Path, operations) => u64::from(operations),
-        };
+        let allowed = search::allowed(self.operations, self.growth, before.1);
         // The function itself may be none of those allowed, and stays when no
         // other is.
         let is_allowed = |&(path, operations): &(u32, u64)| match self.r#for {
@@ -162,7 +147,7 @@ impl Pass for Meet {
         let best = fit.min_by_key(|&at| key(&sizes[at])).unwrap_or(0);
         let chosen = match self.r#for {
             MeetGoal::Path => search.run(context.tables, sizes[best], allowed),
-            MeetGoal::Operations => search.cheapest(context.tables),
+            MeetGoal::Operations => Some(search.cheapest(context.tables)),
         };
         let chosen = chosen.filter(|(_, size)| is_allowed(size) && key(size) < key(&sizes[best]));
         let size = chosen.as_ref().map_or(sizes[best], |(_, size)| *size);

@@ -6,6 +6,7 @@ use crate::choice::compose::{CompositionLimits, look_ahead};
 use crate::choice::emit::emit;
 use crate::choice::import::Import;
 use crate::choice::map::Mapper;
+use crate::choice::search;
 use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
@@ -31,8 +32,7 @@ declare_pass! {
     /// its path does not become shorter. `balance,cse,dce` belong behind it.
     pub struct Recurrence("recurrence") {
         /// Longest path wanted, in cycles: nothing is spent on a shorter one.
-        pub path: u32 = 0 => NumberLimit::whole(
-            0, 1_000_000_000, "no function takes more cycles"),
+        pub path: u32 = 0 => search::PATH,
         /// Smallest distance between points to look back to, in cycles.
         pub grid: u32 = 40 => NumberLimit::whole(
             1, 1_000_000, "no point is left to look back to"),
@@ -46,10 +46,9 @@ declare_pass! {
         pub window: u32 = 250 => NumberLimit::whole(
             0, 1_000_000, "no value is ready earlier"),
         /// How forms are chosen; by curves up to 200,000 values considered.
-        pub choice: ChoiceMethod = ChoiceMethod::Curves,
+        pub choice: ChoiceMethod = ChoiceMethod::default(),
         /// Rounds in which operations are saved again.
-        pub rounds: u32 = 3 => NumberLimit::whole(
-            0, 64, "operations are counted and chosen again for every value in every round"),
+        pub rounds: u32 = 3 => search::ROUNDS,
     }
     takes: [Atomic],
     gives: Gives::Level(Level::Atomic),
@@ -76,12 +75,9 @@ impl Pass for Recurrence {
         let Some((import, chain)) = look_ahead(function, context, timing, limits) else {
             return Ok(());
         };
-        let (classes, forms) = (import.network.len(), import.network.form_count());
-        context.statistics.extend([
-            ("equations in the longest recurrence", u64::from(chain)),
-            ("values considered", classes as u64),
-            ("forms considered", forms as u64),
-        ]);
+        let chain = ("equations in the longest recurrence", u64::from(chain));
+        context.statistics.push(chain);
+        context.statistics.extend(import.counts());
         let mut cycles = 0;
         let tables = &mut *context.tables;
         if let Some(raw) = self.shortest(function, import, timing, before, tables) {

@@ -71,8 +71,9 @@ pub fn arrivals(function: &Function, weights: &Weights) -> Vec<u32> {
         let ready = node
             .operands
             .map(|operand| operand.entry(&arrivals).copied());
+        // What is no value is there from the start.
         let ready = ready.map(Option::unwrap_or_default);
-        let ready = ready[0].max(ready[1]).max(ready[2]);
+        let ready = ready.into_iter().fold(0, u32::max);
         arrivals.push(ready.saturating_add(weights.of(node.operation)));
     }
     arrivals

@@ -24,9 +24,7 @@ const LARGEST_BY_CURVES: usize = 200_000;
 /// Chooses forms of a network, for one time after the other.
 pub(crate) enum FormChooser<'a, 'n> {
     Curves {
-        chooser: CurveMapper<'a, 'n>,
-        /// The users of classes in the mappings that were kept.
-        kept: Vec<f32>,
+        mapper: CurveMapper<'a, 'n>,
         rounds: u32,
     },
     Flow {
@@ -47,12 +45,8 @@ impl<'a, 'n> FormChooser<'a, 'n> {
     ) -> FormChooser<'a, 'n> {
         match method {
             ChoiceMethod::Curves if mapper.forms.len() <= LARGEST_BY_CURVES => {
-                let chooser = CurveMapper::new(mapper);
-                FormChooser::Curves {
-                    kept: chooser.shares(),
-                    chooser,
-                    rounds,
-                }
+                let mapper = CurveMapper::new(mapper);
+                FormChooser::Curves { mapper, rounds }
             }
             _ => FormChooser::Flow {
                 mapper,
@@ -66,7 +60,7 @@ impl<'a, 'n> FormChooser<'a, 'n> {
     /// The shortest path there is.
     pub(crate) fn shortest(&self) -> u32 {
         match self {
-            FormChooser::Curves { chooser, .. } => chooser.shortest(),
+            FormChooser::Curves { mapper, .. } => mapper.shortest(),
             FormChooser::Flow {
                 mapper, earliest, ..
             } => mapper.path(earliest),
@@ -85,9 +79,7 @@ impl<'a, 'n> FormChooser<'a, 'n> {
     /// A mapping with few operations and no output later than `latest`.
     pub(crate) fn map(&mut self, latest: u32) -> Mapping {
         match self {
-            FormChooser::Curves {
-                chooser, rounds, ..
-            } => chooser.map(latest, *rounds),
+            FormChooser::Curves { mapper, rounds } => mapper.map(latest, *rounds),
             FormChooser::Flow {
                 mapper,
                 earliest,
@@ -104,15 +96,15 @@ impl<'a, 'n> FormChooser<'a, 'n> {
     /// Lets the next mapping be modelled on one.
     pub(crate) fn keep(&mut self, mapping: Mapping) {
         match self {
-            FormChooser::Curves { chooser, kept, .. } => *kept = chooser.shares(),
+            FormChooser::Curves { mapper, .. } => mapper.keep(),
             FormChooser::Flow { model, .. } => *model = mapping.into_model(),
         }
     }
 
     /// Forgets the mappings made since one was kept.
     pub(crate) fn go_back(&mut self) {
-        if let FormChooser::Curves { chooser, kept, .. } = self {
-            chooser.set_shares(kept);
+        if let FormChooser::Curves { mapper, .. } = self {
+            mapper.go_back();
         }
     }
 }

@@ -23,6 +23,7 @@ use super::import::{Import, import};
 use super::network::{ChoiceNetwork, Class, OwnForms};
 use super::timing::Arrivals;
 use robovec_analysis::critical_path::Weights;
+use robovec_framework::fingerprint::Images;
 use robovec_framework::pass::Context;
 use robovec_ir::Function;
 use smallvec::{SmallVec, smallvec};
@@ -127,11 +128,8 @@ pub(crate) fn look_ahead(
     timing: Weights,
     limits: CompositionLimits,
 ) -> Option<(Import, u32)> {
-    let Some(mut import) = import(function, context.tables, timing) else {
-        let reason = "a value is undefined everywhere; nothing is changed";
-        context.remarks.push(reason.to_owned());
-        return None;
-    };
+    let images = Images::of(function, false);
+    let mut import = import(&[function], context, timing, images)?;
     let chain = add_forms(&mut import, limits);
     import.sort();
     Some((import, chain))

@@ -7,6 +7,7 @@
 
 use super::curves::Curves;
 use super::map::{Mapper, Mapping};
+use super::timing::NEVER;
 use super::trial::FormTrial;
 
 /// Chooses forms by curves.
@@ -16,6 +17,8 @@ pub(crate) struct CurveMapper<'a, 'n> {
     /// How many users of each class bear its operations: those of the mappings
     /// made so far, the last ones before all.
     shares: Vec<f32>,
+    /// The shares to go back to.
+    kept: Vec<f32>,
 }
 
 impl<'a, 'n> CurveMapper<'a, 'n> {
@@ -34,6 +37,7 @@ impl<'a, 'n> CurveMapper<'a, 'n> {
         CurveMapper {
             mapper,
             curves,
+            kept: shares.clone(),
             shares,
         }
     }
@@ -50,8 +54,9 @@ impl<'a, 'n> CurveMapper<'a, 'n> {
         let rounds = rounds.max(1);
         let mut best: Option<Mapping> = None;
         for round in 0..rounds {
-            let mut mapping = self.select(latest);
-            self.mapper.settle(&mut mapping, Some(latest));
+            let mut mapping = self.mapper.unmapped();
+            let chosen = self.select(latest);
+            self.mapper.take(&mut mapping, &chosen, latest);
             let mut rounds = 0..rounds;
             while rounds.next().is_some() && self.improve(&mut mapping, latest) {}
             for (known, &uses) in self.shares.iter_mut().zip(&mapping.uses) {
@@ -73,74 +78,70 @@ impl<'a, 'n> CurveMapper<'a, 'n> {
         best.expect("there is a round")
     }
 
-    /// The users of each class that bear its operations.
-    pub(crate) fn shares(&self) -> Vec<f32> {
-        self.shares.clone()
+    /// Lets [`CurveMapper::go_back`] end here.
+    pub(crate) fn keep(&mut self) {
+        self.kept.clone_from(&self.shares);
     }
 
-    /// Goes back to former users.
-    pub(crate) fn set_shares(&mut self, shares: &[f32]) {
-        self.shares.copy_from_slice(shares);
+    /// Forgets the mappings made since some were kept.
+    pub(crate) fn go_back(&mut self) {
+        self.shares.clone_from(&self.kept);
         self.curves
             .update(&self.mapper.forms, &self.shares, &self.mapper.outputs);
     }
 
-    /// Chooses from the outputs on, for every class that is used by then what
-    /// takes least beyond what is there already.
-    fn select(&self, latest: u32) -> Mapping {
+    /// Chooses a form for every class, from the outputs on: for one that is
+    /// used by then what takes least beyond what is there already, for the
+    /// others the cheapest.
+    fn select(&self, latest: u32) -> Vec<u32> {
         let (forms, curves) = (&self.mapper.forms, &self.curves);
-        let mut mapping = self.mapper.unmapped();
+        let mut chosen = vec![u32::MAX; forms.len()];
+        // By class when it is required, if it is used.
+        let mut required: Vec<Option<u32>> = vec![None; forms.len()];
         for &output in &self.mapper.outputs {
-            mapping.uses[output] += 1;
-            mapping.required[output] = latest;
+            required[output] = Some(latest);
         }
         let (mut trial, mut best) = (FormTrial::default(), FormTrial::default());
         for at in (0..forms.len()).rev() {
             if curves.of(at).is_empty() {
                 continue;
             }
-            let required = mapping.required[at];
-            let point = curves.point(at, curves.in_time(at, required));
-            mapping.chosen[at] = point.form;
-            if mapping.uses[at] == 0 {
+            let in_time = curves.in_time(at, required[at].unwrap_or(NEVER));
+            let first = curves.point(at, in_time).form;
+            chosen[at] = first;
+            let Some(time) = required[at] else {
                 continue;
-            }
-            best.read(forms, curves, point.form);
-            best.meet(curves, required);
-            let known = |class: usize| (mapping.uses[class] > 0).then(|| mapping.required[class]);
-            let mut least = best.marginal(curves, known);
-            for form in forms.of(at).filter(|&form| form != point.form) {
-                if trial.read(forms, curves, form) && trial.meet(curves, required) {
-                    let flow = trial.marginal(curves, known);
+            };
+            best.read(forms, curves, first);
+            best.meet(curves, time);
+            let mut least = best.marginal(curves, &required);
+            for form in forms.of(at).filter(|&form| form != first) {
+                if trial.read(forms, curves, form) && trial.meet(curves, time) {
+                    let flow = trial.marginal(curves, &required);
                     if flow < least {
                         least = flow;
-                        mapping.chosen[at] = form;
+                        chosen[at] = form;
                         std::mem::swap(&mut trial, &mut best);
                     }
                 }
             }
-            best.require(required, |class, time| {
-                mapping.uses[class] += 1;
-                mapping.required[class] = mapping.required[class].min(time);
+            best.require(time, |class, time| {
+                let known = &mut required[class];
+                *known = Some(known.map_or(time, |known| known.min(time)));
             });
         }
-        for at in 0..forms.len() {
-            if mapping.chosen[at] != u32::MAX {
-                mapping.arrivals[at] = self.mapper.arrival(&mapping, mapping.chosen[at]);
-            }
-        }
-        mapping
+        chosen
     }
 
     /// Takes operations off one by one; whether it did.
     fn improve(&self, mapping: &mut Mapping, latest: u32) -> bool {
-        let before = (mapping.operations, mapping.chosen.clone());
+        let (operations, chosen) = (mapping.operations, mapping.chosen.clone());
         self.mapper.exact_round(mapping);
         self.mapper.settle(mapping, Some(latest));
-        if mapping.operations > before.0 {
-            self.mapper.take(mapping, &before, latest);
+        if mapping.operations > operations {
+            self.mapper.take(mapping, &chosen, latest);
         }
-        mapping.operations < before.0
+        mapping.operations < operations
     }
 }
 

@@ -19,19 +19,15 @@ pub(super) struct CurvePoint {
     pub(super) flow: f32,
 }
 
-/// Points that a curve has at most, and at least, when there are many classes.
-const POINTS: (usize, usize) = (4, 2);
-
-/// Room for points of all curves together, beyond the least.
-const ROOM: usize = 4_000_000;
+/// Points that a curve has at most; six were no better than four.
+const POINTS: usize = 4;
 
 /// The part by which operations change before a curve is made anew.
 const TOLERANCE: f32 = 0.01;
 
 /// By class its curve.
 pub(super) struct Curves {
-    /// Points a curve has at most.
-    width: usize,
+    /// [`POINTS`] for every class, of which its count are in use.
     points: Vec<CurvePoint>,
     counts: Vec<u8>,
     /// The number of users that its curve was made for.
@@ -52,10 +48,8 @@ struct CurveSpace {
 impl Curves {
     /// Curves without points.
     pub(super) fn new(classes: usize) -> Curves {
-        let width = (ROOM / classes.max(1)).clamp(POINTS.1, POINTS.0);
         Curves {
-            width,
-            points: vec![CurvePoint::default(); classes * width],
+            points: vec![CurvePoint::default(); classes * POINTS],
             counts: vec![0; classes],
             shares: vec![0.0; classes],
             changed: vec![true; classes],
@@ -65,14 +59,14 @@ impl Curves {
 
     /// The curve of a class.
     pub(super) fn of(&self, class: usize) -> &[CurvePoint] {
-        let start = class * self.width;
+        let start = class * POINTS;
         &self.points[start..start + usize::from(self.counts[class])]
     }
 
     /// A point of a curve.
     #[inline]
     pub(super) fn point(&self, class: usize, point: usize) -> CurvePoint {
-        self.points[class * self.width + point]
+        self.points[class * POINTS + point]
     }
 
     /// The place of the cheapest point that is in time, or the earliest.
@@ -158,14 +152,14 @@ impl Curves {
         let is_changed = !is_alike(self.of(class), &space.curve);
         self.changed[class] = is_changed;
         if is_changed {
-            let start = class * self.width;
+            let start = class * POINTS;
             self.points[start..start + space.curve.len()].copy_from_slice(&space.curve);
             self.counts[class] = space.curve.len() as u8;
         }
     }
 
     /// Adds a point to a curve unless another is as good.
-    pub(super) fn add(&self, curve: &mut Vec<CurvePoint>, point: CurvePoint) {
+    pub(super) fn add(curve: &mut Vec<CurvePoint>, point: CurvePoint) {
         if is_beaten(curve, point.arrival, point.flow) {
             return;
         }
@@ -173,7 +167,7 @@ impl Curves {
         let worse = curve[place..].iter();
         let worse = worse.take_while(|known| known.flow >= point.flow).count();
         curve.splice(place..place + worse, [point]);
-        if curve.len() > self.width {
+        if curve.len() > POINTS {
             curve.remove(most_dispensable(curve));
         }
     }

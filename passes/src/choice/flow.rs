@@ -109,7 +109,7 @@ impl Mapper<'_> {
         };
         if flow_rounds > 0 {
             self.flow_rounds(mapping, &mut best, (latest, flow_rounds), model);
-            self.take(mapping, &best, latest);
+            self.take(mapping, &best.1, latest);
         }
         for _ in 0..exact_rounds {
             if !self.exact_round(mapping) {
@@ -122,7 +122,7 @@ impl Mapper<'_> {
             }
         }
         if mapping.operations != best.0 {
-            self.take(mapping, &best, latest);
+            self.take(mapping, &best.1, latest);
         }
     }
 

@@ -1,4 +1,4 @@
-//! A function as a network of choices with one form per class.
+//! Functions as a network of choices: of one function one form per class.
 
 use super::forms::ProductTerm;
 use super::network::{ChoiceNetwork, Class, Opaque, RANK_STEP, SignedClass};
@@ -7,8 +7,9 @@ use super::timing::{Arrivals, NEVER};
 use crate::sums::groups::{GroupFamily, GroupLeaf, GroupReach, OperandGroups, single_product};
 use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_framework::fingerprint::{Fingerprint, Images};
+use robovec_framework::pass::Context;
 use robovec_framework::rewrite::owners;
-use robovec_ir::{Function, Name, Operand, OperandKind, SourceSet, Tables, Value};
+use robovec_ir::{Function, Name, Operand, OperandKind, SourceSet, Value};
 
 /// A function read into a network.
 pub(crate) struct Import {
@@ -16,7 +17,7 @@ pub(crate) struct Import {
     /// The class that each assignment is set to; `None` for zero.
     pub(crate) outputs: Vec<Option<SignedClass>>,
     /// The classes of sums and products of the function, in program order,
-    /// each once.
+    /// each once; of several functions those of one after the other.
     pub(crate) classes: Vec<Class>,
     /// The name of the value a class was made for.
     pub(crate) names: Vec<Name>,
@@ -25,6 +26,14 @@ pub(crate) struct Import {
 }
 
 impl Import {
+    /// What is told of the network in statistics.
+    pub(crate) fn counts(&self) -> [(&'static str, u64); 2] {
+        [
+            ("values considered", self.network.len() as u64),
+            ("forms considered", self.network.form_count() as u64),
+        ]
+    }
+
     /// Numbers the classes in order of rank; none can be added any more.
     pub(crate) fn sort(&mut self) {
         let places = self.network.sort();
@@ -42,28 +51,27 @@ impl Import {
     }
 }
 
-/// Reads a function at the atomic level. `None` when some value is undefined
-/// (a division by what is always zero), so that nothing can be said of it.
-pub(crate) fn import(function: &Function, tables: &mut Tables, timing: Weights) -> Option<Import> {
-    import_all(&[function], tables, timing, Images::of(function, false))
-}
-
-/// Reads functions that compute the same outputs, all of them into one
-/// network: a value that several compute gets a form from each. `None` as in
-/// [`import`].
+/// Reads functions at the atomic level that compute the same outputs, all of
+/// them into one network: a value that several compute gets a form from each.
+/// `None`, with a remark, when some value is undefined (a division by what is
+/// always zero), so that nothing can be said of it.
 ///
 /// A form of a later function is left out where it would close a cycle with
 /// those of earlier ones; the first function is there as it was.
-pub(crate) fn import_all(
+pub(crate) fn import(
     functions: &[&Function],
-    tables: &mut Tables,
+    context: &mut Context<'_>,
     timing: Weights,
     images: Images,
 ) -> Option<Import> {
-    let mut values: Vec<Vec<Fingerprint>> = Vec::with_capacity(functions.len());
-    for function in functions {
-        values.push(defined_values(function, &images)?);
-    }
+    let values = functions.iter();
+    let values = values.map(|function| defined_values(function, &images));
+    let Some(values) = values.collect::<Option<Vec<_>>>() else {
+        let reason = "a value is undefined everywhere; nothing is changed";
+        context.remarks.push(reason.to_owned());
+        return None;
+    };
+    let tables = &mut *context.tables;
     let levels = match functions {
         [only] => vec![arrivals(only, &Weights::operations())],
         _ => common_levels(functions, &values, &images),
@@ -76,7 +84,8 @@ pub(crate) fn import_all(
         names: Vec::new(),
         arrivals: Arrivals::default(),
     };
-    for ((&function, values), levels) in functions.iter().zip(values).zip(levels) {
+    for (at, (values, levels)) in values.into_iter().zip(levels).enumerate() {
+        let function = functions[at];
         let groups = OperandGroups::find(function, GroupReach::Maximal);
         let mut reader = ChoiceImporter {
             function,
@@ -88,16 +97,10 @@ pub(crate) fn import_all(
             map: Vec::with_capacity(function.nodes().len()),
             products: Vec::new(),
             merges: &mut merges,
-            is_first: import.outputs.is_empty(),
+            is_first: at == 0,
             import: &mut import,
         };
         reader.read(&owners(tables, function));
-    }
-    let network = &import.network;
-    // Operands come first; a class of a later function may stand among those
-    // of the first.
-    if functions.len() > 1 {
-        import.classes.sort_by_key(|&class| network.rank(class));
     }
     merges.sort_unstable();
     merges.dedup();

@@ -82,8 +82,8 @@ impl Mapper<'_> {
     }
 
     /// Takes the forms chosen in another mapping. What is not used gets no time.
-    pub(super) fn take(&self, mapping: &mut Mapping, (_, chosen): &(u64, Vec<u32>), latest: u32) {
-        mapping.chosen.clone_from(chosen);
+    pub(super) fn take(&self, mapping: &mut Mapping, chosen: &[u32], latest: u32) {
+        mapping.chosen.copy_from_slice(chosen);
         self.settle(mapping, None);
         mapping.arrivals.fill(NEVER);
         mapping.arrivals[Class::ONE.index()] = 0;

@@ -1,7 +1,6 @@
 //! One order for the values of several functions.
 
 use crate::sums::values::ValueTable;
-use petgraph::Direction;
 use petgraph::graph::{DiGraph, NodeIndex};
 use petgraph::visit::DfsPostOrder;
 use robovec_framework::fingerprint::{Fingerprint, Images};
@@ -44,7 +43,7 @@ pub(super) fn common_levels(
     for root in graph.node_indices() {
         search.move_to(root);
         while let Some(node) = search.next(&graph) {
-            let operands = graph.neighbors_directed(node, Direction::Outgoing);
+            let operands = graph.neighbors(node);
             let counted = operands.filter(|operand| is_done[operand.index()]);
             let highest = counted.map(|operand| levels[operand.index()]).max();
             levels[node.index()] = 1 + highest.unwrap_or(0);

@@ -1,4 +1,5 @@
-//! The shortest path that a network allows within a budget of operations.
+//! The shortest path that a network allows within a budget of operations, and
+//! the fewest operations within a path.
 
 use super::chooser::{ChoiceMethod, FormChooser};
 use super::emit::emit;
@@ -7,6 +8,38 @@ use super::map::{Mapper, Mapping};
 use crate::balance::balanced;
 use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_ir::{Function, Tables};
+use robovec_num::limits::NumberLimit;
+
+/// Operations allowed, in percent of those there are.
+pub(crate) const GROWTH: NumberLimit = NumberLimit::whole(
+    0,
+    10_000,
+    "operations become up to a hundred times those there are",
+);
+
+/// Operations allowed, as a number.
+pub(crate) const OPERATIONS: NumberLimit =
+    NumberLimit::whole(0, 100_000_000, "no function has more operations");
+
+/// A path, in cycles.
+pub(crate) const PATH: NumberLimit =
+    NumberLimit::whole(0, 1_000_000_000, "no function takes more cycles");
+
+/// Rounds in which operations are saved again.
+pub(crate) const ROUNDS: NumberLimit = NumberLimit::whole(
+    0,
+    64,
+    "operations are counted and chosen again for every value in every round",
+);
+
+/// The operations allowed: so many, or for 0 a part of those there are, in
+/// percent.
+pub(crate) fn allowed(operations: u32, growth: u32, before: u64) -> u64 {
+    match operations {
+        0 => before * u64::from(growth) / 100,
+        operations => u64::from(operations),
+    }
+}
 
 /// The step to try after one was too dear, from the operations before it, those
 /// allowed and those it took: where the budget should end, half way at most.
@@ -16,7 +49,8 @@ fn smaller_step(step: u32, (before, allowed, dear): (u64, u64, u64)) -> u32 {
     u32::try_from(share).map_or(step / 2, |share| share.clamp(step / 8, step / 2))
 }
 
-/// The search for the shortest path within a budget of operations.
+/// The search for the shortest path within a budget of operations, or for the
+/// fewest operations within a path.
 pub(crate) struct PathSearch<'a> {
     /// The function that was read: its signature and its names.
     pub(crate) function: &'a Function,
@@ -27,6 +61,7 @@ pub(crate) struct PathSearch<'a> {
     pub(crate) shortest: u32,
     /// Rounds in which operations are saved again.
     pub(crate) rounds: u32,
+    /// How forms are chosen.
     pub(crate) method: ChoiceMethod,
 }
 
@@ -41,7 +76,8 @@ impl PathSearch<'_> {
         (path.unwrap_or(0), (function.nodes().len() - free) as u64)
     }
 
-    /// The best function and its path, if it is better than what there was.
+    /// The function with the shortest path, and its size, if it is better than
+    /// what there was.
     pub(crate) fn run(
         &self,
         tables: &mut Tables,
@@ -77,8 +113,8 @@ impl PathSearch<'_> {
     }
 
     /// The function with few operations that is no later than `shortest`, or
-    /// any when that is 0.
-    pub(crate) fn cheapest(&self, tables: &mut Tables) -> Option<(Function, (u32, u64))> {
+    /// any when that is 0, and its size.
+    pub(crate) fn cheapest(&self, tables: &mut Tables) -> (Function, (u32, u64)) {
         let mapper = Mapper::new(&self.import.network, self.timing, &self.import.outputs);
         let mut chooser = FormChooser::new(&mapper, self.method, self.rounds);
         let latest = match self.shortest {
@@ -88,7 +124,7 @@ impl PathSearch<'_> {
         let mapping = chooser.map(latest);
         let made = self.realise(tables, &mapper, &mapping);
         let size = self.size(&made);
-        Some((made, size))
+        (made, size)
     }
 
     /// The function of a mapping, balanced.

@@ -228,7 +228,7 @@ impl FormTrial {
                     form,
                     flow,
                 };
-                curves.add(curve, point);
+                Curves::add(curve, point);
                 if arrival == earliest {
                     return;
                 }
@@ -254,11 +254,11 @@ impl FormTrial {
 
     /// What it takes beyond what is there already, by the time that each class
     /// in use is required at.
-    pub(super) fn marginal(&self, curves: &Curves, known: impl Fn(usize) -> Option<u32>) -> f32 {
+    pub(super) fn marginal(&self, curves: &Curves, required: &[Option<u32>]) -> f32 {
         let mut flow = self.flow;
         for slot in &self.slots {
             let class = slot.class as usize;
-            if let Some(required) = known(class) {
+            if let Some(required) = required[class] {
                 let there = curves.in_time(class, required);
                 flow -= curves.point(class, there).flow.min(slot.flow);
             }
