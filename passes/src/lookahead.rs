@@ -48,6 +48,11 @@ declare_pass! {
         /// Late terms a form may have.
         pub width: u32 = 24 => NumberLimit::whole(
             0, 64, "a form is composed of the forms of its terms, width times width products each"),
+        /// Late terms up to which a form is made all the same: of more than
+        /// `width` the earliest are summed up with what is known early. With
+        /// many operations to spend, `reach=96 window=300` finds shorter paths.
+        pub reach: u32 = 0 => NumberLimit::whole(
+            0, 256, "every form is composed of so many terms"),
         /// A value ready so many cycles before a frontier counts as early.
         pub window: u32 = 100 => NumberLimit::whole(
             0, 1_000_000, "no value is ready earlier"),
@@ -73,6 +78,7 @@ impl Pass for Lookahead {
             frontiers: self.frontiers,
             doublings: self.doublings,
             width: self.width as usize,
+            reach: self.reach as usize,
             window: self.window,
         };
         let Some((import, _)) = look_ahead(function, context, timing, limits) else {

@@ -70,6 +70,7 @@ impl Pass for Recurrence {
             frontiers: self.frontiers,
             doublings: (before / grid).checked_ilog2().map_or(0, |power| power + 1),
             width: self.width as usize,
+            reach: 0,
             window: self.window,
         };
         let Some((import, chain)) = look_ahead(function, context, timing, limits) else {
@@ -106,12 +107,12 @@ impl Recurrence {
         tables: &mut Tables,
     ) -> Option<Function> {
         let mapper = Mapper::new(&import.network, timing, &import.outputs);
-        let mut chooser = FormChooser::new(&mapper, self.choice, self.rounds);
+        let chooser = FormChooser::new(&mapper, self.choice, self.rounds);
         let target = chooser.shortest().max(self.path);
         if target >= before {
             return None;
         }
-        let mapping = chooser.map(target);
+        let mapping = chooser.map_once(target);
         Some(emit(function, &import, &mapper, &mapping, timing, tables))
     }
 }

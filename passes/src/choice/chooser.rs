@@ -76,10 +76,28 @@ impl<'a, 'n> FormChooser<'a, 'n> {
         }
     }
 
-    /// A mapping with few operations and no output later than `latest`.
-    pub(crate) fn map(&mut self, latest: u32) -> Mapping {
+    /// A mapping with few operations and no output later than `latest`, the only
+    /// one that is asked for.
+    pub(crate) fn map_once(self, latest: u32) -> Mapping {
         match self {
-            FormChooser::Curves { mapper, rounds } => mapper.map(latest, *rounds),
+            FormChooser::Curves { mut mapper, rounds } => mapper.map(latest, rounds, None),
+            FormChooser::Flow {
+                mapper,
+                mut earliest,
+                model,
+                rounds,
+            } => {
+                mapper.recover(&mut earliest, latest, rounds, Some(&model));
+                earliest
+            }
+        }
+    }
+
+    /// A mapping with few operations and no output later than `latest`. Fewer
+    /// than `enough` operations are not worth time.
+    pub(crate) fn map(&mut self, latest: u32, enough: u64) -> Mapping {
+        match self {
+            FormChooser::Curves { mapper, rounds } => mapper.map(latest, *rounds, Some(enough)),
             FormChooser::Flow {
                 mapper,
                 earliest,
@@ -93,11 +111,19 @@ impl<'a, 'n> FormChooser<'a, 'n> {
         }
     }
 
+    /// A mapping as [`FormChooser::map`] makes it, with more time, where that
+    /// took less than it could.
+    pub(crate) fn map_again(&mut self, latest: u32) -> Option<Mapping> {
+        match self {
+            FormChooser::Curves { mapper, rounds } => Some(mapper.map(latest, *rounds, None)),
+            FormChooser::Flow { .. } => None,
+        }
+    }
+
     /// Lets the next mapping be modelled on one.
     pub(crate) fn keep(&mut self, mapping: Mapping) {
-        match self {
-            FormChooser::Curves { mapper, .. } => mapper.keep(),
-            FormChooser::Flow { model, .. } => *model = mapping.into_model(),
+        if let FormChooser::Flow { model, .. } = self {
+            *model = mapping.into_model();
         }
     }
 

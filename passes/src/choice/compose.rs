@@ -41,6 +41,10 @@ pub(crate) struct CompositionLimits {
     pub(crate) doublings: u32,
     /// A form has at most so many late terms.
     pub(crate) width: usize,
+    /// A form that would have more late terms than it may is not given up while
+    /// it has no more than these: the earliest of them are summed up with what
+    /// is known early.
+    pub(crate) reach: usize,
     /// A variable that is available so many cycles before the frontier is
     /// summed up with what is known early.
     pub(crate) window: u32,
@@ -182,7 +186,7 @@ impl Composer<'_> {
             self.forms.resize(count, 0..0);
         }
         let latest = base.iter().map(|term| term.b());
-        let latest = latest.max_by_key(|&variable| (self.reference.of(variable), variable));
+        let latest = latest.max_by_key(|&variable| self.key(variable));
         let behind = latest.and_then(|variable| self.chains.get(variable.index()));
         self.chains[class.index()] = 1 + behind.copied().unwrap_or(0);
         let frontiers = self.frontiers(self.reference.of(class));
@@ -257,7 +261,7 @@ impl Composer<'_> {
             ChoiceForm::Product(factors) => {
                 let mut factors: SmallVec<[Class; 4]> =
                     factors.iter().map(|factor| factor.a).collect();
-                factors.sort_by_key(|&factor| (self.reference.of(factor), factor));
+                factors.sort_by_key(|&factor| self.key(factor));
                 let last = factors.pop()?;
                 let coefficient = self.network.product(&mut factors);
                 Some(smallvec![coefficient.times(last, negated)])
@@ -268,8 +272,7 @@ impl Composer<'_> {
 
     /// A term as coefficient and variable, the variable being the later one.
     fn split(&self, term: ProductTerm) -> ProductTerm {
-        let key = |class: Class| (self.reference.of(class), class);
-        match key(term.a) <= key(term.b()) {
+        match self.key(term.a) <= self.key(term.b()) {
             true => term,
             false => ProductTerm::new(term.b(), term.a, term.negative()),
         }
@@ -341,7 +344,7 @@ impl Composer<'_> {
                 let place = known.clone().position(|&known| known == inner.b());
                 let place = place.unwrap_or(known.len());
                 if place == space.variables.len() {
-                    if place == self.limits.width {
+                    if place == self.limits.width.max(self.limits.reach) {
                         return false;
                     }
                     space.variables.push(inner.b());
@@ -356,12 +359,34 @@ impl Composer<'_> {
         !space.variables.is_empty()
     }
 
+    /// The earliest variable that a form keeps, the latest ones being kept.
+    fn earliest_kept(&self, variables: &[Class]) -> (u32, Class) {
+        let mut keys: SmallVec<[(u32, Class); 32]> = variables
+            .iter()
+            .map(|&variable| self.key(variable))
+            .collect();
+        match keys.len().checked_sub(self.limits.width) {
+            None | Some(0) => (0, Class::ONE),
+            Some(others) => *keys.select_nth_unstable(others).1,
+        }
+    }
+
+    /// Classes in the order of their arrivals.
+    fn key(&self, class: Class) -> (u32, Class) {
+        (self.reference.of(class), class)
+    }
+
     /// Adds the form collected to its class.
     fn add_composed(&mut self, class: Class, space: &mut CompositionSpace, keep: bool) -> Composed {
         space.made.clear();
+        let kept = self.earliest_kept(&space.variables);
         for (&variable, coefficient) in space.variables.iter().zip(&mut space.coefficients) {
             if let Some(coefficient) = self.network.sum(coefficient) {
-                space.made.push(coefficient.times(variable, false));
+                let term = coefficient.times(variable, false);
+                match self.key(variable) < kept {
+                    true => space.rest.push(term),
+                    false => space.made.push(term),
+                }
             }
         }
         if let Some(rest) = self.network.sum(&mut space.rest) {

@@ -10,15 +10,24 @@ use super::map::{Mapper, Mapping};
 use super::timing::NEVER;
 use super::trial::FormTrial;
 
+/// Rounds save less than one operation in so many that the first one left.
+const MOST_SAVED: u64 = 12;
+
 /// Chooses forms by curves.
 pub(crate) struct CurveMapper<'a, 'n> {
     mapper: &'a Mapper<'n>,
+    state: CurveState,
+    /// The state before the last mapping.
+    before: CurveState,
+}
+
+/// What is learned from one mapping for the next.
+#[derive(Clone)]
+struct CurveState {
     curves: Curves,
     /// How many users of each class bear its operations: those of the mappings
     /// made so far, the last ones before all.
     shares: Vec<f32>,
-    /// The shares to go back to.
-    kept: Vec<f32>,
 }
 
 impl<'a, 'n> CurveMapper<'a, 'n> {
@@ -34,67 +43,67 @@ impl<'a, 'n> CurveMapper<'a, 'n> {
         let shares: Vec<f32> = first.uses.iter().map(|&uses| share(uses)).collect();
         let mut curves = Curves::new(mapper.forms.len());
         curves.update(&mapper.forms, &shares, &mapper.outputs);
+        let state = CurveState { curves, shares };
         CurveMapper {
             mapper,
-            curves,
-            kept: shares.clone(),
-            shares,
+            before: state.clone(),
+            state,
         }
     }
 
     /// The shortest path there is.
     pub(crate) fn shortest(&self) -> u32 {
         let outputs = self.mapper.outputs.iter();
-        let earliest = outputs.filter_map(|&output| self.curves.of(output).first());
+        let earliest = outputs.filter_map(|&output| self.state.curves.of(output).first());
         earliest.map(|point| point.arrival).max().unwrap_or(0)
     }
 
-    /// A mapping with few operations and no output later than `latest`.
-    pub(crate) fn map(&mut self, latest: u32, rounds: u32) -> Mapping {
+    /// A mapping with few operations and no output later than `latest`. Rounds
+    /// end before their time when one has `enough` operations or that is out of
+    /// reach.
+    pub(crate) fn map(&mut self, latest: u32, rounds: u32, enough: Option<u64>) -> Mapping {
         let rounds = rounds.max(1);
+        let forms = &self.mapper.forms;
+        let CurveState { curves, shares } = &mut self.state;
+        // Nothing is made anew where nothing changed, as behind `go_back`.
+        curves.update(forms, shares, &self.mapper.outputs);
+        self.before.clone_from(&self.state);
         let mut best: Option<Mapping> = None;
         for round in 0..rounds {
+            if round > 0 {
+                let CurveState { curves, shares } = &mut self.state;
+                curves.update_live(forms, shares);
+            }
             let mut mapping = self.mapper.unmapped();
             let chosen = self.select(latest);
             self.mapper.take(&mut mapping, &chosen, latest);
             let mut rounds = 0..rounds;
             while rounds.next().is_some() && self.improve(&mut mapping, latest) {}
-            for (known, &uses) in self.shares.iter_mut().zip(&mapping.uses) {
+            for (known, &uses) in self.state.shares.iter_mut().zip(&mapping.uses) {
                 *known = (*known + 2.0 * share(uses)) / 3.0;
             }
-            match round {
-                0 => self
-                    .curves
-                    .update(&self.mapper.forms, &self.shares, &self.mapper.outputs),
-                _ => self.curves.update_live(&self.mapper.forms, &self.shares),
-            }
-            if best
-                .as_ref()
-                .is_none_or(|best| mapping.operations < best.operations)
-            {
+            let made = mapping.operations;
+            if best.as_ref().is_none_or(|best| made < best.operations) {
                 best = Some(mapping);
+            }
+            let is_over = |enough| made <= enough || made - made / MOST_SAVED > enough;
+            if enough.is_some_and(is_over) {
+                break;
             }
         }
         best.expect("there is a round")
     }
 
-    /// Lets [`CurveMapper::go_back`] end here.
-    pub(crate) fn keep(&mut self) {
-        self.kept.clone_from(&self.shares);
-    }
-
-    /// Forgets the mappings made since some were kept.
+    /// Forgets the mapping made last.
     pub(crate) fn go_back(&mut self) {
-        self.shares.clone_from(&self.kept);
-        self.curves
-            .update(&self.mapper.forms, &self.shares, &self.mapper.outputs);
+        self.state.clone_from(&self.before);
     }
 
     /// Chooses a form for every class, from the outputs on: for one that is
     /// used by then what takes least beyond what is there already, for the
     /// others the cheapest.
     fn select(&self, latest: u32) -> Vec<u32> {
-        let (forms, curves) = (&self.mapper.forms, &self.curves);
+        let (forms, curves) = (&self.mapper.forms, &self.state.curves);
         let mut chosen = vec![u32::MAX; forms.len()];
         // By class when it is required, if it is used.
         let mut required: Vec<Option<u32>> = vec![None; forms.len()];

@@ -7,8 +7,9 @@
 //! Manohararajah, Brown and Vranesic 2006). Curves hold for every time at which
 //! the outputs may be wanted, and are made anew only where something changed.
 
-use super::dense::FormsByClass;
+use super::dense::{FlowState, FormFlow, FormsByClass};
 use super::trial::FormTrial;
+use smallvec::SmallVec;
 
 /// One way to compute a class.
 #[derive(Clone, Copy, Default, Debug)]
@@ -26,10 +27,14 @@ const POINTS: usize = 4;
 const TOLERANCE: f32 = 0.01;
 
 /// By class its curve.
+#[derive(Clone)]
 pub(super) struct Curves {
     /// [`POINTS`] for every class, of which its count are in use.
     points: Vec<CurvePoint>,
     counts: Vec<u8>,
+    /// By class its fewest operations and its earliest arrival, though no point
+    /// need have both: no form that uses it does better.
+    best: Vec<FlowState>,
     /// The number of users that its curve was made for.
     shares: Vec<f32>,
     /// Whether its curve changed when curves were made last.
@@ -51,6 +56,7 @@ impl Curves {
         Curves {
             points: vec![CurvePoint::default(); classes * POINTS],
             counts: vec![0; classes],
+            best: vec![FlowState::UNKNOWN; classes],
             shares: vec![0.0; classes],
             changed: vec![true; classes],
             live: Vec::new(),
@@ -144,9 +150,18 @@ impl Curves {
         }
         self.shares[class] = share;
         space.curve.clear();
-        for form in of_class {
-            if space.trial.read(forms, self, form) {
-                space.trial.trace(self, share, &mut space.curve);
+        // What was of use mostly is again: beside it most others need not be
+        // looked at closely.
+        let known: SmallVec<[u32; POINTS]> =
+            self.of(class).iter().map(|point| point.form).collect();
+        let others = of_class.filter(|form| !known.contains(form));
+        for form in known.iter().copied().chain(others) {
+            let Some((flow, earliest)) = self.outlook(forms, form) else {
+                continue;
+            };
+            if !is_beaten(&space.curve, earliest, flow / share) {
+                space.trial.read(forms, self, form);
+                space.trial.trace(self, earliest, share, &mut space.curve);
             }
         }
         let is_changed = !is_alike(self.of(class), &space.curve);
@@ -155,6 +170,22 @@ impl Curves {
             let start = class * POINTS;
             self.points[start..start + space.curve.len()].copy_from_slice(&space.curve);
             self.counts[class] = space.curve.len() as u8;
+            if let (Some(first), Some(last)) = (space.curve.first(), space.curve.last()) {
+                self.best[class] = FlowState {
+                    flow: f64::from(last.flow),
+                    arrival: first.arrival,
+                };
+            }
+        }
+    }
+
+    /// Operations that a form has at least and a time before which it is not
+    /// available, whatever points are taken. `None` when one of its classes
+    /// cannot be computed.
+    fn outlook(&self, forms: &FormsByClass<'_>, form: u32) -> Option<(f32, u32)> {
+        match forms.flow(&self.best, form, f64::INFINITY) {
+            FormFlow::Found(flow, (earliest, _)) => Some((flow as f32, earliest)),
+            FormFlow::TooMuch | FormFlow::Missing(_) => None,
         }
     }
 

@@ -93,11 +93,14 @@ impl PathSearch<'_> {
         // is shortened step by step, and when a step is too dear by less.
         let mut reached = before;
         let mut step = (before.0.saturating_sub(fastest) / steps).max(1);
+        // What is made of a mapping has fewer operations.
+        let mut enough = allowed;
         while reached.0 > fastest && u64::from(step) * finest >= u64::from(reached.0) {
             let target = reached.0.saturating_sub(step).max(fastest);
-            let mapping = chooser.map(target);
+            let mapping = chooser.map(target, enough);
             let made = self.realise(tables, &mapper, &mapping);
             let size = self.size(&made);
+            enough = allowed * mapping.operations / size.1.max(1);
             if size.1 > allowed {
                 step = smaller_step(step, (reached.1, allowed, size.1));
                 chooser.go_back();
@@ -109,6 +112,17 @@ impl PathSearch<'_> {
                 best = Some((made, size));
             }
         }
+        // Where the budget is no limit, operations are saved all the same.
+        let known = best.as_ref().map(|(_, size)| *size);
+        let known = known.filter(|_| reached.0 <= fastest);
+        let again = known.and_then(|_| chooser.map_again(fastest));
+        if let (Some(known), Some(mapping)) = (known, again) {
+            let made = self.realise(tables, &mapper, &mapping);
+            let size = self.size(&made);
+            if size < known && size.1 <= allowed {
+                best = Some((made, size));
+            }
+        }
         best.filter(|(_, size)| *size < before)
     }
 
@@ -116,12 +130,12 @@ impl PathSearch<'_> {
     /// any when that is 0, and its size.
     pub(crate) fn cheapest(&self, tables: &mut Tables) -> (Function, (u32, u64)) {
         let mapper = Mapper::new(&self.import.network, self.timing, &self.import.outputs);
-        let mut chooser = FormChooser::new(&mapper, self.method, self.rounds);
+        let chooser = FormChooser::new(&mapper, self.method, self.rounds);
         let latest = match self.shortest {
             0 => u32::MAX,
             path => path.max(chooser.shortest()),
         };
-        let mapping = chooser.map(latest);
+        let mapping = chooser.map_once(latest);
         let made = self.realise(tables, &mapper, &mapping);
         let size = self.size(&made);
         (made, size)

@@ -7,6 +7,11 @@ use crate::sums::earliest::{LatestTwo, fits, joined, levels};
 use robovec_ir::Operation;
 use smallvec::SmallVec;
 
+/// Steps from the latest to the earliest time that a form is looked at for its
+/// curve: half way and at both ends. Three to eight took longer and found no
+/// shorter paths.
+const STEPS: u32 = 2;
+
 /// A class that a form uses, with a point of its curve.
 #[derive(Clone, Copy)]
 struct TrialSlot {
@@ -141,50 +146,41 @@ impl FormTrial {
         }
     }
 
-    /// A time before which the form is not available whatever points are taken.
-    fn earliest(&self, curves: &Curves) -> u32 {
-        let mut latest = 0;
-        for term in &self.terms {
-            let slots = self.slots(*term).iter();
-            let earliest = slots.map(|slot| curves.point(slot.class as usize, 0).arrival);
-            let ready = earliest.max().unwrap_or(0);
-            let product = if term.is_product { self.multiply } else { 0 };
-            latest = latest.max(ready.saturating_add(product));
-        }
-        match self.terms.len() > 1 || self.is_opaque {
-            true => latest.saturating_add(self.weight),
-            false => latest,
-        }
-    }
-
     fn slots(&self, term: TrialTerm) -> &[TrialSlot] {
         let first = term.first as usize;
         &self.slots[first..=first + usize::from(term.is_product)]
     }
 
-    /// Takes earlier points for what the latest terms wait for, of those that
-    /// can be earlier. False when none can.
-    pub(super) fn hasten(&mut self, curves: &Curves) -> bool {
+    /// Takes earlier points for what the terms later than `limit` wait for, and
+    /// at least for what the latest do of those that can be earlier. False when
+    /// none can.
+    fn hasten(&mut self, curves: &Curves, limit: u32) -> bool {
         loop {
             let open = self.terms.iter().filter(|term| !term.is_earliest);
             let Some(latest) = open.map(|term| term.time).max() else {
                 return false;
             };
+            let limit = limit.min(latest.saturating_sub(1));
             let mut is_earlier = false;
             for index in 0..self.terms.len() {
-                let term = self.terms[index];
-                if term.time == latest && !term.is_earliest {
-                    is_earlier |= self.hasten_term(curves, index);
+                while self.terms[index].time > limit && self.hasten_term(curves, index) {
+                    is_earlier = true;
                 }
             }
             if is_earlier {
                 return true;
+            }
+            if latest == 0 {
+                return false;
             }
         }
     }
 
     fn hasten_term(&mut self, curves: &Curves, index: usize) -> bool {
         let term = self.terms[index];
+        if term.is_earliest {
+            return false;
+        }
         let ready = self.slots(term).iter().map(|slot| slot.arrival).max();
         let ready = ready.expect("a term has a class");
         let is_late = |slot: &TrialSlot| slot.arrival == ready;
@@ -209,11 +205,17 @@ impl FormTrial {
         true
     }
 
-    /// Adds all that the form can be to the curve of its class, which has so
-    /// many users.
-    pub(super) fn trace(&mut self, curves: &Curves, share: f32, curve: &mut Vec<CurvePoint>) {
-        let earliest = self.earliest(curves);
+    /// Adds what the form can be to the curve of its class, which has so many
+    /// users. It is not available before a time whatever points are taken.
+    pub(super) fn trace(
+        &mut self,
+        curves: &Curves,
+        earliest: u32,
+        share: f32,
+        curve: &mut Vec<CurvePoint>,
+    ) {
         let form = self.form;
+        let mut step = None;
         loop {
             let flow = self.flow / share;
             // What comes is earlier, but no cheaper.
@@ -233,7 +235,10 @@ impl FormTrial {
                     return;
                 }
             }
-            if !self.hasten(curves) {
+            let wanted = bound.0.saturating_sub(earliest);
+            let step = *step.get_or_insert(wanted / STEPS);
+            let next = bound.0.saturating_sub(step.max(1)).max(earliest);
+            if !self.hasten(curves, self.limit(next)) {
                 return;
             }
         }
@@ -246,9 +251,18 @@ impl FormTrial {
             if bound <= required && (is_exact || fits(self.times(), self.weight, required)) {
                 return true;
             }
-            if !self.hasten(curves) {
+            if !self.hasten(curves, self.limit(required)) {
                 return false;
             }
+        }
+    }
+
+    /// When each term is needed at the latest for the form to be there by a
+    /// time.
+    fn limit(&self, required: u32) -> u32 {
+        match self.is_opaque || self.terms.len() > 1 {
+            true => required.saturating_sub(self.weight),
+            false => required,
         }
     }
 
