@@ -136,8 +136,12 @@ impl Symbols {
         let symbol = self.strings.len() as u32;
         let stored = short.unwrap_or_else(|| self.store(string));
         self.strings.push(stored);
-        let is_derived = string.contains('.') && Name::split(string).1 > 0;
-        self.bases.push(is_word(string) && !is_derived);
+        let is_base = match word_parts(string) {
+            None => false,
+            Some(1) => true,
+            Some(_) => Name::split(string).1 == 0,
+        };
+        self.bases.push(is_base);
         self.table
             .insert_unique(spread(hash), (hash, symbol), |&(hash, _)| spread(hash));
         Symbol(symbol)
@@ -239,16 +243,25 @@ fn spread(hash: u32) -> u64 {
 /// True for a word: letters, digits and underscores in parts joined by dots,
 /// the first of which does not begin with a digit.
 pub(crate) fn is_word(text: &str) -> bool {
+    word_parts(text).is_some()
+}
+
+/// The number of parts of a [word](is_word); `None` for a text that is none.
+fn word_parts(text: &str) -> Option<usize> {
+    let mut parts = 0;
     // A part has begun when the byte before belongs to it.
     let mut begun = false;
     for &byte in text.as_bytes() {
         match byte {
-            b'.' if begun => begun = false,
+            b'.' if begun => {
+                begun = false;
+                parts += 1;
+            }
             b'_' | b'0'..=b'9' | b'A'..=b'Z' | b'a'..=b'z' => begun = true,
-            _ => return false,
+            _ => return None,
         }
     }
-    begun && !text.as_bytes()[0].is_ascii_digit()
+    (begun && !text.as_bytes()[0].is_ascii_digit()).then_some(parts + 1)
 }
 
 /// The name of a value: a symbol, and a number that is 0 for the symbol

@@ -159,3 +159,21 @@ fn groups_repeat_until_nothing_changes() {
     assert!(outcome.records.iter().all(|record| !record.changed));
     assert!(outcome.records.iter().all(|record| record.check.is_some()));
 }
+
+#[test]
+fn groups_end_without_records_too() {
+    let pipeline = REGISTRY
+        .pipeline("fixpoint{max=5}(fold,cse,dce)")
+        .expect("well formed");
+    let mut module = parse::parse_module("test", TEXT).expect("well formed");
+    let machine = Machine::built_in("thesis").expect("it ships");
+    let (mut executed, mut log) = (Vec::new(), Vec::new());
+    let config = Config {
+        records: false,
+        executed: Some(&mut executed),
+        ..Config::new(&machine, &mut log)
+    };
+    let outcome = run(&mut module, &pipeline, config).expect("sound passes");
+    assert!(outcome.records.is_empty());
+    assert_eq!(executed.len(), 3, "one round suffices");
+}

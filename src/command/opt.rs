@@ -340,6 +340,14 @@ fn filter(names: Option<&str>) -> PassFilter {
     }
 }
 
+/// Whether anything tells what each pass did.
+fn tells_of_passes(arguments: &OptimiserArguments) -> bool {
+    arguments.report.is_some()
+        || arguments.stats.is_some()
+        || arguments.time_passes.is_some()
+        || arguments.telling.verbose
+}
+
 fn transform(
     arguments: &OptimiserArguments,
     pipeline: &Pipeline,
@@ -390,6 +398,7 @@ fn transform(
             limit: arguments.bisect_limit,
             executed: None,
             remarks: !arguments.telling.quiet,
+            records: tells_of_passes(arguments),
         },
     );
     bar.finish_and_clear();

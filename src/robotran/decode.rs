@@ -62,35 +62,33 @@ fn reject_binary<'a>(text: Cow<'a, str>, kind: &str) -> Result<Cow<'a, str>, Dia
 /// name's extension says, else the style of its comments.
 pub(super) fn detect(name: &str, text: &str) -> Option<Language> {
     let by_extension = Language::from_extension(name.rsplit('.').next().unwrap_or_default());
-    // Almost no line is a head, and its first byte tells.
-    let breaks = memchr::memchr_iter(b'\n', text.as_bytes());
-    let starts = std::iter::once(0).chain(breaks.map(|at| at + 1));
-    let mut heads = starts.filter_map(|start| language_of_head(&text[start..]));
-    if let Some(first) = heads.next()
-        && heads.all(|other| other == first)
-    {
-        return Some(first);
+    let mut shown = Language::ALL
+        .into_iter()
+        .filter(|&language| shows(text, language));
+    if let (Some(only), None) = (shown.next(), shown.next()) {
+        return Some(only);
     }
     by_extension.or_else(|| text.lines().find_map(language_of_comment))
 }
 
-/// The language whose head the first line of a text is.
-fn language_of_head(text: &str) -> Option<Language> {
-    let first = *text.as_bytes().first()?;
-    if !matches!(first, b'f' | b'd' | b'v' | b'i' | b'#') {
-        return None;
-    }
-    let line = text.lines().next()?;
-    match first {
-        b'f' if line.starts_with("function ") && line.contains('(') => Some(Language::Matlab),
-        b'd' if line.starts_with("def ") && line.contains('(') => Some(Language::Python),
-        b'v' | b'i' => {
-            let after = line.strip_prefix("void ").or(line.strip_prefix("int "))?;
-            after.contains('(').then_some(Language::C)
-        }
-        b'#' if line.starts_with("#include") => Some(Language::C),
-        _ => None,
-    }
+/// Whether a line of the text is the head of a function in the language.
+fn shows(text: &str, language: Language) -> bool {
+    let heads: &[(&str, &str)] = match language {
+        Language::C => &[("#include", ""), ("void ", "("), ("int ", "(")],
+        Language::Matlab => &[("function ", "(")],
+        Language::Python => &[("def ", "(")],
+    };
+    heads.iter().any(|&(head, within)| {
+        let starts = memchr::memmem::find_iter(text.as_bytes(), head);
+        starts
+            .filter(|&at| at == 0 || text.as_bytes()[at - 1] == b'\n')
+            .any(|at| {
+                text[at..]
+                    .lines()
+                    .next()
+                    .is_some_and(|line| line.contains(within))
+            })
+    })
 }
 
 fn language_of_comment(line: &str) -> Option<Language> {
@@ -125,5 +123,10 @@ mod tests {
         assert_eq!(detect("a", "% x\nA = B;"), Some(Language::Matlab));
         assert_eq!(detect("a", "def f(x):\n"), Some(Language::Python));
         assert_eq!(detect("a", "A = B"), None);
+        // Two heads or none settle nothing.
+        let both = "function f(x)\nint g(double x)\n";
+        assert_eq!(detect("a.m", both), Some(Language::Matlab));
+        assert_eq!(detect("a.c", both), Some(Language::C));
+        assert_eq!(detect("a", "A = void (1)\nint a;\ndef b\n"), None);
     }
 }

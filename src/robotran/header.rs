@@ -39,7 +39,7 @@ impl Header {
     /// Reads the header of either generator.
     pub(super) fn read(text: &str) -> Header {
         let mut header = Header {
-            old_structure: text.contains("MBSdataStruct"),
+            old_structure: memchr::memmem::find(text.as_bytes(), b"MBSdataStruct").is_some(),
             ..Header::default()
         };
         for line in text.lines().take(HEADER_LINES) {

@@ -379,9 +379,9 @@ fn build(
         refusal(reason, span, "this size", "correct or remove the comment")
     }));
     let has_equations = !syntax.nodes.is_empty();
-    if let Some(mark) = header.missing_end(text)
-        && has_equations
+    if has_equations
         && language != Language::C
+        && let Some(mark) = header.missing_end(text)
     {
         let end = text.trim_end().len();
         errors.push(refusal(

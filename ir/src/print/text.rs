@@ -12,7 +12,7 @@ use std::io;
 
 const FLUSH_AT: usize = 1 << 16;
 
-/// Room that is made at once: for a number, and more than a line takes.
+/// Room that is made at once: more than a line takes.
 const LEAST_ROOM: usize = 512;
 
 /// Every number below a thousand as three digits, and a byte of zeros.
@@ -51,18 +51,23 @@ impl<'w> Text<'w> {
         }
     }
 
-    /// Makes room for so many bytes.
+    /// Writes these bytes behind the text, without making them part of it.
     #[inline]
-    fn reserve(&mut self, count: usize) {
-        if self.buffer.len() - self.length < count {
-            self.grow(count);
+    fn put(&mut self, bytes: &[u8]) {
+        // Whether there is room is asked once, by the place itself.
+        let place = self.length..self.length + bytes.len();
+        match self.buffer.get_mut(place) {
+            Some(room) => room.copy_from_slice(bytes),
+            None => self.put_grown(bytes),
         }
     }
 
     #[cold]
-    fn grow(&mut self, count: usize) {
-        let wanted = (self.length + count).max(2 * self.buffer.len());
-        self.buffer.resize(wanted.max(LEAST_ROOM), 0);
+    fn put_grown(&mut self, bytes: &[u8]) {
+        let end = self.length + bytes.len();
+        let wanted = end.max(2 * self.buffer.len()).max(LEAST_ROOM);
+        self.buffer.resize(wanted, 0);
+        self.buffer[self.length..end].copy_from_slice(bytes);
     }
 
     pub(super) fn file_header(&mut self, tables: &Tables) {
@@ -79,10 +84,8 @@ impl<'w> Text<'w> {
 
     #[inline]
     pub(super) fn push(&mut self, text: &str) {
-        self.reserve(text.len());
-        let end = self.length + text.len();
-        self.buffer[self.length..end].copy_from_slice(text.as_bytes());
-        self.length = end;
+        self.put(text.as_bytes());
+        self.length += text.len();
     }
 
     /// Appends the string of a symbol.
@@ -91,16 +94,14 @@ impl<'w> Text<'w> {
         let Some((bytes, length)) = symbols.short_text(symbol) else {
             return self.push(symbols.text(symbol));
         };
-        self.reserve(bytes.len());
-        self.buffer[self.length..self.length + 8].copy_from_slice(&bytes);
+        self.put(&bytes);
         self.length += length;
     }
 
     /// Appends so many of these bytes; copying all of them costs less.
     #[inline]
     pub(super) fn short(&mut self, bytes: &[u8; 16], length: usize) {
-        self.reserve(bytes.len());
-        self.buffer[self.length..self.length + 16].copy_from_slice(bytes);
+        self.put(bytes);
         self.length += length;
     }
 
@@ -110,8 +111,6 @@ impl<'w> Text<'w> {
 
     #[inline]
     pub(super) fn integer(&mut self, number: u32) {
-        // Eight bytes are copied for six digits.
-        self.reserve(u32::MAX.ilog10() as usize + 3);
         match number.checked_sub(1_000_000) {
             None => self.six_digits(number, true),
             Some(_) => self.long_integer(number),
@@ -125,7 +124,7 @@ impl<'w> Text<'w> {
     }
 
     /// The last six digits, without leading zeros where so asked, but with a
-    /// digit at least. There is room for eight bytes.
+    /// digit at least.
     #[inline]
     fn six_digits(&mut self, number: u32, leading: bool) {
         let group = |number: u32| u64::from(u32::from_le_bytes(GROUPS[number as usize]));
@@ -135,8 +134,8 @@ impl<'w> Text<'w> {
             true => ((digits ^ ZEROS) | 1 << 40).trailing_zeros() / 8,
             false => 0,
         };
-        let bytes = (digits >> (8 * zeros)).to_le_bytes();
-        self.buffer[self.length..self.length + 8].copy_from_slice(&bytes);
+        // Copying all eight bytes costs less than six of them.
+        self.put(&(digits >> (8 * zeros)).to_le_bytes());
         self.length += 6 - zeros as usize;
     }
 

@@ -52,16 +52,17 @@ pub(super) fn allocate(graph: &DependenceGraph, draft: &ScheduleDraft) -> Addres
         let memory = entries[entry.index()].memory;
         of_entry[entry.index()] = Some(Address::new(pools[memory.index()].take()));
     }
-    let mut dying = sorted_by(entries, draft.cycles, StoredDatum::last_read)
-        .into_iter()
-        .peekable();
+    let dying = sorted_by(entries, draft.cycles, StoredDatum::last_read);
+    let mut dying = dying.iter().map(|&entry| (entry, &entries[entry.index()]));
+    let mut next = dying.next();
     for entry in sorted_by(entries, draft.cycles, StoredDatum::written) {
         let stored = &entries[entry.index()];
-        let dies_before = |dead: &Entry| entries[dead.index()].last_read() < stored.written();
-        while let Some(dead) = dying.next_if(dies_before) {
-            let memory = entries[dead.index()].memory;
+        while let Some((dead, gone)) = next
+            && gone.last_read() < stored.written()
+        {
             let address = of_entry[dead.index()].expect("it was written before");
-            pools[memory.index()].give_back(address.number());
+            pools[gone.memory.index()].give_back(address.number());
+            next = dying.next();
         }
         let address = pools[stored.memory.index()].take();
         of_entry[entry.index()] = Some(Address::new(address));

@@ -209,12 +209,12 @@ impl Sweep<'_> {
             })
         };
         let own = self.places(node).filter(is_free).find(is_seat);
-        let own = own.and_then(|at| self.plain(sources, at, cycle));
+        let own = own.and_then(|at| self.plain(&sources, at, cycle));
         if own.is_some() || again.is_some() {
             return own;
         }
         let free = self.places(node).filter(is_free);
-        self.cheapest(sources, free, |at| self.plain(sources, at, cycle))
+        self.cheapest_plain(&sources, node, free, cycle)
     }
 
     /// Reserves the ports for the result of a node in its write-back cycle:

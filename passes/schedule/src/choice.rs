@@ -9,6 +9,7 @@
 
 use super::graph::Datum;
 use super::locations::{Entry, Locations, Memory, WriteBack};
+use super::plan::Beside;
 use super::ports::{PLANNED, Ports, WordTransfer};
 use robovec_framework::option_words;
 use robovec_ir::placement::Element;
@@ -77,6 +78,12 @@ impl Route {
         }
     }
 
+    /// True for a route that writes the word in the cycle.
+    #[inline]
+    pub(super) fn writes_in(self, cycle: u32) -> bool {
+        matches!(self, Route::Direct(at) | Route::Indirect(at) if at == cycle)
+    }
+
     /// True for a route that takes a port: the word is not there yet.
     #[inline]
     pub(super) fn moves(self) -> bool {
@@ -111,11 +118,7 @@ impl Planned {
     }
 
     fn writes(&self, cycle: u32, memory: Memory) -> u8 {
-        let at = match self.route {
-            Route::Held(_) | Route::Load => return 0,
-            Route::Direct(at) | Route::Indirect(at) => at,
-        };
-        u8::from(at == cycle && self.memory == memory)
+        u8::from(self.route.writes_in(cycle) && self.memory == memory)
     }
 
     fn reads_buffer(&self, cycle: u32, element: Element) -> bool {
@@ -204,14 +207,16 @@ pub(super) struct Wanted {
 }
 
 /// The route without buffer, if ports and links allow one; the transfers of
-/// other operands are asked for only where it takes a port.
-#[inline]
+/// other operands are looked at only where it takes a port.
+// It is asked for every operand at every place, and handing over what it takes
+// costs more than the answer.
+#[inline(always)]
 pub(super) fn plain_route(
     ports: &Ports,
     locations: &Locations,
     source: OperandSource,
     wanted: Wanted,
-    others: impl Fn() -> Option<Others>,
+    beside: Option<Beside<'_>>,
 ) -> Option<Route> {
     let Wanted {
         memory,
@@ -231,20 +236,32 @@ pub(super) fn plain_route(
     if arrives >= before || !ports.can_write(arrives, memory, 1) {
         return None;
     }
-    let others = others();
-    if let Some(others) = &others
-        && !ports.can_write(arrives, memory, others.writes(arrives, memory) + 1)
-    {
+    let rivals = match &beside {
+        Some(beside) => beside.writes(arrives, memory),
+        None => 0,
+    };
+    if rivals > 0 && !ports.can_write(arrives, memory, rivals + 1) {
         return None;
     }
     let route = Route::Direct(arrives);
-    if !ports.has_network() {
-        return Some(route);
-    }
-    let word = word(ports, source, memory, route)?;
-    let others = others.unwrap_or_default();
-    let free = ports.can_travel(locations, word, || others.words());
-    free.then_some(route)
+    let is_free = !ports.has_network() || has_way(ports, locations, source, memory, route, beside);
+    is_free.then_some(route)
+}
+
+/// Whether the links of a network have room for a word. Apart, so that a
+/// crossbar does not carry its registers along.
+#[inline(never)]
+fn has_way(
+    ports: &Ports,
+    locations: &Locations,
+    source: OperandSource,
+    memory: Memory,
+    route: Route,
+    beside: Option<Beside<'_>>,
+) -> bool {
+    let others = beside.map_or_else(Others::default, |beside| beside.others(ports));
+    let word = word(ports, source, memory, route);
+    word.is_some_and(|word| ports.can_travel(locations, word, || others.words()))
 }
 
 /// The earliest indirect write before the cycle of issue; early, because the

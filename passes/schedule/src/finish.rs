@@ -168,11 +168,13 @@ impl WordNames<'_> {
             let start = writes.len();
             write_starts.push(start as u32);
             if graph.is_computed(node) {
-                let entries = self.draft.locations.of(node);
-                writes.extend(entries.map(|(entry, stored)| Write {
-                    word: self.word(entry),
-                    cycle: stored.written().expect("a result is written"),
-                }));
+                // Not `extend`, which asks every list of entries how long it is.
+                for (entry, stored) in self.draft.locations.of(node) {
+                    writes.push(Write {
+                        word: self.word(entry),
+                        cycle: stored.written().expect("a result is written"),
+                    });
+                }
                 writes[start..].sort_unstable_by_key(|write| (write.cycle, write.word));
             }
         }

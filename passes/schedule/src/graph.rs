@@ -129,6 +129,17 @@ impl DependenceGraph {
         &self.users[self.user_starts[node] as usize..self.user_starts[node + 1] as usize]
     }
 
+    /// The number of nodes that read a node, one that reads it twice counted
+    /// twice.
+    pub(super) fn user_count(&self, node: usize) -> u32 {
+        self.user_starts[node + 1] - self.user_starts[node]
+    }
+
+    /// The latest issue of a node that does not lengthen the longest chain.
+    pub(super) fn latest(&self, node: usize) -> u32 {
+        self.path - self.tail[node]
+    }
+
     /// The largest weight of any kind.
     pub(super) fn largest_weight(&self) -> u32 {
         self.kinds.iter().map(|kind| kind.weight).max().unwrap_or(0)

@@ -36,6 +36,20 @@ pub(super) struct SchedulingOrder {
 impl SchedulingOrder {
     /// Ranks by a key, smallest first; equal keys keep program order.
     pub(super) fn by_key(graph: &DependenceGraph, key: impl Fn(usize) -> u64) -> SchedulingOrder {
+        SchedulingOrder::by_pair(
+            graph,
+            |node| (key(node) >> 32) as u32,
+            |node| key(node) as u32,
+        )
+    }
+
+    /// Ranks by two keys, the second one among equals; equal pairs keep
+    /// program order.
+    fn by_pair(
+        graph: &DependenceGraph,
+        first: impl Fn(usize) -> u32,
+        second: impl Fn(usize) -> u32,
+    ) -> SchedulingOrder {
         let mut rank = vec![0; graph.kind.len()];
         let mut nodes = vec![Vec::new(); graph.kinds.len()];
         for (node, &kind) in graph.kind.iter().enumerate() {
@@ -44,9 +58,9 @@ impl SchedulingOrder {
             }
         }
         for ranked in &mut nodes {
-            // By the lower half first: sorting is stable.
-            radix::sort_by_key(ranked, |node| key(node as usize) as u32);
-            radix::sort_by_key(ranked, |node| (key(node as usize) >> 32) as u32);
+            // By the second key first: sorting is stable.
+            radix::sort_by_key(ranked, |node| second(node as usize));
+            radix::sort_by_key(ranked, |node| first(node as usize));
             for (place, &node) in ranked.iter().enumerate() {
                 rank[node as usize] = place as u32;
             }
@@ -61,25 +75,25 @@ impl SchedulingOrder {
     /// ALAPCycle, then ASAPCycle. Within a kind all weights are equal, so
     /// the times of issue order like the times of completion.
     pub(super) fn alap(graph: &DependenceGraph) -> SchedulingOrder {
-        SchedulingOrder::by_key(graph, |node| {
-            pair(graph.path - graph.tail[node], graph.head[node])
-        })
+        SchedulingOrder::by_pair(graph, |node| graph.latest(node), |node| graph.head[node])
     }
 
     /// Mobility, then ALAPCycle.
     pub(super) fn mobility(graph: &DependenceGraph) -> SchedulingOrder {
-        SchedulingOrder::by_key(graph, |node| {
-            let latest = graph.path - graph.tail[node];
-            pair(latest - graph.head[node], latest)
-        })
+        SchedulingOrder::by_pair(
+            graph,
+            |node| graph.latest(node) - graph.head[node],
+            |node| graph.latest(node),
+        )
     }
 
     /// ALAPCycle, then the number of readers, most first.
     pub(super) fn fan_out(graph: &DependenceGraph) -> SchedulingOrder {
-        SchedulingOrder::by_key(graph, |node| {
-            let readers = graph.users_of(node).len() as u32;
-            pair(graph.path - graph.tail[node], u32::MAX - readers)
-        })
+        SchedulingOrder::by_pair(
+            graph,
+            |node| graph.latest(node),
+            |node| u32::MAX - graph.user_count(node),
+        )
     }
 }
 
@@ -95,11 +109,7 @@ impl SchedulingOrder {
         let nodes = graph.kind.len().max(1) as u64;
         SchedulingOrder::by_key(graph, |node| {
             let place = node as u64 * u64::from(graph.path) / nodes;
-            u64::from(graph.path - graph.tail[node]) * 64 + place * share
+            u64::from(graph.latest(node)) * 64 + place * share
         })
     }
-}
-
-fn pair(first: u32, second: u32) -> u64 {
-    u64::from(first) << 32 | u64::from(second)
 }

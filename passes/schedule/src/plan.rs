@@ -41,56 +41,86 @@ pub(super) type OperandSources = [Option<OperandSource>; Operand::MAX_COUNT];
 /// one transfer, not two that compete.
 #[inline]
 fn shared(sources: &OperandSources, plan: &IssuePlan, operand: usize) -> Option<Route> {
-    let same = |&before: &usize| {
-        sources[before] == sources[operand] && plan.memories[before] == plan.memories[operand]
-    };
+    let same = |&before: &usize| is_same(sources, plan, before, operand);
     (0..operand)
         .find(same)
         .and_then(|before| plan.routes[before])
 }
 
-/// The transfers planned for the other operands, if any; what is there takes
-/// nothing.
+/// True for two operands that are one word: the same datum, read from the same
+/// memory.
 #[inline]
-fn planned(
-    ports: &Ports,
-    sources: &OperandSources,
-    plan: &IssuePlan,
-    operand: usize,
-) -> Option<Others> {
-    let mut others = (0..Operand::MAX_COUNT).filter(|&other| other != operand);
-    let moves = |other: usize| plan.routes[other].is_some_and(Route::moves);
-    others
-        .any(moves)
-        .then(|| all_planned(ports, sources, plan, operand))
+fn is_same(sources: &OperandSources, plan: &IssuePlan, one: usize, other: usize) -> bool {
+    let datum = |operand: usize| sources[operand].map(|source| source.datum);
+    datum(one) == datum(other) && plan.memories[one] == plan.memories[other]
 }
 
-fn all_planned(
-    ports: &Ports,
-    sources: &OperandSources,
-    plan: &IssuePlan,
+/// The transfers that a plan has for the operands other than one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Beside<'a> {
+    sources: &'a OperandSources,
+    plan: &'a IssuePlan,
     operand: usize,
-) -> Others {
-    let mut others = Others::default();
-    for other in (0..Operand::MAX_COUNT).filter(|&other| other != operand) {
-        let moves = |route: &Route| route.moves();
-        if let Some(route) = plan.routes[other].filter(moves)
-            && let Some(source) = sources[other]
-        {
-            let same =
-                sources[operand] == Some(source) && plan.memories[operand] == plan.memories[other];
-            if !same {
-                others.add(Planned::new(ports, source, plan.memories[other], route));
+}
+
+impl Beside<'_> {
+    /// The transfer of another word for an operand; what is there takes none.
+    #[inline]
+    fn transfer(&self, other: usize) -> Option<(OperandSource, Route)> {
+        let route = self.plan.routes[other].filter(|route| route.moves())?;
+        let is_own = is_same(self.sources, self.plan, other, self.operand);
+        let source = self.sources[other].filter(|_| !is_own)?;
+        Some((source, route))
+    }
+
+    /// Words they write into a memory in a cycle: what [`Others::writes`]
+    /// counts, for a look that needs nothing else about them.
+    #[inline]
+    pub(super) fn writes(&self, cycle: u32, memory: Memory) -> u8 {
+        let (mut count, mut first) = (0, None);
+        for other in 0..Operand::MAX_COUNT {
+            let route = self.plan.routes[other];
+            if route.is_some_and(|route| route.writes_in(cycle))
+                && self.plan.memories[other] == memory
+                && let Some((source, _)) = self.transfer(other)
+                && first != Some(source.datum)
+            {
+                first = Some(source.datum);
+                count += 1;
             }
         }
+        count
     }
-    others
+
+    /// All about them.
+    pub(super) fn others(&self, ports: &Ports) -> Others {
+        let mut others = Others::default();
+        for other in 0..Operand::MAX_COUNT {
+            if let Some((source, route)) = self.transfer(other) {
+                let memory = self.plan.memories[other];
+                others.add(Planned::new(ports, source, memory, route));
+            }
+        }
+        others
+    }
 }
 
 /// The cost that [`ElementChoice::Preferential`] minimises: the rank, the
 /// cycles results stay in buffers, the way through the network, new words of
 /// initial data, live words.
 type IssueCost = (u8, u32, u32, u8, u32);
+
+/// The rank of an operation whose operands, as written, have these statuses.
+#[inline]
+fn rank(statuses: [usize; Operand::MAX_COUNT], swapped: bool) -> u8 {
+    let [left, right, addend] = statuses;
+    // Exchanged, the first operand is the one on the right.
+    let factors = match swapped {
+        true => RANKS[right][left],
+        false => RANKS[left][right],
+    };
+    factors + ADDEND_RANKS[addend]
+}
 
 /// The decision about an operation in a cycle.
 #[derive(Clone, Copy, Debug)]
@@ -136,6 +166,7 @@ impl Sweep<'_> {
         }
     }
 
+    #[inline]
     fn held(&self, operand: usize, memory: Memory) -> Option<Entry> {
         let (stamp, entry) = self.marks[operand][memory.index()];
         entry.filter(|_| stamp == self.stamp)
@@ -148,20 +179,20 @@ impl Sweep<'_> {
         let is_free = |at: &IssuePlan| self.busy[at.element.index()] != cycle + 1;
         let plan = match self.choice {
             ElementChoice::First => self.places(node).filter(is_free).find_map(|at| {
-                self.plain(sources, at, cycle)
-                    .or_else(|| self.indirect(sources, at, cycle))
+                self.plain(&sources, at, cycle)
+                    .or_else(|| self.indirect(&sources, at, cycle))
             }),
             ElementChoice::Preferential => {
                 let free = || self.places(node).filter(is_free);
-                let best = self.cheapest(sources, free(), |at| self.plain(sources, at, cycle));
+                let best = self.cheapest_plain(&sources, node, free(), cycle);
                 if best.is_none() && self.can_wait(node, cycle) {
                     let mut later = self.places(node).filter(|at| !is_free(at));
-                    if later.any(|at| self.plain(sources, at, cycle).is_some()) {
+                    if later.any(|at| self.plain(&sources, at, cycle).is_some()) {
                         return IssueDecision::Wait;
                     }
                 }
                 best.or_else(|| {
-                    self.cheapest(sources, free(), |at| self.indirect(sources, at, cycle))
+                    self.cheapest(&sources, free(), |at| self.indirect(&sources, at, cycle))
                 })
             }
         };
@@ -174,7 +205,7 @@ impl Sweep<'_> {
     /// equals.
     pub(super) fn cheapest(
         &self,
-        sources: OperandSources,
+        sources: &OperandSources,
         places: impl Iterator<Item = IssuePlan>,
         plan: impl Fn(IssuePlan) -> Option<IssuePlan>,
     ) -> Option<IssuePlan> {
@@ -190,6 +221,39 @@ impl Sweep<'_> {
                 if compared == MAX_COMPARED {
                     break;
                 }
+            }
+        }
+        best.map(|(_, plan)| plan)
+    }
+
+    /// As [`Sweep::cheapest`], of the plans without buffers for a node.
+    ///
+    /// What such a plan costs follows from where the operands are, so that
+    /// ports are looked at only for a plan that would be the best so far.
+    pub(super) fn cheapest_plain(
+        &self,
+        sources: &OperandSources,
+        node: usize,
+        places: impl Iterator<Item = IssuePlan>,
+        before: u32,
+    ) -> Option<IssuePlan> {
+        let elements = self.graph.kinds[self.graph.kind[node] as usize].count as usize;
+        if elements * self.banks > MAX_COMPARED {
+            return self.cheapest(sources, places, |at| self.plain(sources, at, before));
+        }
+        let mut best: Option<(IssueCost, IssuePlan)> = None;
+        for at in places {
+            let cost = self.plain_cost(sources, &at);
+            if best.as_ref().is_some_and(|(least, _)| cost >= *least) {
+                continue;
+            }
+            if let Some(plan) = self.plain(sources, at, before) {
+                debug_assert_eq!(
+                    cost,
+                    self.cost(sources, &plan),
+                    "a plan without buffers costs what was foreseen"
+                );
+                best = Some((cost, plan));
             }
         }
         best.map(|(_, plan)| plan)
@@ -232,13 +296,15 @@ impl Sweep<'_> {
         })
     }
 
+    /// See [`plain_route`].
+    #[inline(always)]
     fn plain_route(
         &self,
         source: OperandSource,
         memory: Memory,
         held: Option<Entry>,
         before: u32,
-        others: impl Fn() -> Option<Others>,
+        beside: Option<Beside<'_>>,
     ) -> Option<Route> {
         let wanted = Wanted {
             memory,
@@ -246,13 +312,13 @@ impl Sweep<'_> {
             before,
         };
         let draft = &self.draft;
-        plain_route(&draft.ports, &draft.locations, source, wanted, others)
+        plain_route(&draft.ports, &draft.locations, source, wanted, beside)
     }
 
     /// The plan without buffers that has everything written before a cycle.
     pub(super) fn plain(
         &self,
-        sources: OperandSources,
+        sources: &OperandSources,
         at: IssuePlan,
         before: u32,
     ) -> Option<IssuePlan> {
@@ -261,13 +327,19 @@ impl Sweep<'_> {
             let Some(source) = sources[operand] else {
                 break;
             };
-            let route = match shared(&sources, &plan, operand) {
+            let route = match shared(sources, &plan, operand) {
                 Some(route) => route,
                 None => {
                     let memory = plan.memories[operand];
                     let held = self.held(operand, memory);
-                    let others = || planned(&self.draft.ports, &sources, &plan, operand);
-                    self.plain_route(source, memory, held, before, others)?
+                    let beside = Beside {
+                        sources,
+                        plan: &plan,
+                        operand,
+                    };
+                    // Nothing is planned before the first operand.
+                    let beside = (operand > 0).then_some(beside);
+                    self.plain_route(source, memory, held, before, beside)?
                 }
             };
             plan.routes[operand] = Some(route);
@@ -277,7 +349,7 @@ impl Sweep<'_> {
 
     /// The plan with at least one operand through a buffer; called when there
     /// is none without. What can go directly does.
-    fn indirect(&self, sources: OperandSources, at: IssuePlan, cycle: u32) -> Option<IssuePlan> {
+    fn indirect(&self, sources: &OperandSources, at: IssuePlan, cycle: u32) -> Option<IssuePlan> {
         let draft = &self.draft;
         if !draft.ports.has_buffer() {
             return None;
@@ -287,9 +359,13 @@ impl Sweep<'_> {
             if let Some(source) = sources[operand] {
                 let memory = plan.memories[operand];
                 let held = self.held(operand, memory);
-                plan.routes[operand] = shared(&sources, &plan, operand).or_else(|| {
-                    let others = || planned(&self.draft.ports, &sources, &plan, operand);
-                    self.plain_route(source, memory, held, cycle, others)
+                plan.routes[operand] = shared(sources, &plan, operand).or_else(|| {
+                    let beside = Beside {
+                        sources,
+                        plan: &plan,
+                        operand,
+                    };
+                    self.plain_route(source, memory, held, cycle, Some(beside))
                 });
             }
         }
@@ -300,13 +376,17 @@ impl Sweep<'_> {
             if plan.routes[operand].is_some() {
                 continue;
             }
-            let route = match shared(&sources, &plan, operand) {
+            let route = match shared(sources, &plan, operand) {
                 Some(route) => route,
                 None => {
                     let memory = plan.memories[operand];
-                    let others = planned(&self.draft.ports, &sources, &plan, operand);
-                    let others = others.unwrap_or_default();
+                    let beside = Beside {
+                        sources,
+                        plan: &plan,
+                        operand,
+                    };
                     let ports = &draft.ports;
+                    let others = beside.others(ports);
                     indirect_route(ports, &draft.locations, source, memory, cycle, &others)?
                 }
             };
@@ -315,29 +395,60 @@ impl Sweep<'_> {
         Some(plan)
     }
 
-    fn cost(&self, sources: OperandSources, plan: &IssuePlan) -> IssueCost {
-        let status = |side: usize| {
-            // Exchanged, the first operand is the one on the right.
-            plan.routes[side ^ usize::from(plan.swapped)].map_or(0, Route::status)
+    /// The [`Sweep::cost`] of the plan without buffers at a place, if there is
+    /// one.
+    // Inlined, since most places only have their costs compared.
+    #[inline(always)]
+    fn plain_cost(&self, sources: &OperandSources, at: &IssuePlan) -> IssueCost {
+        let held = |operand: usize| self.held(operand, at.memories[operand]).is_some();
+        let status = |operand: usize| {
+            let result = sources[operand].and_then(|source| source.result);
+            usize::from(result.is_some() && !held(operand))
         };
-        let addend = plan.routes[2].map_or(0, Route::status);
-        let rank = RANKS[status(0)][status(1)] + ADDEND_RANKS[addend];
+        let loads = |operand: usize| {
+            let initial = sources[operand].filter(|source| source.result.is_none());
+            u8::from(initial.is_some() && !held(operand))
+        };
+        let rank = rank([status(0), status(1), status(2)], at.swapped);
+        let travels = match self.draft.ports.has_network() {
+            true => self.plain_travels(sources, at),
+            false => 0,
+        };
+        let loads = loads(0) + loads(1) + loads(2);
+        (rank, 0, travels, loads, self.words(at))
+    }
+
+    /// The way through the network that operands take to a place. Apart, as
+    /// what else networks take.
+    #[inline(never)]
+    fn plain_travels(&self, sources: &OperandSources, at: &IssuePlan) -> u32 {
+        let travel = |operand: usize| {
+            let memory = at.memories[operand];
+            let result = sources[operand].and_then(|source| source.result);
+            let missing = result.filter(|_| self.held(operand, memory).is_none());
+            missing.map_or(0, |from| self.draft.ports.latency(from.element, memory))
+        };
+        (0..Operand::MAX_COUNT).map(travel).sum()
+    }
+
+    /// The words that live in the memories of a plan.
+    #[inline]
+    fn words(&self, plan: &IssuePlan) -> u32 {
+        let memories = plan.memories.iter();
+        memories.map(|memory| self.draft.live[memory.index()]).sum()
+    }
+
+    fn cost(&self, sources: &OperandSources, plan: &IssuePlan) -> IssueCost {
+        let statuses = plan.routes.map(|route| route.map_or(0, Route::status));
+        let rank = rank(statuses, plan.swapped);
         let loads = plan
             .routes
             .iter()
             .filter(|&&route| route == Some(Route::Load))
             .count() as u8;
-        let words = plan
-            .memories
-            .iter()
-            .map(|memory| self.draft.live[memory.index()])
-            .sum();
         let ports = &self.draft.ports;
         let travel = |operand: usize| {
-            let moves = matches!(
-                plan.routes[operand],
-                Some(Route::Direct(_) | Route::Indirect(_))
-            );
+            let moves = plan.routes[operand].is_some_and(Route::moves);
             let producer = sources[operand].and_then(|source| source.result);
             producer.filter(|_| moves).map_or(0, |from| {
                 ports.latency(from.element, plan.memories[operand])
@@ -356,7 +467,7 @@ impl Sweep<'_> {
                 _ => 0,
             }
         });
-        (rank, stay.sum(), travels, loads, words)
+        (rank, stay.sum(), travels, loads, self.words(plan))
     }
 
     /// False when no element, free now or not, can take the node in this or
@@ -365,15 +476,15 @@ impl Sweep<'_> {
         let sources = self.sources(node);
         self.mark(sources);
         self.places(node).any(|at| {
-            self.plain(sources, at, u32::MAX).is_some()
-                || self.indirect(sources, at, cycle).is_some()
-                || self.may_wait(sources, at, cycle)
+            self.plain(&sources, at, u32::MAX).is_some()
+                || self.indirect(&sources, at, cycle).is_some()
+                || self.may_wait(&sources, at, cycle)
         })
     }
 
     /// True when every operand is there, can go directly, or can stay in its
     /// buffer until now, so that a later cycle may find a port.
-    fn may_wait(&self, sources: OperandSources, at: IssuePlan, cycle: u32) -> bool {
+    fn may_wait(&self, sources: &OperandSources, at: IssuePlan, cycle: u32) -> bool {
         let draft = &self.draft;
         draft.ports.has_buffer()
             && (0..Operand::MAX_COUNT).all(|operand| {
@@ -386,7 +497,7 @@ impl Sweep<'_> {
                     return true;
                 };
                 if self
-                    .plain_route(source, memory, held, u32::MAX, || None)
+                    .plain_route(source, memory, held, u32::MAX, None)
                     .is_some()
                 {
                     return true;

@@ -100,7 +100,18 @@ impl Ports {
     }
 
     /// Cycles from the departure of a word to its arrival in a memory.
+    #[inline]
     pub(super) fn latency(&self, from: Element, memory: Memory) -> u32 {
+        match self.has_network() {
+            true => self.travel_time(from, memory),
+            false => 0,
+        }
+    }
+
+    /// The latency of a network, apart from what is asked about a crossbar
+    /// for every operand at every place.
+    #[inline(never)]
+    fn travel_time(&self, from: Element, memory: Memory) -> u32 {
         let wires = self.wires.as_ref();
         wires.map_or(0, |wires| wires.latency(from, self.element_of(memory)))
     }

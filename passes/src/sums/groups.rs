@@ -2,7 +2,7 @@
 
 use robovec_analysis::critical_path::Weights;
 use robovec_framework::rewrite_limit::RewriteLimit;
-use robovec_ir::{Function, Operand, Operation, Value};
+use robovec_ir::{Function, Node, Operand, Operation, Value};
 
 /// The reach of a group into the values that only it uses.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -163,39 +163,59 @@ impl OperandGroups {
 
     /// Takes the group of a value apart.
     fn collect(&mut self, function: &Function, root: Value, open: &mut Vec<GroupLeaf>) {
-        let sum = GroupFamily::of(function.node(root).operation) == Some(GroupFamily::Sum);
-        open.push(GroupLeaf {
-            operand: root.into(),
-            negative: false,
-        });
+        let node = function.node(root);
+        let is_sum = GroupFamily::of(node.operation) == Some(GroupFamily::Sum);
+        let inner = |operand: Operand| operand.value().filter(|&value| self.is_absorbed(value));
+        // Most groups are one operation.
+        if !node
+            .operands
+            .iter()
+            .any(|&operand| inner(operand).is_some())
+        {
+            for leaf in operands_of(node, false) {
+                self.leaf(function, is_sum, leaf);
+            }
+            return;
+        }
+        open.extend(operands_of(node, false).rev());
         while let Some(leaf) = open.pop() {
-            let expanded = leaf
-                .operand
-                .value()
-                .filter(|&value| value == root || self.is_absorbed(value));
-            let Some(value) = expanded else {
-                if !(sum && function.number(leaf.operand) == Some(0.0)) {
-                    self.leaves.push(leaf);
-                }
+            let absorbed = leaf.operand.value();
+            let absorbed = absorbed.filter(|&value| self.is_absorbed(value));
+            let Some(value) = absorbed else {
+                self.leaf(function, is_sum, leaf);
                 continue;
             };
-            if value != root {
-                self.inner.push(value);
-            }
-            let node = function.node(value);
-            for (side, &operand) in node.operands().iter().enumerate().rev() {
-                let minus = match node.operation {
-                    Operation::Sub => side == 1,
-                    Operation::Neg => true,
-                    _ => false,
-                };
-                open.push(GroupLeaf {
-                    operand,
-                    negative: leaf.negative ^ minus,
-                });
-            }
+            self.inner.push(value);
+            open.extend(operands_of(function.node(value), leaf.negative).rev());
         }
     }
+
+    /// Adds a leaf, unless it is a zero of a sum.
+    fn leaf(&mut self, function: &Function, is_sum: bool, leaf: GroupLeaf) {
+        if !(is_sum && function.number(leaf.operand) == Some(0.0)) {
+            self.leaves.push(leaf);
+        }
+    }
+}
+
+/// The operands of a sum or product as terms or factors, left to right; with
+/// other signs where it is itself subtracted.
+fn operands_of(
+    node: &Node,
+    negative: bool,
+) -> impl DoubleEndedIterator<Item = GroupLeaf> + ExactSizeIterator + '_ {
+    let operands = node.operands().iter().enumerate();
+    operands.map(move |(side, &operand)| {
+        let minus = match node.operation {
+            Operation::Sub => side == 1,
+            Operation::Neg => true,
+            _ => false,
+        };
+        GroupLeaf {
+            operand,
+            negative: negative ^ minus,
+        }
+    })
 }
 
 /// For each value whether it is part of the group of its one user.

@@ -68,7 +68,7 @@ pub(super) fn scan(
         },
         awaited: vec![false; arrays],
     };
-    if !part {
+    if !part && !syntax.calls.is_empty() {
         scanner.await_results(runs);
     }
     for index in runs.iter().cloned().flatten() {
@@ -111,10 +111,15 @@ impl Scanner<'_> {
         }
     }
 
+    #[inline]
     fn read(&mut self, leaf: SyntaxLeaf, span: SourceSpan) {
-        let LeafKind::Element(element) = leaf.kind() else {
-            return;
-        };
+        // Nearly all that is read is no element.
+        if let LeafKind::Element(element) = leaf.kind() {
+            self.read_element(element, span);
+        }
+    }
+
+    fn read_element(&mut self, element: u32, span: SourceSpan) {
         let element = self.syntax.elements[element as usize];
         let flags = &mut self.scan.flags[element.row as usize];
         if *flags & WRITTEN != 0 {

@@ -10,6 +10,7 @@
 //! **Invariant.** What is read here is read as `grammar.lalrpop` reads it: the
 //! same calls of the builder in the same order.
 
+use super::words::starts_as_keyword;
 use super::{LexicalError, TokenStream};
 use crate::robotran::Language;
 use crate::robotran::raw::{Raw, Surface};
@@ -174,10 +175,13 @@ impl<'s, L: Surface<'s>> TokenStream<'s, '_, L> {
             raw = self.lexeme()?;
         }
         let start = self.span().start;
-        let target = match self.leaf(raw)? {
-            RobotranToken::Name(name) => SyntaxLeaf::scalar(name),
-            RobotranToken::Element(element) => builder.element(element),
-            _ => return Err(NotPlain),
+        let target = match self.name(raw) {
+            Some(name) => name,
+            None => match self.leaf(raw)? {
+                RobotranToken::Name(name) => SyntaxLeaf::scalar(name),
+                RobotranToken::Element(element) => builder.element(element),
+                _ => return Err(NotPlain),
+            },
         };
         if self.lexeme()? != Raw::Equals {
             return Err(NotPlain);
@@ -206,6 +210,14 @@ impl<'s, L: Surface<'s>> TokenStream<'s, '_, L> {
         let mut opened = false;
         loop {
             let raw = self.lexeme_within(stacks)?;
+            if let Some(name) = self.name(raw) {
+                opened = false;
+                stacks.operands.push(name);
+                if let Some(end) = self.operator(builder, stacks)? {
+                    return Ok(end);
+                }
+                continue;
+            }
             let token = match raw {
                 Raw::Open => {
                     stacks.operators.push(OpenOperator::Group);
@@ -286,6 +298,15 @@ impl<'s, L: Surface<'s>> TokenStream<'s, '_, L> {
             raw = self.lexeme()?;
         }
         Ok(raw)
+    }
+
+    /// The operand of a lexeme that can be nothing but a name, as nearly all
+    /// are: what [`Self::leaf`] gives, without a token.
+    #[inline]
+    fn name(&mut self, raw: Raw) -> Option<SyntaxLeaf> {
+        let word = self.lexer.slice();
+        let is_name = raw == Raw::Word && !starts_as_keyword(word);
+        is_name.then(|| SyntaxLeaf::scalar(self.local_name(word)))
     }
 
     /// The token of a lexeme that may be an operand.

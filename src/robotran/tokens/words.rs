@@ -27,17 +27,18 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
 
     /// A word that is no macro.
     pub(super) fn plain_word(&mut self, word: &str) -> Result<Option<RobotranToken>, LexicalError> {
-        // Keywords and types start like this, hardly any name of Robotran's
-        // does.
-        let candidate = word.len() > 1 && (word.as_bytes()[0].is_ascii_lowercase())
-            || word.starts_with("Mbs")
-            || word.starts_with("MBS");
-        if candidate && let Some(token) = self.keyword(word) {
+        if starts_as_keyword(word)
+            && let Some(token) = self.keyword(word)
+        {
             return token;
         }
-        Ok(Some(RobotranToken::Name(RobotranName::local(
-            self.symbols.intern(word),
-        ))))
+        Ok(Some(RobotranToken::Name(self.local_name(word))))
+    }
+
+    /// The name that a word is which is neither macro nor keyword.
+    #[inline]
+    pub(super) fn local_name(&mut self, word: &str) -> RobotranName {
+        RobotranName::local(self.symbols.intern(word))
     }
 
     /// The token of a word that the language reserves, or the error of what it
@@ -165,5 +166,16 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
                 (Some(Ok(_)), _) => {}
             }
         }
+    }
+}
+
+/// True for a word that may be a keyword or a type: hardly any name of
+/// Robotran's starts like these.
+#[inline]
+pub(super) fn starts_as_keyword(word: &str) -> bool {
+    match word.as_bytes() {
+        [b'a'..=b'z', _, ..] => true,
+        [b'M', rest @ ..] => rest.starts_with(b"bs") || rest.starts_with(b"BS"),
+        _ => false,
     }
 }

@@ -78,6 +78,16 @@ impl<'a> Instruments<'a> {
             || self.config.print_changed == Some(PrintChanged::Diff)
     }
 
+    /// Whether what a pass did is measured: it was asked for, or whether the
+    /// function changed decides what is told.
+    pub(super) fn keeps_records(&self) -> bool {
+        self.config.records
+            || self.config.rounding.is_some()
+            || self.config.trail.is_some()
+            || self.config.dump.is_some()
+            || self.config.print_changed.is_some()
+    }
+
     pub(super) fn start(&mut self, tables: &Tables, function: &Function) -> io::Result<()> {
         if self.config.print_changed.is_some() {
             self.banner("at start", function)?;
@@ -114,13 +124,16 @@ impl<'a> Instruments<'a> {
         tables: &Tables,
         before: Option<&Function>,
         function: &Function,
-        record: &PassRecord,
+        record: Option<&PassRecord>,
     ) -> io::Result<()> {
         let view = View { tables, function };
         if self.config.print_after.wants(step.info.name) {
             self.banner(&format!("after {step}"), function)?;
             self.print(tables, function)?;
         }
+        let Some(record) = record else {
+            return Ok(());
+        };
         match (self.config.print_changed, record.changed) {
             (None, _) => {}
             (Some(_), false) => {

@@ -91,6 +91,10 @@ pub struct Config<'a> {
     pub executed: Option<&'a mut Vec<Executed>>,
     /// Whether the remarks of the passes are printed.
     pub remarks: bool,
+    /// Keep a record of every pass, for which the function is measured after
+    /// each; without them the outcome has none. Rounding errors and what
+    /// looks at changes need them, and they are kept for these anyway.
+    pub records: bool,
 }
 
 impl<'a> Config<'a> {
@@ -115,6 +119,7 @@ impl<'a> Config<'a> {
             limit: None,
             executed: None,
             remarks: true,
+            records: true,
         }
     }
 }
@@ -148,7 +153,7 @@ pub struct PassRecord {
 /// The outcome of a run besides the module.
 #[derive(Default, Debug)]
 pub struct RunOutcome {
-    /// One record per pass and function, in order.
+    /// One record per pass and function, in order, if they are kept.
     pub records: Vec<PassRecord>,
     /// Files produced by code generation.
     pub artifacts: Vec<Artifact>,
@@ -248,6 +253,7 @@ pub fn run(
         fingerprint: 0,
         rounding: None,
         total: pipeline.passes().count() * module.functions.len(),
+        repeats: pipeline.repeats(),
     };
     let tables = &mut module.tables;
     for (index, function) in module.functions.iter_mut().enumerate() {
@@ -256,7 +262,7 @@ pub fn run(
             trail::begin(function);
         }
         run.instruments.start(tables, function)?;
-        run.fingerprint = measure::fingerprint(function);
+        run.take_fingerprint(function);
         run.rounding = run.instruments.config.rounding.map(|states| {
             let states = match states {
                 0 => usual_states(function.nodes().len()),
@@ -291,8 +297,10 @@ struct PipelineRun<'a> {
     total: usize,
     /// Of the function.
     index: usize,
-    /// That of the function as it is now.
+    /// That of the function as it is now, if anything asks for it.
     fingerprint: u64,
+    /// The pipeline has groups that end when nothing changes.
+    repeats: bool,
     /// Its rounding errors, with the fingerprint of what it computes.
     rounding: Option<(u64, Arc<RoundingErrors>)>,
 }
@@ -309,6 +317,14 @@ impl PipelineRun<'_> {
             self.pass(step, tables, function)?;
         }
         Ok(())
+    }
+
+    /// Takes the fingerprint of the function as it is now, where a record or a
+    /// group of passes will be compared with it.
+    fn take_fingerprint(&mut self, function: &Function) {
+        if self.repeats || self.instruments.keeps_records() {
+            self.fingerprint = measure::fingerprint(function);
+        }
     }
 
     fn pass(
@@ -344,11 +360,9 @@ impl PipelineRun<'_> {
         if let Some(follower) = follower {
             follower.finish(tables, function, &name, &report.notes);
         }
-        self.fingerprint = measure::fingerprint(function);
+        self.take_fingerprint(function);
         self.tell(&name, function, &report.remarks)?;
         self.verify(step.info, &name, tables, function)?;
-        // Only what the verifier has accepted can be measured.
-        let (operations, asap_cycle) = measure::size(function, self.instruments.config.machine);
         let claim = Claim {
             class: pass.class(step.info.class),
             instances: pass.instances(),
@@ -360,20 +374,27 @@ impl PipelineRun<'_> {
             [before, old, function]
         });
         let check = self.check_if_wanted(&claim, &name, tables, versions)?;
-        let record = PassRecord {
-            function: function.name.clone(),
-            changed: self.fingerprint != fingerprint,
-            cpu_s,
-            peak_mb,
-            operations,
-            asap_cycle,
-            statistics: report.statistics,
-            check,
-            rounding: self.measure_rounding(tables, function),
-            name,
-        };
+        let record = self.instruments.keeps_records().then(|| {
+            // Only what the verifier has accepted can be measured.
+            let (operations, asap_cycle) = measure::size(function, self.instruments.config.machine);
+            PassRecord {
+                function: function.name.clone(),
+                changed: self.fingerprint != fingerprint,
+                cpu_s,
+                peak_mb,
+                operations,
+                asap_cycle,
+                statistics: report.statistics,
+                check,
+                rounding: self.measure_rounding(tables, function),
+                name,
+            }
+        });
         self.instruments
-            .after(step, tables, before.as_ref(), function, &record)?;
+            .after(step, tables, before.as_ref(), function, record.as_ref())?;
+        let Some(record) = record else {
+            return Ok(());
+        };
         if let (Some(trail), Some(before), true) =
             (&mut self.instruments.config.trail, before, record.changed)
         {

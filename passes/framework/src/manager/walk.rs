@@ -31,7 +31,8 @@ impl<'p> PipelineWalk<'p> {
         }
     }
 
-    /// The next pass, given the fingerprint of the function as it is now.
+    /// The next pass, given the fingerprint of the function as it is now,
+    /// which only groups that are repeated look at.
     pub(super) fn next(&mut self, fingerprint: u64) -> Option<&'p PassStep> {
         loop {
             let step = self.pipeline.steps.get(self.next)?;
@@ -74,10 +75,7 @@ pub fn apply(
         .map_err(|error| PassError::new(error.message).help(error.help))?;
     let mut walk = PipelineWalk::new(pipeline);
     // Only groups ask whether something changed.
-    let repeats = pipeline
-        .steps
-        .iter()
-        .any(|step| matches!(step, PipelineStep::Close));
+    let repeats = pipeline.repeats();
     let fingerprint = |function: &Function| match repeats {
         true => measure::fingerprint(function),
         false => 0,

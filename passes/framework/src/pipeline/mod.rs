@@ -82,6 +82,13 @@ impl Pipeline {
             PipelineStep::Open { .. } | PipelineStep::Close => None,
         })
     }
+
+    /// Whether it has a group that is repeated while something changes.
+    pub fn repeats(&self) -> bool {
+        self.steps
+            .iter()
+            .any(|step| matches!(step, PipelineStep::Close))
+    }
 }
 
 /// The limits of all options of all passes, and of groups.
