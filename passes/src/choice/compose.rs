@@ -324,6 +324,10 @@ impl Composer<'_> {
     fn collect(&self, space: &mut CompositionSpace) -> bool {
         space.variables.clear();
         space.rest.clear();
+        let most = match self.limits.width {
+            0 => 0,
+            width => width.max(self.limits.reach),
+        };
         for (&outer, &plan) in space.outer.iter().zip(&space.plan) {
             let form = match plan {
                 TermPlan::Rest => {
@@ -344,7 +348,7 @@ impl Composer<'_> {
                 let place = known.clone().position(|&known| known == inner.b());
                 let place = place.unwrap_or(known.len());
                 if place == space.variables.len() {
-                    if place == self.limits.width.max(self.limits.reach) {
+                    if place == most {
                         return false;
                     }
                     space.variables.push(inner.b());
@@ -361,14 +365,13 @@ impl Composer<'_> {
 
     /// The earliest variable that a form keeps, the latest ones being kept.
     fn earliest_kept(&self, variables: &[Class]) -> (u32, Class) {
-        let mut keys: SmallVec<[(u32, Class); 32]> = variables
-            .iter()
-            .map(|&variable| self.key(variable))
-            .collect();
-        match keys.len().checked_sub(self.limits.width) {
-            None | Some(0) => (0, Class::ONE),
-            Some(others) => *keys.select_nth_unstable(others).1,
+        let others = variables.len().saturating_sub(self.limits.width);
+        if others == 0 {
+            return (0, Class::ONE);
         }
+        let keys = variables.iter().map(|&variable| self.key(variable));
+        let mut keys: SmallVec<[(u32, Class); 32]> = keys.collect();
+        *keys.select_nth_unstable(others).1
     }
 
     /// Classes in the order of their arrivals.

@@ -98,8 +98,7 @@ impl PathSearch<'_> {
         while reached.0 > fastest && u64::from(step) * finest >= u64::from(reached.0) {
             let target = reached.0.saturating_sub(step).max(fastest);
             let mapping = chooser.map(target, enough);
-            let made = self.realise(tables, &mapper, &mapping);
-            let size = self.size(&made);
+            let (made, size) = self.realise(tables, &mapper, &mapping);
             enough = allowed * mapping.operations / size.1.max(1);
             if size.1 > allowed {
                 step = smaller_step(step, (reached.1, allowed, size.1));
@@ -113,12 +112,11 @@ impl PathSearch<'_> {
             }
         }
         // Where the budget is no limit, operations are saved all the same.
-        let known = best.as_ref().map(|(_, size)| *size);
-        let known = known.filter(|_| reached.0 <= fastest);
-        let again = known.and_then(|_| chooser.map_again(fastest));
-        if let (Some(known), Some(mapping)) = (known, again) {
-            let made = self.realise(tables, &mapper, &mapping);
-            let size = self.size(&made);
+        if let Some((_, known)) = best
+            && reached.0 <= fastest
+            && let Some(mapping) = chooser.map_again(fastest)
+        {
+            let (made, size) = self.realise(tables, &mapper, &mapping);
             if size < known && size.1 <= allowed {
                 best = Some((made, size));
             }
@@ -135,16 +133,20 @@ impl PathSearch<'_> {
             0 => u32::MAX,
             path => path.max(chooser.shortest()),
         };
-        let mapping = chooser.map_once(latest);
-        let made = self.realise(tables, &mapper, &mapping);
-        let size = self.size(&made);
-        (made, size)
+        self.realise(tables, &mapper, &chooser.map_once(latest))
     }
 
-    /// The function of a mapping, balanced.
-    fn realise(&self, tables: &mut Tables, mapper: &Mapper<'_>, mapping: &Mapping) -> Function {
+    /// The function of a mapping, balanced, and its size.
+    fn realise(
+        &self,
+        tables: &mut Tables,
+        mapper: &Mapper<'_>,
+        mapping: &Mapping,
+    ) -> (Function, (u32, u64)) {
         let import = self.import;
         let raw = emit(self.function, import, mapper, mapping, self.timing, tables);
-        balanced(&raw, tables, &self.weights)
+        let made = balanced(&raw, tables, &self.weights);
+        let size = self.size(&made);
+        (made, size)
     }
 }
