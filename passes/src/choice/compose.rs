@@ -150,6 +150,8 @@ fn add_forms(import: &mut Import, limits: CompositionLimits) -> u32 {
         made: Vec::new(),
         space: CompositionSpace::default(),
     };
+    // As the network does.
+    composer.linear.terms.reserve(8 * import.classes.len());
     for &class in &import.classes {
         let origin = composer.network.origin_of(class);
         composer.network.origin = origin;

@@ -163,6 +163,12 @@ pub(crate) struct FormStore {
 }
 
 impl FormStore {
+    /// Asks for room for so many forms and terms at once.
+    pub(crate) fn reserve(&mut self, forms: usize, terms: usize) {
+        self.records.reserve(forms);
+        self.terms.reserve(terms);
+    }
+
     /// Number of forms.
     pub(crate) fn len(&self) -> usize {
         self.records.len()
@@ -170,9 +176,7 @@ impl FormStore {
 
     #[inline]
     fn range(&self, form: u32) -> Range<usize> {
-        let start = self.records[form as usize].start as usize;
-        let next = self.records.get(form as usize + 1);
-        start..next.map_or(self.terms.len(), |next| next.start as usize)
+        range(&self.records, self.terms.len(), form)
     }
 
     fn push(&mut self, class: Class, kind: FormKind, terms: &[ProductTerm], negated: bool) -> u32 {
@@ -228,7 +232,12 @@ impl FormStore {
         negated: bool,
     ) -> u32 {
         let form = self.push(class, FormKind::of(product), terms, negated);
-        self.known.insert(hash(terms, product), form);
+        let (records, all) = (&self.records, &self.terms);
+        let hash_at = |form: u32| {
+            let terms = &all[range(records, all.len(), form)];
+            hash(terms, records[form as usize].kind() == FormKind::Product)
+        };
+        self.known.insert(hash(terms, product), form, hash_at);
         form
     }
 
@@ -347,6 +356,14 @@ impl FormStore {
             FormKind::Product => ChoiceForm::Product(terms),
         }
     }
+}
+
+/// The terms of a form, of so many.
+#[inline]
+fn range(records: &[FormRecord], count: usize, form: u32) -> Range<usize> {
+    let start = records[form as usize].start as usize;
+    let next = records.get(form as usize + 1);
+    start..next.map_or(count, |next| next.start as usize)
 }
 
 /// The hash that a sum or product is found by.

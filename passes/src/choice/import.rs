@@ -84,6 +84,8 @@ pub(crate) fn import(
         names: Vec::new(),
         arrivals: Arrivals::default(),
     };
+    let operations = functions.iter().map(|function| function.nodes().len());
+    import.network.reserve(operations.sum());
     for (at, (values, levels)) in values.into_iter().zip(levels).enumerate() {
         let function = functions[at];
         let groups = OperandGroups::find(function, GroupReach::Maximal);

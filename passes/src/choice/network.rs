@@ -106,6 +106,17 @@ impl ChoiceNetwork {
         network
     }
 
+    /// Asks for the room at once that the network of a function of so many
+    /// operations takes at least when forms are composed in it. Vectors that grow to
+    /// that leave as much memory behind in pieces, which no larger one can use.
+    pub(crate) fn reserve(&mut self, operations: usize) {
+        let (classes, forms) = (2 * operations, 8 * operations);
+        self.values.reserve(classes);
+        self.ranks.reserve(classes);
+        self.classes.reserve(classes);
+        self.forms.reserve(forms, forms);
+    }
+
     /// Number of classes.
     pub(crate) fn len(&self) -> usize {
         self.classes.len()

@@ -2,62 +2,46 @@
 
 use hashbrown::HashTable;
 
-/// A place and half of the hash of what is there.
-#[derive(Clone, Copy, Debug)]
-struct PlaceEntry {
-    place: u32,
-    tag: u32,
-}
-
-/// The places of things that a caller keeps. Half of each hash is kept beside
-/// the place: when the table grows, and where hashes only meet in their slot,
-/// nothing need be looked at that lies far away.
+/// The places of things that a caller keeps, which also tells their hashes:
+/// to keep those here would nearly double what a table of millions takes.
 #[derive(Clone, Default)]
 pub(crate) struct PlaceTable {
-    entries: HashTable<PlaceEntry>,
+    places: HashTable<u32>,
 }
 
 impl PlaceTable {
     /// The place of what has this hash and is equal.
     #[inline]
     pub(crate) fn find(&self, hash: u64, equal: impl Fn(u32) -> bool) -> Option<u32> {
-        let tag = tag(hash);
-        let is_it = |entry: &PlaceEntry| entry.tag == tag && equal(entry.place);
-        self.entries.find(spread(tag), is_it).map(|it| it.place)
+        let found = self.places.find(spread(hash), |&place| equal(place));
+        found.copied()
     }
 
-    /// Lets a place be found. Nothing equal must be there.
+    /// Lets a place be found. Nothing equal must be there. The hashes of all
+    /// places that are there are asked for when the table grows.
     #[inline]
-    pub(crate) fn insert(&mut self, hash: u64, place: u32) {
-        let tag = tag(hash);
-        let entry = PlaceEntry { place, tag };
-        self.entries
-            .insert_unique(spread(tag), entry, |entry| spread(entry.tag));
+    pub(crate) fn insert(&mut self, hash: u64, place: u32, hash_at: impl Fn(u32) -> u64) {
+        let again = |&place: &u32| spread(hash_at(place));
+        self.places.insert_unique(spread(hash), place, again);
     }
 
     /// Lets what has this hash and is equal not be found any more.
     pub(crate) fn remove(&mut self, hash: u64, equal: impl Fn(u32) -> bool) {
-        let tag = tag(hash);
-        let is_it = |entry: &PlaceEntry| entry.tag == tag && equal(entry.place);
-        if let Ok(entry) = self.entries.find_entry(spread(tag), is_it) {
+        if let Ok(entry) = self.places.find_entry(spread(hash), |&place| equal(place)) {
             entry.remove();
         }
     }
 
     /// Lets nothing be found any more.
     pub(crate) fn clear(&mut self) {
-        self.entries.clear();
+        self.places.clear();
     }
 }
 
-fn tag(hash: u64) -> u32 {
-    (hash ^ hash >> 32) as u32
-}
-
-/// The hash that a tag stands for: the table takes the slot from its low bits
-/// and tells neighbours apart by the high ones.
-fn spread(tag: u32) -> u64 {
-    u64::from(tag).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+/// A hash as the table wants it: it takes the slot from the low bits and tells
+/// neighbours apart by the high ones.
+fn spread(hash: u64) -> u64 {
+    (hash ^ hash >> 32).wrapping_mul(0x9e37_79b9_7f4a_7c15)
 }
 
 #[cfg(test)]
@@ -65,12 +49,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn equal_tags_do_not_make_things_equal() {
+    fn equal_hashes_do_not_make_things_equal() {
         let things = [7u64, 7 + (1 << 40), 9];
         let mut table = PlaceTable::default();
         for (place, _) in things.iter().enumerate() {
             // One hash for all of them.
-            table.insert(5, place as u32);
+            table.insert(5, place as u32, |_| 5);
         }
         let find =
             |table: &PlaceTable, thing: u64| table.find(5, |place| things[place as usize] == thing);

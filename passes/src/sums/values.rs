@@ -27,6 +27,11 @@ impl ValueTable {
         }
     }
 
+    /// Asks for room for so many values at once.
+    pub(crate) fn reserve(&mut self, values: usize) {
+        self.values.reserve(values);
+    }
+
     /// The value at a place.
     pub(crate) fn value(&self, place: usize) -> Fingerprint {
         self.values[place]
@@ -55,7 +60,7 @@ impl ValueTable {
         let hash = hash(&self.images, value);
         self.find_hashed(value, hash).unwrap_or_else(|| {
             let place = self.push(value);
-            self.places.insert(hash, place);
+            self.insert(hash, place);
             (place, false)
         })
     }
@@ -65,8 +70,14 @@ impl ValueTable {
         let value = self.values[place as usize];
         let hash = hash(&self.images, value);
         if self.find_hashed(value, hash).is_none() {
-            self.places.insert(hash, place);
+            self.insert(hash, place);
         }
+    }
+
+    fn insert(&mut self, hash: u64, place: u32) {
+        let (images, values) = (&self.images, &self.values);
+        let hash_at = |place: u32| self::hash(images, values[place as usize]);
+        self.places.insert(hash, place, hash_at);
     }
 
     /// Lets the value at a place not be found any more.
