@@ -20,7 +20,7 @@
 
 use super::forms::{ChoiceForm, ProductTerm};
 use super::import::{Import, import};
-use super::network::{ChoiceNetwork, Class, OwnForms};
+use super::network::{ChoiceNetwork, Class, FORMS_PER_OPERATION, OwnForms};
 use super::timing::Arrivals;
 use robovec_analysis::critical_path::Weights;
 use robovec_framework::fingerprint::Images;
@@ -150,8 +150,9 @@ fn add_forms(import: &mut Import, limits: CompositionLimits) -> u32 {
         made: Vec::new(),
         space: CompositionSpace::default(),
     };
-    // As the network does.
-    composer.linear.terms.reserve(8 * import.classes.len());
+    // At once, as `ChoiceNetwork::reserve` says.
+    let terms = FORMS_PER_OPERATION * import.classes.len();
+    composer.linear.terms.reserve(terms);
     for &class in &import.classes {
         let origin = composer.network.origin_of(class);
         composer.network.origin = origin;

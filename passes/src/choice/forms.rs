@@ -358,7 +358,7 @@ impl FormStore {
     }
 }
 
-/// The terms of a form, of so many.
+/// Where the terms of a form lie among all terms, which are so many.
 #[inline]
 fn range(records: &[FormRecord], count: usize, form: u32) -> Range<usize> {
     let start = records[form as usize].start as usize;
