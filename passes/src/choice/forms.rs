@@ -167,6 +167,8 @@ impl FormStore {
     pub(crate) fn reserve(&mut self, forms: usize, terms: usize) {
         self.records.reserve(forms);
         self.terms.reserve(terms);
+        let hash_at = hash_at(&self.records, &self.terms);
+        self.known.reserve(forms, hash_at);
     }
 
     /// Number of forms.
@@ -232,11 +234,7 @@ impl FormStore {
         negated: bool,
     ) -> u32 {
         let form = self.push(class, FormKind::of(product), terms, negated);
-        let (records, all) = (&self.records, &self.terms);
-        let hash_at = |form: u32| {
-            let terms = &all[range(records, all.len(), form)];
-            hash(terms, records[form as usize].kind() == FormKind::Product)
-        };
+        let hash_at = hash_at(&self.records, &self.terms);
         self.known.insert(hash(terms, product), form, hash_at);
         form
     }
@@ -364,6 +362,14 @@ fn range(records: &[FormRecord], count: usize, form: u32) -> Range<usize> {
     let start = records[form as usize].start as usize;
     let next = records.get(form as usize + 1);
     start..next.map_or(count, |next| next.start as usize)
+}
+
+/// The hash of the sum or product that a form is.
+fn hash_at(records: &[FormRecord], all: &[ProductTerm]) -> impl Fn(u32) -> u64 {
+    |form| {
+        let terms = &all[range(records, all.len(), form)];
+        hash(terms, records[form as usize].kind() == FormKind::Product)
+    }
 }
 
 /// The hash that a sum or product is found by.

@@ -10,6 +10,13 @@ pub(crate) struct PlaceTable {
 }
 
 impl PlaceTable {
+    /// Asks for room for so many places at once: a table that grows asks for
+    /// the hashes of all that is in it, wherever in memory that lies.
+    pub(crate) fn reserve(&mut self, places: usize, hash_at: impl Fn(u32) -> u64) {
+        let again = |&place: &u32| spread(hash_at(place));
+        self.places.reserve(places, again);
+    }
+
     /// The place of what has this hash and is equal.
     #[inline]
     pub(crate) fn find(&self, hash: u64, equal: impl Fn(u32) -> bool) -> Option<u32> {

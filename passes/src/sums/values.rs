@@ -30,6 +30,8 @@ impl ValueTable {
     /// Asks for room for so many values at once.
     pub(crate) fn reserve(&mut self, values: usize) {
         self.values.reserve(values);
+        let hash_at = hash_at(&self.images, &self.values);
+        self.places.reserve(values, hash_at);
     }
 
     /// The value at a place.
@@ -75,8 +77,7 @@ impl ValueTable {
     }
 
     fn insert(&mut self, hash: u64, place: u32) {
-        let (images, values) = (&self.images, &self.values);
-        let hash_at = |place: u32| self::hash(images, values[place as usize]);
+        let hash_at = hash_at(&self.images, &self.values);
         self.places.insert(hash, place, hash_at);
     }
 
@@ -95,6 +96,11 @@ impl ValueTable {
 
 fn hash(images: &Images, value: Fingerprint) -> u64 {
     FxBuildHasher.hash_one(images.without_sign(value).0)
+}
+
+/// The hash of what is at a place.
+fn hash_at(images: &Images, values: &[Fingerprint]) -> impl Fn(u32) -> u64 {
+    |place| hash(images, values[place as usize])
 }
 
 /// Whether what is at a place is a value or its negation.
