@@ -25,6 +25,7 @@ mod determinism;
 mod docs;
 mod drop_in;
 mod exact_outputs;
+mod faults;
 mod fpcore;
 mod front;
 mod generate_cli;
