@@ -168,6 +168,7 @@ pub fn search<M: ProgramMaker>(
         waiting: Vec::new(),
         budget: question.unit,
         expansions: 0,
+        expanded: Vec::new(),
         alike: 0,
     };
     for is_first in [true, false] {
@@ -193,11 +194,23 @@ enum Origin {
     Trial(usize),
 }
 
+/// Where a program comes from: its start, and whether the preparation looked
+/// for composite bodies and whether it put sums into another order.
+type Lineage = (usize, bool, bool);
+
 /// A step on a program.
 #[derive(Clone, Copy, Debug)]
 struct PlannedStep {
     origin: Origin,
     step: &'static SearchStep,
+}
+
+impl PlannedStep {
+    /// A step on a program that was made.
+    fn of(index: usize, step: &'static SearchStep) -> PlannedStep {
+        let origin = Origin::Trial(index);
+        PlannedStep { origin, step }
+    }
 }
 
 struct ProgramSearch<'a, M: ProgramMaker> {
@@ -214,13 +227,18 @@ struct ProgramSearch<'a, M: ProgramMaker> {
     budget: u64,
     /// Programs that moves were tried on.
     expansions: u32,
+    /// Of those that only a preparation made, where they came from.
+    expanded: Vec<Lineage>,
     /// Programs that looked like others and were not kept.
     alike: usize,
 }
 
 /// Programs that moves are tried on for every effort: what keeps the list
 /// short where the functions are small.
-const EXPANSIONS: u32 = 6;
+const EXPANSIONS: u32 = 9;
+
+/// In one turn of so many moves are tried on the best of all programs.
+const TURNS: u32 = 3;
 
 /// Programs placed at a time. A constant, so that what is placed does not
 /// depend on the number of threads.
@@ -258,12 +276,8 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
         self.make(planned);
         if self.question.machine.kind_of(Operation::Fma).is_some() {
             let fresh = before..self.trials.len();
-            let fused = fresh.flat_map(|index| {
-                FUSED.iter().map(move |step| PlannedStep {
-                    origin: Origin::Trial(index),
-                    step,
-                })
-            });
+            let fused =
+                fresh.flat_map(|index| FUSED.iter().map(move |step| PlannedStep::of(index, step)));
             let plain = self.trials.len();
             self.make(fused.collect());
             // Moves are for products and sums apart.
@@ -493,19 +507,43 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
             };
             self.trials[index].is_expanded = true;
             self.expansions += 1;
-            let last = if is_best { SATURATED } else { &[] };
-            let steps = self.if_fewest(FEWEST_MOVES).iter().chain(MOVES).chain(last);
-            let planned = steps.map(|step| PlannedStep {
-                origin: Origin::Trial(index),
-                step,
-            });
-            self.carry_out(planned.collect());
+            self.expanded.extend(self.lineage(index));
+            let moves = self.if_fewest(FEWEST_MOVES).iter().chain(MOVES);
+            self.carry_out(moves.map(|step| PlannedStep::of(index, step)).collect());
+            // Saturation takes longer than all moves: it is for what is small,
+            // and for what no move makes better.
+            if is_best && (self.is_small(index) || self.best() == Some(index)) {
+                let steps = SATURATED.iter();
+                self.carry_out(steps.map(|step| PlannedStep::of(index, step)).collect());
+            }
         }
     }
 
-    /// The program to try the moves on: in turn one that only a preparation
-    /// made, so that no start is forgotten, and the best of all, for which the
-    /// second part is true.
+    /// True where saturation takes little of the work allowed.
+    fn is_small(&self, index: usize) -> bool {
+        let operations = self.trials[index].operations as u64;
+        let work = SATURATED
+            .iter()
+            .map(|step| operations * step.weight)
+            .sum::<u64>();
+        work * 4 <= self.question.unit
+    }
+
+    /// The lineage of a program that only a preparation made.
+    fn lineage(&self, index: usize) -> Option<Lineage> {
+        let trial = &self.trials[index];
+        let preparation = trial.preparation?;
+        Some((
+            trial.start,
+            preparation.finds_bodies,
+            preparation.balances(),
+        ))
+    }
+
+    /// The program to try the moves on: in all turns but the last of
+    /// [`TURNS`] one that only a preparation made, of every lineage in turn, so
+    /// that none is forgotten; then the best of all, for which the second part
+    /// is true.
     fn next(&self) -> Option<(usize, bool)> {
         let best = self.best_cycles();
         let fewest = self.trials.iter().map(|trial| trial.operations);
@@ -524,21 +562,23 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
             !trial.is_expanded && trial.bound.is_ok() && fits
         };
         let promising = (0..self.trials.len()).filter(promising);
-        if self.expansions.is_multiple_of(2) {
+        if self.expansions % TURNS != TURNS - 1 {
             let prepared = promising
                 .clone()
-                .filter(|&index| self.trials[index].preparation.is_some());
-            // Look-ahead about halves the path.
-            let potential = |&index: &usize| {
+                .filter_map(|index| Some((self.lineage(index)?, index)));
+            // A schedule takes the time that elements need for the operations,
+            // and some of the path, of which look-ahead leaves half or less.
+            let potential = |&(lineage, index): &(Lineage, usize)| {
+                let known = self.expanded.iter().filter(|&&known| known == lineage);
                 let trial = &self.trials[index];
                 let reach = match self.question.goal {
-                    Goal::Cycles => trial.shared.max(trial.path / 2),
+                    Goal::Cycles => trial.shared.saturating_add(trial.path / 3),
                     Goal::Operations => 0,
                     Goal::Path => trial.path,
                 };
-                (reach, trial.operations, index)
+                (known.count(), reach, trial.operations, index)
             };
-            if let Some(index) = prepared.min_by_key(potential) {
+            if let Some((_, index)) = prepared.min_by_key(potential) {
                 return Some((index, false));
             }
         }

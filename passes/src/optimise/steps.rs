@@ -208,7 +208,8 @@ pub const MOVES: &[SearchStep] = &[
 ];
 
 /// What only the best program goes through besides, since it takes as long as
-/// all other moves together.
+/// all other moves together, and only when it is small or they make nothing
+/// better of it.
 pub const SATURATED: &[SearchStep] = &[heavy("saturated", "eqsat,cse,dce", 200, 105)];
 
 /// Products and sums in one, on machines that have elements for it.
@@ -218,6 +219,11 @@ pub const FUSED: &[SearchStep] = &[
 ];
 
 impl SearchStep {
+    /// True when it puts sums and products into another order.
+    pub fn balances(&self) -> bool {
+        self.pipeline.split(',').any(|step| step == "balance")
+    }
+
     /// Its pipeline; `None` when the registry lacks a pass of it.
     pub fn pipeline(&self, registry: &'static Registry) -> Option<Pipeline> {
         let known = self
