@@ -1,6 +1,8 @@
 //! 64-bit floats as text that loses no bit, as C's `%a` writes them:
 //! `0x1.8p+1` is 3.
 
+use robovec_num::decimal::is_lost;
+
 /// Writes a number as C's `%a` does.
 pub fn format(number: f64) -> String {
     let bits = number.to_bits();
@@ -28,15 +30,16 @@ pub fn format(number: f64) -> String {
 }
 
 /// Reads a number as C's `%a` writes it, or a decimal one. `None` for
-/// anything else, and for a hexadecimal number with more digits than a 64-bit
-/// float holds.
+/// anything else, for a hexadecimal number with more digits than a 64-bit
+/// float holds, and for a number other than 0 that would become 0.
 pub fn parse(text: &str) -> Option<f64> {
     let (sign, rest) = match text.strip_prefix('-') {
         Some(rest) => (-1.0, rest),
         None => (1.0, text.strip_prefix('+').unwrap_or(text)),
     };
     let Some(rest) = rest.strip_prefix("0x").or_else(|| rest.strip_prefix("0X")) else {
-        return text.parse().ok();
+        let number = text.parse().ok();
+        return number.filter(|&number| !is_lost(text, number));
     };
     let (digits, exponent) = rest.split_once(['p', 'P']).unwrap_or((rest, "0"));
     let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
@@ -52,7 +55,8 @@ pub fn parse(text: &str) -> Option<f64> {
     }
     let exponent: i32 = exponent.parse().ok()?;
     let exponent = exponent.checked_sub(i32::try_from(fraction.len()).ok()?.checked_mul(4)?)?;
-    Some(sign * scale(mantissa as f64, exponent))
+    let number = scale(mantissa as f64, exponent);
+    (number != 0.0 || mantissa == 0).then_some(sign * number)
 }
 
 /// `number * 2^exponent`, exact where the result can be.
@@ -98,6 +102,8 @@ mod tests {
         }
         assert_eq!(parse("2.5"), Some(2.5));
         assert_eq!(parse("0x1.123456789abcdefp+0"), None);
+        assert_eq!(parse("0x1p-1200"), None);
+        assert_eq!(parse("1e-400"), None);
         assert_eq!(parse("0x"), None);
         assert_eq!(parse("q"), None);
     }

@@ -408,6 +408,7 @@ fn broken_scene_files_are_answered() {
         format!("{deep}\n"),
         "\u{0}\u{1}".to_owned(),
         "model = \"../models/bogie.mbs\"\n[range]\nq = { all = [-1e400, 1] }".to_owned(),
+        "model = \"../models/bogie.mbs\"\n[range]\nq = { all = [1e-400, 1] }".to_owned(),
         "model = \"../models/bogie.mbs\"\n[bind]\nq = 0xffffffffffffffffffffff".to_owned(),
         "equations = \"bogie-straight.scene.toml\"".to_owned(),
         "model = \"bogie-straight.scene.toml\"".to_owned(),

@@ -9,6 +9,7 @@
 pub mod cost;
 pub mod count;
 pub mod diagnostic;
+pub mod document;
 pub mod entity;
 pub mod evaluate;
 pub mod function;

@@ -15,6 +15,7 @@ pub use device::{ClockOrigin, Device, DeviceFamily};
 pub use identity::MachineMismatch;
 pub use interconnect::{Interconnect, LinkNetwork, Topology};
 
+use crate::document;
 use robovec_num::format::{Format, FormatError};
 use robovec_num::operation::Operation;
 use serde::{Deserialize, Serialize};
@@ -262,9 +263,9 @@ impl Machine {
     /// operation two kinds perform, a kind whose name is not letters, a number
     /// beyond its limit ([`fields`]).
     pub fn parse(text: &str) -> Result<Machine, MachineError> {
-        let machine: Machine = toml::from_str(text).map_err(|error| MachineError::Syntax {
-            message: error.message().to_owned(),
-            span: error.span(),
+        let machine: Machine = document::read(text).map_err(|error| MachineError::Syntax {
+            message: error.message,
+            span: error.span,
         })?;
         machine.validate()?;
         Ok(machine)

@@ -214,6 +214,13 @@ impl<'text> CoreLowering<'_, 'text, '_> {
             CoreLiteral::TooLarge => {
                 self.fail(tree, "no number of binary64 is this large".into(), None);
             }
+            CoreLiteral::TooSmall => {
+                self.fail(
+                    tree,
+                    "no number of binary64 but 0 is this small".into(),
+                    None,
+                );
+            }
             CoreLiteral::None => {
                 let known = self.scope.iter().filter(|(_, terms)| !terms.is_empty());
                 let near = did_you_mean(atom, known.map(|(name, _)| *name));

@@ -1,6 +1,7 @@
 //! Literals of FPCore: decimals, hexadecimals, quotients and constants.
 
 use crate::hexadecimal;
+use robovec_num::decimal::is_lost;
 use std::f64::consts;
 
 /// What a literal says.
@@ -13,6 +14,8 @@ pub(super) enum CoreLiteral {
     Long(f64),
     /// A number that binary64 does not hold.
     TooLarge,
+    /// A number other than 0 that binary64 rounds to 0.
+    TooSmall,
     /// Not a literal.
     None,
 }
@@ -43,6 +46,7 @@ pub(super) fn literal(atom: &str) -> CoreLiteral {
         return CoreLiteral::None;
     }
     match unsigned.parse::<f64>() {
+        Ok(number) if is_lost(unsigned, number) => CoreLiteral::TooSmall,
         Ok(number) if significant(unsigned) > DIGITS && number.is_finite() => {
             CoreLiteral::Long(sign * number)
         }
@@ -114,11 +118,24 @@ mod tests {
             assert_eq!(literal(text), CoreLiteral::Number(number), "{text}");
         }
         assert_eq!(literal("1e999"), CoreLiteral::TooLarge);
+        for text in ["1e-999", "-.5e-400"] {
+            assert_eq!(literal(text), CoreLiteral::TooSmall, "{text}");
+        }
         assert_eq!(
             literal("0.12345678901234567890"),
             CoreLiteral::Long(0.123_456_789_012_345_68)
         );
-        for text in ["x", "1/0", "-", "1x", "0x", "e5", "infinity", "0xZ"] {
+        for text in [
+            "x",
+            "1/0",
+            "-",
+            "1x",
+            "0x",
+            "e5",
+            "infinity",
+            "0xZ",
+            "0x1p-1200",
+        ] {
             assert_eq!(literal(text), CoreLiteral::None, "{text}");
         }
     }

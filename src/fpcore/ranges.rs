@@ -151,6 +151,6 @@ fn read<'a>(
 fn number(atom: &str) -> Option<f64> {
     match literal(atom) {
         CoreLiteral::Number(number) | CoreLiteral::Long(number) => Some(number),
-        CoreLiteral::TooLarge | CoreLiteral::None => None,
+        CoreLiteral::TooLarge | CoreLiteral::TooSmall | CoreLiteral::None => None,
     }
 }

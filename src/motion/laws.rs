@@ -59,6 +59,7 @@ use super::contact::Contact;
 use super::events::{EventLaw, EventQuantity};
 use crate::model::{Model, Nature};
 use robovec_ir::diagnostic::{Diagnostic, Label, clip, did_you_mean};
+use robovec_ir::document::{self, DocumentError};
 use robovec_num::limits::{Amount, NumberLimit};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -303,8 +304,8 @@ impl Laws {
     /// its limit, a driven motion of a joint that is not driven or whose
     /// equations hold no velocity.
     pub fn parse(model: &Model, text: &str) -> Result<Laws, Vec<Diagnostic>> {
-        let file: LawsFile = toml::from_str(text).map_err(|error| vec![syntax(&error)])?;
-        let names: LawNames = toml::from_str(text).map_err(|error| vec![syntax(&error)])?;
+        let file: LawsFile = document::read(text).map_err(|error| vec![syntax(error)])?;
+        let names: LawNames = document::read(text).map_err(|error| vec![syntax(error)])?;
         let mut laws = Laws::none(model);
         let mut errors = Vec::new();
         let joints: Vec<&str> = model.joints.iter().map(|j| j.name.as_str()).collect();
@@ -515,10 +516,10 @@ fn refused(entry: &toml::Table) -> Option<String> {
     })
 }
 
-fn syntax(error: &toml::de::Error) -> Diagnostic {
-    let span = error.span().unwrap_or(0..0);
+fn syntax(error: DocumentError) -> Diagnostic {
+    let span = error.span.unwrap_or(0..0);
     let note = "see the manual of `robovec sim` for the sections [[joint]], [[link]], [[force]], [[contact]], [[driven]] and [[event]]";
-    wrong(span, error.message(), Some(note.to_owned()))
+    wrong(span, &error.message, Some(note.to_owned()))
 }
 
 fn wrong(span: NameRange, message: &str, note: Option<String>) -> Diagnostic {

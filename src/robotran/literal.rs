@@ -6,6 +6,7 @@
 //! no 64-bit float can stand for is refused.
 
 use robovec_ir::Operation;
+use robovec_num::decimal::is_lost;
 
 /// The number of a literal, or of an expression of literals alone.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -50,6 +51,10 @@ const LARGEST_EXACT: i64 = 1 << 53;
 const TOO_LARGE: Unkept = Unkept {
     message: "this number is too large for a 64-bit float",
     note: "it would be read as infinity",
+};
+const TOO_SMALL: Unkept = Unkept {
+    message: "this number is too small for a float of its type",
+    note: "it would be read as 0",
 };
 const NOT_A_NUMBER: Unkept = Unkept {
     message: "this is not a number that is understood",
@@ -190,6 +195,7 @@ pub(super) fn c(text: &str) -> Result<Literal, Unkept> {
     }
     if let Some(digits) = lower.strip_suffix('f') {
         return match digits.parse::<f32>() {
+            Ok(number) if is_lost(digits, number.into()) => Err(TOO_SMALL),
             Ok(number) if number.is_finite() && is_decimal_float(digits) => {
                 Ok(Literal::Single(number))
             }
@@ -232,6 +238,7 @@ pub(super) fn python(text: &str) -> Result<Literal, Unkept> {
 
 fn float(text: &str) -> Result<f64, Unkept> {
     match text.parse::<f64>() {
+        Ok(number) if is_lost(text, number) => Err(TOO_SMALL),
         Ok(number) if number.is_finite() => Ok(number),
         Ok(_) => Err(TOO_LARGE),
         Err(_) => Err(NOT_A_NUMBER),

@@ -2,6 +2,7 @@
 //! messages about it.
 
 use robovec_ir::diagnostic::{Diagnostic, Label, clip, did_you_mean};
+use robovec_num::decimal;
 use robovec_num::limits::{Amount, NumberLimit};
 use std::ops::Range;
 use toml::Spanned;
@@ -134,7 +135,16 @@ pub(super) fn number(value: &DocumentValue<'_>, problems: &mut DocumentProblems)
                 .ok()
                 .map(|integer| integer as f64),
         },
-        DeValue::Float(float) => float.as_str().parse().ok(),
+        DeValue::Float(float) => {
+            let text = float.as_str();
+            let number = text.parse().ok();
+            if number.is_some_and(|number| decimal::is_lost(text, number)) {
+                let message = format!("{text} is too small: {}", decimal::LOST);
+                problems.add(value.span(), message);
+                return None;
+            }
+            number
+        }
         other => {
             let found = other.type_str();
             problems.add(value.span(), format!("expected a number, not a {found}"));

@@ -11,6 +11,7 @@
 pub mod arithmetic;
 pub mod ball;
 pub mod batch;
+pub mod decimal;
 pub mod double_double;
 pub mod dual;
 pub mod field;

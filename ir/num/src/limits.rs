@@ -14,6 +14,7 @@ mod field;
 
 pub use field::{LimitedField, deserialize};
 
+use crate::decimal;
 use std::borrow::Cow;
 use std::fmt;
 
@@ -145,6 +146,9 @@ impl NumberLimit {
     /// As [`NumberLimit::read_whole`].
     pub fn read_real(&self, text: &str) -> Result<f64, String> {
         match text.parse::<f64>() {
+            Ok(number) if decimal::is_lost(text, number) => {
+                Err(format!("{} is too small: {}", clip(text), decimal::LOST))
+            }
             Ok(number) if self.admits(Amount::Real(number)) => Ok(number),
             Ok(_) | Err(_) => Err(self.refusal(&quoted(text))),
         }

@@ -8,6 +8,7 @@ use crate::function::{Array, Level, Node, Shape, Timing};
 use crate::history::History;
 use crate::source::SourceSet;
 use crate::symbol::Name;
+use robovec_num::decimal;
 use robovec_num::operation::Operation;
 
 /// The operations that are written as functions.
@@ -161,6 +162,11 @@ impl ModuleBuilder<'_> {
                 format!("the number {} is too large", clip(self.slice(span))),
                 "numbers reach to about 1.8e308",
             );
+            return self.nothing();
+        }
+        if decimal::is_lost(self.slice(span), number) {
+            let message = format!("the number {} is too small", clip(self.slice(span)));
+            self.advise(span, message, decimal::LOST);
             return self.nothing();
         }
         let number = if negative { -number } else { number };

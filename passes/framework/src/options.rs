@@ -6,6 +6,7 @@
 //! without its limit: the compiler refuses it.
 
 use robovec_ir::Format;
+use robovec_num::decimal;
 use robovec_num::format::FormatError;
 use robovec_num::limits::{Amount, NumberLimit};
 
@@ -153,6 +154,9 @@ pub fn read<T: OptionValue>(text: &str, limit: Option<NumberLimit>) -> Result<T,
     let Some(limit) = limit else { return read };
     match read {
         Ok(value) => match value.amount() {
+            Some(Amount::Real(number)) if decimal::is_lost(text, number) => {
+                Err(format!("{text} is too small: {}", decimal::LOST))
+            }
             Some(amount) if !limit.admits(amount) => Err(limit.refusal(text)),
             Some(_) | None => Ok(value),
         },

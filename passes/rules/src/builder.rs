@@ -12,6 +12,7 @@ use lalrpop_util::ParseError;
 use robovec_analysis::class::NumericClass;
 use robovec_ir::Operation;
 use robovec_ir::diagnostic::{Diagnostic, Label, clip, did_you_mean};
+use robovec_num::decimal;
 use std::ops::Range;
 
 /// Most mistakes told of one file; after so many it is no rule file.
@@ -224,6 +225,12 @@ impl<'text> RuleBuilder<'text> {
 
     pub(super) fn number(&mut self, text: &str, sign: f64, span: Range<usize>) -> Action<'text> {
         match text.parse::<f64>() {
+            Ok(number) if decimal::is_lost(text, number) => {
+                let message = format!("the number {} is too small", clip(text));
+                Err(self
+                    .advise(span, message, vec![decimal::LOST.to_owned()])
+                    .into())
+            }
             // One zero is enough: over the reals they are the same.
             Ok(number) if number.is_finite() => {
                 self.push(PatternNode::Number(sign * number + 0.0), span)

@@ -2,6 +2,7 @@
 
 use crate::model::mbs::NUMBER;
 use robovec_ir::diagnostic::clip;
+use robovec_num::decimal::is_lost;
 use robovec_num::limits::Amount;
 
 /// Why a text is no number of a model.
@@ -24,6 +25,11 @@ pub(in crate::model) fn parse_number(text: &str) -> Result<f64, NumberRefusal> {
         })
     };
     match text.parse::<f64>() {
+        Ok(value) if is_lost(text, value) => refused(
+            format!(" is too small: {}", clip(text)),
+            "this value",
+            "it would be read as 0",
+        ),
         Ok(value) if NUMBER.admits(Amount::Real(value)) => Ok(value),
         Ok(value) if value.is_finite() => refused(
             format!(": {}", NUMBER.refusal(text)),

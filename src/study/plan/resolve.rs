@@ -7,6 +7,7 @@ use crate::study::printed;
 use robovec_framework::pass::Gives;
 use robovec_framework::pipeline::Pipeline;
 use robovec_ir::diagnostic::{Diagnostic, Label, Report, did_you_mean};
+use robovec_ir::document;
 use robovec_passes::registry::REGISTRY;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -33,11 +34,11 @@ pub fn resolve(
     selection: &Selection,
     read_machine: ReadMachine<'_>,
 ) -> Result<StudyPlan, Report> {
-    let file: PlanFile = toml::from_str(text).map_err(|error| {
-        let mut diagnostic = Diagnostic::error().with_message(error.message().to_owned());
+    let file: PlanFile = document::read(text).map_err(|error| {
+        let mut diagnostic = Diagnostic::error().with_message(error.message);
         diagnostic
             .labels
-            .extend(error.span().map(|span| Label::primary(0, span)));
+            .extend(error.span.map(|span| Label::primary(0, span)));
         Report::of(name, text, vec![diagnostic])
     })?;
     let mut resolver = PlanResolver {

@@ -4,6 +4,7 @@ use super::super::pattern::{Pattern, PatternNode};
 use robovec_ir::Operation;
 use robovec_ir::diagnostic::{Diagnostic, clip};
 use robovec_ir::parenthesised::{Forest, error};
+use robovec_num::decimal;
 
 /// The reason why a tree is no pattern.
 pub(super) enum PatternProblem {
@@ -98,6 +99,10 @@ impl RuleSides {
         if let Some(number) = number(atom) {
             if !number.is_finite() {
                 let message = format!("the number {} is too large", clip(atom));
+                return Err(PatternProblem::Wrong(error(span, message)));
+            }
+            if decimal::is_lost(atom, number) {
+                let message = format!("the number {} is too small", clip(atom));
                 return Err(PatternProblem::Wrong(error(span, message)));
             }
             return Ok(Some(PatternNode::Number(number + 0.0)));
