@@ -4,7 +4,7 @@ use super::super::{CommandFailure, input, output};
 use super::read;
 use crate::files::limited;
 use clap::{Args, ValueEnum};
-use robovec_ir::diagnostic::{Severity, termcolor::ColorChoice};
+use robovec_ir::diagnostic::{Diagnostic, Severity, termcolor::ColorChoice};
 use robovec_rules::check::{RuleVerdict, check, diagnose};
 use robovec_rules::syntax::{self, Syntax};
 use std::path::{Path, PathBuf};
@@ -64,6 +64,12 @@ pub(super) fn import(arguments: &ImportArguments) -> Result<String, CommandFailu
     let name = arguments.file.display().to_string();
     let (mut set, mut report) =
         syntax::import(&text, &name, arguments.syntax.syntax()).map_err(CommandFailure)?;
+    if set.rules.is_empty() {
+        let message = format!("{name} gives no rule");
+        let note = "egglog has (rewrite left right), Herbie (define-rules group [name left right])";
+        report.extend([Diagnostic::error().with_message(message).with_note(note)]);
+        return Err(CommandFailure(report));
+    }
     let mut lines = String::new();
     for rule in &mut set.rules {
         let finding = check(rule, TRIALS);

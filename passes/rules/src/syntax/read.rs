@@ -9,8 +9,34 @@ use robovec_analysis::class::NumericClass;
 use robovec_ir::diagnostic::{Diagnostic, Report, Severity, clip};
 use robovec_ir::parenthesised::{Forest, error, read};
 
-/// Most remarks on rules that were left out.
+/// Maximum number of remarks on rules that were left out or changed.
 const MAX_REMARKS: usize = 50;
+
+/// Commands of egglog that define terms or run a program, and hold no rule.
+const WITHOUT_RULES: [&str; 22] = [
+    "datatype",
+    "datatype*",
+    "sort",
+    "constructor",
+    "function",
+    "relation",
+    "ruleset",
+    "let",
+    "union",
+    "set",
+    "set-option",
+    "run",
+    "run-schedule",
+    "push",
+    "pop",
+    "check",
+    "fail",
+    "extract",
+    "print-function",
+    "print-size",
+    "print-stats",
+    "query-extract",
+];
 
 /// Reads a text; rules that robovec cannot express are left out with a
 /// warning.
@@ -26,6 +52,7 @@ pub(super) fn import(
         group: group_of(file_name),
         rules: Vec::new(),
         names: HashSet::new(),
+        rulesets: HashSet::new(),
         warnings: Vec::new(),
         errors: Vec::new(),
     };
@@ -38,10 +65,10 @@ pub(super) fn import(
     if !importer.errors.is_empty() {
         return Err(fail(importer.errors));
     }
-    let left_out = importer.warnings.len().saturating_sub(MAX_REMARKS);
+    let more = importer.warnings.len().saturating_sub(MAX_REMARKS);
     importer.warnings.truncate(MAX_REMARKS);
-    if left_out > 0 {
-        let message = format!("{left_out} more rules were left out");
+    if more > 0 {
+        let message = format!("{more} more such remarks were left out");
         let diagnostic = Diagnostic::new(Severity::Warning).with_message(message);
         importer.warnings.push(diagnostic);
     }
@@ -60,19 +87,27 @@ struct Importer<'a> {
     group: String,
     rules: Vec<Rule>,
     names: HashSet<String>,
+    /// Rulesets that were remarked on.
+    rulesets: HashSet<String>,
     warnings: Vec<Diagnostic>,
     errors: Vec<Diagnostic>,
 }
 
 impl Importer<'_> {
-    /// `(rewrite left right :when (…))`, `(birewrite left right)`; all other
-    /// commands of a program are passed over.
+    /// `(rewrite left right :when (…))`, `(birewrite left right)`; other
+    /// commands that may hold rules are left out with a warning.
     fn egglog(&mut self, root: u32) {
         let forest = self.forest;
         let both_ways = match forest.head(root) {
             Some("rewrite") => false,
             Some("birewrite") => true,
-            Some(_) => return,
+            Some(command) => {
+                if !WITHOUT_RULES.contains(&command) {
+                    let message = format!("'{}' is no rewrite", clip(command));
+                    self.leave_out(error(forest.get(root).span.clone(), message));
+                }
+                return;
+            }
             None => {
                 let span = forest.get(root).span.clone();
                 self.errors.push(error(span, "here should stand a command"));
@@ -104,20 +139,34 @@ impl Importer<'_> {
         rule.reason = reason.replace('"', "'");
         let mut rest = rest.iter().copied();
         while let Some(option) = rest.next() {
+            // What a rule subsumes is a matter of the engine that applies it.
+            if forest.atom(option) == Some(":subsume") {
+                continue;
+            }
             let value = rest.next();
-            if forest.atom(option) == Some(":when")
-                && let Some(value) = value
-            {
-                for &condition in forest.elements(value) {
-                    match self.condition(condition, &mut terms) {
-                        Some(condition) => rule.conditions.push(condition),
-                        None => {
-                            let span = forest.get(condition).span.clone();
-                            let message = "robovec has no such condition";
-                            self.leave_out(error(span, message));
-                            return;
+            let span = forest.get(option).span.clone();
+            let Some(value) = value else {
+                self.errors.push(error(span, "an option has a value"));
+                return;
+            };
+            match forest.atom(option) {
+                Some(":when") => {
+                    for &condition in forest.elements(value) {
+                        match self.condition(condition, &mut terms) {
+                            Some(condition) => rule.conditions.push(condition),
+                            None => {
+                                let span = forest.get(condition).span.clone();
+                                let message = "robovec has no such condition";
+                                self.leave_out(error(span, message));
+                                return;
+                            }
                         }
                     }
+                }
+                Some(":ruleset") => self.without_ruleset(value),
+                _ => {
+                    self.leave_out(error(span, "robovec has no such option of a rewrite"));
+                    return;
                 }
             }
         }
@@ -131,6 +180,20 @@ impl Importer<'_> {
             }
         }
         self.add(rule, name);
+    }
+
+    /// Warns once of a ruleset, which its rules lose.
+    fn without_ruleset(&mut self, name: u32) {
+        let forest = self.forest;
+        let text = forest.atom(name).unwrap_or_default();
+        if self.rulesets.insert(text.to_owned()) {
+            let message = format!("the ruleset '{}' is not kept", clip(text));
+            let mut diagnostic = error(forest.get(name).span.clone(), message);
+            diagnostic.severity = Severity::Warning;
+            let note = "its rules are read as all others; write them into a file of their own";
+            diagnostic.notes.push(note.to_owned());
+            self.warnings.push(diagnostic);
+        }
     }
 
     /// `(!= a 0.0)` or `(> a 0.0)`.

@@ -92,7 +92,31 @@ fn programs_of_egglog_are_read_past_their_other_commands() {
             "rule egglog-3: a*n/n => a when nonzero(n) class=real;",
         ]
     );
-    assert!(warnings.render_plain().contains("no such condition"));
+    let warned = warnings.render_plain();
+    assert!(warned.contains("no such condition"));
+    assert!(warned.contains("the ruleset 'fast' is not kept"));
+    assert_eq!(warnings.diagnostics().len(), 2);
+}
+
+#[test]
+fn commands_and_options_that_are_not_read_are_warned_of() {
+    let text = "(rewrite (Add x x) (Mul (Num 2.0) x) :ruleset fast :subsume)\n\
+                (rewrite (Sub x x) (Num 0.0) :ruleset fast)\n\
+                (rewrite (Add x y) (Add y x) :until 3)\n\
+                (rule ((= e (Sub a a))) ((union e (Num 0.0))))\n\
+                (include \"more.egg\")\n(run 3)\n";
+    let (set, warnings) = import(text, "my.egg", Syntax::Egglog).expect("well formed");
+    assert_eq!(set.rules.len(), 2);
+    let shown = warnings.render_plain();
+    for word in [
+        "ruleset 'fast'",
+        "no such option",
+        "'rule' is no rewrite",
+        "'include' is no",
+    ] {
+        assert_eq!(shown.matches(word).count(), 1, "{word}: {shown}");
+    }
+    assert_eq!(warnings.diagnostics().len(), 4);
 }
 
 #[test]
@@ -110,6 +134,8 @@ fn mistakes_are_placed() {
         ("(rewrite (Add a) a)", "1:10", "two operands, not 1"),
         ("(rewrite ((a) b) b)", "1:10", "an operation"),
         ("(rewrite (Add a 1e999) a)", "1:17", "too large"),
+        ("(rewrite (Add a 1e-999) a)", "1:17", "too small"),
+        ("(rewrite (Add a b) b :when)", "1:22", "has a value"),
         ("(rewrite \"x", "1:10", "no closing"),
         ("rewrite", "1:1", "a command"),
     ] {
