@@ -59,6 +59,7 @@ pub(super) fn measure(
         })?,
         OptimisationTarget::Cpu | OptimisationTarget::Batch => {
             processor::choose(prepared, outcome, question, &mut figures, progress)
+                .map_err(OptimisationError::Timing)?
         }
     };
     progress("measuring errors");

@@ -151,6 +151,9 @@ pub enum OptimisationError {
     /// No program fits the machine.
     #[error("the machine can place no program: {0}")]
     Placement(String),
+    /// No program was timed.
+    #[error("no program could be timed: {0}")]
+    Timing(String),
     /// The program that was taken is not what was asked for: a mistake in a
     /// pass.
     #[error("the best program is not the function that came in; this is a mistake in a pass\n{0}")]

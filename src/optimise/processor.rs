@@ -28,30 +28,28 @@ const SAME: f64 = 0.02;
 const TIMED: usize = 2;
 
 /// The program to take, and times of those that might have been.
+///
+/// # Errors
+///
+/// The reason why no program was timed, though it could be compiled here.
 pub(super) fn choose(
     prepared: &PreparedStarts,
     outcome: &SearchOutcome<MadeProgram>,
     question: &OptimisationQuestion<'_>,
     figures: &mut [ProgramFigures],
     progress: ExplorationProgress<'_>,
-) -> usize {
+) -> Result<usize, String> {
     let fewest = outcome.best.expect("the first program is always made");
-    let remark = |figures: &mut [ProgramFigures], message: &str| {
-        message.clone_into(&mut figures[fewest].remark);
-        fewest
-    };
     let Some(compiler) = question.compiler else {
-        return remark(figures, "no C compiler to time it");
+        "not timed, as asked".clone_into(&mut figures[fewest].remark);
+        return Ok(fewest);
     };
     if outcome.trials[fewest].operations > LARGEST {
-        return remark(figures, "too large to compile and time");
+        "too large to compile and time".clone_into(&mut figures[fewest].remark);
+        return Ok(fewest);
     }
     let candidates = candidates(outcome, question.effort);
-    let times = timed(prepared, outcome, question, compiler, &candidates, progress);
-    let times = match times {
-        Ok(times) => times,
-        Err(message) => return remark(figures, &message),
-    };
+    let times = timed(prepared, outcome, question, compiler, &candidates, progress)?;
     let mut best: Option<(f64, usize)> = None;
     for (&index, outcome) in candidates.iter().zip(times) {
         figures[index].nanoseconds = outcome.nanoseconds;
@@ -64,7 +62,8 @@ pub(super) fn choose(
             best = Some((time, index));
         }
     }
-    best.map_or(fewest, |(_, index)| index)
+    best.map(|(_, index)| index)
+        .ok_or_else(|| figures[candidates[0]].remark.clone())
 }
 
 /// The programs with the fewest operations, the best first, each once.

@@ -64,7 +64,7 @@ pub(super) struct OptimiseArguments {
     /// Seed of the states
     #[arg(long, default_value_t = 1, add = SEED)]
     seed: u64,
-    /// C compiler that times programs
+    /// C compiler that times programs; 'none' for none: operations decide
     #[arg(long, default_value = "cc", value_name = "COMMAND")]
     compiler: String,
     /// Its flags
@@ -104,7 +104,11 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<String, CommandFailur
         None => States::new(arguments.seed),
     };
     let operations = given.starts[0].module.functions[0].nodes().len();
-    let compiler = Compiler::find(&arguments.compiler).ok();
+    let is_timed = arguments.target != OptimisationTarget::Fpga && arguments.compiler != UNTIMED;
+    let compiler = is_timed.then(|| Compiler::find(&arguments.compiler));
+    let compiler = compiler
+        .transpose()
+        .map_err(|reason| CommandFailure::advised(reason, compiler_advice()))?;
     let question = OptimisationQuestion {
         target: arguments.target,
         machine: &machine,
@@ -125,6 +129,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<String, CommandFailur
     let failure = |error: OptimisationError| {
         let notes = match error {
             OptimisationError::Placement(_) => input::other_machine(),
+            OptimisationError::Timing(_) => compiler_advice(),
             OptimisationError::Program(_) | OptimisationError::Proof(_) => Vec::new(),
         };
         CommandFailure::advised(format!("{}: {error}", arguments.input), notes)
@@ -139,6 +144,15 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<String, CommandFailur
     bar.finish_and_clear();
     let found = found.map_err(failure)?;
     told::tell(arguments, &given, &question, &found)
+}
+
+/// The word for no compiler.
+const UNTIMED: &str = "none";
+
+fn compiler_advice() -> Vec<String> {
+    let advice = "'--compiler' names another C compiler and '--flags' its flags; with \
+                  '--compiler none' operations decide";
+    vec![advice.to_owned()]
 }
 
 /// The name of a machine that is asked for, or that the function needs; `None`
