@@ -58,8 +58,38 @@ pub fn display_name(path: &Path) -> String {
 ///
 /// # Errors
 ///
-/// Says why the file is not read, or where its text is wrong.
+/// Says why the file is not read, where its text is wrong, or that no function
+/// sets an output.
 pub fn equations(
+    path: &Path,
+    language: Option<EquationLanguage>,
+    function: Option<&str>,
+) -> Result<ReadEquations, Report> {
+    let read = equations_or_stubs(path, language, function)?;
+    let functions = &read.module.functions;
+    if functions
+        .iter()
+        .any(|function| !function.assignments.is_empty())
+    {
+        return Ok(read);
+    }
+    let note = match functions.iter().all(|function| function.nodes().is_empty()) {
+        true => "the generator leaves such a stub when the model has nothing for this function",
+        false => {
+            "an equation sets an output when it sets an element of an array, as 'c[1] = …'; other \
+             names are temporaries"
+        }
+    };
+    let message = format!("{} sets no output", read.name);
+    Err(Report::error(message, vec![note.to_owned()]))
+}
+
+/// Does as [`equations`], and takes files whose functions set no output.
+///
+/// # Errors
+///
+/// Says why the file is not read, or where its text is wrong.
+pub fn equations_or_stubs(
     path: &Path,
     language: Option<EquationLanguage>,
     function: Option<&str>,
@@ -104,6 +134,13 @@ fn own_text(name: String, bytes: Vec<u8>) -> Result<ReadEquations, Report> {
         Report::error(message, vec![note])
     })?;
     match parse::parse_module(&name, &text) {
+        Ok(module) if module.functions.is_empty() => {
+            let note = "robovec's own text holds functions; see docs/text-format.md".to_owned();
+            Err(Report::error(
+                format!("{name} holds no function"),
+                vec![note],
+            ))
+        }
         Ok(module) => Ok(ReadEquations {
             module,
             name,
@@ -243,11 +280,12 @@ pub fn machine(name: &str) -> Result<Machine, Report> {
 }
 
 fn utf8(name: &str, bytes: Vec<u8>) -> Result<String, String> {
-    String::from_utf8(bytes).map_err(|error| {
+    let text = String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         format!(
             "{name} is not UTF-8 text: byte {} does not belong",
             valid + 1
         )
-    })
+    })?;
+    Ok(robotran::with_line_feeds(text.into()).into_owned())
 }

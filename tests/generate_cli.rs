@@ -80,6 +80,41 @@ fn a_model_can_be_optimised_at_once() {
     );
 }
 
+/// A function of which the model has nothing is an error where it is named,
+/// and a remark among all.
+#[test]
+fn what_the_model_has_not_is_not_empty_without_a_word() {
+    let arm = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/robots/arm.urdf");
+    for (function, lacks) in [
+        ("sensor", "sensors"),
+        ("link", "links"),
+        ("extforces", "external forces"),
+        ("cons_hJ", "loops"),
+        ("cons_jdqd", "loops"),
+        ("loop_positions", "loops"),
+        ("loop_velocities", "loops"),
+    ] {
+        let opt = Command::new(env!("CARGO_BIN_EXE_robovec-opt"))
+            .args([path(&arm), "--function", function])
+            .output()
+            .expect("the program starts");
+        for output in [robovec(&["gen", path(&arm), "--function", function]), opt] {
+            let message = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert_eq!(output.status.code(), Some(1), "{function}: {message}");
+            assert!(output.stdout.is_empty());
+            let expected = format!("'arm' has no {lacks}: {function} would be empty");
+            assert!(message.contains(&expected), "{message}");
+        }
+    }
+    let output = robovec(&["gen", path(&arm), "--function", "all"]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    let named = "nothing for cons_hJ, cons_jdqd, link, extforces, sensor";
+    assert!(
+        output.status.success() && message.contains(named),
+        "{message}"
+    );
+}
+
 #[test]
 fn the_formulation_with_the_fewest_operations_is_one_of_them() {
     let bogie = model("bogie.mbs");

@@ -135,7 +135,7 @@ fn a_link3d_is_told_by_gen_and_refused_by_sim() {
         ("dirdyna", true),
         ("invdyna", true),
         ("accelred", true),
-        ("cons_hJ", false),
+        ("gensensor", false),
     ] {
         let (code, message, written) = told(&["gen", path, "--function", function]);
         assert_eq!(code, Some(0), "{function}: {message}");

@@ -4,7 +4,7 @@ use crate::Error;
 use crate::values;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use robovec::generate::{Formulation, GenerationRequest, ParameterBinding, generate};
+use robovec::generate::{Formulation, GenerationRequest, ParameterBinding, generate_asked};
 use robovec::kinematics::parameter;
 use robovec::model::Model;
 use robovec::report::{ModuleReport, PassRunRecord, ReportOptions};
@@ -278,8 +278,14 @@ fn generated(
         request.options.parameters = ParameterBinding::Numbers;
     }
     request.options.external_forces = forces;
-    let module = generate(&read.model, &request).map_err(plain)?;
-    single(module, None, Some(Arc::new(read.model)))
+    let module = generate_asked(&read.model, &request).map_err(plain)?;
+    // The name of a kind stands for all its cases, `sensor` for `sensor_1`.
+    let is_case = function != kind.name();
+    single(
+        module,
+        is_case.then_some(function),
+        Some(Arc::new(read.model)),
+    )
 }
 
 /// The one function of a name; without a name the only one there is.
@@ -298,6 +304,7 @@ fn single(
             model,
             passes: Vec::new(),
         }),
+        0 if names.is_empty() => Err(plain("the text holds no function")),
         0 => Err(plain(format!(
             "there is no such function; there are: {}",
             names.join(", ")

@@ -6,7 +6,7 @@ use super::{CommandFailure, input, names, output, telling};
 use crate::files::Replace;
 use crate::generate::{
     Formulation, GenerateError, GenerationRequest, Options, ParameterBinding, TermOrder,
-    contenders, cuts_of_rows, generate_into, redundant_rows,
+    contenders, cuts_of_rows, generate_into, redundant_rows, refuse_empty,
 };
 use crate::model::Model;
 use crate::robotran::FunctionKind;
@@ -240,9 +240,28 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
     let read = input::model_for(&arguments.model, forces.copied())?;
     let options = arguments.options();
     let mut module = Module::new();
+    let mut empty = Vec::new();
     for function in kinds {
         let formulation = arguments.formulation(&read.model, function, "recursive");
+        let before = module.functions.len();
         add(&mut module, &read.model, (function, formulation), &options)?;
+        if let Err(error) = refuse_empty(&read.model, function, &module.functions[before..]) {
+            if arguments
+                .function
+                .iter()
+                .any(|name| name == function.name())
+            {
+                return Err(CommandFailure::plain(error.to_string()));
+            }
+            empty.push(function.name());
+        }
+    }
+    if !empty.is_empty() {
+        let _ = writeln!(
+            telling::remarks(),
+            "remark: the model has nothing for {}",
+            empty.join(", ")
+        );
     }
     transform(&mut module, &pipeline)?;
     if arguments.language == Some(OutputLanguage::C) {

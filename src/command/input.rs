@@ -6,14 +6,14 @@
 use super::CommandFailure;
 use super::arguments::InputLanguage;
 use crate::files::limited::{self, FileLimit};
-use crate::generate::{GenerationRequest, generate};
+use crate::generate::{GenerationRequest, generate_asked};
 use crate::model::Model;
 use crate::model::mbs::ReadModel;
 use crate::motion::Laws;
 use crate::robotran::FunctionKind;
 use crate::robotran::Language;
 use crate::scene::{SceneFile, SceneSubject};
-use crate::sources::{self, EquationLanguage, display_name};
+use crate::sources::{self, EquationLanguage, ReadEquations, display_name};
 use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;
 use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
@@ -82,7 +82,7 @@ pub(crate) fn equations_or_model(
     let kind = function.map_or(Some(FunctionKind::Dirdyna), FunctionKind::with_name);
     let kind = kind.ok_or_else(|| no_such_kind(function.unwrap_or_default()))?;
     let read = model_for(path, Some(kind))?;
-    let module = generate(&read.model, &GenerationRequest::new(kind))
+    let module = generate_asked(&read.model, &GenerationRequest::new(kind))
         .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
     Ok(InputModule {
         module,
@@ -100,6 +100,15 @@ pub(crate) fn no_such_kind(name: &str) -> CommandFailure {
     CommandFailure::advised(message, vec![format!("functions of a model: {names}")])
 }
 
+/// Reads equations in any language, also where no function sets an output.
+pub(crate) fn equations_or_stubs(
+    path: &Path,
+    language: Option<InputLanguage>,
+) -> Result<InputModule, CommandFailure> {
+    let read = sources::equations_or_stubs(path, language.map(known), None);
+    Ok(told(read.map_err(CommandFailure)?, path))
+}
+
 /// Reads equations in any language.
 pub(crate) fn equations(
     path: &Path,
@@ -115,22 +124,30 @@ pub(crate) fn equations_of(
     language: Option<InputLanguage>,
     function: Option<&str>,
 ) -> Result<InputModule, CommandFailure> {
-    let language = language.map(|language| match language {
+    let read = sources::equations(path, language.map(known), function);
+    Ok(told(read.map_err(CommandFailure)?, path))
+}
+
+fn known(language: InputLanguage) -> EquationLanguage {
+    match language {
         InputLanguage::C => EquationLanguage::Robotran(Language::C),
         InputLanguage::Matlab => EquationLanguage::Robotran(Language::Matlab),
         InputLanguage::Python => EquationLanguage::Robotran(Language::Python),
         InputLanguage::Rvir => EquationLanguage::Rvir,
         InputLanguage::Fpcore => EquationLanguage::Fpcore,
-    });
-    let read = sources::equations(path, language, function).map_err(CommandFailure)?;
+    }
+}
+
+/// Prints what the reader remarked.
+fn told(read: ReadEquations, path: &Path) -> InputModule {
     tell(&read.warnings);
-    Ok(InputModule {
+    InputModule {
         module: read.module,
         ranges: read.ranges,
         format: read.format,
         name: read.name,
         path: path.to_owned(),
-    })
+    }
 }
 
 /// Reads a model.

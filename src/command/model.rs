@@ -73,7 +73,7 @@ fn freshness(model: &Model, files: &[PathBuf]) -> Result<String, CommandFailure>
     let mut report = Report::new();
     let mut unreadable = 0;
     for path in files {
-        let input = match input::equations(path, None) {
+        let input = match input::equations_or_stubs(path, None) {
             Ok(input) => input,
             Err(failure) => {
                 failure.emit();

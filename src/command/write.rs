@@ -185,7 +185,7 @@ fn equations(
     language: Option<InputLanguage>,
     pipeline: &Pipeline,
 ) -> Result<Module, CommandFailure> {
-    let mut input = input::equations(path, language)?;
+    let mut input = input::equations_or_stubs(path, language)?;
     let machine = input::machine("thesis")?;
     let mut log = telling::remarks();
     manager::run(&mut input.module, pipeline, Config::new(&machine, &mut log))

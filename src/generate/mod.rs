@@ -287,6 +287,16 @@ pub enum GenerateError {
     /// The equations cannot be differentiated.
     #[error("the accelerations cannot be differentiated: {0}")]
     Derivative(String),
+    /// The function would set nothing.
+    #[error("the model '{model}' has no {lacks}: {function} would be empty")]
+    Empty {
+        /// The name of the model.
+        model: String,
+        /// The name of the function.
+        function: &'static str,
+        /// The part of models that the function is about.
+        lacks: &'static str,
+    },
     /// The loops cannot be closed at the model's initial state.
     #[error("the dependent joints cannot be chosen: {0}")]
     Loops(String),
@@ -328,6 +338,50 @@ pub fn generate(model: &Model, request: &GenerationRequest) -> Result<Module, Ge
     let mut module = Module::new();
     generate_into(&mut module, model, request)?;
     Ok(module)
+}
+
+/// Does as [`generate`], for a function that was asked for by name.
+///
+/// # Errors
+///
+/// See [`GenerateError`]; a function that sets nothing is one.
+pub fn generate_asked(model: &Model, request: &GenerationRequest) -> Result<Module, GenerateError> {
+    let module = generate(model, request)?;
+    refuse_empty(model, request.function, &module.functions)?;
+    Ok(module)
+}
+
+/// An error when the functions of a kind set nothing.
+///
+/// # Errors
+///
+/// [`GenerateError::Empty`].
+pub fn refuse_empty(
+    model: &Model,
+    kind: FunctionKind,
+    functions: &[Function],
+) -> Result<(), GenerateError> {
+    if functions
+        .iter()
+        .any(|function| !function.assignments.is_empty())
+    {
+        return Ok(());
+    }
+    Err(GenerateError::Empty {
+        model: model.name.clone(),
+        function: kind.name(),
+        lacks: match kind {
+            FunctionKind::Sensor => "sensors",
+            FunctionKind::Link => "links",
+            FunctionKind::Extforces => "external forces",
+            FunctionKind::ConsHJ
+            | FunctionKind::ConsJdqd
+            | FunctionKind::LoopPositions
+            | FunctionKind::LoopVelocities => "loops",
+            FunctionKind::Invdynared => "actuators",
+            _ => "moving joints",
+        },
+    })
 }
 
 /// Does as [`generate`], and adds the functions to a module.

@@ -25,15 +25,29 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Diagnostic> {
 /// The text of bytes of any number, decoded as [`decode`] does; `kind` says
 /// what kind of text is expected, for the message about one that is none.
 pub(crate) fn decode_text<'a>(bytes: &'a [u8], kind: &str) -> Result<Cow<'a, str>, Diagnostic> {
-    if let Some((encoding, mark)) = Encoding::for_bom(bytes) {
-        let text = encoding.decode_without_bom_handling(&bytes[mark..]).0;
-        return reject_binary(text, kind);
-    }
-    let text = match std::str::from_utf8(bytes) {
-        Ok(text) => Cow::Borrowed(text),
-        Err(_) => WINDOWS_1252.decode_without_bom_handling(bytes).0,
+    let text = match Encoding::for_bom(bytes) {
+        Some((encoding, mark)) => encoding.decode_without_bom_handling(&bytes[mark..]).0,
+        None => match std::str::from_utf8(bytes) {
+            Ok(text) => Cow::Borrowed(text),
+            Err(_) => WINDOWS_1252.decode_without_bom_handling(bytes).0,
+        },
     };
-    reject_binary(text, kind)
+    Ok(with_line_feeds(reject_binary(text, kind)?))
+}
+
+/// The text with a line feed for every carriage return alone, which ended lines
+/// on old systems: comments end there.
+pub(crate) fn with_line_feeds(text: Cow<'_, str>) -> Cow<'_, str> {
+    if !text.contains('\r') {
+        return text;
+    }
+    let mut bytes = text.into_owned().into_bytes();
+    for at in 0..bytes.len() {
+        if bytes[at] == b'\r' && bytes.get(at + 1) != Some(&b'\n') {
+            bytes[at] = b'\n';
+        }
+    }
+    Cow::Owned(String::from_utf8(bytes).expect("ASCII took the place of ASCII"))
 }
 
 fn reject_binary<'a>(text: Cow<'a, str>, kind: &str) -> Result<Cow<'a, str>, Diagnostic> {

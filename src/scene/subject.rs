@@ -1,7 +1,7 @@
 //! What a scene is about: a model whose equations are made, or equations.
 
 use super::known::{ElementKnowledge, ElementStatements};
-use crate::generate::{Formulation, GenerateError, GenerationRequest, Options, generate};
+use crate::generate::{Formulation, GenerateError, GenerationRequest, Options, generate_asked};
 use crate::kinematics;
 use crate::model::{Model, Nature};
 use crate::robotran::FunctionKind;
@@ -58,7 +58,7 @@ impl ModelSubject {
             formulation,
             options: self.options.clone(),
         };
-        let mut module = generate(model, &request)?;
+        let mut module = generate_asked(model, &request)?;
         if module.functions.len() > 1 {
             module
                 .functions

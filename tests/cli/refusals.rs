@@ -1,6 +1,7 @@
 //! Wrong inputs: what is said, and that nothing is written.
 
-use super::{SUSPENSION, example, refused};
+use super::{SUSPENSION, example, opt, refused, run};
+use crate::support::programs::stderr;
 use std::fs;
 
 #[test]
@@ -59,6 +60,63 @@ fn bad_text_is_refused_with_a_caret() {
     refused(&[b'('; 1 << 20], "a.rvir", &[], &["a.rvir:1:"]);
     let deep = format!("  o = {}x{}\n", "(".repeat(100_000), ")".repeat(99_999));
     refused(&body(&deep), "a.rvir", &[], &["a.rvir:", "^"]);
+}
+
+#[test]
+fn what_sets_no_output_is_refused() {
+    for (text, name, words) in [
+        ("x = 1;\n", "a.c", ["a.c sets no output", "c[1] = …"]),
+        ("x = 1\n", "a.m", ["a.m sets no output", "c[1] = …"]),
+        (
+            "void mbs_cons_hJ(double *h, double **Jac, MbsData *s, double tsim)\n{\n}\n",
+            "cons.c",
+            ["cons.c sets no output", "such a stub"],
+        ),
+        (
+            "// robovec 1\n",
+            "a.rvir",
+            ["a.rvir holds no function", "text-format"],
+        ),
+        (
+            "function f equations {\n  in x\n}\n",
+            "a.rvir",
+            ["a.rvir sets no output", "such a stub"],
+        ),
+    ] {
+        refused(text.as_bytes(), name, &[], &words);
+    }
+}
+
+/// Old systems end lines with a carriage return alone, comments included.
+#[test]
+fn carriage_returns_alone_end_lines() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let read = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        fs::write(&path, text).expect("room for the input");
+        let output = run(opt().arg(&path));
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        String::from_utf8(output.stdout).expect("UTF-8")
+    };
+    for (name, text) in [
+        (
+            "a.rvir",
+            "// a comment\nfunction f equations {\n  in q\n  out y\n  y = q + q\n}\n",
+        ),
+        ("a.fpcore", "; a comment\n(FPCore f (x) (+ x 1))\n"),
+        (
+            "a.c",
+            "// a comment\nvoid mbs_invdyna(double *Qq, MbsData *s, double tsim)\n{\n\
+             Qq[1] = s->q[1]; // more\n}\n",
+        ),
+    ] {
+        let functions =
+            |text: String| text[text.find("function").expect("it has one")..].to_owned();
+        let expected = functions(read(name, text));
+        let lone = functions(read(name, &text.replace('\n', "\r")));
+        let places = |text: &str| text.split('@').next().unwrap_or_default().to_owned();
+        assert_eq!(places(&lone), places(&expected), "{name}");
+    }
 }
 
 #[test]

@@ -9,11 +9,11 @@ use logos::{Lexer, Logos};
 
 /// A kind of token.
 #[derive(Logos, Clone, Copy, PartialEq, Eq, Debug)]
-#[logos(skip r"[ \t\r\f]+")]
-#[logos(skip(r"//[^\n]*", allow_greedy = true))]
+#[logos(skip r"[ \t\f]+")]
+#[logos(skip(r"//[^\r\n]*", allow_greedy = true))]
 pub(super) enum ModuleToken {
     /// End of a line.
-    #[token("\n")]
+    #[regex(r"\r\n?|\n")]
     Newline,
     /// `%OM16.1`: a value.
     #[regex(r"%[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z0-9_]+)*")]
@@ -29,10 +29,10 @@ pub(super) enum ModuleToken {
     #[regex(r"[0-9]+[eE][+-]?[0-9]+")]
     Real,
     /// `"…"`.
-    #[regex(r#""([^"\\\n]|\\[^\n])*""#)]
+    #[regex(r#""([^"\\\r\n]|\\[^\r\n])*""#)]
     String,
     /// A string whose line ends before it does.
-    #[regex(r#""([^"\\\n]|\\[^\n])*"#)]
+    #[regex(r#""([^"\\\r\n]|\\[^\r\n])*"#)]
     OpenString,
     /// `@1/43:3-44:20`: a place.
     #[regex(r"@([0-9]+/)?[0-9]+:[0-9]+-([0-9]+:)?[0-9]+")]
@@ -305,6 +305,18 @@ mod tests {
                 Integer, Newline
             ]
         );
+    }
+
+    #[test]
+    fn a_carriage_return_alone_ends_a_line() {
+        let one = tokens("// a\n%x = 1\n%y = 2\n");
+        for ends in ["\r", "\r\n"] {
+            let text = "// a\n%x = 1\n%y = 2\n".replace('\n', ends);
+            let kinds = |tokens: &[(ModuleToken, &str)]| -> Vec<ModuleToken> {
+                tokens.iter().map(|(kind, _)| *kind).collect()
+            };
+            assert_eq!(kinds(&tokens(&text)), kinds(&one), "{ends:?}");
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::OptimiseArguments;
 use crate::command::{CommandFailure, input, opt, subjects};
-use crate::generate::{GenerationRequest, generate};
+use crate::generate::{GenerationRequest, generate_asked};
 use crate::model::Model;
 use crate::optimise::start::{self, OptimisationStart};
 use crate::robotran::FunctionKind;
@@ -88,7 +88,7 @@ fn equations(
             let kind = FunctionKind::with_name(wanted);
             let kind = kind.ok_or_else(|| input::no_such_kind(wanted))?;
             let request = GenerationRequest::new(kind);
-            let module = generate(&model, &request)
+            let module = generate_asked(&model, &request)
                 .map_err(|error| CommandFailure::plain(format!("{}: {error}", arguments.input)))?;
             (module, Some(model), arguments.input.clone())
         }
