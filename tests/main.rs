@@ -31,6 +31,7 @@ mod front;
 mod generate_cli;
 mod library;
 mod limits;
+mod mistaken;
 mod models;
 mod neglect;
 mod operations;

@@ -111,7 +111,7 @@ fn what_cannot_be_read_is_an_error_and_no_panic() {
         (&["profile", "malformed.rules"][..], "no operation 'tan'"),
         (
             &["import", "--syntax", "egglog", "one-false.rules"][..],
-            "a command",
+            "looks like a file of rules",
         ),
     ] {
         let output = rules(arguments);

@@ -304,23 +304,13 @@ fn from_equations(
     Ok(())
 }
 
-/// The compilers that are installed.
+/// The compilers that take part.
 fn compilers(arguments: &BenchArguments) -> Result<Vec<Compiler>, CommandFailure> {
     let compilers = arguments.compilers.iter();
-    let (found, missing): (Vec<_>, Vec<_>) = compilers
-        .map(|command| Compiler::find(command))
-        .partition(Result::is_ok);
-    let found: Vec<Compiler> = found.into_iter().flatten().collect();
-    if !found.is_empty() {
-        return Ok(found);
-    }
-    Err(CommandFailure::advised(
-        format!(
-            "none of the compilers is installed: {}",
-            arguments.compilers.join(", ")
-        ),
-        missing.into_iter().filter_map(Result::err).collect(),
-    ))
+    let found: Result<Vec<Compiler>, String> =
+        compilers.map(|command| Compiler::find(command)).collect();
+    let note = "'--compilers' names the compilers that take part".to_owned();
+    found.map_err(|reason| CommandFailure::advised(reason, vec![note]))
 }
 
 /// How many formulations of a model take part.

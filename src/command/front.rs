@@ -60,6 +60,7 @@ pub(super) fn run(arguments: &FrontArguments) -> Result<String, CommandFailure> 
     if !(arguments.angle > 0.0 && arguments.angle.is_finite()) {
         return Err(CommandFailure::plain("'--angle' must be a positive number"));
     }
+    super::require_compiler(arguments.cpu)?;
     let store = arguments.shares.store(arguments.output.as_deref())?;
     let work = SharedWork::new(store.as_ref(), arguments.shares.share());
     let bar = progress::spinner();

@@ -218,16 +218,16 @@ pub(crate) fn stem(path: &Path) -> String {
 
 /// Reads a pipeline, from a file when it starts with `@`.
 pub(crate) fn passes(text: &str) -> Result<Pipeline, CommandFailure> {
-    let content = match text.strip_prefix('@') {
-        None => text.to_owned(),
-        Some(file) => String::from_utf8_lossy(
-            &limited::read(Path::new(file), &limited::PIPELINE).map_err(CommandFailure)?,
-        )
-        .into_owned(),
+    let Some(file) = text.strip_prefix('@') else {
+        return REGISTRY
+            .pipeline(text)
+            .map_err(|error| CommandFailure(error.0));
     };
-    REGISTRY
-        .pipeline(&content)
-        .map_err(|error| CommandFailure(error.0))
+    let content = self::text(Path::new(file), &limited::PIPELINE)?;
+    REGISTRY.pipeline(&content).map_err(|error| {
+        let diagnostics = error.0.diagnostics().to_vec();
+        CommandFailure(Report::of(file, content, diagnostics))
+    })
 }
 
 /// The machine of a name, or of a file.

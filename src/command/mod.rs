@@ -56,6 +56,7 @@ mod trig;
 mod view;
 mod write;
 
+use crate::bench::Compiler;
 use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
 
 /// The command lines of both programs, with the limits of their numbers.
@@ -83,6 +84,15 @@ impl CommandFailure {
         // When the standard error is closed there is nobody left to tell.
         self.0.emit_to_stderr(ColorChoice::Auto).unwrap_or_default();
     }
+}
+
+/// An error when the C compiler of `--cpu` is asked for and does not run.
+fn require_compiler(asked: bool) -> Result<(), CommandFailure> {
+    if asked {
+        let note = "'--cpu' times programs with the C compiler 'cc'".to_owned();
+        Compiler::find("cc").map_err(|reason| CommandFailure::advised(reason, vec![note]))?;
+    }
+    Ok(())
 }
 
 /// So many threads; as many as there are processors when the user does not say.

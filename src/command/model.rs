@@ -75,6 +75,7 @@ fn freshness(model: &Model, files: &[PathBuf]) -> Result<String, CommandFailure>
     for path in files {
         let input = match input::equations_or_stubs(path, None) {
             Ok(input) => input,
+            Err(failure) if files.len() == 1 => return Err(failure),
             Err(failure) => {
                 failure.emit();
                 unreadable += 1;

@@ -73,6 +73,10 @@ enum CrossbarExtent {
 
 /// Runs the command: the text for the standard output.
 pub(super) fn run(arguments: &RtlArguments) -> Result<String, CommandFailure> {
+    rtl_bench::require_simulator(&arguments.bench)?;
+    if arguments.synthesise || arguments.place_and_route.is_some() {
+        super::synthesise::require_tools(arguments.place_and_route.is_some())?;
+    }
     match &arguments.fits {
         Some(path) => fits(arguments, &hardware(path)?),
         None => build(arguments),
@@ -186,7 +190,7 @@ fn hardware(path: &Path) -> Result<Hardware, CommandFailure> {
     }
     let is_folder = found.is_some();
     let file = found.unwrap_or_else(|| path.to_owned());
-    let text = input::text(&file, &limited::IMAGE)?;
+    let text = input::text(&file, &limited::HARDWARE)?;
     let hardware = Hardware::parse(&text).map_err(|error| {
         let notes = vec![format!(
             "'robovec rtl' writes one: FOLDER/rtl/{DESCRIPTION}"

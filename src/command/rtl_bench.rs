@@ -110,6 +110,15 @@ pub(super) fn benches(
         .collect())
 }
 
+/// An error when the simulator that is asked for is not installed.
+pub(super) fn require_simulator(arguments: &RtlBenchArguments) -> Result<(), CommandFailure> {
+    let simulator = arguments.check.map(HardwareSimulator::from);
+    match simulator.and_then(HardwareSimulator::missing) {
+        Some(program) => Err(failure(&CheckFailure::Missing(program))),
+        None => Ok(()),
+    }
+}
+
 /// Runs the benches of a folder when that was asked for: what they say.
 ///
 /// The hardware is in `rtl/` of the folder `hardware`, or is that folder.

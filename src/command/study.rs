@@ -82,6 +82,7 @@ const PROGRESS: &str = "{pos}/{len} placements, {eta} left, {msg}";
 pub(super) fn study(arguments: &StudyArguments) -> Result<String, CommandFailure> {
     let mut plan = read_plan(arguments)?;
     keep(arguments.shares.share(), &mut plan);
+    super::require_compiler(arguments.cpu)?;
     // A slip in a name is told before hours of work, not after them.
     for subject in &plan.models {
         locate(subject)?;

@@ -107,6 +107,7 @@ const STATE_SEED: u64 = 1;
 
 /// Runs the command.
 pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> {
+    super::require_compiler(arguments.cpu)?;
     let space = space(arguments)?;
     let shares = &arguments.shares;
     let store = shares.store(arguments.output.as_deref())?;

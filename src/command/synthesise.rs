@@ -78,6 +78,15 @@ pub(super) fn run(arguments: &SynthesiseArguments) -> Result<String, CommandFail
     Ok(text)
 }
 
+/// An error when yosys, or what places and routes, is not installed.
+pub(super) fn require_tools(routes: bool) -> Result<(), CommandFailure> {
+    Yosys::find().map_err(failure)?;
+    if routes {
+        place::find().map_err(failure)?;
+    }
+    Ok(())
+}
+
 /// A machine mapped part by part, as a page, with what its program of so many
 /// cycles takes there.
 pub(super) fn machine(

@@ -202,6 +202,17 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
 
 fn simulate(folder: &Path, machine: &str, inputs: &[f64]) -> Result<String, CommandFailure> {
     let machine = input::machine(machine)?;
+    let advised = |message: String| {
+        let note = "'robovec-opt EQUATIONS --passes …,place,codegen -o FOLDER' writes one";
+        CommandFailure::advised(message, vec![note.to_owned()])
+    };
+    if folder.is_file() {
+        let message = format!(
+            "{} is a file, not a folder of memory images",
+            folder.display()
+        );
+        return Err(advised(message));
+    }
     let listing = fs::read_dir(folder).map_err(|error| {
         CommandFailure::plain(format!("cannot read {}: {error}", folder.display()))
     })?;
@@ -217,7 +228,8 @@ fn simulate(folder: &Path, machine: &str, inputs: &[f64]) -> Result<String, Comm
     }
     files.sort();
     let fail = |error: String| CommandFailure::plain(format!("{}: {error}", folder.display()));
-    let program = LoadedProgram::load(&files, &machine).map_err(|error| fail(error.to_string()))?;
+    let program = LoadedProgram::load(&files, &machine)
+        .map_err(|error| advised(format!("{}: {error}", folder.display())))?;
     let outputs = program
         .run(inputs)
         .map_err(|hazard| fail(hazard.to_string()))?;

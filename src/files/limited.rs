@@ -6,23 +6,104 @@
 //! and pipes that a shell makes (`<(…)`) have a writer, and are read up to
 //! the limit.
 
+use super::look::{FileLook, look};
 use robovec_ir::diagnostic::Report;
 use robovec_num::limits::NumberLimit;
 use std::fs::{self, File, FileType};
 use std::io::{self, Read};
 use std::path::Path;
 
+/// A kind of file.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum FileKind {
+    /// Equations, in any language.
+    Equations,
+    /// A model.
+    Model,
+    /// A pipeline.
+    Pipeline,
+    /// A machine.
+    Machine,
+    /// A scene.
+    Scene,
+    /// Laws of forces.
+    Laws,
+    /// A plan of a study.
+    Plan,
+    /// Rules.
+    Rules,
+    /// Rules of another tool.
+    ForeignRules,
+    /// States.
+    States,
+    /// A memory image or its manifest.
+    Image,
+    /// A description of hardware.
+    Hardware,
+}
+
+impl FileKind {
+    /// The name of such a file, with its article, for messages.
+    pub fn noun(self) -> &'static str {
+        match self {
+            FileKind::Equations => "a file of equations",
+            FileKind::Model => "a model (.mbs, .urdf)",
+            FileKind::Pipeline => "a pipeline",
+            FileKind::Machine => "a machine",
+            FileKind::Scene => "a scene",
+            FileKind::Laws => "a file of laws",
+            FileKind::Plan => "a plan of a study",
+            FileKind::Rules => "a file of rules",
+            FileKind::ForeignRules => "a file of rules of another tool",
+            FileKind::States => "a file of states",
+            FileKind::Image => "a memory image",
+            FileKind::Hardware => "a description of hardware (machine.json)",
+        }
+    }
+
+    fn is_toml(self) -> bool {
+        matches!(
+            self,
+            FileKind::Machine | FileKind::Scene | FileKind::Laws | FileKind::Plan
+        )
+    }
+
+    /// The commands that take such a file.
+    fn takers(self) -> &'static str {
+        match self {
+            FileKind::Equations => "'robovec-opt', 'robovec optimise' and 'robovec eval' take it",
+            FileKind::Model => {
+                "'robovec gen' and 'robovec sim' take it, and others when its name ends in .mbs or \
+                 .urdf"
+            }
+            FileKind::Pipeline => "'robovec-opt --passes @FILE' takes it",
+            FileKind::Machine => "'robovec-opt --machine FILE' takes it",
+            FileKind::Scene => "'robovec scene', 'robovec fit' and the option '--scene' take it",
+            FileKind::Laws => "'robovec sim MODEL --laws FILE' takes it",
+            FileKind::Plan => "'robovec study --plan FILE' takes it",
+            FileKind::Rules => "'robovec rules check' and the option '--rules' take it",
+            FileKind::ForeignRules => "'robovec rules import' takes it",
+            FileKind::States => "'robovec eval EQUATIONS --states FILE' takes it",
+            FileKind::Image => "'robovec simulate' takes the folder of it",
+            FileKind::Hardware => "'robovec rtl PROGRAM --fits FILE' takes it",
+        }
+    }
+}
+
 /// The largest file of a kind, in bytes.
 #[derive(Clone, Copy, Debug)]
 pub struct FileLimit {
+    /// The kind.
+    pub kind: FileKind,
     /// What such files are called.
     pub what: &'static str,
     /// Bytes.
     pub bytes: NumberLimit,
 }
 
-const fn limit(what: &'static str, most: u64, reason: &'static str) -> FileLimit {
+const fn limit(kind: FileKind, what: &'static str, most: u64, reason: &'static str) -> FileLimit {
     FileLimit {
+        kind,
         what,
         bytes: NumberLimit::whole(0, most, reason),
     }
@@ -30,40 +111,79 @@ const fn limit(what: &'static str, most: u64, reason: &'static str) -> FileLimit
 
 /// Equations, in any language.
 pub const EQUATIONS: FileLimit = limit(
+    FileKind::Equations,
     "file of equations",
     1 << 30,
     "10^6 operations take 100 MB, and places in a text are numbers of 32 bits",
 );
 /// Models.
-pub const MODEL: FileLimit = limit("model", 16 << 20, "a model of 2000 joints takes 3 MB");
+pub const MODEL: FileLimit = limit(
+    FileKind::Model,
+    "model",
+    16 << 20,
+    "a model of 2000 joints takes 3 MB",
+);
 /// Pipelines.
-pub const PIPELINE: FileLimit = limit("pipeline", 1 << 20, "every pass of it runs");
+pub const PIPELINE: FileLimit = limit(
+    FileKind::Pipeline,
+    "pipeline",
+    1 << 20,
+    "every pass of it runs",
+);
 /// Machines.
-pub const MACHINE: FileLimit = limit("machine", 1 << 20, "the largest takes 2 kB");
+pub const MACHINE: FileLimit = limit(
+    FileKind::Machine,
+    "machine",
+    1 << 20,
+    "the largest takes 2 kB",
+);
 /// Scenes.
 pub const SCENE: FileLimit = limit(
+    FileKind::Scene,
     "scene",
     16 << 20,
     "a line for every input of 2000 joints takes 1 MB",
 );
 /// Laws of forces.
 pub const LAWS: FileLimit = limit(
+    FileKind::Laws,
     "file of laws",
     16 << 20,
     "a law for each of 2000 joints takes 1 MB",
 );
 /// Plans of studies.
-pub const PLAN: FileLimit = limit("plan", 1 << 20, "the thesis takes 8 kB");
+pub const PLAN: FileLimit = limit(FileKind::Plan, "plan", 1 << 20, "the thesis takes 8 kB");
 /// Rules.
-pub const RULES: FileLimit = limit("file of rules", 16 << 20, "every rule is proved");
+pub const RULES: FileLimit = limit(
+    FileKind::Rules,
+    "file of rules",
+    16 << 20,
+    "every rule is proved",
+);
+/// Rules of other tools.
+pub const FOREIGN_RULES: FileLimit = FileLimit {
+    kind: FileKind::ForeignRules,
+    ..RULES
+};
 /// States.
 pub const STATES: FileLimit = limit(
+    FileKind::States,
     "file of states",
     1 << 28,
     "all states are kept while functions are evaluated",
 );
+/// Descriptions of hardware.
+pub const HARDWARE: FileLimit = FileLimit {
+    kind: FileKind::Hardware,
+    ..IMAGE
+};
 /// Memory images, and manifests.
-pub const IMAGE: FileLimit = limit("memory image", 1 << 28, "a run loads 2^24 words");
+pub const IMAGE: FileLimit = limit(
+    FileKind::Image,
+    "memory image",
+    1 << 28,
+    "a run loads 2^24 words",
+);
 
 /// All kinds.
 pub const ALL: [FileLimit; 10] = [
@@ -106,7 +226,37 @@ pub fn read(path: &Path, limit: &FileLimit) -> Result<Vec<u8>, Report> {
         let known = if there.is_file() { there.len() } else { 0 };
         up_to(File::open(path)?, known, most).map(|bytes| bytes.ok_or_else(too_large))
     };
-    attempt().map_err(|error| fail(error.to_string()))?
+    let bytes = attempt().map_err(|error| fail(error.to_string()))??;
+    refuse_others(path, &bytes, limit.kind)?;
+    Ok(bytes)
+}
+
+/// An error for a file of another kind than the one that is read.
+fn refuse_others(path: &Path, bytes: &[u8], wanted: FileKind) -> Result<(), Report> {
+    // Images are read with whatever lies beside them.
+    if wanted == FileKind::Image {
+        return Ok(());
+    }
+    let name = path.display();
+    let other = |what: &str| format!("{name} is not {}: it looks like {what}", wanted.noun());
+    let (message, note) = match look(&name.to_string(), bytes) {
+        FileLook::Empty => (
+            format!("{name} is empty"),
+            format!("expected {}", wanted.noun()),
+        ),
+        FileLook::Known(kind) if kind != wanted => (other(kind.noun()), kind.takers().to_owned()),
+        FileLook::Toml if !wanted.is_toml() => (other("TOML"), "no command takes it".to_owned()),
+        FileLook::Json if wanted != FileKind::Hardware => {
+            (other("JSON"), "no command takes it".to_owned())
+        }
+        FileLook::Xml if wanted != FileKind::Model => (
+            other("XML that is no model"),
+            "no command takes it".to_owned(),
+        ),
+        FileLook::Foreign(what) => (other(what), "no command takes it".to_owned()),
+        _ => return Ok(()),
+    };
+    Err(Report::error(message, vec![note]))
 }
 
 /// Everything a reader gives, or `None` when that is too much.
@@ -156,7 +306,7 @@ mod tests {
     fn a_file_is_read_up_to_its_limit_and_not_beyond() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("some.toml");
-        let limit = limit("plan", 8, "8 bytes are enough");
+        let limit = limit(FileKind::Plan, "plan", 8, "8 bytes are enough");
         fs::write(&path, "12345678").expect("written");
         assert_eq!(read(&path, &limit).ok().as_deref(), Some(&b"12345678"[..]));
         fs::write(&path, "123456789").expect("written");
@@ -176,8 +326,7 @@ mod tests {
             let message = message(Path::new(path), &EQUATIONS);
             assert!(message.contains(part), "{message}");
         }
-        let nothing = read(Path::new("/dev/null"), &EQUATIONS);
-        assert_eq!(nothing.ok(), Some(Vec::new()));
+        assert!(message(Path::new("/dev/null"), &EQUATIONS).contains("is empty"));
         let folder = tempfile::tempdir().expect("a folder");
         let pipe = folder.path().join("pipe");
         let made = std::process::Command::new("mkfifo").arg(&pipe).status();

@@ -17,6 +17,7 @@
 //!   ([`sealed`]).
 
 pub mod limited;
+mod look;
 mod own;
 pub mod sealed;
 mod temporary;

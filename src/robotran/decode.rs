@@ -85,6 +85,15 @@ pub(super) fn detect(name: &str, text: &str) -> Option<Language> {
     by_extension.or_else(|| text.lines().find_map(language_of_comment))
 }
 
+/// True for the beginning of a text that a name or the head of a function
+/// shows to hold equations.
+pub(crate) fn is_equations(name: &str, text: &str) -> bool {
+    let extension = name.rsplit('.').next().unwrap_or_default();
+    ["rvir", "fpcore"].contains(&extension)
+        || Language::from_extension(extension).is_some()
+        || Language::ALL.iter().any(|&language| shows(text, language))
+}
+
 /// Whether a line of the text is the head of a function in the language.
 fn shows(text: &str, language: Language) -> bool {
     let heads: &[(&str, &str)] = match language {

@@ -342,7 +342,7 @@ mod tests {
         assert_eq!(c("010."), Ok(Literal::Double(10.0)));
         assert_eq!(c("0x1.8p1"), Ok(Literal::Double(3.0)));
         assert_eq!(c("0xap-1"), Ok(Literal::Double(5.0)));
-        assert_eq!(c("1e-400"), Ok(Literal::Double(0.0)));
+        assert_eq!(c("1e-400"), Err(TOO_SMALL));
         for text in [
             "08",
             "0x",

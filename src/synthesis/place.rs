@@ -106,7 +106,7 @@ pub fn place_and_route(
 }
 
 /// The program and what it calls itself.
-fn find() -> Result<(&'static str, String), SynthesisError> {
+pub fn find() -> Result<(&'static str, String), SynthesisError> {
     for program in PROGRAMS {
         match ProgramCall::version(program, "--version").run() {
             Err(ToolError::Start { .. }) => {}

@@ -60,7 +60,7 @@ pub(super) struct ExportArguments {
 /// file. Rules that are false or not proved are told and become comments; a
 /// false one is an error, which comes after all others have been written.
 pub(super) fn import(arguments: &ImportArguments) -> Result<String, CommandFailure> {
-    let text = input::text(&arguments.file, &limited::RULES)?;
+    let text = input::text(&arguments.file, &limited::FOREIGN_RULES)?;
     let name = arguments.file.display().to_string();
     let (mut set, mut report) =
         syntax::import(&text, &name, arguments.syntax.syntax()).map_err(CommandFailure)?;
