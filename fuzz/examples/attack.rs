@@ -22,12 +22,13 @@ use std::process::ExitCode;
 
 type Body = fn(&[u8]);
 
-const BODIES: [(&str, Body); 24] = [
+const BODIES: [(&str, Body); 25] = [
     (
         "bounds_hold_over_boxes",
         robovec_fuzz::bounds_hold_over_boxes,
     ),
     ("check_catches_mutants", robovec_fuzz::check_catches_mutants),
+    ("domains_are_compared", robovec_fuzz::domains_are_compared),
     ("derivatives_hold", robovec_fuzz::derivatives_hold),
     ("errors_are_predicted", robovec_fuzz::errors_are_predicted),
     (

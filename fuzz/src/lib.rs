@@ -6,6 +6,7 @@ pub mod boxes;
 #[cfg(test)]
 mod cases;
 pub mod derivatives;
+pub mod domains;
 pub mod equations;
 pub mod errors;
 pub mod formats;
@@ -38,6 +39,7 @@ pub mod written;
 pub use adjoints::errors_are_predicted;
 pub use boxes::bounds_hold_over_boxes;
 pub use derivatives::derivatives_hold;
+pub use domains::domains_are_compared;
 pub use errors::errors_stay_within_bounds;
 pub use formats::formats_agree;
 pub use fpcore::read_fpcore;

@@ -100,7 +100,8 @@ pub fn print_output(view: View<'_>, output: crate::Output) -> String {
     text_of(bytes)
 }
 
-/// An operand as it stands in the text (`%OM16`, `q[3]`, `0.5`).
+/// An operand as it stands in the text (`%OM16`, `q[3]`, `0.5`); a value
+/// without a name as its expression.
 pub fn print_operand(view: View<'_>, operand: Operand) -> String {
     let mut bytes = Vec::new();
     let mut text = Text::new(&mut bytes);
@@ -444,10 +445,7 @@ impl<'a> FunctionPrinter<'a> {
         let (array, indices, rank) = function.output_element(assignment.output);
         text.element(self.view.tables, array, &indices[..rank]);
         text.push(" = ");
-        match assignment.operand.value() {
-            Some(value) if function.node(value).name.is_none() => self.expression(text, value),
-            Some(_) | None => self.operand(text, assignment.operand),
-        }
+        self.operand(text, assignment.operand);
         if let (Some(schedule), Some(placement)) = (&function.schedule, &function.placement)
             && let Some(word) = placement.homes[index]
         {
@@ -472,6 +470,9 @@ impl<'a> FunctionPrinter<'a> {
 
     fn operand(&self, text: &mut Text<'_>, operand: Operand) {
         match operand.kind() {
+            OperandKind::Value(value) if self.view.function.node(value).name.is_none() => {
+                self.expression(text, value);
+            }
             OperandKind::Value(value) => self.name(text, value),
             OperandKind::Input(input) => {
                 let (array, indices, rank) = self.view.function.input_element(input);

@@ -126,10 +126,14 @@ fn proof(
     let states = States::new(arguments.seed);
     let judge = |class| check(before, after, class, &states, arguments.points);
     let verdict = judge(arguments.class());
-    if verdict.holds() {
-        return Ok(verdict.to_string());
-    }
     let name = &before.function.name;
+    if verdict.holds() {
+        return if verdict.is_decided() {
+            Ok(verdict.to_string())
+        } else {
+            Err(CommandFailure::plain(format!("'{name}': {verdict}")))
+        };
+    }
     // Programs that `optimise` takes often rest on it, so that a user
     // who compares one with its input would take the refusal for a fault.
     let is_missed_by_trigonometry =

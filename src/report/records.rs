@@ -3,7 +3,7 @@
 use super::PassRunRecord;
 use super::rounding::RoundingReport;
 use robovec_analysis::accuracy::ErrorSummary;
-use robovec_framework::check::{CheckVerdict, Deviation, ErrorChange, FailureKind};
+use robovec_framework::check::{CheckVerdict, Deviation, DomainVerdict, ErrorChange, FailureKind};
 use robovec_ir::print::print_output;
 use robovec_ir::{Boundary, View};
 use serde::Serialize;
@@ -56,6 +56,14 @@ pub struct CheckReport {
     /// `bit-equal`, `equal` (in the prime field), `measured` (approximating)
     /// or `failed`.
     pub result: &'static str,
+    /// Where the function after is defined beside the one before: `same`,
+    /// `wider`, or `open` where a condition was neither proved nor refuted.
+    pub domain: &'static str,
+    /// The condition that only one of them has.
+    pub condition: Option<String>,
+    /// The number of states that decided about the output about which the
+    /// fewest did.
+    pub decided: Option<u32>,
     /// What failed.
     pub failure: Option<String>,
     /// The output it failed at.
@@ -102,6 +110,11 @@ impl CheckReport {
             (true, Real | RealTrig) => "equal",
             (true, Approximating) => "measured",
         };
+        let (domain, condition) = match &verdict.domain {
+            DomainVerdict::Same => ("same", None),
+            DomainVerdict::Wider(condition) => ("wider", Some(condition.clone())),
+            DomainVerdict::Open(condition) => ("open", Some(condition.clone())),
+        };
         let failure = verdict.failure.as_ref();
         let change = |index: usize| {
             let changes = verdict.errors.as_ref()?;
@@ -112,13 +125,16 @@ impl CheckReport {
             points: verdict.points,
             seed: verdict.seed,
             result,
+            domain,
+            condition,
+            decided: verdict.fewest.as_ref().map(|(_, decided)| *decided),
             failure: failure.map(ToString::to_string),
             output: failure.map(|failure| failure.name.clone()),
             kind: failure.map(|failure| match failure.kind {
                 FailureKind::Signature { .. } => "signature",
                 FailureKind::Field { .. } => "field",
                 FailureKind::Numbers(_) => "numbers",
-                FailureKind::Pole(_) => "pole",
+                FailureKind::Pole(_) | FailureKind::Hole(_) => "pole",
                 FailureKind::Derivative(_) => "derivative",
                 FailureKind::Promise(_) => "promise",
                 FailureKind::Bits { .. } => "bits",

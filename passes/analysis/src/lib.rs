@@ -8,6 +8,8 @@ pub mod condition;
 pub mod critical_path;
 pub mod error_bound;
 pub mod interval;
+pub mod processor;
+pub mod range;
 pub mod reference;
 pub mod rounding;
 pub mod slice;

@@ -96,6 +96,22 @@ pub struct Rule {
 }
 
 impl Rule {
+    /// A rule of class real without a name, conditions or places.
+    pub fn new(variables: Vec<String>, left: Pattern, right: Pattern) -> Rule {
+        Rule {
+            name: String::new(),
+            group: String::new(),
+            variables,
+            left,
+            right,
+            both_ways: false,
+            conditions: Vec::new(),
+            class: NumericClass::Real,
+            reason: String::new(),
+            places: RulePlaces::default(),
+        }
+    }
+
     /// The rule and, when it goes both ways, its reverse as a rule of its
     /// own, named with `.back`. None of them goes both ways.
     pub fn directed(&self) -> Vec<Rule> {

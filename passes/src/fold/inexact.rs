@@ -8,14 +8,23 @@
 
 use crate::specialise::constants::{Known, KnownNumbers};
 use crate::specialise::slice::SliceSignature;
-use crate::specialise::write::{known, write};
+use crate::specialise::write::{NOT_ROUNDED, is_kept, known, write};
 use crate::sums::fused::apart;
 use robovec_framework::pass::Context;
 use robovec_ir::{Assignment, Function, Node, Operand, OperandKind, Operation, View};
 
-/// The function with all constants computed, its witness, and the number of
+/// The function with constants computed, its witness, and the number of
 /// operations that went; `None` when there are none.
-pub(super) fn fold(old: &Function, context: &Context<'_>) -> Option<(Function, Function, u64)> {
+pub(super) fn fold(old: &Function, context: &mut Context<'_>) -> Option<(Function, Function, u64)> {
+    let (written, folded) = folded(old, context);
+    if is_kept(&written, context.tables, context.scene) {
+        return (folded > 0).then_some((written.0, written.1, folded));
+    }
+    context.remarks.push(NOT_ROUNDED.to_owned());
+    None
+}
+
+fn folded(old: &Function, context: &Context<'_>) -> ((Function, Function), u64) {
     let mut folder = ConstantFolder {
         old,
         new: old.skeleton(old.level),
@@ -55,8 +64,7 @@ pub(super) fn fold(old: &Function, context: &Context<'_>) -> Option<(Function, F
         function: &folder.new,
     };
     let signature = SliceSignature::whole(old);
-    let (result, witness) = write(view, &signature, &folder.constants);
-    (folded > 0).then_some((result, witness, folded))
+    (write(view, &signature, &folder.constants), folded)
 }
 
 /// What is left of an operation.

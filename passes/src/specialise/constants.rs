@@ -8,7 +8,9 @@
 //! in both fields and within their bounds: `0.1*0.3` is the same however it was
 //! put together, and `0.5 - 0.5` is a zero that multiplies terms away. What is
 //! left of a cancellation is a constant only while its bound leaves it all
-//! digits of a binary64 number.
+//! digits of a binary64 number. Where rounding them would move results by more
+//! than rounding does (a large number in an angle, a sum that cancels), only
+//! those are computed that binary64 holds ([`KnownNumbers::exact`]).
 
 use hashbrown::HashMap;
 use robovec_ir::Operation;
@@ -56,6 +58,8 @@ pub(crate) struct KnownNumbers {
     of_elements: HashMap<[u64; 2], SmallVec<[Known; 1]>, FxBuildHasher>,
     /// The fields numbers are told apart in. The semantic check draws others.
     fields: [PrimeField; 2],
+    /// True where only numbers are made that binary64 holds.
+    exact: bool,
 }
 
 /// The bound of a constant's error, as a part of it: rounding in double-double
@@ -69,12 +73,21 @@ impl KnownNumbers {
             entries: Vec::new(),
             of_elements: HashMap::default(),
             fields: PrimeField::pair(0x5bec_1a11, false),
+            exact: false,
         };
         for (place, number) in (0..).zip([0.0, 1.0, -1.0]) {
             let known = constants.literal(number);
             assert_eq!(known, Known(place), "0, 1 and -1 come first");
         }
         constants
+    }
+
+    /// Numbers of which only those are made that binary64 holds.
+    pub(crate) fn exact() -> KnownNumbers {
+        KnownNumbers {
+            exact: true,
+            ..KnownNumbers::new()
+        }
     }
 
     /// A number as it is written. What is not finite is no element of the
@@ -96,8 +109,15 @@ impl KnownNumbers {
 
     /// The result of an operation; `None` where it has none (a division by
     /// zero, an overflow) or where its digits are lost (a product below the
-    /// range, what is left of a cancellation).
+    /// range, what is left of a cancellation, one that binary64 does not hold).
     pub(crate) fn apply(&mut self, operation: Operation, operands: [Known; 2]) -> Option<Known> {
+        let known = self.computed(operation, operands)?;
+        let is_held = self.entries[known.index()].value.value.low[0] == 0.0;
+        (!self.exact || is_held).then_some(known)
+    }
+
+    /// As [`KnownNumbers::apply`], whether or not binary64 holds it.
+    fn computed(&mut self, operation: Operation, operands: [Known; 2]) -> Option<Known> {
         let values = operands.map(|known| self.entries[known.index()].value);
         let mut elements = [0; 2];
         for (place, (element, field)) in elements.iter_mut().zip(&self.fields).enumerate() {
@@ -137,7 +157,7 @@ impl KnownNumbers {
         match self.entries[known.index()].expression {
             NumberExpression::Literal(number) => self.literal(-number),
             NumberExpression::Apply(..) => self
-                .apply(Operation::Mul, [Known::MINUS_ONE, known])
+                .computed(Operation::Mul, [Known::MINUS_ONE, known])
                 .expect("what was made of numbers is finite"),
         }
     }

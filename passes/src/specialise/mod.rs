@@ -21,7 +21,7 @@ pub(crate) mod slice;
 pub(crate) mod write;
 
 use constants::KnownNumbers;
-use evaluate::PartialEvaluator;
+use evaluate::{OperationTally, PartialEvaluator};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::{lay_out, remove_dead};
@@ -67,25 +67,17 @@ impl Pass for Specialise {
             function: &sliced,
         };
         let bound = scene.bound.of(view);
-        let mut constants = KnownNumbers::new();
-        let evaluator = PartialEvaluator::new(
-            &sliced,
-            context.tables,
-            context.rewrites,
-            &mut constants,
-            &bound,
-        );
-        let (mut numbered, tally) = evaluator.run();
-        numbered = remove_dead(&numbered).map_or(numbered, |(live, _)| live);
-        if numbered.level == Level::Equations {
-            numbered = lay_out(&numbered);
-        }
-        let view = View {
-            tables: context.tables,
-            function: &numbered,
+        let made = specialised(&sliced, context, &bound, KnownNumbers::new());
+        let SpecialisedFunction {
+            numbered,
+            tally,
+            written: (result, witness),
+        } = if write::is_kept(&made.written, context.tables, context.scene) {
+            made
+        } else {
+            context.remarks.push(write::NOT_ROUNDED.to_owned());
+            specialised(&sliced, context, &bound, KnownNumbers::exact())
         };
-        let signature = SliceSignature::of(view);
-        let (result, witness) = write::write(view, &signature, &constants);
         let inputs = function.inputs().len() - result.inputs().len();
         context.statistics.extend([
             ("outputs not needed", outputs),
@@ -100,6 +92,45 @@ impl Pass for Specialise {
         *context.witness = Some(witness);
         *function = result;
         Ok(())
+    }
+}
+
+/// A function made for a scene.
+struct SpecialisedFunction {
+    /// The constants in it are indices of known numbers.
+    numbered: Function,
+    tally: OperationTally,
+    /// With constants, and the witness of them.
+    written: (Function, Function),
+}
+
+fn specialised(
+    sliced: &Function,
+    context: &mut Context<'_>,
+    bound: &[Option<f64>],
+    mut constants: KnownNumbers,
+) -> SpecialisedFunction {
+    let evaluator = PartialEvaluator::new(
+        sliced,
+        context.tables,
+        context.rewrites,
+        &mut constants,
+        bound,
+    );
+    let (mut numbered, tally) = evaluator.run();
+    numbered = remove_dead(&numbered).map_or(numbered, |(live, _)| live);
+    if numbered.level == Level::Equations {
+        numbered = lay_out(&numbered);
+    }
+    let view = View {
+        tables: context.tables,
+        function: &numbered,
+    };
+    let signature = SliceSignature::of(view);
+    SpecialisedFunction {
+        written: write::write(view, &signature, &constants),
+        numbered,
+        tally,
     }
 }
 

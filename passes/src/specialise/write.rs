@@ -9,8 +9,12 @@
 
 use super::constants::{Known, KnownNumbers, NumberExpression};
 use super::slice::SliceSignature;
+use robovec_framework::check::{LARGEST_MOVE, moved};
+use robovec_framework::scene::Scene;
+use robovec_ir::states::States;
 use robovec_ir::{
-    Assignment, Function, Name, Node, Operand, OperandKind, Operation, SourceSet, Value, View,
+    Assignment, Function, Name, Node, Operand, OperandKind, Operation, SourceSet, Tables, Value,
+    View,
 };
 
 /// The result and its witness.
@@ -35,6 +39,28 @@ pub(crate) fn write(
         places[known.index()]
     });
     (result, witness)
+}
+
+/// States at which a pass looks how far rounding constants moves outputs.
+const STATES: u32 = 4;
+/// Their seed; the semantic check draws others.
+const SEED: u64 = 0x9a7e;
+
+/// The remark where that is not so.
+pub(crate) const NOT_ROUNDED: &str = "rounding constants would move results by more than rounding \
+                                      does: only constants that binary64 holds are computed";
+
+/// True when rounding the constants of a witness moves outputs far less than
+/// the semantic check allows.
+pub(crate) fn is_kept(
+    (result, witness): &(Function, Function),
+    tables: &Tables,
+    scene: Option<&Scene>,
+) -> bool {
+    let states = scene.map_or_else(|| States::new(SEED), |scene| scene.states(SEED));
+    let view = |function| View { tables, function };
+    let inputs = (0..STATES).map(|state| states.draw(view(result), state));
+    moved(view(witness), view(result), &inputs.collect::<Vec<_>>()).0 <= LARGEST_MOVE / 16.0
 }
 
 /// A function without a body.

@@ -1,6 +1,7 @@
 //! A function whose constants were rounded, beside the one that computes them.
 
-use robovec_ir::{Function, Operand, OperandKind, Operation, View};
+use robovec_analysis::reference::{ReferenceEffort, ReferenceEvaluator};
+use robovec_ir::{Function, Operand, OperandKind, Operation, Output, View};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::ball::{Ball, Balls};
 
@@ -48,6 +49,53 @@ pub(super) fn compare(witness: &Function, after: View<'_>) -> Result<(), String>
         return Err("an output is not that of its witness".to_owned());
     }
     Ok(())
+}
+
+/// The largest part of an array's largest element by which rounding constants
+/// may move its elements: far above what rounding does to a sum or product of
+/// them, far below what it does to the sine of a large one.
+pub const LARGEST_MOVE: f64 = 1.0 / (1u64 << 30) as f64;
+
+/// Operations up to which exact values are certified.
+const LARGEST_CERTIFIED: usize = 20_000;
+
+/// The distance by which rounding the constants of a witness moves outputs, as
+/// a part of the largest element of their array over all states, and the output
+/// that is moved farthest. Exact values are certified up to 20,000 operations.
+pub fn moved(witness: View<'_>, after: View<'_>, states: &[Vec<f64>]) -> (f64, Option<Output>) {
+    let effort = if after.function.nodes().len() > LARGEST_CERTIFIED {
+        ReferenceEffort::DoubleDouble
+    } else {
+        ReferenceEffort::Certified
+    };
+    let [exact, rounded] = [witness, after]
+        .map(|view| ReferenceEvaluator::new(view.function, effort).evaluate(states));
+    let arrays = after.function.outputs();
+    let mut sizes = vec![(0.0f64, 0.0f64, None); arrays.len()];
+    for (exact, rounded) in exact.into_iter().zip(rounded) {
+        let outputs = exact
+            .into_iter()
+            .zip(rounded)
+            .zip(&after.function.assignments);
+        for ((exact, rounded), assignment) in outputs {
+            let output = assignment.output;
+            let array = arrays.partition_point(|array| array.offset <= output.0) - 1;
+            let (exact, rounded) = (exact.value, rounded.value);
+            let distance = (rounded - exact).high.abs();
+            let (largest, farthest, worst) = &mut sizes[array];
+            if distance.is_finite() {
+                *largest = largest.max(exact.high.abs());
+            }
+            if distance.is_finite() && distance > *farthest {
+                (*farthest, *worst) = (distance, Some(output));
+            }
+        }
+    }
+    let moved = sizes.into_iter().filter(|(_, farthest, _)| *farthest > 0.0);
+    let moved = moved.map(|(largest, farthest, worst)| (farthest / largest, worst));
+    moved
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .unwrap_or((0.0, None))
 }
 
 fn is_rounded(number: f64, value: Ball<1>) -> bool {

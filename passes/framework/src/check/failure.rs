@@ -58,6 +58,8 @@ pub enum FailureKind {
     Derivative(Values),
     /// One divides by what becomes zero where the other is defined.
     Pole(Values),
+    /// It has no value, or another one, where it had one.
+    Hole(Values),
     /// A constant is not the number it was computed from.
     Constants {
         /// Which, as a sentence part.
@@ -135,11 +137,14 @@ pub(super) fn explain<F: Field>(
     let inputs = match &kind {
         FailureKind::Numbers(values)
         | FailureKind::Pole(values)
+        | FailureKind::Hole(values)
         | FailureKind::Promise(values)
         | FailureKind::Bits { values, .. } => {
-            let [state, _] = pairs.numbers(source, values.state);
-            let state = given.unwrap_or(&state);
-            inputs(pairs.before, pair.before, &slice_before, state)
+            let state = match given {
+                Some(given) => given,
+                None => &pairs.numbers(source, values.state)[0],
+            };
+            inputs(pairs, index, [&slice_before, &slice_after], state)
         }
         _ => Vec::new(),
     };
@@ -154,23 +159,47 @@ pub(super) fn explain<F: Field>(
     }
 }
 
-/// So many inputs are named.
+/// Maximum number of inputs named in a failure.
 const MAX_INPUTS: usize = 8;
 
-/// The inputs that an assignment depends on, with their numbers.
-fn inputs(view: View<'_>, assignment: usize, slice: &[Value], state: &[f64]) -> Vec<(String, f64)> {
-    let function = view.function;
-    let read = slice
-        .iter()
-        .flat_map(|&value| function.node(value).operands());
-    let operands = read.chain([&function.assignments[assignment].operand]);
-    let mut inputs: Vec<Input> = operands.filter_map(|operand| operand.input()).collect();
-    inputs.sort_unstable();
-    inputs.dedup();
+/// The inputs that the output of a pair depends on, with their numbers: first
+/// those of the version before, then those that only the version after reads.
+fn inputs(
+    pairs: &Pairs<'_>,
+    pair: usize,
+    slices: [&[Value]; 2],
+    state: &[f64],
+) -> Vec<(String, f64)> {
+    let read = |view: View<'_>, slice: &[Value], assignment: usize| {
+        let function = view.function;
+        let nodes = slice.iter().map(|&value| function.node(value));
+        let operands = nodes.flat_map(|node| node.operands());
+        let operands = operands.chain([&function.assignments[assignment].operand]);
+        let mut inputs: Vec<Input> = operands.filter_map(|operand| operand.input()).collect();
+        inputs.sort_unstable();
+        inputs.dedup();
+        inputs
+    };
+    let places = &pairs.list[pair];
+    let mut inputs = read(pairs.before, slices[0], places.before);
+    if pairs.have_same_inputs() {
+        let after = read(pairs.after, slices[1], places.after);
+        inputs.extend(
+            after
+                .into_iter()
+                .filter(|input| !inputs.contains(input))
+                .collect::<Vec<_>>(),
+        );
+    }
     inputs
         .into_iter()
         .take(MAX_INPUTS)
-        .map(|input| (print_operand(view, input.into()), state[input.index()]))
+        .map(|input| {
+            (
+                print_operand(pairs.before, input.into()),
+                state[input.index()],
+            )
+        })
         .collect()
 }
 
@@ -229,7 +258,7 @@ impl fmt::Display for Failure {
                 ResidueText(*before),
                 ResidueText(*after)
             )?,
-            FailureKind::Numbers(values) => {
+            FailureKind::Numbers(values) if !values.after.is_nan() => {
                 write!(formatter, "{} is another function: {values}", self.name)?;
             }
             FailureKind::Derivative(values) => write!(
@@ -240,6 +269,11 @@ impl fmt::Display for Failure {
             FailureKind::Pole(values) => write!(
                 formatter,
                 "{} divides by a number that becomes zero where it did not: {values}",
+                self.name
+            )?,
+            FailureKind::Numbers(values) | FailureKind::Hole(values) => write!(
+                formatter,
+                "{} is not defined everywhere it was: {values}",
                 self.name
             )?,
             FailureKind::Promise(values) => write!(

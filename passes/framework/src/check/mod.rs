@@ -16,7 +16,10 @@
 //!     what a field cannot: signs of roots, poles, constants that vanish
 //!     modulo a prime.
 //!
-//!   A difference in any image is a difference. An output that divides by
+//!   A difference in any image is a difference. Beside equality the domain is
+//!   compared: that the version after is defined wherever the version before
+//!   is, is refuted, proved, or left open with the condition in question
+//!   ([`DomainVerdict`]). An output that divides by
 //!   zero at every point has no value in a field, nor a bound; as IEEE
 //!   arithmetic may still end in a number (`1/(1/0)`), it is compared in
 //!   double-double with a tolerance;
@@ -42,6 +45,7 @@
 
 mod constants;
 mod derivative;
+mod domain;
 mod failure;
 mod field;
 mod numbers;
@@ -49,11 +53,14 @@ mod numeric;
 mod pairing;
 mod poles;
 mod promise;
+mod small;
 mod states;
 
 use crate::differentiation::Differentiation;
 use crate::instances::Instances;
 use crate::scene::Scene;
+pub use constants::{LARGEST_MOVE, moved};
+use domain::Requirement;
 use failure::{Failed, explain};
 pub use failure::{Failure, FailureKind, Values};
 use field::FieldComparison;
@@ -62,11 +69,13 @@ use pairing::Pairs;
 pub use promise::Promise;
 use robovec_analysis::accuracy::{ErrorSummary, Measurement, measure};
 use robovec_analysis::class::NumericClass;
+use robovec_ir::print::print_output;
 use robovec_ir::states::States;
 use robovec_ir::{Output, View};
 use robovec_num::ball::Balls;
 use robovec_num::field::{CircleField, Field, FieldPoint, PrimeField, RootField};
 use robovec_num::format::Format;
+use small::SmallVerdict;
 pub use states::{StatePlace, StateScale};
 use std::array;
 use std::fmt;
@@ -90,13 +99,36 @@ pub struct CheckVerdict {
     pub errors: Option<[ErrorChange; 2]>,
     /// The distance by which an *approximating* pass moved the outputs.
     pub deviation: Option<Deviation>,
-    /// At how many states numbers were compared.
+    /// The number of states at which numbers were compared.
     pub states: u32,
+    /// The output that the fewest states decided, and their number: at others
+    /// its value was not known well enough to show a difference.
+    pub fewest: Option<(String, u32)>,
+    /// The places where the versions are defined.
+    pub domain: DomainVerdict,
     /// The largest distance there of outputs that must be equal, relative to
     /// the largest element of their array.
     pub distance: f64,
+    /// The distance by which rounding constants moved outputs, as a part of
+    /// the largest element of their array; `None` where none were rounded.
+    pub moved: Option<f64>,
     /// True when an *approximating* pass promised a bound, and it holds.
     pub promised: bool,
+}
+
+/// The domain of the version after beside that of the version before, as far
+/// as it was found out.
+#[derive(Clone, PartialEq, Default, Debug)]
+pub enum DomainVerdict {
+    /// They are the same.
+    #[default]
+    Same,
+    /// The version after is defined wherever the version before is, and does
+    /// not have this condition of the version before.
+    Wider(String),
+    /// This condition of the version after was neither proved to follow from
+    /// those of the version before nor refuted.
+    Open(String),
 }
 
 /// The rounding errors of a function before and after a pass.
@@ -228,18 +260,46 @@ pub fn check_specialised(
     let mut verdict = CheckVerdict::new(class, states, points);
     let empty = Scene::default();
     match Pairs::within(before, witness, scene.unwrap_or(&empty)) {
-        Ok(pairs) => judge(&pairs, states, None, &mut verdict),
+        Ok(pairs) => {
+            judge(&pairs, states, None, &mut verdict);
+            if verdict.failure.is_none() {
+                let rounded = judge_rounding(&pairs, after, states, &mut verdict);
+                verdict.failure = rounded
+                    .err()
+                    .map(|reason| Failure::about(FailureKind::Constants { reason }, after));
+            }
+        }
         Err(unpaired) => verdict.failure = Some(unpaired.failure(before, witness)),
-    }
-    if verdict.failure.is_none()
-        && let Err(reason) = constants::compare(witness.function, after)
-    {
-        verdict.failure = Some(Failure::about(FailureKind::Constants { reason }, after));
     }
     if verdict.failure.is_none() {
         verdict.errors = Some(error_changes([before, after], states, verdict.points));
     }
     verdict
+}
+
+/// Whether a function is its witness with rounded constants, and these move no
+/// output too far.
+fn judge_rounding(
+    pairs: &Pairs<'_>,
+    after: View<'_>,
+    states: &States,
+    verdict: &mut CheckVerdict,
+) -> Result<(), String> {
+    constants::compare(pairs.after.function, after)?;
+    let inputs = (0..verdict.points).map(|state| {
+        let [_, inputs] = pairs.state(states, state);
+        inputs
+    });
+    let (part, output) = moved(pairs.after, after, &inputs.collect::<Vec<_>>());
+    verdict.moved = Some(part);
+    match output {
+        Some(output) if part > LARGEST_MOVE => Err(format!(
+            "rounding constants to binary64 moves {} by {part:.1e} of the largest element of its \
+             array, where {LARGEST_MOVE:.1e} is allowed",
+            print_output(after, output)
+        )),
+        _ => Ok(()),
+    }
 }
 
 fn judge(
@@ -257,18 +317,18 @@ fn judge(
         }
         NumericClass::RealTrig => judge_equality::<CircleField>(pairs, states, verdict),
         // The laws of roots cost twice the time.
-        NumericClass::Real if pairs.both_take_roots() => {
+        NumericClass::Real if pairs.take_roots() => {
             judge_equality::<RootField>(pairs, states, verdict);
         }
         NumericClass::Real | NumericClass::Exact => {
             judge_equality::<PrimeField>(pairs, states, verdict);
         }
     }
-    if verdict.class != NumericClass::Approximating
-        && verdict.failure.is_none()
-        && let Some(failed) = poles::first(pairs, states, verdict.seed)
-    {
-        verdict.failure = Some(failed.explain(pairs, states, FailureKind::Pole, verdict));
+    if verdict.class != NumericClass::Approximating && verdict.failure.is_none() {
+        match verdict.class {
+            NumericClass::RealTrig => judge_domain::<CircleField>(pairs, states, verdict),
+            _ => judge_domain::<PrimeField>(pairs, states, verdict),
+        }
     }
     // Formats of single values are part of a function, whatever is claimed of
     // it as one of real numbers.
@@ -308,13 +368,52 @@ impl Failed {
     }
 }
 
+/// Outputs given to the prover of rules.
+const MAX_SMALL: usize = 16;
+
+/// The domain: conditions that do not follow from those before are proved or
+/// refuted output by output where these are small, else searched for places
+/// where they do not hold.
+fn judge_domain<F: Field>(pairs: &Pairs<'_>, states: &States, verdict: &mut CheckVerdict) {
+    let open = domain::open::<F>(pairs, 1, states, verdict.seed);
+    let mut left = Vec::new();
+    for (number, &condition) in open.iter().enumerate() {
+        let small = if number < MAX_SMALL {
+            small::decided(pairs, condition.pair, states)
+        } else {
+            SmallVerdict::Open
+        };
+        match small {
+            SmallVerdict::Proved => {}
+            SmallVerdict::Refuted(failed) => {
+                let kind = FailureKind::Hole;
+                verdict.failure = Some(failed.explain(pairs, states, kind, verdict));
+                return;
+            }
+            SmallVerdict::Open => left.push(condition),
+        }
+    }
+    if let Some(first) = left.first() {
+        if let Some((failed, requirement)) = poles::first(pairs, states, &left) {
+            let kind = match requirement {
+                Requirement::Nonzero => FailureKind::Pole,
+                Requirement::NotNegative => FailureKind::Hole,
+            };
+            verdict.failure = Some(failed.explain(pairs, states, kind, verdict));
+            return;
+        }
+        verdict.domain = DomainVerdict::Open(first.text(pairs.after));
+    } else if let Some(first) = domain::open::<F>(pairs, 0, states, verdict.seed).first() {
+        verdict.domain = DomainVerdict::Wider(first.text(pairs.before));
+    }
+}
+
 /// Equality as functions: in the fields and in numbers.
 fn judge_equality<F: Field>(pairs: &Pairs<'_>, states: &States, verdict: &mut CheckVerdict) {
     let rounds = verdict.points;
     let numbers = |only: Option<usize>| {
         let survey = Survey {
-            states: numbers::every_scale,
-            rounds,
+            rounds: numbers::everywhere(pairs, rounds),
             only,
         };
         numbers::compare(pairs, &Balls, states, survey)
@@ -341,6 +440,13 @@ fn judge_equality<F: Field>(pairs: &Pairs<'_>, states: &States, verdict: &mut Ch
                 Err(failed) => Some(failed),
                 Ok(agreement) => {
                     (verdict.states, verdict.distance) = (agreement.states, agreement.distance);
+                    let decided = agreement.decided.iter().enumerate();
+                    verdict.fewest = decided
+                        .filter(|(pair, _)| !undefined.contains(pair))
+                        .min_by_key(|(_, decided)| **decided)
+                        .map(|(pair, &decided)| {
+                            (print_output(pairs.before, pairs.list[pair].output), decided)
+                        });
                     numeric::first_distance(pairs, &undefined, states, rounds)
                 }
             };
@@ -394,6 +500,9 @@ impl CheckVerdict {
             errors: None,
             deviation: None,
             states: 0,
+            fewest: None,
+            moved: None,
+            domain: DomainVerdict::Same,
             distance: 0.0,
             promised: false,
         }
@@ -402,6 +511,17 @@ impl CheckVerdict {
     /// True when the claim holds.
     pub fn holds(&self) -> bool {
         self.failure.is_none()
+    }
+
+    /// True when numbers decided about every output.
+    pub fn is_decided(&self) -> bool {
+        self.fewest.as_ref().is_none_or(|(_, decided)| *decided > 0)
+    }
+
+    /// True when nothing is left open that the claim needs: every output was
+    /// decided, and is defined wherever it was.
+    pub fn is_complete(&self) -> bool {
+        self.is_decided() && !matches!(self.domain, DomainVerdict::Open(_))
     }
 
     /// The failure that broke the claim, for people.
@@ -428,11 +548,43 @@ impl fmt::Display for CheckVerdict {
             }
             return Ok(());
         }
+        let points = self.points;
+        let decided = self.fewest.as_ref().filter(|(_, decided)| decided < states);
+        if let Some((output, 0)) = decided {
+            return write!(
+                formatter,
+                "no verdict: numbers decide {output} at none of {states} states, though it is \
+                 {class}, equal at {points} points of two prime fields"
+            );
+        }
+        let domain = match self.domain {
+            DomainVerdict::Same => "",
+            DomainVerdict::Wider(_) => " wherever the first is defined,",
+            DomainVerdict::Open(_) => " where both are defined,",
+        };
         write!(
             formatter,
-            "{class}, equal at {} points of two prime fields and at {states} states within {:.1e}",
-            self.points, self.distance
-        )
+            "{class}, equal{domain} at {points} points of two prime fields and at {states} states"
+        )?;
+        if let Some((output, decided)) = decided {
+            write!(formatter, " ({output} at {decided} of them)")?;
+        }
+        write!(formatter, " within {:.1e}", self.distance)?;
+        if let Some(moved) = self.moved {
+            write!(formatter, ", constants rounded within {moved:.1e}")?;
+        }
+        match &self.domain {
+            DomainVerdict::Same => Ok(()),
+            DomainVerdict::Wider(condition) => {
+                write!(formatter, "; the first also needs that {condition}")
+            }
+            DomainVerdict::Open(condition) => {
+                write!(
+                    formatter,
+                    "; nothing shows that {condition} wherever the first is defined"
+                )
+            }
+        }
     }
 }
 

@@ -9,7 +9,7 @@
 
 use super::failure::{Failed, Values};
 use super::pairing::Pairs;
-use super::states::{SCALES, StatePlace};
+use super::states::{SCALES, StatePlace, StateScale};
 use robovec_analysis::reference::{ReferenceEffort, ReferenceEvaluator};
 use robovec_ir::Function;
 use robovec_ir::plan::EvaluationPlan;
@@ -22,21 +22,22 @@ use std::array;
 pub(super) const LANES: usize = SCALES.len();
 
 /// The observations when all outputs agreed.
-#[derive(Clone, Copy, Default, Debug)]
+#[derive(Clone, Default, Debug)]
 pub(super) struct NumbersAgree {
-    /// At how many states outputs were compared.
+    /// The number of states at which outputs were compared.
     pub(super) states: u32,
+    /// For every output the number of states that decided: its values are
+    /// known there well enough to show a wrong term.
+    pub(super) decided: Vec<u32>,
     /// The largest distance of an output from what it was, relative to the
     /// largest element of its array.
     pub(super) distance: f64,
 }
 
-/// The states and outputs that are looked at.
-#[derive(Clone, Copy)]
+/// The states and outputs to compare.
 pub(super) struct Survey {
-    /// The states of a round, counted from 0.
-    pub(super) states: fn(u32) -> [StatePlace; LANES],
-    pub(super) rounds: u32,
+    /// The states of every round.
+    pub(super) rounds: Vec<[StatePlace; LANES]>,
     /// One of [`Pairs::list`], or all.
     pub(super) only: Option<usize>,
 }
@@ -49,10 +50,28 @@ pub(super) fn every_scale(round: u32) -> [StatePlace; LANES] {
     })
 }
 
-/// Usual states alone.
-pub(super) fn usual(round: u32) -> [StatePlace; LANES] {
-    array::from_fn(|lane| StatePlace::usual(round * LANES as u32 + lane as u32))
+/// All states with zeros, then rounds of every scale.
+pub(super) fn everywhere(pairs: &Pairs<'_>, rounds: u32) -> Vec<[StatePlace; LANES]> {
+    let zeros = (0..pairs.zero_states().div_ceil(LANES as u32)).map(|round| {
+        array::from_fn(|lane| StatePlace {
+            scale: StateScale::Zero,
+            number: round * LANES as u32 + lane as u32,
+        })
+    });
+    zeros.chain((0..rounds).map(every_scale)).collect()
 }
+
+/// Rounds of usual states alone.
+pub(super) fn usual(rounds: u32) -> Vec<[StatePlace; LANES]> {
+    let round =
+        |round| array::from_fn(|lane| StatePlace::usual(round * LANES as u32 + lane as u32));
+    (0..rounds).map(round).collect()
+}
+
+/// The part of an output within which it must be known to decide anything.
+const DECIDES: f64 = 1e-6;
+/// The bound within which an output that may be zero must be known.
+const DECIDES_ZERO: f64 = 1e-12;
 
 /// Compares the outputs, those before being computed with an arithmetic of
 /// the caller's.
@@ -72,8 +91,7 @@ where
     let before = plan(pairs.before.function, &comparison.places[0]);
     let after = plan(pairs.after.function, &comparison.places[1]);
     let mut memory = Vec::new();
-    for round in 0..survey.rounds {
-        let states = (survey.states)(round);
+    for states in survey.rounds {
         let inputs = states.map(|state| pairs.numbers(source, state));
         let lanes = |version: usize| -> Vec<Ball<LANES>> {
             let count = inputs[0][version].len();
@@ -117,7 +135,10 @@ impl<'a> OutputComparison<'a> {
             places: [sorted(before), sorted(after)],
             wanted,
             precise: MAX_PRECISE,
-            agreement: NumbersAgree::default(),
+            agreement: NumbersAgree {
+                decided: vec![0; pairs.list.len()],
+                ..NumbersAgree::default()
+            },
         }
     }
 
@@ -130,6 +151,10 @@ impl<'a> OutputComparison<'a> {
     ) -> Result<(), Failed> {
         let pairs = self.pairs;
         let arrays = pairs.before.function.outputs();
+        if states[0].scale == StateScale::Zero {
+            // Where numbers are lost at zeros, none overflow.
+            self.precise = MAX_PRECISE;
+        }
         let mut norms = vec![[(0.0f64, 0.0f64); LANES]; arrays.len()];
         for at in 0..self.wanted.len() {
             let index = self.wanted[at];
@@ -167,8 +192,18 @@ impl<'a> OutputComparison<'a> {
     ) -> Result<(), Failed> {
         let differs = match (old.is_known(lane), new.is_known(lane)) {
             (true, true) if old.touches(new, lane) => {
-                *apart = apart.max(old.distance(new, lane));
-                *size = size.max(old.value.high[lane].abs());
+                let largest = old.value.high[lane].abs().max(new.value.high[lane].abs());
+                let allowed = old.radius[lane] + new.radius[lane];
+                let needed = if largest <= allowed {
+                    DECIDES_ZERO
+                } else {
+                    DECIDES * largest
+                };
+                if allowed <= needed {
+                    self.agreement.decided[pair] += 1;
+                    *apart = apart.max(old.distance(new, lane));
+                    *size = size.max(old.value.high[lane].abs());
+                }
                 false
             }
             (true, true) => true,

@@ -226,13 +226,18 @@ impl<'a> Pairs<'a> {
         &self.sizes
     }
 
-    /// True when both versions take roots.
-    pub(super) fn both_take_roots(&self) -> bool {
+    /// True when a version takes roots.
+    pub(super) fn take_roots(&self) -> bool {
         let roots = |view: View<'_>| {
             let mut nodes = view.function.nodes().iter();
             nodes.any(|node| node.operation == Operation::Sqrt)
         };
-        roots(self.before) && roots(self.after)
+        roots(self.before) || roots(self.after)
+    }
+
+    /// True when the inputs of the versions are the same.
+    pub(super) fn have_same_inputs(&self) -> bool {
+        matches!(self.inputs, Inputs::Same)
     }
 
     /// Two primes for both versions ([`primes`]).
@@ -243,13 +248,18 @@ impl<'a> Pairs<'a> {
 
     /// The inputs of both versions in a random state.
     pub(super) fn state(&self, source: &States, state: u32) -> [Vec<f64>; 2] {
+        self.beside(source.draw(self.before, state), source, state)
+    }
+
+    /// The inputs of both versions, those of other instances in random states.
+    pub(super) fn beside(&self, own: Vec<f64>, source: &States, state: u32) -> [Vec<f64>; 2] {
         let other = |instance: u32| {
             source.draw(
                 self.before,
                 state.wrapping_add(instance.wrapping_mul(0x9e37_79b9)),
             )
         };
-        self.both(source.draw(self.before, state), |number| number, other)
+        self.both(own, |number| number, other)
     }
 
     pub(super) fn both<T: Copy>(

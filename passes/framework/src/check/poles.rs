@@ -1,12 +1,12 @@
-//! Divisors that were not there before: can they become zero where the version
-//! before is defined?
+//! Conditions that were not there before and are not proved: a search for
+//! places where they do not hold and the version before is defined.
 //!
-//! Random points never meet a pole. So the zeros of every new divisor are
-//! looked for on lines through random states; where one is found and no
-//! divisor of the version before vanishes with it, the versions differ. A
-//! divisor is new when its value at a random point of a prime field is that
-//! of no divisor before, up to the sign.
+//! Random points never meet a pole. So the zeros of every such divisor are
+//! searched on lines through random states; where one is found and no
+//! divisor of the version before vanishes with it, the versions differ. On the
+//! same lines numbers under roots are evaluated, which may be negative.
 
+use super::domain::{Condition, OpenCondition, Requirement};
 use super::failure::{Failed, Values};
 use super::pairing::Pairs;
 use super::states::{StatePlace, StateScale};
@@ -16,7 +16,6 @@ use robovec_ir::states::States;
 use robovec_ir::{Function, Operand, OperandKind, Operation};
 use robovec_num::arithmetic::{Arithmetic, Binary64};
 use robovec_num::double_double::{Double, DoubleDouble};
-use robovec_num::field::{Field, FieldPoint, PrimeField};
 
 /// Operations of all evaluations of a check together.
 const WORK: usize = 40_000_000;
@@ -24,6 +23,10 @@ const WORK: usize = 40_000_000;
 /// Lines at most, and places looked at on each before zeros are narrowed down.
 const MAX_LINES: u32 = 6;
 const STEPS: i32 = 32;
+
+/// The parts of a line, in units of [`DISTANCE`], on which numbers under roots
+/// are evaluated.
+const REACHES: [f64; 3] = [1.0, 30.0, 1000.0];
 
 /// The distance of places, in units of the distance of the two states.
 const DISTANCE: f64 = 0.13;
@@ -38,7 +41,7 @@ const MAX_ZEROS: usize = 3;
 /// zero.
 const HALVINGS: i32 = 12;
 
-/// So many new divisors are looked at.
+/// Maximum number of divisors, and of numbers under roots, that are searched.
 const MAX_DIVISORS: usize = 8;
 
 /// A divisor is zero where it is less than this part of its largest value.
@@ -47,34 +50,36 @@ const ZERO: f64 = 1e-9;
 /// part of its largest value: the new one may be its square or cube.
 const NEARLY: f64 = 1e-3;
 
-/// An output that loses its value at a pole that is new.
-pub(super) fn first(pairs: &Pairs<'_>, source: &States, seed: u64) -> Option<Failed> {
+/// An output that loses its value where a condition that is new does not hold,
+/// and what that requires.
+pub(super) fn first(
+    pairs: &Pairs<'_>,
+    source: &States,
+    open: &[OpenCondition],
+) -> Option<(Failed, Requirement)> {
+    let of = |requirement: Requirement| {
+        let conditions = open.iter().map(|open| open.condition);
+        let wanted = conditions.filter(|condition| condition.requirement == requirement);
+        let mut operands: Vec<Operand> = wanted.map(|condition| condition.operand).collect();
+        operands.sort_unstable();
+        operands.dedup();
+        operands.truncate(MAX_DIVISORS);
+        operands
+    };
+    let [divisors_after, radicands] = [Requirement::Nonzero, Requirement::NotNegative].map(of);
     let old = divisors(pairs.before.function);
-    let mut new = divisors(pairs.after.function);
-    if new.is_empty() {
-        return None;
-    }
-    let field = PrimeField::at(pairs.primes(seed)[0], FieldPoint { seed });
-    let points = pairs.point(&field);
-    let mut known = values(pairs.before.function, &field, &points[0], &old);
-    for value in &mut known {
-        *value = field.without_sign(*value).0;
-    }
-    known.sort_unstable();
-    let found = values(pairs.after.function, &field, &points[1], &new);
-    let mut fresh = found
-        .into_iter()
-        .map(|value| known.binary_search(&field.without_sign(value).0).is_err());
-    new.retain(|_| fresh.next().expect("every new divisor has a value"));
-    new.truncate(MAX_DIVISORS);
-    if new.is_empty() {
-        return None;
-    }
     let size = pairs.before.function.nodes().len() + pairs.after.function.nodes().len() + 1;
     let evaluations = 2 * STEPS as usize + MAX_ZEROS * 2 * (NARROWINGS + HALVINGS as usize);
     let lines = (WORK / size / evaluations).clamp(1, MAX_LINES as usize);
-    (0..lines as u32)
-        .find_map(|number| StateLine::new(pairs, source, number).search(pairs, &old, &new))
+    (0..lines as u32).find_map(|number| {
+        let line = StateLine::new(pairs, source, number);
+        let pole = line.search(pairs, &old, &divisors_after);
+        pole.map(|failed| (failed, Requirement::Nonzero))
+            .or_else(|| {
+                let hole = line.negative(pairs, &radicands)?;
+                Some((hole, Requirement::NotNegative))
+            })
+    })
 }
 
 /// The operands that something is divided by, literals aside.
@@ -188,7 +193,7 @@ impl StateLine {
                 here.any(|(value, usual)| value.is_nan() || value.abs() <= NEARLY * usual);
             if !vanishes
                 && self.is_confirmed(pairs, (old, &usual), (new[index], most), zero)
-                && let Some(failed) = self.failure(pairs, new[index], zero)
+                && let Some(failed) = self.failure(pairs, Requirement::Nonzero, new[index], zero)
             {
                 return Some(failed);
             }
@@ -216,8 +221,43 @@ impl StateLine {
         new.abs() <= ZERO * most && !old.into_iter().zip(usual).any(vanishes)
     }
 
-    /// The first output that depends on a divisor and has a value before.
-    fn failure(&self, pairs: &Pairs<'_>, divisor: Operand, zero: f64) -> Option<Failed> {
+    /// A place at which a number under a root is negative in double-double and
+    /// an output that depends on it has a value before.
+    fn negative(&self, pairs: &Pairs<'_>, radicands: &[Operand]) -> Option<Failed> {
+        if radicands.is_empty() {
+            return None;
+        }
+        let places = REACHES
+            .into_iter()
+            .flat_map(|reach| (-STEPS..=STEPS).map(move |step| f64::from(step) * DISTANCE * reach));
+        places.into_iter().find_map(|t| {
+            let inputs = self
+                .at(1, t)
+                .into_iter()
+                .map(Double::from)
+                .collect::<Vec<_>>();
+            let numbers = values(pairs.after.function, &DoubleDouble, &inputs, radicands);
+            let found = radicands.iter().zip(numbers);
+            found
+                .filter(|(_, number)| number.high < 0.0)
+                .find_map(|(&radicand, _)| {
+                    self.failure(pairs, Requirement::NotNegative, radicand, t)
+                })
+        })
+    }
+
+    /// The first output that a condition is set for and that has a value before.
+    fn failure(
+        &self,
+        pairs: &Pairs<'_>,
+        requirement: Requirement,
+        operand: Operand,
+        zero: f64,
+    ) -> Option<Failed> {
+        let condition = Condition {
+            requirement,
+            operand,
+        };
         let before = evaluate(pairs.before.function, &Binary64, &self.at(0, zero));
         let after = evaluate(pairs.after.function, &Binary64, &self.at(1, zero));
         pairs.list.iter().enumerate().find_map(|(index, pair)| {
@@ -225,7 +265,7 @@ impl StateLine {
             let root = function.assignments[pair.after].operand;
             let divides = slice(function, &[root]).into_iter().any(|value| {
                 let node = function.node(value);
-                node.operation == Operation::Div && node.operands[1] == divisor
+                Condition::of(node.operation, node.operands) == Some(condition)
             });
             (divides && before[pair.before].is_finite()).then(|| Failed {
                 pair: index,

@@ -64,8 +64,7 @@ impl Promise {
             Promise::Waves { errors, .. } => {
                 let waves = Waves { errors: *errors };
                 let survey = Survey {
-                    states: numbers::usual,
-                    rounds,
+                    rounds: numbers::usual(rounds),
                     only: None,
                 };
                 numbers::compare(pairs, &waves, states, survey).map(|found| found.states)

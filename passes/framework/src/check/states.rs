@@ -26,9 +26,14 @@ pub enum StateScale {
     Positive,
     /// Usual ones again: what programs are made for counts twice.
     UsualAgain,
+    /// Zero: all inputs, then each array in turn, the others as usual.
+    Zero,
+    /// Found by a search; number 1 is next to a place that no binary64 numbers
+    /// are.
+    Found,
 }
 
-/// All scales.
+/// The scales of a round.
 pub(super) const SCALES: [StateScale; 8] = [
     StateScale::Usual,
     StateScale::Near,
@@ -76,6 +81,11 @@ impl fmt::Display for StatePlace {
             StateScale::Constants => "state near constants",
             StateScale::Special => "state of constants",
             StateScale::Positive => "positive state",
+            StateScale::Zero => "state with zeros",
+            StateScale::Found if self.number == 1 => {
+                return formatter.write_str("a place next to a state found by a search");
+            }
+            StateScale::Found => return formatter.write_str("a state found by a search"),
         };
         write!(formatter, "{name} {}", self.number)
     }
@@ -123,7 +133,13 @@ pub(super) fn draw(sizes: &[f64], seed: u64, place: StatePlace, count: usize) ->
                 StateScale::Constants => sign * constant * 1.5 * unit,
                 StateScale::Special if bits >> 16 & 3 == 0 => sign * (whole % 4.0),
                 StateScale::Special => sign * constant,
-                StateScale::Positive | StateScale::Usual | StateScale::UsualAgain => 4.0 * unit,
+                StateScale::Positive => 4.0 * unit,
+                StateScale::Usual
+                | StateScale::UsualAgain
+                | StateScale::Zero
+                | StateScale::Found => {
+                    unreachable!("arrays have a say in these states")
+                }
             }
         })
         .collect()
@@ -135,6 +151,7 @@ impl Pairs<'_> {
         match place.scale {
             StateScale::Usual => self.state(source, 2 * place.number),
             StateScale::UsualAgain => self.state(source, 2 * place.number + 1),
+            StateScale::Zero => self.with_zeros(source, place.number),
             _ => {
                 let count = self.before.function.input_len();
                 let at = |seed: u64| draw(self.sizes(), seed, place, count);
@@ -142,5 +159,27 @@ impl Pairs<'_> {
                 self.both(at(source.seed()), |number| number, other)
             }
         }
+    }
+
+    /// The number of states with zeros that differ in what is zero.
+    pub(super) fn zero_states(&self) -> u32 {
+        1 + self.before.function.inputs().len() as u32
+    }
+
+    /// A state in which all inputs are zero or, beyond the first of
+    /// [`Pairs::zero_states`], one array.
+    fn with_zeros(&self, source: &States, number: u32) -> [Vec<f64>; 2] {
+        let arrays = self.before.function.inputs();
+        let place = (number % self.zero_states()) as usize;
+        let zeroed = match place.checked_sub(1) {
+            None => 0..self.before.function.input_len(),
+            Some(array) => {
+                let first = arrays[array].offset as usize;
+                first..first + arrays[array].shape.len()
+            }
+        };
+        let mut inputs = source.draw(self.before, number);
+        inputs[zeroed].fill(0.0);
+        self.beside(inputs, source, number)
     }
 }

@@ -376,7 +376,11 @@ fn holes_and_lost_values_are_differences() {
     });
     let found = verdict(&x(), &hole, NumericClass::Real);
     let failure = found.failure.expect("a hole is a difference");
-    assert!(matches!(failure.kind, FailureKind::Pole(_)), "{failure:?}");
+    let kind = &failure.kind;
+    assert!(
+        matches!(kind, FailureKind::Pole(_) | FailureKind::Hole(_)),
+        "{failure:?}"
+    );
     // x1*x2 + 0*sqrt(x3) is lost for negative x3.
     let lost = single(|b| {
         let zero = b.constant(0.0);
@@ -508,4 +512,41 @@ fn errors_are_reported_before_and_after() {
     let [narrow, wide] = verdict.errors.expect("the functions are equal");
     assert!(narrow.before.worst_normwise > 1e-3 && narrow.after.worst_normwise < 1e-7);
     assert!(wide.before.worst_normwise < 1e-8 && wide.after.worst_normwise == 0.0);
+}
+
+#[test]
+fn rounding_a_constant_of_an_angle_is_a_difference() {
+    // sin(2^60 - x) for a small x is another number for the rounded constant,
+    // and one that differs by rounding alone for 0.1 + 0.2.
+    let function = |[a, b]: [f64; 2], known: bool| {
+        single(move |builder| {
+            let [a, b] = [a, b].map(|number| builder.constant(number));
+            let angle = if known {
+                let (a, b) = (builder.function.number(a), builder.function.number(b));
+                let sum = a.zip(b).map(|(a, b)| a + b).expect("constants");
+                builder.constant(sum)
+            } else {
+                builder.binary(Add, a, b)
+            };
+            let sine = builder.unary(Sin, angle);
+            builder.binary(Mul, Builder::x(1), sine)
+        })
+    };
+    let verdict = |constants| {
+        let [witness, after] = [false, true].map(|known| function(constants, known));
+        let subject = Specialised {
+            before: witness.view(),
+            witness: witness.view(),
+            after: after.view(),
+            scene: None,
+        };
+        check_specialised(subject, NumericClass::Real, &States::new(3), 4)
+    };
+    let moved = verdict([0.1, 0.2]).moved.expect("a constant was rounded");
+    assert!(moved > 0.0 && moved < 1e-15, "{moved:e}");
+    let failure = verdict([60f64.exp2(), -0.7]).failure.expect("it moves far");
+    assert!(
+        matches!(failure.kind, FailureKind::Constants { .. }),
+        "{failure}"
+    );
 }

@@ -374,6 +374,10 @@ impl PipelineRun<'_> {
             [before, old, function]
         });
         let check = self.check_if_wanted(&claim, &name, tables, versions)?;
+        if let Some(verdict) = check.as_ref().filter(|verdict| !verdict.is_complete()) {
+            let log = &mut self.instruments.config.log;
+            writeln!(log, "warning: {}: {name}: {verdict}", function.name)?;
+        }
         let record = self.instruments.keeps_records().then(|| {
             // Only what the verifier has accepted can be measured.
             let (operations, asap_cycle) = measure::size(function, self.instruments.config.machine);

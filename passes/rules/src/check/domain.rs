@@ -11,7 +11,7 @@
 use super::super::pattern::PatternNode;
 use super::facts::NodeFacts;
 use super::line::Lines;
-use super::range::Range;
+use robovec_analysis::range::Range;
 use robovec_ir::Operation;
 
 /// Proves that the right side is defined wherever the left side is. What was

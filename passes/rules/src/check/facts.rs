@@ -14,7 +14,7 @@ use super::agree::{MAX_TRIED, points_for};
 use super::ball::ScaledBall;
 use super::field::{RuleField, RuleResidue};
 use super::joined::Joined;
-use super::range::Range;
+use robovec_analysis::range::Range;
 use robovec_ir::Operation;
 
 /// Points at which nodes are compared where there are no roots.
@@ -157,20 +157,10 @@ impl<'a> NodeFacts<'a> {
                 })
             }
             PatternNode::Operation(operation, [a, b]) => {
-                let (first, second) = (self.ranges[a as usize], self.ranges[b as usize]);
-                let range = match operation {
-                    Operation::Copy => first,
-                    Operation::Neg => first.negative(),
-                    Operation::Add => first.plus(second),
-                    Operation::Sub => first.plus(second.negative()),
-                    Operation::Mul if self.is_same(a as usize, b as usize) => first.squared(),
-                    Operation::Mul => first.times(second),
-                    Operation::Div => first.over(second),
-                    Operation::Sin | Operation::Cos => Range::between(-1.0, 1.0),
-                    Operation::Sqrt => first.root(),
-                    // No pattern has three operands.
-                    Operation::Fma | Operation::Fms | Operation::Fnma => Range::ALL,
-                };
+                let (a, b) = (a as usize, b as usize);
+                let operands = [self.ranges[a], self.ranges[b], Range::ALL];
+                let is_square = operation == Operation::Mul && self.is_same(a, b);
+                let range = Range::of(operation, operands, is_square);
                 let known = range.and(self.ranges[node]);
                 match (known.sign() == 0).then(|| self.square_sign(node)) {
                     Some(1) => range.and(Range::NOT_NEGATIVE),
@@ -338,7 +328,7 @@ impl<'a> NodeFacts<'a> {
     fn is_line(&self, mut node: usize, variable: u32, scales: &[bool]) -> bool {
         let contains = |node: usize| self.joined.part(node).variables().contains(&variable);
         let nodes = &self.joined.pattern.nodes;
-        let needed = self.joined.needed(node);
+        let needed = self.joined.pattern.needed(node);
         let is_whole = nodes
             .iter()
             .zip(needed)

@@ -73,37 +73,9 @@ impl<'a> Joined<'a> {
         self.operands(wanted, nodes).next().is_some()
     }
 
-    /// For each node up to a given one whether that is computed from it, with
-    /// itself.
-    pub(super) fn needed(&self, node: usize) -> Vec<bool> {
-        let nodes = &self.pattern.nodes;
-        let mut needed = vec![false; node + 1];
-        needed[node] = true;
-        for index in (0..=node).rev() {
-            if let (true, PatternNode::Operation(_, operands)) = (needed[index], nodes[index]) {
-                for operand in operands {
-                    needed[operand as usize] = true;
-                }
-            }
-        }
-        needed
-    }
-
     /// A node with what it is computed from.
     pub(super) fn part(&self, node: usize) -> Pattern {
-        let nodes = &self.pattern.nodes;
-        let needed = self.needed(node);
-        let mut part = Pattern::default();
-        let mut places = vec![0; node + 1];
-        for index in (0..=node).filter(|&index| needed[index]) {
-            places[index] = part.push(match nodes[index] {
-                PatternNode::Operation(operation, operands) => {
-                    PatternNode::Operation(operation, operands.map(|old| places[old as usize]))
-                }
-                leaf => leaf,
-            });
-        }
-        part
+        self.pattern.part(node)
     }
 
     /// The field of a point: the two take turns.

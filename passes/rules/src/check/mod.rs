@@ -34,7 +34,6 @@ mod point;
 mod polynomial;
 mod primes;
 mod proof;
-mod range;
 mod states;
 #[cfg(test)]
 mod tests;
@@ -94,10 +93,15 @@ impl Finding {
     }
 }
 
+/// Proves or refutes a rule over the reals, without trials of its bits.
+pub fn decide(rule: &Rule) -> RuleVerdict {
+    proof::verdict(rule)
+}
+
 /// Proves or refutes a rule, with so many random trials in floating point.
 /// The verdict does not depend on their number.
 pub fn check(rule: &Rule, trials: usize) -> Finding {
-    let mut verdict = proof::verdict(rule);
+    let mut verdict = decide(rule);
     let trials = match verdict {
         // What a false rule does to bits is of little interest.
         RuleVerdict::False(_) => trials.min(FEW_TRIALS),

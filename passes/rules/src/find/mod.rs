@@ -26,7 +26,7 @@ use super::RuleSet;
 use super::check::{self, Finding};
 use super::graph::{GraphBudget, GraphTerm, are_equal, rewrites, term};
 use super::pattern::Pattern;
-use super::rule::{Rule, RulePlaces};
+use super::rule::Rule;
 use egg::Rewrite;
 use enumerate::{RuleCandidate, enumerate};
 use hashbrown::HashSet;
@@ -229,14 +229,9 @@ fn rule(candidate: &RuleCandidate, number: usize, letters: Letters) -> Option<Ru
     let mut rule = Rule {
         name: format!("found-{number}"),
         group: "found".to_owned(),
-        variables: letters.names(),
-        left,
-        right,
         both_ways,
-        conditions: Vec::new(),
         class: NumericClass::RealTrig,
-        reason: String::new(),
-        places: RulePlaces::default(),
+        ..Rule::new(letters.names(), left, right)
     };
     let finding: Finding = check::check(&rule, TRIALS);
     rule.class = finding.class;

@@ -5,7 +5,6 @@ use super::super::{RuleFile, RuleSet, group_of};
 use super::Syntax;
 use super::term::{PatternProblem, RuleSides, number};
 use hashbrown::HashSet;
-use robovec_analysis::class::NumericClass;
 use robovec_ir::diagnostic::{Diagnostic, Report, Severity, clip};
 use robovec_ir::parenthesised::{Forest, error, read};
 
@@ -314,15 +313,7 @@ impl Importer<'_> {
             return None;
         }
         Some(Rule {
-            name: String::new(),
             group: self.group.clone(),
-            variables: terms.variables.clone(),
-            left: from,
-            right: to,
-            both_ways: false,
-            conditions: Vec::new(),
-            class: NumericClass::Real,
-            reason: String::new(),
             places: RulePlaces {
                 file: 0,
                 name: span(all),
@@ -330,6 +321,7 @@ impl Importer<'_> {
                 right: span(right),
                 class: span(all),
             },
+            ..Rule::new(terms.variables.clone(), from, to)
         })
     }
 

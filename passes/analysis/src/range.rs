@@ -1,36 +1,40 @@
 //! The range of the number of a node: bounds, and whether it can be zero.
 
+use robovec_ir::Operation;
+
 /// Bounds of a real number, rounded outwards.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(super) struct Range {
-    pub(super) low: f64,
-    pub(super) high: f64,
+pub struct Range {
+    /// The lower bound.
+    pub low: f64,
+    /// The upper bound.
+    pub high: f64,
     /// True when it is not zero.
-    pub(super) nonzero: bool,
+    pub nonzero: bool,
 }
 
 impl Range {
     /// Any number.
-    pub(super) const ALL: Range = Range {
+    pub const ALL: Range = Range {
         low: f64::NEG_INFINITY,
         high: f64::INFINITY,
         nonzero: false,
     };
 
     /// Zero or above.
-    pub(super) const NOT_NEGATIVE: Range = Range {
+    pub const NOT_NEGATIVE: Range = Range {
         low: 0.0,
         ..Range::ALL
     };
 
     /// Anything but zero.
-    pub(super) const NONZERO: Range = Range {
+    pub const NONZERO: Range = Range {
         nonzero: true,
         ..Range::ALL
     };
 
     /// Numbers between two bounds.
-    pub(super) fn between(low: f64, high: f64) -> Range {
+    pub fn between(low: f64, high: f64) -> Range {
         Range {
             low,
             high,
@@ -39,7 +43,7 @@ impl Range {
     }
 
     /// 1 when no number is negative, −1 when none is positive, else 0.
-    pub(super) fn sign(self) -> i32 {
+    pub fn sign(self) -> i32 {
         match self {
             _ if self.low >= 0.0 => 1,
             _ if self.high <= 0.0 => -1,
@@ -48,7 +52,8 @@ impl Range {
     }
 
     /// The range known from two sources.
-    pub(super) fn and(self, other: Range) -> Range {
+    #[must_use]
+    pub fn and(self, other: Range) -> Range {
         let (low, high) = (self.low.max(other.low), self.high.min(other.high));
         Range {
             low,
@@ -58,7 +63,8 @@ impl Range {
     }
 
     /// The rest of this range when only the sign of a factor is known.
-    pub(super) fn scaled(self, sign: i32) -> Range {
+    #[must_use]
+    pub fn scaled(self, sign: i32) -> Range {
         let oriented = match sign {
             1 => self.sign(),
             -1 => -self.sign(),
@@ -75,7 +81,9 @@ impl Range {
         }
     }
 
-    pub(super) fn negative(self) -> Range {
+    /// The range of the negated number.
+    #[must_use]
+    pub fn negative(self) -> Range {
         Range {
             low: -self.high,
             high: -self.low,
@@ -83,7 +91,9 @@ impl Range {
         }
     }
 
-    pub(super) fn plus(self, other: Range) -> Range {
+    /// The range of a sum.
+    #[must_use]
+    pub fn plus(self, other: Range) -> Range {
         let sum = Range::between(
             rounded(self.low, other.low, f64::next_down),
             rounded(self.high, other.high, f64::next_up),
@@ -96,7 +106,9 @@ impl Range {
         }
     }
 
-    pub(super) fn times(self, other: Range) -> Range {
+    /// The range of a product.
+    #[must_use]
+    pub fn times(self, other: Range) -> Range {
         let corners = [
             (self.low, other.low),
             (self.low, other.high),
@@ -115,7 +127,8 @@ impl Range {
     }
 
     /// The quotient, where it is defined.
-    pub(super) fn over(self, other: Range) -> Range {
+    #[must_use]
+    pub fn over(self, other: Range) -> Range {
         let inverse = match other {
             _ if other.low > 0.0 || other.high < 0.0 => {
                 Range::between((1.0 / other.high).next_down(), (1.0 / other.low).next_up())
@@ -134,16 +147,38 @@ impl Range {
     }
 
     /// The square.
-    pub(super) fn squared(self) -> Range {
+    #[must_use]
+    pub fn squared(self) -> Range {
         self.times(self).on_side(1)
     }
 
     /// The square root, where it is defined.
-    pub(super) fn root(self) -> Range {
+    #[must_use]
+    pub fn root(self) -> Range {
         Range {
             low: self.low.max(0.0).sqrt().next_down().max(0.0),
             high: self.high.max(0.0).sqrt().next_up(),
             nonzero: self.nonzero,
+        }
+    }
+
+    /// The range of the result of an operation where it is defined;
+    /// `is_square` for the product of a number with itself.
+    #[must_use]
+    pub fn of(operation: Operation, [a, b, c]: [Range; 3], is_square: bool) -> Range {
+        let product = || if is_square { a.squared() } else { a.times(b) };
+        match operation {
+            Operation::Copy => a,
+            Operation::Neg => a.negative(),
+            Operation::Add => a.plus(b),
+            Operation::Sub => a.plus(b.negative()),
+            Operation::Mul => product(),
+            Operation::Div => a.over(b),
+            Operation::Sin | Operation::Cos => Range::between(-1.0, 1.0),
+            Operation::Sqrt => a.root(),
+            Operation::Fma => product().plus(c),
+            Operation::Fms => product().plus(c.negative()),
+            Operation::Fnma => c.plus(product().negative()),
         }
     }
 
