@@ -21,9 +21,9 @@ use robovec_analysis::class::NumericClass;
 use robovec_analysis::critical_path::{Weights, arrivals};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
-use robovec_ir::Function;
+use robovec_ir::{Function, Machine, Operation};
 use robovec_num::limits::NumberLimit;
-use robovec_rules::RuleSet;
+use robovec_rules::{DEFAULT, Rule, RuleSet};
 use round::{RoundBudget, Settings};
 use saturate::{STRUCTURE, SaturationLimits};
 
@@ -41,6 +41,8 @@ declare_pass! {
     /// Windows are taken one after the other along the function, so that each
     /// sees what those before it have gained. A round that makes the longest
     /// path no shorter, and with the same path saves no operation, is undone.
+    /// Rules that make what the machine cannot place are left out: quotients
+    /// and roots without an element for them, sines of sums of angles.
     pub struct Eqsat("eqsat") {
         /// Operations per window.
         pub window: u32 = 12 => NumberLimit::whole(
@@ -138,6 +140,40 @@ fn maker_name(rules: &[BagRule], maker: u32) -> &str {
     }
 }
 
+/// The rules of a set, in one direction each, that make nothing which the
+/// machine cannot place, and the names of others that a user wrote: a quotient or root
+/// without an element for it, or the sine or cosine of what was no angle, since
+/// a host prepares those of inputs alone.
+fn placeable(rules: &RuleSet, machine: &Machine) -> (RuleSet, Vec<String>) {
+    let is_placeable = |rule: &Rule| {
+        let made = rule
+            .right
+            .operations()
+            .filter(|&made| !rule.left.uses(|known| known == made));
+        let elements = made
+            .filter(|made| matches!(made, Operation::Div | Operation::Sqrt))
+            .all(|made| machine.kind_of(made).is_some());
+        let angles = rule.left.angles();
+        elements
+            && rule
+                .right
+                .angles()
+                .iter()
+                .all(|angle| angles.contains(angle))
+    };
+    let directed = rules.rules.iter().flat_map(Rule::directed);
+    let (used, left_out): (Vec<Rule>, Vec<Rule>) = directed.partition(is_placeable);
+    // Of those that ship only ways back make what cannot be placed.
+    let own = left_out.into_iter();
+    let own = own.filter(|rule| !DEFAULT.contains(&rule.group.as_str()));
+    let names = own.map(|rule| rule.name).collect();
+    let placeable = RuleSet {
+        rules: used,
+        files: rules.files.clone(),
+    };
+    (placeable, names)
+}
+
 impl Pass for Eqsat {
     fn class(&self, declared: NumericClass) -> NumericClass {
         match self.trig {
@@ -148,10 +184,19 @@ impl Pass for Eqsat {
 
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let weights = Weights::cycles(context.machine);
-        let rules = BagRule::all(context.rules, self.class(NumericClass::Real));
-        let plain = match self.ac {
-            true => plain::all(context.rules, self.class(NumericClass::Real)),
-            false => Vec::new(),
+        let (placeable, left_out) = placeable(context.rules, context.machine);
+        if !left_out.is_empty() {
+            context.remarks.push(format!(
+                "left out, since the machine {} cannot place what they make: {}",
+                context.machine.name,
+                left_out.join(", ")
+            ));
+        }
+        let rules = BagRule::all(&placeable, self.class(NumericClass::Real));
+        let plain = if self.ac {
+            plain::all(&placeable, self.class(NumericClass::Real))
+        } else {
+            Vec::new()
         };
         let settings = Settings {
             rules: &rules,

@@ -70,39 +70,15 @@ impl FromOp for EquivalentForm {
     }
 }
 
-/// The rules bags do without: order, parentheses, signs, zeros and ones.
-pub(crate) const STRUCTURAL: [(&str, &str, &str); 20] = [
-    ("comm-add", "(+ ?a ?b)", "(+ ?b ?a)"),
-    ("comm-mul", "(* ?a ?b)", "(* ?b ?a)"),
-    ("assoc-add", "(+ ?a (+ ?b ?c))", "(+ (+ ?a ?b) ?c)"),
-    ("assoc-mul", "(* ?a (* ?b ?c))", "(* (* ?a ?b) ?c)"),
-    ("sub-to-neg", "(- ?a ?b)", "(+ ?a (neg ?b))"),
-    ("neg-to-sub", "(+ ?a (neg ?b))", "(- ?a ?b)"),
-    ("neg-neg", "(neg (neg ?a))", "?a"),
-    ("neg-of-sum", "(neg (+ ?a ?b))", "(+ (neg ?a) (neg ?b))"),
-    ("sum-of-neg", "(+ (neg ?a) (neg ?b))", "(neg (+ ?a ?b))"),
-    ("neg-of-product", "(neg (* ?a ?b))", "(* (neg ?a) ?b)"),
-    ("product-of-neg", "(* (neg ?a) ?b)", "(neg (* ?a ?b))"),
-    ("zero-sub", "(- 0 ?a)", "(neg ?a)"),
-    ("sub-zero", "(- ?a 0)", "?a"),
-    ("add-zero", "(+ ?a 0)", "?a"),
-    ("neg-zero", "(neg 0)", "0"),
-    ("mul-zero", "(* ?a 0)", "0"),
-    ("mul-one", "(* ?a 1)", "?a"),
-    ("neg-of-quotient", "(neg (/ ?a ?b))", "(/ (neg ?a) ?b)"),
-    ("quotient-of-neg", "(/ (neg ?a) ?b)", "(neg (/ ?a ?b))"),
-    ("sin-of-neg", "(sin (neg ?a))", "(neg (sin ?a))"),
-];
+/// The files of rules that bags do without: order, parentheses, signs, zeros
+/// and ones.
+const STRUCTURAL: [&str; 3] = ["signs", "commutativity", "associativity"];
 
 static STRUCTURAL_RULES: LazyLock<Vec<PlainRule>> = LazyLock::new(|| {
-    let pattern = |text: &str| {
-        text.parse::<Pattern<EquivalentForm>>()
-            .expect("a pattern of ours")
-    };
-    let rule = |&(name, left, right): &(&str, &str, &str)| {
-        Rewrite::new(name, pattern(left), pattern(right)).expect("its variables are bound")
-    };
-    STRUCTURAL.iter().map(rule).collect()
+    let sets = STRUCTURAL.map(|name| RuleSet::named(name).expect("a file that ships"));
+    let rules = sets.iter().flat_map(|set| &set.rules);
+    let directed = rules.flat_map(Rule::directed);
+    directed.filter_map(|rule| from_rule(&rule)).collect()
 });
 
 /// The structural rules, ready to run.
@@ -110,13 +86,13 @@ pub(crate) fn structural() -> Vec<PlainRule> {
     STRUCTURAL_RULES.clone()
 }
 
-/// The rules of a set as rewrites of plain terms, in one direction each, with
+/// The rules of a set as rewrites of plain terms, in one direction each, after
 /// the structural rules. Conditions are on numbers and are looked up there.
 pub(crate) fn all(rules: &RuleSet, weakest: NumericClass) -> Vec<PlainRule> {
     let mut all = structural();
-    let is_new = |name: &str| !STRUCTURAL.iter().any(|(known, ..)| *known == name);
     for rule in rules.rules.iter().flat_map(Rule::directed) {
-        if rule.class <= weakest && !rule.left.is_variable() && is_new(&rule.name) {
+        let is_new = all.iter().all(|known| known.name.as_str() != rule.name);
+        if rule.class <= weakest && !rule.left.is_variable() && is_new {
             all.extend(from_rule(&rule));
         }
     }

@@ -406,3 +406,22 @@ fn the_gap_on_larger_graphs_is_small() {
     assert!(compared > 300);
     assert!(found_all * 100 <= fewest_all * 102);
 }
+
+#[test]
+fn rules_that_make_what_cannot_be_placed_are_left_out() {
+    let text = "rule angles: sin(a)*cos(b) + cos(a)*sin(b) => sin(a + b) class=real-trig;
+                rule pythagoras: 1 - sin(a)*sin(a) => cos(a)*cos(a) class=real-trig;
+                rule norm: a*a => sqrt(a*a)*sqrt(a*a);
+                rule halves: a + b <=> (2*a + 2*b)/2;
+                rule roots: sqrt(a*a) <=> sqrt(a)*sqrt(a);";
+    let rules = RuleSet::parse(text, "own.rules").expect("well-formed rules");
+    let left_out = |machine: &str| {
+        let machine = Machine::built_in(machine).expect("it ships");
+        super::placeable(&rules, &machine).1
+    };
+    assert_eq!(
+        left_out("thesis"),
+        ["angles", "norm", "halves"]
+    );
+    assert_eq!(left_out("solver"), ["angles", "norm"]);
+}
