@@ -85,7 +85,11 @@ fn measured(preset: &str) -> Vec<FunctionAccuracy> {
 fn measured_on(preset: &str, machine: &str) -> Vec<FunctionAccuracy> {
     let machine = Machine::built_in(machine).expect("it ships");
     let pipeline = arithmetic_part(preset);
-    let options = Options { states: 0, seed: 1 };
+    let options = Options {
+        states: 0,
+        seed: 1,
+        scene: None,
+    };
     let mut subjects = Vec::new();
     for (name, mut module) in modules() {
         let module = &mut module;

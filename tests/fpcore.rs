@@ -2,6 +2,7 @@
 //! cores read back as the same function.
 
 use crate::support::files::{self, compare_with_record, each, name};
+use crate::support::programs::{robovec, said, stderr};
 use robovec::fpcore::{ReadCore, names, read};
 use robovec_framework::manager::{self, Config};
 use robovec_framework::scene::Scene;
@@ -184,4 +185,80 @@ fn cores_of_a_folder_are_read() {
         }
     }
     println!("{good} of {all} cores are read");
+}
+
+/// Every command that draws states, on a core whose root has a value in the
+/// ranges of `:pre` alone, or names what it draws from.
+#[test]
+fn states_lie_in_the_ranges_of_a_core() {
+    let run = |command: &str, core: &'static str| {
+        let words = command.split(' ');
+        let words: Vec<&str> = words
+            .map(|word| if word == "CORE" { core } else { word })
+            .collect();
+        robovec(&words)
+    };
+    for command in [
+        "eval CORE --states 20",
+        "errors CORE --state 3",
+        "accuracy CORE --passes atomise",
+        "accuracy CORE --outputs",
+    ] {
+        let text = said(&run(command, "tests/fpcore/narrow.fpcore")).to_lowercase();
+        assert!(
+            !text.contains("nan") && !text.contains("inf"),
+            "{command}: {text}"
+        );
+    }
+    for command in [
+        "front CORE --elements 1 --states 20",
+        "optimise CORE --effort 1",
+        "sweep CORE --passes atomise --adders 1 --multipliers 1 --couples 7-4",
+    ] {
+        let text = said(&run(command, "tests/fpcore/placed.fpcore"));
+        assert!(
+            text.contains(" random states in the given ranges"),
+            "{command}: {text}"
+        );
+    }
+    for command in [
+        "bench CORE",
+        "trig CORE",
+        "rules bench CORE",
+        "rules find CORE",
+    ] {
+        let output = run(command, "tests/fpcore/narrow.fpcore");
+        let told = stderr(&output);
+        assert!(
+            !output.status.success() && told.contains("':pre'"),
+            "{command}: {told}"
+        );
+    }
+}
+
+/// 3e35 + 7 - 3e35 is 7: binary64 gives 0, and so does double-double.
+#[test]
+fn what_is_called_exact_is_certified() {
+    let core = "tests/fpcore/lost.fpcore";
+    let errors: serde_json::Value =
+        serde_json::from_str(&said(&robovec(&["errors", core, "--json"]))).expect("it is JSON");
+    let output = &errors[0]["outputs"][0];
+    let known = ["exact", "certified", "computed", "error"].map(|key| output[key].clone());
+    let known = serde_json::Value::from(known.to_vec());
+    assert_eq!(known, serde_json::json!([7.0, true, 0.0, -7.0]));
+    let text = said(&robovec(&["errors", core]));
+    assert!(
+        text.contains("7.000000e0") && text.contains("no sigma"),
+        "{text}"
+    );
+    let passes = said(&robovec(&["accuracy", core, "--passes", "atomise,balance"]));
+    assert!(
+        !passes.contains("better") && !passes.contains("inf"),
+        "{passes}"
+    );
+    let undefined = said(&robovec(&["errors", "tests/fpcore/undefined.rvir"]));
+    assert!(
+        undefined.contains("~inf") && undefined.contains("not certified"),
+        "{undefined}"
+    );
 }

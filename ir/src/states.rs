@@ -69,6 +69,20 @@ impl Ranges {
         self.arrays.get(array)?.get(&indices).copied()
     }
 
+    /// Adds the ranges of elements of which nothing is known here.
+    pub fn add_missing(&mut self, others: &Ranges) {
+        for (array, indices, [low, high]) in others.iter() {
+            if self.get(array, indices).is_none() {
+                self.set(array, indices, low, high);
+            }
+        }
+    }
+
+    /// True when nothing is known of any element.
+    pub fn is_empty(&self) -> bool {
+        self.arrays.is_empty()
+    }
+
     /// All elements that something is known of, in order of their names.
     pub fn iter(&self) -> impl Iterator<Item = (&str, [u32; 2], [f64; 2])> + '_ {
         self.arrays.iter().flat_map(|(array, elements)| {

@@ -7,7 +7,7 @@ use pyo3::types::PyBytes;
 use robovec::generate::{Formulation, GenerationRequest, ParameterBinding, generate_asked};
 use robovec::kinematics::parameter;
 use robovec::model::Model;
-use robovec::report::{ModuleReport, PassRunRecord, ReportOptions};
+use robovec::report::{ModuleReport, PassRunRecord, ReadCounts, ReportOptions};
 use robovec::robotran::FunctionKind;
 use robovec::sources;
 use robovec_framework::manager::{self, Config};
@@ -25,6 +25,8 @@ pub(crate) struct PythonProgram {
     module: Module,
     model: Option<Arc<Model>>,
     passes: Vec<PassRunRecord>,
+    /// The counts of the function as it was read.
+    read: Vec<ReadCounts>,
 }
 
 fn refused(report: &Report) -> PyErr {
@@ -90,6 +92,7 @@ impl PythonProgram {
                 module,
                 model: self.model.clone(),
                 passes: records,
+                read: self.read.clone(),
             })
         })
     }
@@ -167,7 +170,10 @@ impl PythonProgram {
     fn report(&self, py: Python<'_>, machine: &str) -> PyResult<String> {
         py.detach(|| {
             let machine = sources::machine(machine).map_err(|error| refused(&error))?;
-            let options = ReportOptions::default();
+            let options = ReportOptions {
+                read: self.read.clone(),
+                ..ReportOptions::default()
+            };
             let report = ModuleReport::collect(&self.module, &machine, &self.passes, &options);
             Ok(report.to_json())
         })
@@ -300,6 +306,7 @@ fn single(
     }
     match module.functions.len() {
         1 => Ok(PythonProgram {
+            read: ReadCounts::of(&module),
             module,
             model,
             passes: Vec::new(),

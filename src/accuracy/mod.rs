@@ -15,6 +15,7 @@ use robovec_analysis::critical_path::critical_path;
 use robovec_analysis::rounding::{MedianChange, RoundingErrors};
 use robovec_framework::manager::{self, Config, Progress, RunError};
 use robovec_framework::pipeline::Pipeline;
+use robovec_framework::scene::Scene;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module};
 use std::io;
@@ -47,12 +48,14 @@ pub struct PassAccuracy {
 
 /// What is measured.
 #[derive(Clone, Copy, Debug)]
-pub struct Options {
-    /// Random states; 0 for a number that depends on the size of the
+pub struct Options<'a> {
+    /// Number of random states; 0 for one that depends on the size of the
     /// function.
     pub states: u32,
-    /// Where they come from.
+    /// Their seed.
     pub seed: u64,
+    /// The scene whose ranges they are drawn from.
+    pub scene: Option<&'a Scene>,
 }
 
 /// Runs a pipeline over all functions of a module and measures the errors
@@ -67,7 +70,7 @@ pub fn measure(
     module: &mut Module,
     pipeline: &Pipeline,
     machine: &Machine,
-    options: Options,
+    options: Options<'_>,
     progress: &mut Progress<'_>,
 ) -> Result<Vec<FunctionAccuracy>, RunError> {
     let mut subjects: Vec<FunctionAccuracy> = Vec::new();
@@ -88,7 +91,11 @@ pub fn measure(
     let mut log = io::sink();
     let config = Config {
         rounding: Some(options.states),
-        states: States::new(options.seed),
+        states: match options.scene {
+            Some(scene) => scene.states(options.seed),
+            None => States::new(options.seed),
+        },
+        scene: options.scene,
         progress: Some(progress),
         ..Config::new(machine, &mut log)
     };

@@ -157,7 +157,7 @@ pub fn text(name: &str, view: View<'_>, accuracy: &Accuracy, most: usize) -> Str
     let certainty = accuracy.certainty;
     let proved = certainty.double_double + certainty.precise + certainty.zero;
     let mut text = format!(
-        "{name}: errors over {} random states, seed {}; reference {}, {} of {} exact values \
+        "{name}: errors over {} random states, seed {}; reference {}, {} of {} values \
          proved ({} in arbitrary precision, {} zero by identity)\n",
         accuracy.states,
         accuracy.seed,
@@ -172,8 +172,8 @@ pub fn text(name: &str, view: View<'_>, accuracy: &Accuracy, most: usize) -> Str
             text,
             "condition of {} in the 2-norm: median {}, worst {} (state {})",
             array_name(view, matrix.array),
-            number(matrix.condition.median),
-            number(matrix.condition.worst),
+            scientific(matrix.condition.median),
+            scientific(matrix.condition.worst),
             matrix.condition.worst_state,
         );
     }
@@ -197,7 +197,7 @@ pub fn text(name: &str, view: View<'_>, accuracy: &Accuracy, most: usize) -> Str
 fn arrays(view: View<'_>, format: &FormatAccuracy) -> String {
     let spread = |spread: &StateSpread| {
         [spread.median, spread.percentile_99, spread.worst]
-            .map(number)
+            .map(scientific)
             .into_iter()
             .chain([spread.worst_state.to_string()])
     };
@@ -231,17 +231,18 @@ fn elements(view: View<'_>, format: &FormatAccuracy, most: usize) -> String {
     let rows: Vec<Vec<String>> = shown
         .iter()
         .map(|element| {
-            let optional = |value: Option<f64>| or_dash(value, number);
+            let optional = |value: Option<f64>| or_dash(value, scientific);
             let conditioned = element.conditioned;
             vec![
                 print_output(view, element.output),
-                number(element.relative.median),
-                number(element.relative.percentile_99),
-                number(element.relative.worst),
+                scientific(element.absolute.worst),
+                scientific(element.relative.median),
+                scientific(element.relative.percentile_99),
+                scientific(element.relative.worst),
                 element.relative.worst_state.to_string(),
-                number(element.ulps.worst),
-                format!("{:.1}", element.ulps.bits().worst),
-                number(element.mixed.worst),
+                scientific(element.ulps.worst),
+                bits(element.ulps.bits().worst),
+                scientific(element.mixed.worst),
                 optional(conditioned.map(|found| found.condition)),
                 optional(conditioned.map(|found| found.backward)),
                 conditioned
@@ -250,20 +251,18 @@ fn elements(view: View<'_>, format: &FormatAccuracy, most: usize) -> String {
             ]
         })
         .collect();
-    let head = "output | >relative: median | >99 % | >worst | >state | >ulps | >bits | >mixed | \
+    let head = "output | >absolute: worst | >relative: median | >99 % | >worst | >state | >ulps | >bits | >mixed | \
          >condition | >backward | judgement";
     text_lines(head, &rows)
+}
+
+fn bits(number: f64) -> String {
+    or_dash((!number.is_nan()).then_some(number), |bits| {
+        format!("{bits:.1}")
+    })
 }
 
 fn array_name(view: View<'_>, array: usize) -> String {
     let name = view.function.outputs()[array].name;
     view.tables.symbols.text(name).to_owned()
-}
-
-/// Nothing for what no state says anything about.
-fn number(number: f64) -> String {
-    match number.is_nan() {
-        true => "-".to_owned(),
-        false => scientific(number),
-    }
 }

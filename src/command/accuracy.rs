@@ -47,10 +47,6 @@ pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, CommandFailur
     }
     let pipeline = input::passes(arguments.passes.as_deref().unwrap_or("$shorten"))?;
     let machine = input::machine(&arguments.machine)?;
-    let options = Options {
-        states: arguments.states,
-        seed: arguments.seed,
-    };
     let bar = progress::bar(arguments.files.len(), "{pos}/{len} files, {msg}");
     let mut subjects: Vec<FunctionAccuracy> = Vec::new();
     let mut text = String::new();
@@ -63,6 +59,12 @@ pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, CommandFailur
         let name = input::stem(path);
         let mut progress = |done: usize, total: usize, pass: &str| {
             bar.set_message(format!("{name}: {pass} ({done}/{total})"));
+        };
+        let scene = read.scene(None);
+        let options = Options {
+            states: arguments.states,
+            seed: arguments.seed,
+            scene: scene.as_ref(),
         };
         let module = &mut read.module;
         let measured =

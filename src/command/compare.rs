@@ -6,8 +6,9 @@
 //! that happens to be zero, and a user wants to know how far rounding takes
 //! the results apart.
 
+use super::CommandFailure;
 use super::flags::{SEED, real, whole};
-use super::{CommandFailure, input};
+use super::input::{self, InputModule};
 use crate::align;
 use crate::kinematics::parameter;
 use crate::model::Model;
@@ -96,6 +97,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<String, CommandFailure> 
             }
         }
     }
+    let states = states(&before, &after, arguments.seed);
     let mut text = String::new();
     for function in &before.module.functions {
         let Some(other) = after.module.function(&function.name) else {
@@ -110,8 +112,8 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<String, CommandFailure> 
             view(&after.module.tables, other),
         );
         let verdict = match &model {
-            None => proof(views, arguments)?,
-            Some(model) => distance(views, model, arguments)?,
+            None => proof(views, &states, arguments)?,
+            Some(model) => distance(views, model, &states, arguments)?,
         };
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{}: {verdict}", function.name);
@@ -119,12 +121,18 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<String, CommandFailure> 
     Ok(text)
 }
 
+/// Random states in the ranges that the files give, the first one first.
+fn states(before: &InputModule, after: &InputModule, seed: u64) -> States {
+    let scene = after.scene(before.scene(None));
+    input::states(scene.as_ref(), seed)
+}
+
 fn proof(
     (before, after): (View<'_>, View<'_>),
+    states: &States,
     arguments: &CheckArguments,
 ) -> Result<String, CommandFailure> {
-    let states = States::new(arguments.seed);
-    let judge = |class| check(before, after, class, &states, arguments.points);
+    let judge = |class| check(before, after, class, states, arguments.points);
     let verdict = judge(arguments.class());
     let name = &before.function.name;
     if verdict.holds() {
@@ -153,12 +161,12 @@ fn proof(
 fn distance(
     (before, after): (View<'_>, View<'_>),
     model: &Model,
+    states: &States,
     arguments: &CheckArguments,
 ) -> Result<String, CommandFailure> {
-    let states = States::new(arguments.seed);
     let mut worst = (0.0, String::new());
     for state in 0..arguments.points {
-        let inputs = inputs(before, model, &states, state);
+        let inputs = inputs(before, model, states, state);
         let one = evaluate(before.function, &Binary64, &inputs);
         let other = evaluate(after.function, &Binary64, &inputs);
         for (name, difference) in differences(before, &one, &other) {

@@ -8,11 +8,11 @@ use crate::errors::{self, ErrorMethod, ErrorSettings, ErrorTable};
 use crate::sources;
 use clap::{Args, ValueEnum};
 use robovec_analysis::interval::GivenData;
+use robovec_analysis::stochastic;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::scene::Scene;
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use robovec_ir::print::print_output;
-use robovec_ir::states::States;
 use robovec_ir::{Format, Function, View};
 use std::io;
 use std::path::PathBuf;
@@ -43,15 +43,10 @@ pub(super) struct ErrorsArguments {
     /// functions only scalars and vectors
     #[arg(long, value_name = "LIST")]
     outputs: Option<String>,
-    /// What is told of every output
-    #[arg(
-        long,
-        value_name = "LIST",
-        value_delimiter = ',',
-        value_enum,
-        default_value = "bound,predict,stochastic"
-    )]
-    method: Vec<ErrorMethod>,
+    /// Estimates for every output; by default bound, predict and, where the
+    /// format is narrow enough, stochastic
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_enum)]
+    method: Option<Vec<ErrorMethod>>,
     /// Seed of the states
     #[arg(long, default_value_t = 1, add = SEED)]
     seed: u64,
@@ -104,6 +99,13 @@ enum GivenWord {
     Real,
 }
 
+/// The methods where none is named; the last one has formats it cannot sample.
+const USUAL: [ErrorMethod; 3] = [
+    ErrorMethod::Bound,
+    ErrorMethod::Predict,
+    ErrorMethod::Stochastic,
+];
+
 /// What differentiating all outputs may cost, in values times outputs; where
 /// it would be more, matrices are left out unless they are asked for.
 const WORK: usize = 1 << 31;
@@ -116,9 +118,12 @@ pub(super) fn run(arguments: &ErrorsArguments) -> Result<String, CommandFailure>
     };
     let (input, scene) = read(arguments, scene)?;
     let format = format(arguments, &input)?;
-    let states = match scene {
-        Some(scene) => scene.states(arguments.seed),
-        None => States::new(arguments.seed),
+    let states = input::states(scene.as_ref(), arguments.seed);
+    let unsampled = stochastic::supports(format).err();
+    let methods = match (&arguments.method, &unsampled) {
+        (Some(methods), _) => methods.clone(),
+        (None, None) => USUAL.to_vec(),
+        (None, Some(_)) => USUAL[..2].to_vec(),
     };
     let module = input.module;
     let mut tables = Vec::new();
@@ -135,7 +140,7 @@ pub(super) fn run(arguments: &ErrorsArguments) -> Result<String, CommandFailure>
             states: states.clone(),
             state: arguments.state,
             blamed: arguments.states,
-            methods: arguments.method.clone(),
+            methods: methods.clone(),
             outputs: chosen(view, arguments.outputs.as_deref())?,
             most_equations: arguments.top,
             window: arguments.window as usize,
@@ -172,7 +177,11 @@ pub(super) fn run(arguments: &ErrorsArguments) -> Result<String, CommandFailure>
         return Ok(errors::csv(&tables));
     }
     let texts: Vec<String> = tables.iter().map(errors::text).collect();
-    Ok(texts.join("\n"))
+    let mut text = texts.join("\n");
+    if let (None, Some(reason)) = (&arguments.method, unsampled) {
+        text += &format!("\nno sigma: {reason}\n");
+    }
+    Ok(text)
 }
 
 /// True for the function asked for, and for all that a model has under its

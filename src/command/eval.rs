@@ -12,6 +12,7 @@ use crate::sources;
 use clap::{Args, ValueEnum};
 use robovec_ir::Module;
 use robovec_ir::diagnostic::{Report, clip};
+use robovec_ir::states::States;
 use std::path::{Path, PathBuf};
 
 /// How the result is written.
@@ -96,8 +97,8 @@ pub(super) fn run(arguments: &EvalArguments) -> Result<String, CommandFailure> {
     let model_path = arguments.model.as_deref();
     let model_path = model_path.or(own.then_some(arguments.file.as_path()));
     let model = model_path.map(read_model).transpose()?;
-    let module = match &model {
-        Some(model) if own => generated(arguments, model)?,
+    let (module, drawn) = match &model {
+        Some(model) if own => (generated(arguments, model)?, States::new(arguments.seed)),
         _ => read(arguments)?,
     };
     let (file, count) = match &arguments.states {
@@ -112,7 +113,7 @@ pub(super) fn run(arguments: &EvalArguments) -> Result<String, CommandFailure> {
         (Some(text), _) => evaluate_command::StateSource::Text(text),
         (None, count) => evaluate_command::StateSource::Random {
             count: count.unwrap_or(1),
-            seed: arguments.seed,
+            states: &drawn,
         },
     };
     let request = evaluate_command::EvaluationRequest {
@@ -161,13 +162,14 @@ fn generated(arguments: &EvalArguments, model: &Model) -> Result<Module, Command
     generation::functions(model, &kinds, formulation, &Options::default())
 }
 
-/// The functions of a file of equations.
-fn read(arguments: &EvalArguments) -> Result<Module, CommandFailure> {
+/// The functions of a file of equations, and random states of them.
+fn read(arguments: &EvalArguments) -> Result<(Module, States), CommandFailure> {
     let input = input::equations_of(
         &arguments.file,
         arguments.language,
         arguments.function.first().map(String::as_str),
     )?;
+    let states = input::states(input.scene(None).as_ref(), arguments.seed);
     let mut module = input.module;
     let asked = &arguments.function;
     if let Some(name) = asked.iter().find(|name| module.function(name).is_none()) {
@@ -182,7 +184,7 @@ fn read(arguments: &EvalArguments) -> Result<Module, CommandFailure> {
             .functions
             .retain(|function| asked.contains(&function.name));
     }
-    Ok(module)
+    Ok((module, states))
 }
 
 fn unknown(name: &str, known: &[&str]) -> CommandFailure {

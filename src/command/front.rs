@@ -68,7 +68,14 @@ pub(super) fn run(arguments: &FrontArguments) -> Result<String, CommandFailure> 
     let mut text = String::new();
     let mut machines: Vec<Machine> = Vec::new();
     for subject in &arguments.subjects {
-        let (name, module, others) = programs(subject, &arguments.function)?;
+        let subject = programs(subject, &arguments.function)?;
+        let FrontSubject {
+            name,
+            module,
+            others,
+            mut ranges,
+        } = subject;
+        add_angles(&mut ranges, &module, arguments.angle);
         let function = &module.functions[0];
         let machine = match &arguments.machine {
             Some(name) => input::machine(name)?,
@@ -79,7 +86,7 @@ pub(super) fn run(arguments: &FrontArguments) -> Result<String, CommandFailure> 
             0 => robovec_analysis::rounding::usual_states(operations),
             count => count,
         };
-        let states = States::new(arguments.seed).within(Arc::new(angles(&module, arguments.angle)));
+        let states = States::new(arguments.seed).within(Arc::new(ranges));
         let question = FrontQuestion {
             machine: &machine,
             elements: &arguments.elements,
@@ -113,31 +120,45 @@ pub(super) fn run(arguments: &FrontArguments) -> Result<String, CommandFailure> 
     Ok(text)
 }
 
-/// Every position between the same bounds.
-fn angles(module: &Module, bound: f64) -> Ranges {
-    let mut ranges = Ranges::default();
+/// Every position of which nothing is known between the same bounds.
+fn add_angles(ranges: &mut Ranges, module: &Module, bound: f64) {
     for array in module.functions[0].inputs() {
         if module.tables.symbols.text(array.name) == "q" {
             for offset in 0..array.shape.len() as u32 {
-                ranges.set("q", array.shape.indices(offset).0, -bound, bound);
+                let indices = array.shape.indices(offset).0;
+                if ranges.get("q", indices).is_none() {
+                    ranges.set("q", indices, -bound, bound);
+                }
             }
         }
     }
-    ranges
 }
 
-/// A function alone in a module, and the same in other formulations.
-pub(super) type Programs = (String, Module, Vec<(Formulation, Module)>);
+/// A function alone in a module.
+pub(super) struct FrontSubject {
+    pub(super) name: String,
+    pub(super) module: Module,
+    /// The same in other formulations.
+    pub(super) others: Vec<(Formulation, Module)>,
+    /// The ranges that its file gives inputs.
+    pub(super) ranges: Ranges,
+}
 
-pub(super) fn programs(subject: &str, function: &str) -> Result<Programs, CommandFailure> {
+pub(super) fn programs(subject: &str, function: &str) -> Result<FrontSubject, CommandFailure> {
     let (name, model) = subjects::named_model(subject)?;
     let path = Path::new(subject);
     let Some(model) = model else {
-        let mut module = input::equations(path, None)?.module;
+        let read = input::equations(path, None)?;
+        let mut module = read.module;
         if module.functions.len() != 1 {
             super::opt::select(&mut module, function)?;
         }
-        return Ok((name, module, Vec::new()));
+        return Ok(FrontSubject {
+            name,
+            module,
+            others: Vec::new(),
+            ranges: read.ranges,
+        });
     };
     let kind = FunctionKind::from_name(function).ok_or_else(|| input::no_such_kind(function))?;
     let module = equations(&model, kind, Formulation::Recursive)?;
@@ -147,7 +168,12 @@ pub(super) fn programs(subject: &str, function: &str) -> Result<Programs, Comman
             others.push((formulation, equations(&model, kind, formulation)?));
         }
     }
-    Ok((name, module, others))
+    Ok(FrontSubject {
+        name,
+        module,
+        others,
+        ranges: Ranges::default(),
+    })
 }
 
 fn equations(

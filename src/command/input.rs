@@ -17,7 +17,7 @@ use crate::sources::{self, EquationLanguage, ReadEquations, display_name};
 use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;
 use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
-use robovec_ir::states::Ranges;
+use robovec_ir::states::{Ranges, States};
 use robovec_ir::{Format, Function, Machine, Module, Operation};
 use robovec_passes::registry::REGISTRY;
 use std::path::{Path, PathBuf};
@@ -40,20 +40,34 @@ impl InputModule {
     /// The scene with the ranges that the file gives inputs of which it says
     /// nothing; none where nobody says anything.
     pub(crate) fn scene(&self, given: Option<Scene>) -> Option<Scene> {
-        let mut ranges = self.ranges.iter().peekable();
-        if ranges.peek().is_none() {
+        if self.ranges.is_empty() {
             return given;
         }
         let mut scene = given.unwrap_or_else(|| Scene {
             name: self.name.clone(),
             ..Scene::default()
         });
-        for (array, indices, [low, high]) in ranges {
-            if scene.ranges.get(array, indices).is_none() {
-                scene.ranges.set(array, indices, low, high);
-            }
-        }
+        scene.ranges.add_missing(&self.ranges);
         Some(scene)
+    }
+
+    /// The module for a command that knows no ranges.
+    ///
+    /// # Errors
+    ///
+    /// When the file gives some, so that none is ignored. Limits of a model's
+    /// joints describe the robot and are not asked for.
+    pub(crate) fn without_ranges(self, command: &str) -> Result<Module, CommandFailure> {
+        if self.ranges.is_empty() || sources::is_model_path(&self.path) {
+            return Ok(self.module);
+        }
+        Err(CommandFailure::advised(
+            format!(
+                "{}: '{command}' knows no ranges of inputs, which ':pre' gives",
+                self.name
+            ),
+            vec!["remove ':pre' to run it on any state".to_owned()],
+        ))
     }
 
     /// The text of the file once more, for a message that points into it;
@@ -91,6 +105,11 @@ pub(crate) fn equations_or_model(
         name: display_name(path),
         path: path.to_owned(),
     })
+}
+
+/// Random states, those of a scene where there is one.
+pub(crate) fn states(scene: Option<&Scene>, seed: u64) -> States {
+    scene.map_or_else(|| States::new(seed), |scene| scene.states(seed))
 }
 
 /// The failure for a function that no model gives.

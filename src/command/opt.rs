@@ -10,7 +10,7 @@ use super::{
     reproducer, rules, simulation, telling,
 };
 use crate::files::{Replace, limited};
-use crate::report;
+use crate::report::{self, ReadCounts};
 use clap::FromArgMatches;
 use clap_complete::env::{CompleteEnv, Shells};
 use robovec_codegen::rtl::DESCRIPTION;
@@ -20,7 +20,6 @@ use robovec_framework::manager::{
 use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;
 use robovec_framework::trail::Trail;
-use robovec_ir::count::Counts;
 use robovec_ir::diagnostic::{Diagnostic, Label, Report};
 use robovec_ir::states::{Ranges, States};
 use robovec_ir::{Function, Machine, Module, SourceSet, print};
@@ -168,18 +167,20 @@ fn run(arguments: &OptimiserArguments) -> Result<(), CommandFailure> {
         placed::check(&input, &machine)?;
     }
     let is_reported = arguments.report.is_some();
-    let functions = input.module.functions.iter().filter(|_| is_reported);
-    let read: Vec<ReadCounts> = functions.map(ReadCounts::of).collect();
+    let read = match is_reported {
+        true => ReadCounts::of(&input.module),
+        false => Vec::new(),
+    };
     let mut trail = arguments.explain.is_some().then(Trail::new);
     let target = (&machine, &rules, scene);
-    let drawn = (states(arguments, scene), scene.is_some());
+    let drawn = (input::states(scene, arguments.seed), scene.is_some());
     let summary = RunSummary::begin(arguments, &pipeline, &input.module, &machine, drawn);
     let kept = reduction::keep(arguments, &input.module);
     let outcome = transform(arguments, &pipeline, target, &mut input, trail.as_mut());
     let outcome = outcome.map_err(|failure| {
         reduction::follow_up(failure, kept.as_ref(), &pipeline, target, arguments)
     })?;
-    let told = measured(arguments, scene, &machine, (&input.module, &outcome), &read)?;
+    let told = measured(arguments, scene, &machine, (&input.module, &outcome), read)?;
     let start = usage().0;
     if let (Some(asked), Some(trail)) = (&arguments.explain, &trail) {
         let account =
@@ -216,19 +217,25 @@ fn measured(
     scene: Option<&Scene>,
     machine: &Machine,
     results: (&Module, &RunOutcome),
-    read: &[ReadCounts],
+    read: Vec<ReadCounts>,
 ) -> Result<String, CommandFailure> {
     let simulated = match arguments.simulate {
-        Some(count) => simulation::simulate(results.0, machine, count, &states(arguments, scene))?,
+        Some(count) => simulation::simulate(
+            results.0,
+            machine,
+            count,
+            &input::states(scene, arguments.seed),
+        )?,
         None => String::new(),
     };
     let report = match &arguments.report {
         Some(path) => {
             let options = report::ReportOptions {
-                states: states(arguments, scene),
+                states: input::states(scene, arguments.seed),
+                read,
                 ..report::ReportOptions::default()
             };
-            write_report(path, results, read, machine, &options)?
+            write_report(path, results, machine, &options)?
         }
         None => String::new(),
     };
@@ -267,14 +274,6 @@ fn scene_and_input(
     let function = arguments.function.as_deref().or(wished);
     let input = input::equations_or_model(path, arguments.language, function)?;
     Ok((input.scene(scene), input))
-}
-
-/// Where random states come from.
-fn states(arguments: &OptimiserArguments, scene: Option<&Scene>) -> States {
-    match scene {
-        Some(scene) => scene.states(arguments.seed),
-        None => States::new(arguments.seed),
-    }
 }
 
 /// What can be told without an input.
@@ -382,7 +381,7 @@ fn transform(
                 .check_each
                 .or_else(|| arguments.auto_reduce.as_ref().map(|_| reproducer::POINTS)),
             rounding: arguments.report.is_some().then_some(0),
-            states: states(arguments, scene),
+            states: input::states(scene, arguments.seed),
             scene,
             print_before: filter(arguments.print_before.as_deref()),
             print_after: filter(print_after),
@@ -487,23 +486,6 @@ fn located(
     CommandFailure(report)
 }
 
-/// What a report says of a function as it was read: passes take equations
-/// apart, and their number is that of the user's file.
-struct ReadCounts {
-    equations: usize,
-    vectors: usize,
-}
-
-impl ReadCounts {
-    fn of(function: &Function) -> ReadCounts {
-        let counts = Counts::of(function);
-        ReadCounts {
-            equations: counts.equations,
-            vectors: counts.vectors,
-        }
-    }
-}
-
 /// What was run, as reports tell it.
 pub(super) fn pass_records(outcome: &RunOutcome) -> Vec<report::PassRunRecord> {
     let records = outcome.records.iter();
@@ -525,16 +507,11 @@ pub(super) fn pass_records(outcome: &RunOutcome) -> Vec<report::PassRunRecord> {
 fn write_report(
     path: &Path,
     (module, outcome): (&Module, &RunOutcome),
-    read: &[ReadCounts],
     machine: &Machine,
     options: &report::ReportOptions,
 ) -> Result<String, CommandFailure> {
     let records = pass_records(outcome);
-    let mut report = report::ModuleReport::collect(module, machine, &records, options);
-    for (function, read) in report.functions.iter_mut().zip(read) {
-        function.equations = read.equations;
-        function.vectors = read.vectors;
-    }
+    let report = report::ModuleReport::collect(module, machine, &records, options);
     if path == Path::new("-") {
         return Ok(report.to_text());
     }

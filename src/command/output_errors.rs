@@ -76,12 +76,8 @@ pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, CommandFailur
     let options = &arguments.of_outputs;
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
     let machine = input::machine(&arguments.machine)?;
-    let scene = options.scene.as_deref().map(input::scene);
-    let scene = scene.transpose()?;
-    let states = match &scene {
-        Some(file) => file.scene.states(arguments.seed),
-        None => States::new(arguments.seed),
-    };
+    let given = options.scene.as_deref().map(input::scene).transpose()?;
+    let given = given.map(|file| file.scene);
     let mut text = String::new();
     let mut lines = Vec::new();
     for path in &arguments.files {
@@ -90,9 +86,15 @@ pub(super) fn run(arguments: &AccuracyArguments) -> Result<String, CommandFailur
         if let Some(wanted) = function {
             super::opt::select(&mut read.module, wanted)?;
         }
+        let scene = read.scene(given.clone());
+        let states = input::states(scene.as_ref(), arguments.seed);
         let module = &mut read.module;
         let mut log = io::sink();
-        manager::run(module, &pipeline, Config::new(&machine, &mut log))
+        let config = Config {
+            scene: scene.as_ref(),
+            ..Config::new(&machine, &mut log)
+        };
+        manager::run(module, &pipeline, config)
             .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
         if let Some(state) = options.print_state {
             text += &state_text(module, &states, state);

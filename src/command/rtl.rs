@@ -18,7 +18,7 @@ use robovec_codegen::rtl::{
 };
 use robovec_codegen::{Artifacts, quartus};
 use robovec_framework::manager::{self, Config};
-use robovec_ir::states::States;
+use robovec_framework::scene::Scene;
 use robovec_ir::{Format, Function, Machine, Module, View};
 use std::fmt::Write as _;
 use std::io;
@@ -90,7 +90,7 @@ fn build(arguments: &RtlArguments) -> Result<String, CommandFailure> {
         ));
     };
     let asked = arguments.machine.as_deref();
-    let (module, machine) = program(arguments, asked.map(input::machine).transpose()?)?;
+    let (module, machine, scene) = program(arguments, asked.map(input::machine).transpose()?)?;
     let function = only_function(&module)?;
     let view = View {
         tables: &module.tables,
@@ -105,10 +105,10 @@ fn build(arguments: &RtlArguments) -> Result<String, CommandFailure> {
         rtl::write_rtl(view, &machine, choice, &mut files).map_err(|error| failure(&error))?;
     let shape = MachineShape::built(&hardware);
     files.add_project(&hardware, &shape)?;
-    let benches = rtl_bench::benches(&arguments.bench, view, &machine, &files.0)?;
+    let benches = rtl_bench::benches(&arguments.bench, view, &machine, scene.as_ref(), &files.0)?;
     files.0.extend(benches);
     files.write(folder)?;
-    let mut text = summary(&hardware, &shape, view);
+    let mut text = summary(&hardware, &shape, view, scene.as_ref());
     let _ = writeln!(text, "written to {}", folder.display());
     text += "quartus/ has a project for the DE10-Nano; Quartus has not been run on it\n";
     text += &rtl_bench::checked(&arguments.bench, folder, folder)?;
@@ -127,7 +127,7 @@ fn build(arguments: &RtlArguments) -> Result<String, CommandFailure> {
 }
 
 fn fits(arguments: &RtlArguments, hardware: &Hardware) -> Result<String, CommandFailure> {
-    let (module, _) = program(arguments, Some(hardware.machine.clone()))?;
+    let (module, _, scene) = program(arguments, Some(hardware.machine.clone()))?;
     let function = only_function(&module)?;
     let view = View {
         tables: &module.tables,
@@ -157,7 +157,8 @@ fn fits(arguments: &RtlArguments, hardware: &Hardware) -> Result<String, Command
         let mut files = CollectedFiles::default();
         rtl::write_program(view, hardware, &mut files).map_err(|error| failure(&error))?;
         let machine = &hardware.machine;
-        let benches = rtl_bench::benches(&arguments.bench, view, machine, &files.0)?;
+        let benches =
+            rtl_bench::benches(&arguments.bench, view, machine, scene.as_ref(), &files.0)?;
         files.0.extend(benches);
         files.write(folder)?;
         let _ = writeln!(text, "its images are in {}", folder.join("img").display());
@@ -218,7 +219,7 @@ fn hardware(path: &Path) -> Result<Hardware, CommandFailure> {
 fn program(
     arguments: &RtlArguments,
     machine: Option<Machine>,
-) -> Result<(Module, Machine), CommandFailure> {
+) -> Result<(Module, Machine, Option<Scene>), CommandFailure> {
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
     let function = arguments.function.as_deref();
     let input = input::equations_or_model(&arguments.input, None, function)?;
@@ -226,6 +227,7 @@ fn program(
     if let Some(name) = function {
         select(&mut input.module, name)?;
     }
+    let scene = input.scene(None);
     let module = &input.module;
     let equations = |function: &Function| function.placement.is_none();
     if arguments.passes.is_none() && module.functions.iter().any(equations) {
@@ -248,15 +250,15 @@ fn program(
         None => placed::check(&input, &machine)?,
         Some(_) => {
             let mut log = telling::remarks();
-            manager::run(
-                &mut input.module,
-                &pipeline,
-                Config::new(&machine, &mut log),
-            )
-            .map_err(|error| CommandFailure::plain(error.to_string()))?;
+            let config = Config {
+                scene: scene.as_ref(),
+                ..Config::new(&machine, &mut log)
+            };
+            manager::run(&mut input.module, &pipeline, config)
+                .map_err(|error| CommandFailure::plain(error.to_string()))?;
         }
     }
-    Ok((input.module, machine))
+    Ok((input.module, machine, scene))
 }
 
 /// The machine that a placed program names; that of the thesis for one that
@@ -378,7 +380,12 @@ impl CollectedFiles {
     }
 }
 
-fn summary(hardware: &Hardware, shape: &MachineShape, view: View<'_>) -> String {
+fn summary(
+    hardware: &Hardware,
+    shape: &MachineShape,
+    view: View<'_>,
+    scene: Option<&Scene>,
+) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
     let groups: Vec<String> = (hardware.elements.iter())
@@ -427,7 +434,7 @@ fn summary(hardware: &Hardware, shape: &MachineShape, view: View<'_>) -> String 
         "{}: {cycles} cycles, {time:.3} us; {share:.2} % of the device (estimated)",
         function.name
     );
-    text + &errors(view, hardware.machine.number)
+    text + &errors(view, hardware.machine.number, scene)
 }
 
 /// The length of a program's schedule.
@@ -437,10 +444,10 @@ fn cycles(function: &Function) -> u32 {
 }
 
 /// The rounding errors of a program in the format of its machine.
-fn errors(view: View<'_>, number: Format) -> String {
+fn errors(view: View<'_>, number: Format, scene: Option<&Scene>) -> String {
     let count = usual_states(view.function.nodes().len());
-    let yardstick = Yardstick::new(view, &States::new(STATE_SEED), count);
-    let states = random_states(yardstick.len(), STATE_SEED, false);
+    let yardstick = Yardstick::new(view, &input::states(scene, STATE_SEED), count);
+    let states = random_states(yardstick.len(), STATE_SEED, scene.is_some());
     let account = ErrorAccount::measured(view, &yardstick, number, states);
     let account = account.expect("a program is measured by itself");
     format!("  {}\n", account.text())

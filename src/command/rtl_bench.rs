@@ -1,11 +1,11 @@
 //! `robovec rtl`: the benches beside the hardware, and `--check`.
 
-use super::CommandFailure;
 use super::flags::{NUMBER, SEED, whole};
+use super::{CommandFailure, input};
 use crate::process::ToolError;
 use crate::rtl::{CheckFailure, Checked, Door, HardwareSimulator, bench_files, check};
 use clap::{Args, ValueEnum};
-use robovec_ir::states::States;
+use robovec_framework::scene::Scene;
 use robovec_ir::{Machine, View};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -86,6 +86,7 @@ pub(super) fn benches(
     arguments: &RtlBenchArguments,
     view: View<'_>,
     machine: &Machine,
+    scene: Option<&Scene>,
     files: &[(String, String)],
 ) -> Result<Vec<(String, String)>, CommandFailure> {
     let images: Vec<(String, String)> = files
@@ -93,7 +94,7 @@ pub(super) fn benches(
         .filter(|(name, _)| name.starts_with("img/"))
         .cloned()
         .collect();
-    let states = States::new(arguments.seed);
+    let states = input::states(scene, arguments.seed);
     let mut inputs: Vec<Vec<f64>> = (0..arguments.runs)
         .map(|index| states.draw(view, index))
         .collect();

@@ -88,7 +88,9 @@ fn equations(subject: &StudySubject) -> Result<Module, CommandFailure> {
     let model = match locate(subject)? {
         SubjectSource::Model(model) => *model,
         SubjectSource::ModelFile(path) => input::model(&path)?.model,
-        SubjectSource::Equations(path) => return Ok(input::equations(&path, None)?.module),
+        SubjectSource::Equations(path) => {
+            return input::equations(&path, None)?.without_ranges("study");
+        }
     };
     let wanted = subject.function.as_deref().unwrap_or("dirdyna");
     // Sensors are functions with numbers: sensor_1.

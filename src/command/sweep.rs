@@ -1,7 +1,7 @@
 //! `robovec sweep`: resources against time.
 
 use super::flags::{FlagLimit, whole};
-use super::front::programs;
+use super::front::{FrontSubject, programs};
 use super::output::result_files;
 use super::shares::ShareArguments;
 use super::{CommandFailure, input, output, progress};
@@ -116,7 +116,14 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> 
     let mut sweeps: Vec<FunctionSweep> = Vec::new();
     let mut report = String::new();
     for subject in &arguments.subjects {
-        let (name, module, others) = programs(subject, &arguments.function)?;
+        let FrontSubject {
+            name,
+            module,
+            others,
+            ranges,
+        } = programs(subject, &arguments.function)?;
+        let has_ranges = !ranges.is_empty();
+        let source = States::new(STATE_SEED).within(Arc::new(ranges));
         let failure = |error: String| CommandFailure::plain(format!("{name}: {error}"));
         let made = |passes: &str| {
             let made = transformed_by(&module, passes, &thesis, None);
@@ -124,7 +131,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> 
         };
         let operations = Counts::of(&module.functions[0]).operations;
         let states = usual_states(operations);
-        let yardstick = Yardstick::new(view(&module), &States::new(STATE_SEED), states);
+        let yardstick = Yardstick::new(view(&module), &source, states);
         let swept = match &arguments.passes {
             Some(passes) => {
                 let program = SweptProgram::new(passes.clone(), made(passes)?, &yardstick);
@@ -145,7 +152,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> 
             true => Some(made("$cpu")?),
             false => None,
         };
-        let drawn = random_states(yardstick.len(), STATE_SEED, false);
+        let drawn = random_states(yardstick.len(), STATE_SEED, has_ranges);
         let compiled = compiled.as_ref().map(view);
         let mut result = sweep(&name, swept, &drawn, &space, work, compiled)
             .map_err(|error| failure(error.to_string()))?;

@@ -7,7 +7,7 @@ use crate::present::json::json_text;
 use crate::sources;
 use crate::trigonometry::{self, TrigonometryEffect, TrigonometrySetting};
 use clap::{Args, ValueEnum};
-use robovec_ir::{Format, Module};
+use robovec_ir::Format;
 use robovec_num::trigonometry::{LARGEST_RANGE, MAX_ORDER};
 use robovec_passes::trigonometry::CircularMethod;
 use std::path::PathBuf;
@@ -87,7 +87,8 @@ pub(super) fn run(arguments: &TrigArguments) -> Result<String, CommandFailure> {
     );
     for path in &arguments.files {
         let function = arguments.function.as_deref();
-        let mut module: Module = input::equations_or_model(path, None, function)?.module;
+        let read = input::equations_or_model(path, None, function)?;
+        let mut module = read.without_ranges("trig")?;
         if let Some(wanted) = function {
             super::opt::select(&mut module, wanted)?;
         }

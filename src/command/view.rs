@@ -6,7 +6,7 @@ use super::input::{self, InputModule, USUAL_MACHINE};
 use super::opt::{pass_records, select};
 use super::{CommandFailure, output, rules};
 use crate::files::{Replace, limited};
-use crate::report::PassRunRecord;
+use crate::report::{PassRunRecord, ReadCounts};
 use crate::sources;
 use crate::view::{self, ModelText, ViewedRun};
 use clap::Args;
@@ -14,7 +14,6 @@ use robovec_framework::manager::{self, Config};
 use robovec_framework::scene::Scene;
 use robovec_framework::trail::{self, Trail};
 use robovec_ir::View;
-use robovec_ir::states::States;
 use std::fmt::Write;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -84,12 +83,10 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<String, CommandFailure> {
         select(&mut read.module, name)?;
     }
     let scene = read.scene(given);
+    let counts = ReadCounts::of(&read.module);
     let files = equations(&mut read, arguments);
     let model = model(arguments)?;
-    let states = match &scene {
-        Some(scene) => scene.states(arguments.seed),
-        None => States::new(arguments.seed),
-    };
+    let states = input::states(scene.as_ref(), arguments.seed);
     let mut trail = Trail::new();
     let mut remarks = io::sink();
     let config = Config {
@@ -112,6 +109,7 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<String, CommandFailure> {
         files: &files,
         model: model.as_ref(),
         pipeline: &arguments.passes,
+        read: counts,
     };
     write(arguments, &read, &viewed, scene.as_ref())
 }

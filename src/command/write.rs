@@ -187,8 +187,13 @@ fn equations(
 ) -> Result<Module, CommandFailure> {
     let mut input = input::equations_or_stubs(path, language)?;
     let machine = input::machine("thesis")?;
+    let scene = input.scene(None);
     let mut log = telling::remarks();
-    manager::run(&mut input.module, pipeline, Config::new(&machine, &mut log))
+    let config = Config {
+        scene: scene.as_ref(),
+        ..Config::new(&machine, &mut log)
+    };
+    manager::run(&mut input.module, pipeline, config)
         .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
     Ok(input.module)
 }

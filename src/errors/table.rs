@@ -5,11 +5,14 @@ use robovec_analysis::adjoint::{AdjointRun, Tape};
 use robovec_analysis::interval::{
     Alarm, ConeWindow, GivenData, Leaves, WindowLeaves, integer_bits, largest_seen, subdivide,
 };
+use robovec_analysis::reference::{ExactOutput, ReferenceEffort, ReferenceEvaluator};
 use robovec_analysis::stochastic::{Unsupported, stochastic_slots};
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Operation, View};
+use robovec_num::double_double::Double;
 use serde::Serialize;
+use std::slice;
 
 /// The most enclosures of all windows, times operations and leaves: some
 /// seconds.
@@ -87,8 +90,10 @@ pub struct ErrorTable {
 pub struct OutputRow {
     /// The element (`M[1,2]`).
     pub name: String,
-    /// The exact value, to binary64.
+    /// The exact value, to binary64; an estimate unless `certified`.
     pub exact: f64,
+    /// True when `exact` is proved to be the nearest binary64 number.
+    pub certified: bool,
     /// The computed value.
     pub computed: f64,
     /// Computed less exact.
@@ -147,10 +152,13 @@ impl ErrorTable {
         let tape = Tape::new(view.function);
         let inputs = settings.states.draw(view, settings.state);
         let run = AdjointRun::of(view.function, &tape, settings.format, &inputs);
+        let effort = ReferenceEffort::of_size(view.function.nodes().len());
+        let mut reference = ReferenceEvaluator::new(view.function, effort);
+        let exact = reference.evaluate(slice::from_ref(&inputs)).remove(0);
         let mut rows: Vec<OutputRow> = settings
             .outputs
             .iter()
-            .map(|&output| row(view, &run, output))
+            .map(|&output| row(view, &run, output, exact[output]))
             .collect();
         let asked = |method| settings.methods.contains(&method);
         if asked(ErrorMethod::Bound) || asked(ErrorMethod::Predict) {
@@ -214,13 +222,14 @@ fn weakest_divisor(run: &AdjointRun<'_>) -> f64 {
     divisors.fold(0.0, f64::max)
 }
 
-fn row(view: View<'_>, run: &AdjointRun<'_>, output: usize) -> OutputRow {
-    let slot = run.tape().output_slot(output);
+fn row(view: View<'_>, run: &AdjointRun<'_>, output: usize, exact: ExactOutput) -> OutputRow {
+    let computed = run.computed()[run.tape().output_slot(output)];
     OutputRow {
         name: print_output(view, view.function.assignments[output].output),
-        exact: run.exact()[slot],
-        computed: run.computed()[slot],
-        error: run.errors()[slot],
+        exact: exact.value.high,
+        certified: exact.is_certain(),
+        computed,
+        error: (Double::from(computed) - exact.value).high,
         predicted: None,
         bound: None,
         sigma: None,

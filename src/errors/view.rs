@@ -31,6 +31,9 @@ fn first_order(weakest_divisor: f64) -> String {
 const ESTABLISHED: &str = "window loses: proved for all states in the ranges, but where they are \
      assumed; seen: the largest error at random states in them\n";
 
+/// The meaning of a mark before an exact value.
+const ESTIMATE: &str = "~: an estimate, which is not certified\n";
+
 /// Characters of a full bar.
 const BAR: f64 = 24.0;
 
@@ -65,6 +68,9 @@ pub fn text(errors: &ErrorTable) -> String {
         .map(|&index| row(&errors.outputs[index]))
         .collect();
     text += &text_lines(&head, &rows);
+    if shown.iter().any(|&index| !errors.outputs[index].certified) {
+        text += ESTIMATE;
+    }
     if columns[1] {
         text += &first_order(errors.weakest_divisor);
     }
@@ -98,7 +104,11 @@ fn worst(outputs: &[OutputRow]) -> Vec<usize> {
 fn row(output: &OutputRow) -> Vec<String> {
     let mut cells = vec![
         output.name.clone(),
-        format!("{:.6e}", output.exact),
+        format!(
+            "{}{:.6e}",
+            if output.certified { "" } else { "~" },
+            output.exact
+        ),
         small(output.error),
     ];
     let numbers = [output.predicted, output.bound, output.sigma];
@@ -226,7 +236,7 @@ pub fn csv(tables: &[ErrorTable]) -> String {
     let mut text = String::from(
         "function,output,exact,computed,error,predicted,bound,sigma,\
          low,high,window_error,window_operations,ranges,alarm,\
-         share,finite,at_a_state,seen,states,boxes\n",
+         share,finite,at_a_state,seen,states,boxes,certified\n",
     );
     let number = |number: Option<f64>| number.map_or(String::new(), |number| format!("{number:e}"));
     for table in tables {
@@ -257,6 +267,7 @@ pub fn csv(tables: &[ErrorTable]) -> String {
                 number(interval.map(|interval| interval.seen)),
                 interval.map_or(String::new(), |interval| interval.states.to_string()),
                 interval.map_or(String::new(), |interval| interval.boxes.to_string()),
+                row.certified.to_string(),
             ];
             let _ = writeln!(text, "{}", cells.join(","));
         }

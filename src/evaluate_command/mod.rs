@@ -26,7 +26,7 @@ use robovec_num::field::PrimeField;
 use robovec_num::soft_float::FormatArithmetic;
 
 /// Where states come from.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Debug)]
 pub enum StateSource<'t> {
     /// Lines `name[indices] number`; a line `state` starts the next state.
     /// Numbers are decimal, or hexadecimal as C's `%a` writes them; `#` starts
@@ -34,10 +34,10 @@ pub enum StateSource<'t> {
     Text(&'t str),
     /// Drawn with the physical scales of [`States`].
     Random {
-        /// How many.
+        /// Their number.
         count: u32,
-        /// Where they come from.
-        seed: u64,
+        /// Their source.
+        states: &'t States,
     },
 }
 
@@ -71,7 +71,7 @@ pub fn evaluate_at_states(request: &EvaluationRequest<'_>) -> Result<String, Vec
         NumberSystem::Field => {
             let seed = match request.states {
                 StateSource::Text(_) => 1,
-                StateSource::Random { seed, .. } => seed,
+                StateSource::Random { states, .. } => states.seed(),
             };
             let [field, _] = PrimeField::pair(seed, true);
             write(request, &field, &states)
@@ -87,7 +87,7 @@ type FlattenedInputs = Vec<Vec<Vec<f64>>>;
 fn inputs(request: &EvaluationRequest<'_>) -> Result<FlattenedInputs, Vec<Diagnostic>> {
     match request.states {
         StateSource::Text(text) => given_inputs(request, text),
-        StateSource::Random { count, seed } => random_inputs(request, count, seed),
+        StateSource::Random { count, states } => random_inputs(request, count, states),
     }
 }
 
@@ -121,9 +121,8 @@ fn given_inputs(
 fn random_inputs(
     request: &EvaluationRequest<'_>,
     count: u32,
-    seed: u64,
+    states: &States,
 ) -> Result<FlattenedInputs, Vec<Diagnostic>> {
-    let states = States::new(seed);
     let mut inputs = Vec::new();
     for index in 0..count {
         let mut functions = Vec::new();

@@ -114,7 +114,7 @@ const MODEL: &[u8] = b"<mbsDescR7><mbsname>one</mbsname>\
 fn a_model_gives_the_parameters() {
     let model = read_mbs("one.mbs", MODEL).expect("a model").model;
     let module = module();
-    let evaluate = |states, model| {
+    let evaluate = |states: StateSource<'_>, model| {
         evaluate_at_states(&EvaluationRequest {
             module: &module,
             model,
@@ -137,7 +137,11 @@ fn a_model_gives_the_parameters() {
         own.contains(&format!("\"y[1]\",{:?}", 0.5f64.sin())),
         "{own}"
     );
-    let drawn = |seed, model| evaluate(StateSource::Random { count: 3, seed }, model);
+    let sources = [1, 2].map(States::new);
+    let drawn = |seed: usize, model| {
+        let states = &sources[seed - 1];
+        evaluate(StateSource::Random { count: 3, states }, model)
+    };
     assert_eq!(drawn(1, Some(&model)), drawn(1, Some(&model)));
     assert_ne!(drawn(1, Some(&model)), drawn(2, Some(&model)));
     assert_ne!(drawn(1, Some(&model)), drawn(1, None));
@@ -146,7 +150,10 @@ fn a_model_gives_the_parameters() {
     let errors = evaluate_at_states(&EvaluationRequest {
         module: &larger,
         model: Some(&model),
-        states: StateSource::Random { count: 1, seed: 1 },
+        states: StateSource::Random {
+            count: 1,
+            states: &States::new(1),
+        },
         number: format("f64"),
         format: ResultFormat::Csv,
     })

@@ -255,7 +255,7 @@ fn refusal(task: &FitTask<'_>, outcome: &FitOutcome) -> String {
     if let Some(exact) = exact {
         let _ = writeln!(
             text,
-            "  the most exact takes {} of the tolerance",
+            "  the most accurate takes {} of the tolerance",
             percent(exact.used)
         );
     }

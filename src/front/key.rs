@@ -24,8 +24,11 @@ impl ChoiceKeys {
     ) -> ChoiceKeys {
         let common = question.work.key("front").map(|key| {
             let key = key.with_module(module).with_machine(question.machine);
-            let (seed, count, angle) = (question.states.seed(), question.count, question.angle);
-            key.with(&format!("{:?} {seed} {count} {angle}", question.elements))
+            let (states, count, angle) = (question.states, question.count, question.angle);
+            key.with(&format!(
+                "{:?} {states:?} {count} {angle}",
+                question.elements
+            ))
         });
         let hashed = |(formulation, module): &(Formulation, Module)| {
             (*formulation, PointKey::new().with_module(module))

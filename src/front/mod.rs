@@ -62,6 +62,8 @@ pub struct Front {
     pub states: u32,
     /// The seed they come from.
     pub seed: u64,
+    /// True when ranges of inputs are known.
+    pub has_ranges: bool,
     /// Formulations that were left out, with the reason.
     pub left: Vec<(String, String)>,
     /// All points.
@@ -120,6 +122,7 @@ pub fn front(
         elements: question.elements.to_vec(),
         states: question.count,
         seed: question.states.seed(),
+        has_ranges: !question.states.ranges().is_empty(),
         left: measured.left,
         points: measured.points,
         verdicts,

@@ -4,7 +4,8 @@ use super::measure::FrontPoint;
 use super::{Front, FrontVerdict};
 use crate::present::number::{exponential, or_dash};
 use crate::present::{
-    AxisScale, Curve, DataCell, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, text_table,
+    AxisScale, Curve, DataCell, DataTable, Figure, Mark, MarkFill, MarkZone, Panel, PlotAxis,
+    text_table,
 };
 use crate::yardstick::account::{measure_text, random_states};
 use std::fmt::Write;
@@ -83,7 +84,7 @@ pub fn text(front: &Front) -> String {
             text_table(head, &rows)
         );
     }
-    let drawn = random_states(front.states as usize, front.seed, false);
+    let drawn = random_states(front.states as usize, front.seed, front.has_ranges);
     let _ = writeln!(
         text,
         "\nmedian and worst error in parts {}; relative errors in parts of the element",
@@ -213,7 +214,7 @@ pub fn verdicts_table(fronts: &[Front]) -> DataTable {
         "The fastest of ours that is nowhere worse in cycles, median and worst error, \
                   and share of the device; in the last columns the same with the number format of the thesis.",
         "function | elements per kind | thesis | cycles | worst error | ours | cycles | \
-         worst error | times faster | times more exact | ours in its format | cycles",
+         worst error | times faster | times more accurate | ours in its format | cycles",
         rows,
     )
 }
@@ -228,24 +229,39 @@ pub fn figure(fronts: &[Front]) -> Figure {
         "front",
         "Speed against error",
         "Length of the schedule against the worst normwise error, in units of the \
-                  rounding of binary32 (2^-24); the line joins the points that no other one beats.",
+                  rounding of binary32 (2^-24). Full marks: points that no other one beats.",
         panels.len().clamp(1, 2),
         panels,
     )
 }
 
+/// The zone of points that no other one beats.
+const FRONT: MarkZone = MarkZone {
+    name: "front",
+    fill: MarkFill::Full,
+};
+
+/// The zone of all others.
+const BEATEN: MarkZone = MarkZone {
+    name: "beaten",
+    fill: MarkFill::Hollow,
+};
+
 fn panel(front: &Front, place: usize) -> Panel {
+    let undominated = front.undominated(place);
     let mark = |index: usize| {
         let point = &front.points[index];
         let cycles = point.cycles[place].expect("it was placed");
-        Mark::at(f64::from(cycles), point.normwise.worst.min(1e9) / UNIT)
+        Mark {
+            zone: Some(if undominated.contains(&index) {
+                FRONT
+            } else {
+                BEATEN
+            }),
+            ..Mark::at(f64::from(cycles), point.normwise.worst.min(1e9) / UNIT)
+        }
     };
-    let mut curves = vec![Curve::new(
-        "",
-        Paint::Distinct(0),
-        Stroke::Plain,
-        front.undominated(place).into_iter().map(mark),
-    )];
+    let mut curves: Vec<Curve> = Vec::new();
     let placed = |index: &usize| front.points[*index].cycles[place].is_some();
     let mut groups: Vec<(bool, String)> = Vec::new();
     for index in (0..front.points.len()).filter(placed) {
@@ -261,7 +277,7 @@ fn panel(front: &Front, place: usize) -> Panel {
             curves.push(Curve::points(group.1, groups.len(), Vec::new()));
             groups.len() - 1
         });
-        curves[number + 1].marks.push(mark(index));
+        curves[number].marks.push(mark(index));
     }
     let count = front.elements[place];
     Panel::curves(

@@ -17,9 +17,12 @@ pub(crate) fn trimmed(number: f64) -> String {
     }
 }
 
-/// Two digits and an exponent.
+/// Two digits and an exponent; a dash for what has no such number.
 pub(crate) fn exponential(number: f64) -> String {
-    format!("{number:.1e}")
+    match number.is_nan() {
+        true => "-".to_owned(),
+        false => format!("{number:.1e}"),
+    }
 }
 
 /// Two digits and an exponent where two decimals would not do; a plain 0.
@@ -64,6 +67,9 @@ mod tests {
             (0.12345, "0.1235"),
         ] {
             assert_eq!(trimmed(value), text);
+        }
+        for text in [exponential, scientific, units] {
+            assert_eq!(text(f64::NAN), "-");
         }
     }
 }

@@ -157,19 +157,12 @@ impl ErrorReport {
     }
 }
 
-/// Beyond so many operations the exact values of long chains would take more
-/// time than the rest of a compilation to prove.
-const CERTIFIED_OPERATIONS: usize = 100_000;
-
 /// Steps of reverse sweeps for condition numbers: some tenths of a second.
 const CONDITION_WORK: u64 = 200_000_000;
 
 fn measurement(operations: usize) -> Measurement {
     Measurement {
-        effort: match operations <= CERTIFIED_OPERATIONS {
-            true => ReferenceEffort::Certified,
-            false => ReferenceEffort::DoubleDouble,
-        },
+        effort: ReferenceEffort::of_size(operations),
         sensitivities: true,
         condition_work: CONDITION_WORK,
     }

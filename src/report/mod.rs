@@ -57,8 +57,35 @@ pub struct PassRunRecord {
 pub struct ReportOptions {
     /// Where the states come from over which rounding errors are measured.
     pub states: States,
-    /// How many of them.
+    /// Number of them.
     pub count: u32,
+    /// The counts of functions as they were read; others are counted as they
+    /// are.
+    pub read: Vec<ReadCounts>,
+}
+
+/// The counts of a function as it was read: passes take equations apart, and
+/// their number is that of the user's file.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct ReadCounts {
+    function: String,
+    equations: usize,
+    vectors: usize,
+}
+
+impl ReadCounts {
+    /// The counts of all functions.
+    pub fn of(module: &Module) -> Vec<ReadCounts> {
+        let count = |function: &Function| {
+            let counts = Counts::of(function);
+            ReadCounts {
+                function: function.name.clone(),
+                equations: counts.equations,
+                vectors: counts.vectors,
+            }
+        };
+        module.functions.iter().map(count).collect()
+    }
 }
 
 impl Default for ReportOptions {
@@ -66,6 +93,7 @@ impl Default for ReportOptions {
         ReportOptions {
             states: States::new(1),
             count: 16,
+            read: Vec::new(),
         }
     }
 }
@@ -169,7 +197,10 @@ impl FunctionReport {
         options: &ReportOptions,
     ) -> FunctionReport {
         let function = view.function;
-        let counts = Counts::of(function);
+        let mut counts = Counts::of(function);
+        if let Some(read) = (options.read.iter()).find(|read| read.function == function.name) {
+            (counts.equations, counts.vectors) = (read.equations, read.vectors);
+        }
         let path = critical_path(function, machine);
         let own = passes.iter().filter(|pass| pass.function == function.name);
         FunctionReport {

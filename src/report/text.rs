@@ -360,7 +360,7 @@ fn speed_against_error(function: &FunctionReport, text: &mut String) {
     let head =
         "format | >cycles | >time us | >median relative | >worst normwise | >worst ulps | of";
     let title = format!(
-        "Speed against error: rounding against exact values ({}), {} random states, seed {}",
+        "Speed against error: rounding against reference values ({}), {} random states, seed {}",
         function.error.reference, function.error.states, function.error.seed
     );
     section(&title, &text_table(head, &rows), text);
@@ -383,10 +383,10 @@ fn array_row(array: &ArrayReport) -> Vec<String> {
         numbers
             .get(numbers.len().saturating_sub(1) / 2)
             .copied()
-            .unwrap_or(0.0)
+            .unwrap_or(f64::NAN)
     };
     let worst =
-        |pick: fn(&ElementReport) -> f64| array.elements.iter().map(pick).fold(0.0, f64::max);
+        |pick: fn(&ElementReport) -> f64| array.elements.iter().map(pick).fold(f64::NAN, f64::max);
     vec![
         array.name.clone(),
         array.elements.len().to_string(),

@@ -13,6 +13,7 @@ use crate::robotran::FunctionKind;
 use crate::sources;
 use robovec_framework::scene::{Hold, Measure, NeededOutputs, OutputTolerance, Scene};
 use robovec_ir::diagnostic::{Report, clip};
+use robovec_ir::states::Ranges;
 use robovec_ir::{Module, Shape, View};
 use std::path::{Path, PathBuf};
 use toml::de::DeValue;
@@ -54,7 +55,7 @@ pub fn read(name: &str, text: &str, folder: &Path) -> Result<SceneFile, Report> 
     only_keys(file, &KEYS, &mut problems);
     let mut scene = wishes(name, file, folder, &mut problems)?;
     let found = subject(file, &scene, folder, &mut problems)?;
-    let (Some((mut subject, warnings)), true) = (found, problems.is_empty()) else {
+    let (Some((mut subject, warnings, ranges)), true) = (found, problems.is_empty()) else {
         return Err(failed(problems));
     };
     let arrays = match &subject {
@@ -92,6 +93,7 @@ pub fn read(name: &str, text: &str, folder: &Path) -> Result<SceneFile, Report> 
         return Err(failed(problems));
     }
     (scene.bound, scene.ranges) = words.split();
+    scene.ranges.add_missing(&ranges);
     let mut complete = SceneFile {
         scene,
         subject,
@@ -172,13 +174,17 @@ fn wishes(
     Ok(scene)
 }
 
+/// A subject, the remarks of its reader, and the ranges that its file gives
+/// inputs.
+type ReadSubject = (SceneSubject, Report, Ranges);
+
 /// The model or the equations that a scene names.
 fn subject(
     file: &DocumentTable<'_>,
     scene: &Scene,
     folder: &Path,
     problems: &mut DocumentProblems,
-) -> Result<Option<(SceneSubject, Report)>, Report> {
+) -> Result<Option<ReadSubject>, Report> {
     let (model, equations) = (get(file, "model"), get(file, "equations"));
     let (key, value) = match (model, equations) {
         (Some(value), None) => ("model", value),
@@ -229,6 +235,7 @@ fn subject(
     Ok(Some((
         SceneSubject::Equations(Box::new(module)),
         read.warnings,
+        read.ranges,
     )))
 }
 
@@ -238,7 +245,7 @@ fn model_subject(
     file: &DocumentTable<'_>,
     span: DocumentRange,
     problems: &mut DocumentProblems,
-) -> Result<Option<(SceneSubject, Report)>, Report> {
+) -> Result<Option<ReadSubject>, Report> {
     let wish = scene.function.as_deref().unwrap_or("dirdyna");
     let Some(kind) = FunctionKind::with_name(wish) else {
         let names = FunctionKind::ALL.map(FunctionKind::name);
@@ -264,7 +271,8 @@ fn model_subject(
         name: wish.to_owned(),
         options: Options::default(),
     };
-    Ok(Some((SceneSubject::Model(Box::new(subject)), warnings)))
+    let subject = SceneSubject::Model(Box::new(subject));
+    Ok(Some((subject, warnings, Ranges::default())))
 }
 
 /// The outputs that are needed.

@@ -21,7 +21,7 @@ pub use sources::place_lines;
 
 use crate::present::json::json_script;
 use crate::present::page::{STYLE, fill};
-use crate::report::{ModuleReport, PassReport, PassRunRecord, ReportOptions};
+use crate::report::{ModuleReport, PassReport, PassRunRecord, ReadCounts, ReportOptions};
 use data::{FileData, FunctionData, JointData, ViewData};
 use names::TextTable;
 use robovec_framework::trail::{self, Trail};
@@ -50,6 +50,8 @@ pub struct ViewedRun<'a> {
     pub model: Option<&'a ModelText>,
     /// The pipeline as the user wrote it.
     pub pipeline: &'a str,
+    /// The counts of the functions as they were read.
+    pub read: Vec<ReadCounts>,
 }
 
 /// A model as far as a page shows it.
@@ -107,6 +109,7 @@ impl ViewData {
         let mut sources = SourceTable::default();
         let options = ReportOptions {
             states: run.states.clone(),
+            read: run.read.clone(),
             ..ReportOptions::default()
         };
         let report = ModuleReport::collect(run.module, run.machine, run.passes, &options);

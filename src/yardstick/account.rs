@@ -28,9 +28,14 @@ pub struct ErrorAccount {
     pub states: String,
 }
 
-/// States in words: how many, and where they come from.
-pub fn random_states(count: usize, seed: u64, has_scene: bool) -> String {
-    let ranges = if has_scene { " of the scene" } else { "" };
+/// States in words: their number and their source. `has_ranges` where a scene
+/// or the file gives ranges of inputs.
+pub fn random_states(count: usize, seed: u64, has_ranges: bool) -> String {
+    let ranges = if has_ranges {
+        " in the given ranges"
+    } else {
+        ""
+    };
     format!("{count} random states{ranges}, seed {seed}")
 }
 

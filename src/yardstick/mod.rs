@@ -94,7 +94,8 @@ fn infinite_where_null<'de, D: serde::Deserializer<'de>>(source: D) -> Result<f6
 /// How far a program is from the exact results.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct MeasuredErrors {
-    /// Of every element in every state, relative to its exact value.
+    /// Of every element in every state, relative to its exact value; elements
+    /// that vanish are left out, and infinite where all that err do.
     pub relative: ErrorSpread,
     /// Of every array in every state: its largest error over its largest
     /// element. Arrays of zeros alone are left out.
@@ -102,21 +103,15 @@ pub struct MeasuredErrors {
     /// The same of every array of the exact function on its own, in all
     /// states.
     pub arrays: Vec<ErrorSpread>,
-    /// For every output of the program its largest absolute, relative and
-    /// normwise error in any state, with the number of the state with the
-    /// largest normwise one.
+    /// For every output of the program its largest normwise error in any state.
     pub outputs: Vec<LargestErrors>,
 }
 
-/// The largest errors of one output.
+/// The largest error of one output.
 #[derive(Clone, PartialEq, Debug)]
 pub struct LargestErrors {
     /// Its name, as `qdd[3]`.
     pub name: String,
-    /// In the output's unit.
-    pub absolute: f64,
-    /// Over its exact value.
-    pub relative: f64,
     /// Over the largest element of its array among those the program
     /// computes, in the same state.
     pub normwise: f64,
@@ -222,12 +217,16 @@ impl Yardstick {
         let names = names.map(|a| print_output(view, a.output));
         let mut tally = ErrorTally {
             relative: Vec::new(),
+            vanishes: false,
             normwise: Vec::new(),
             arrays: vec![Vec::new(); self.arrays.len()],
             outputs: names.map(LargestErrors::none).collect(),
         };
         for (state, (exact, computed)) in self.exact.iter().zip(results).enumerate() {
             tally.add(state, &rows, exact, computed);
+        }
+        if tally.relative.is_empty() && tally.vanishes {
+            tally.relative.push(f64::INFINITY);
         }
         Ok(MeasuredErrors {
             relative: ErrorSpread::of(&mut tally.relative),
@@ -296,6 +295,9 @@ fn distance(exact: Double, computed: f64) -> f64 {
 /// Errors, state after state.
 struct ErrorTally {
     relative: Vec<f64>,
+    /// True when some element that is zero but for rounding was computed
+    /// otherwise.
+    vanishes: bool,
     normwise: Vec<f64>,
     arrays: Vec<Vec<f64>>,
     outputs: Vec<LargestErrors>,
@@ -323,14 +325,13 @@ impl ErrorTally {
             let absolute = distance(exact, computed);
             let own = exact.high.abs();
             let normwise = quotient(absolute, size);
-            output.absolute = output.absolute.max(absolute);
             if normwise > output.normwise {
                 (output.normwise, output.worst_state) = (normwise, state);
             }
             if absolute == 0.0 || own > size * VANISHING {
-                let relative = quotient(absolute, own);
-                output.relative = output.relative.max(relative);
-                self.relative.push(relative);
+                self.relative.push(quotient(absolute, own));
+            } else {
+                self.vanishes = true;
             }
         }
         for (&array, &(error, size)) in &norms {
@@ -348,8 +349,6 @@ impl LargestErrors {
     fn none(name: String) -> LargestErrors {
         LargestErrors {
             name,
-            absolute: 0.0,
-            relative: 0.0,
             normwise: 0.0,
             worst_state: 0,
         }

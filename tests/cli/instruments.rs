@@ -265,12 +265,12 @@ fn errors_name_equations_with_their_places_and_refuse_what_they_cannot_do() {
         assert!(text.contains(part), "no '{part}' in\n{text}");
     }
     for (arguments, message) in [
-        (["--outputs", "M[9,9]"], "has no output 'M[9,9]'"),
-        (["--format", "f31"], "expected a number format"),
-        (["--format", "f64"], "more than 40 bits"),
-        (["--function", "nothing"], "no function 'nothing'"),
+        ("--outputs M[9,9]", "has no output 'M[9,9]'"),
+        ("--format f31", "expected a number format"),
+        ("--format f64 --method stochastic", "more than 40 bits"),
+        ("--function nothing", "no function 'nothing'"),
     ] {
-        let output = errors(&arguments);
+        let output = errors(&arguments.split(' ').collect::<Vec<_>>());
         assert_eq!(output.status.code(), Some(1), "{arguments:?}");
         assert!(stderr(&output).contains(message), "{}", stderr(&output));
     }

@@ -45,7 +45,8 @@ const OPERATIONS: usize = 8_000_000;
 const MIN_STATES: usize = 16;
 const MAX_STATES: usize = 256;
 
-/// Three places in a distribution of errors, in units of [`UNIT`].
+/// Three places in a distribution of errors, in units of [`UNIT`]; NaN where
+/// nothing has such an error.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub struct Quantiles {
     /// Half of the errors are at or below it.
@@ -144,10 +145,10 @@ pub fn rounding(view: View<'_>, states: &States, count: u32) -> RoundingErrors {
 }
 
 /// The smallest error that this part of all errors does not exceed, in units
-/// of rounding; 0 without errors.
+/// of rounding; NaN without errors.
 fn place(errors: &mut [f64], part: usize, of: usize) -> f64 {
     if errors.is_empty() {
-        return 0.0;
+        return f64::NAN;
     }
     let index = (errors.len() * part).div_ceil(of) - 1;
     let (_, error, _) = errors.select_nth_unstable_by(index, f64::total_cmp);
@@ -177,8 +178,11 @@ impl MedianChange {
         MedianChange::of(&before.blocks[1], &after.blocks[1])
     }
 
-    /// Compares medians block by block.
+    /// Compares medians block by block, those where both have errors.
     fn of(before: &[f64], after: &[f64]) -> MedianChange {
+        let known = before.iter().zip(after);
+        let known = known.filter(|(before, after)| !before.is_nan() && !after.is_nan());
+        let (before, after): (Vec<f64>, Vec<f64>) = known.unzip();
         let same = MedianChange {
             ratio: 1.0,
             noise: 0.0,
@@ -188,7 +192,7 @@ impl MedianChange {
             return same;
         }
         let usable = |error: f64| error.is_finite() && error > 0.0;
-        let blocks = before.iter().zip(after);
+        let blocks = before.iter().zip(&after);
         let logarithms: Vec<f64> = blocks
             .filter(|(before, after)| usable(**before) && usable(**after))
             .map(|(before, after)| (after / before).ln())
@@ -291,7 +295,7 @@ mod tests {
             (quantiles.median, quantiles.percentile_99, quantiles.worst),
             (500.0, 990.0, 1000.0)
         );
-        assert_eq!(Quantiles::of(&mut []), Quantiles::default());
+        assert!(Quantiles::of(&mut []).worst.is_nan());
     }
 
     #[test]

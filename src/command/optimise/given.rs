@@ -29,18 +29,14 @@ pub(super) fn given(arguments: &OptimiseArguments) -> Result<GivenStarts, Comman
     if arguments.input.ends_with(".scene.toml") {
         return of_scene(arguments, input::scene(Path::new(&arguments.input))?);
     }
-    equations(arguments, arguments.function.as_deref())
+    equations(arguments, arguments.function.as_deref(), None)
 }
 
 /// Equations for a scene that the user named beside them.
 fn with_scene(arguments: &OptimiseArguments, scene: Scene) -> Result<GivenStarts, CommandFailure> {
     let wished = scene.function.clone();
     let function = arguments.function.clone().or(wished);
-    let given = equations(arguments, function.as_deref())?;
-    Ok(GivenStarts {
-        scene: Some(scene),
-        ..given
-    })
+    equations(arguments, function.as_deref(), Some(scene))
 }
 
 /// What a scene is about.
@@ -75,6 +71,7 @@ fn of_scene(arguments: &OptimiseArguments, file: SceneFile) -> Result<GivenStart
 fn equations(
     arguments: &OptimiseArguments,
     function: Option<&str>,
+    mut scene: Option<Scene>,
 ) -> Result<GivenStarts, CommandFailure> {
     let (name, model) = subjects::named_model(&arguments.input)?;
     let wanted = function.unwrap_or("dirdyna");
@@ -93,7 +90,9 @@ fn equations(
             (module, Some(model), arguments.input.clone())
         }
         (None, path) => {
-            let module = input::equations(Path::new(&arguments.input), None)?.module;
+            let read = input::equations(Path::new(&arguments.input), None)?;
+            scene = read.scene(scene);
+            let module = read.module;
             let model: Option<Model> = match path {
                 Some(path) => Some(input::model(path)?.model),
                 None => None,
@@ -123,7 +122,7 @@ fn equations(
         name,
         starts,
         left,
-        scene: None,
+        scene,
         model: words,
     })
 }

@@ -16,7 +16,6 @@ use crate::optimise::{
 use clap::Args;
 use robovec_framework::options::OptionValue;
 use robovec_framework::scene::Scene;
-use robovec_ir::states::States;
 use robovec_ir::{Machine, Operation};
 use robovec_passes::optimise::VariantClass;
 use std::path::PathBuf;
@@ -99,10 +98,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<String, CommandFailur
     };
     let machine = machine(arguments, given.scene.as_ref())?;
     let store = arguments.shares.store(arguments.output.as_deref())?;
-    let source = match &given.scene {
-        Some(scene) => scene.states(arguments.seed),
-        None => States::new(arguments.seed),
-    };
+    let source = input::states(given.scene.as_ref(), arguments.seed);
     let operations = given.starts[0].module.functions[0].nodes().len();
     let is_timed = arguments.target != OptimisationTarget::Fpga && arguments.compiler != UNTIMED;
     let compiler = is_timed.then(|| Compiler::find(&arguments.compiler));

@@ -123,14 +123,15 @@ pub(super) fn run(arguments: &RuleBenchArguments) -> Result<String, CommandFailu
     let mut tables = Vec::with_capacity(arguments.inputs.len());
     let mut text = String::new();
     for (number, path) in arguments.inputs.iter().enumerate() {
-        let mut input = input::equations_or_model(path, None, None)?;
-        compile(&mut input.module, &before, &machine, &RuleSet::default())?;
-        let measured = bench.measure(number, &input.module)?;
+        let input = input::equations_or_model(path, None, None)?;
+        let name = input.name.clone();
+        let mut module = input.without_ranges("rules bench")?;
+        compile(&mut module, &before, &machine, &RuleSet::default())?;
+        let measured = bench.measure(number, &module)?;
         match arguments.shares.shard {
-            None => tables.push(bench.table(input.name, &measured)),
+            None => tables.push(bench.table(name, &measured)),
             Some(_) => {
                 let (count, found) = (measured.len(), measured.iter().filter(|m| m.found).count());
-                let name = input.name;
                 text += &format!("{name}: {count} measurements, {found} of them found\n");
             }
         }

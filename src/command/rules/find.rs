@@ -207,7 +207,8 @@ fn modules(
         let mut module = match built_in(name) {
             Some(model) => generate(&model, &GenerationRequest::new(FunctionKind::Dirdyna))
                 .map_err(|error| CommandFailure::plain(format!("{name}: {error}")))?,
-            None => input::equations_or_model(Path::new(name), None, None)?.module,
+            None => input::equations_or_model(Path::new(name), None, None)?
+                .without_ranges("rules find")?,
         };
         manager::run(&mut module, before, Config::new(machine, &mut io::sink()))
             .map_err(|error| CommandFailure::plain(format!("{name}: {error}")))?;

@@ -47,7 +47,8 @@ const LARGEST: usize = 60;
 pub(super) fn run(arguments: &WhyArguments) -> Result<String, CommandFailure> {
     let machine = input::machine(&arguments.machine)?;
     let rules = read::sound(&arguments.rules, true)?;
-    let mut module = input::equations_or_model(&arguments.input, None, None)?.module;
+    let read = input::equations_or_model(&arguments.input, None, None)?;
+    let mut module = read.without_ranges("rules why")?;
     let compile = |module: &mut Module, passes: &Pipeline| {
         let mut log = Vec::new();
         let config = Config {

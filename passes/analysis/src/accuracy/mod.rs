@@ -21,8 +21,9 @@
 //!
 //! An element that is below 2⁻⁷⁰ of the largest of its array is zero but for
 //! the reference's own rounding (an entry of a mass matrix that vanishes by
-//! symmetry): it has no relative or mixed error and *vanishes* in that state,
-//! and only the absolute and normwise measures see it. A computed number that
+//! symmetry): where it is computed otherwise it *vanishes*, and then it has no
+//! relative or mixed error in any such state; only the absolute and normwise
+//! measures see it. A computed number that
 //! is not finite where the exact one is has an infinite error. States in which
 //! the exact value is itself not finite say nothing and are left out; an
 //! output without any other state has the error NaN. Inputs are representable
@@ -223,7 +224,8 @@ impl Default for Measurement {
 }
 
 impl FormatAccuracy {
-    /// The whole function in a few numbers; all 0 for one without outputs.
+    /// The whole function in a few numbers; those of relative errors are NaN
+    /// where nothing has one.
     pub fn summary(&self) -> ErrorSummary {
         let medians = self
             .elements
@@ -240,17 +242,13 @@ impl FormatAccuracy {
                 order.then(b.output.cmp(&a.output))
             });
         ErrorSummary {
-            median_relative: if medians.median.is_nan() {
-                0.0
-            } else {
-                medians.median
-            },
+            median_relative: medians.median,
             worst_normwise: self
                 .arrays
                 .iter()
                 .map(|array| array.normwise.worst)
                 .fold(0.0, f64::max),
-            worst_ulps: worst.map_or(0.0, |element| element.ulps.worst),
+            worst_ulps: worst.map_or(f64::NAN, |element| element.ulps.worst),
             worst_output: worst.map(|element| element.output),
         }
     }
@@ -313,7 +311,9 @@ pub fn measure(
         seed: states.seed(),
         effort: measurement.effort,
         certainty,
-        formats: samples.iter().map(|samples| samples.finish(view)).collect(),
+        formats: (samples.iter_mut())
+            .map(|samples| samples.finish(view))
+            .collect(),
         matrices: matrices.finish(),
     };
     if measurement.condition_work > 0 {
@@ -326,7 +326,8 @@ pub fn measure(
     result
 }
 
-/// The errors in one format, state by state.
+/// The errors in one format, state by state, against certified values as far
+/// as the function is of a size for that.
 pub(super) fn samples(view: View<'_>, states: &States, count: u32, format: Format) -> Samples {
     let mut samples = Samples::new(view, format);
     let mut evaluator = FormatEvaluator::new(view, format);
@@ -334,7 +335,7 @@ pub(super) fn samples(view: View<'_>, states: &States, count: u32, format: Forma
         view,
         states,
         count,
-        ReferenceEffort::DoubleDouble,
+        ReferenceEffort::of_size(view.function.nodes().len()),
         |_, batch, exact| {
             let computed = evaluator.run(batch);
             for (lane, exact) in exact.iter().enumerate() {
@@ -343,6 +344,7 @@ pub(super) fn samples(view: View<'_>, states: &States, count: u32, format: Forma
             }
         },
     );
+    samples.settle();
     samples
 }
 

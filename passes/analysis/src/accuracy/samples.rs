@@ -20,13 +20,21 @@ struct Sample {
     distance: f64,
     /// The floor that the mixed error adds to the size.
     floor: f64,
-    /// It is zero but for rounding and was not computed as zero.
+    /// It is zero but for rounding.
+    small: bool,
+    /// It is an element without a relative error here: see
+    /// [`Samples::settle`].
     vanished: bool,
     /// The computed number is below the normal ones, or zero in their place.
     subnormal: bool,
 }
 
 impl Sample {
+    /// True for what is zero but for rounding and was not computed as zero.
+    fn vanishes(&self) -> bool {
+        self.small && self.distance > 0.0
+    }
+
     fn relative(&self) -> f64 {
         match self.vanished {
             true => f64::NAN,
@@ -105,6 +113,7 @@ impl Samples {
                 size,
                 distance,
                 floor: if floor.is_finite() { floor } else { 0.0 },
+                small: false,
                 vanished: false,
                 subnormal: computed.abs() < smallest(self.format) && size != 0.0,
             });
@@ -114,11 +123,25 @@ impl Samples {
             }
         }
         for (sample, &array) in samples.iter_mut().zip(&self.arrays) {
-            let small = sample.size <= norms[array].1 * VANISHING;
-            sample.vanished = sample.distance > 0.0 && small;
+            sample.small = sample.size <= norms[array].1 * VANISHING;
         }
         self.states.push(samples);
         self.norms.push(norms);
+    }
+
+    /// Takes the relative error from every element that is zero but for rounding
+    /// and was computed otherwise in some state: that it was computed as zero
+    /// in other states is luck, and no relative error of 0. Follows the last
+    /// state.
+    pub(super) fn settle(&mut self) {
+        for place in 0..self.arrays.len() {
+            let vanishes = |samples: &Vec<Sample>| samples[place].vanishes();
+            if self.states.iter().any(vanishes) {
+                for samples in &mut self.states {
+                    samples[place].vanished = samples[place].small;
+                }
+            }
+        }
     }
 
     /// The relative errors of a state, of the outputs that have one.
@@ -176,7 +199,7 @@ impl Samples {
             mixed: of(&Sample::mixed),
             sensitivity: of(&|sample| sample.floor / sample.size).median,
             worst_state: relative.worst_state,
-            vanishing: self.count(place, |sample| sample.vanished),
+            vanishing: self.count(place, Sample::vanishes),
             subnormal: self.count(place, |sample| sample.subnormal),
             overflowed: self.count(place, |sample| sample.distance == f64::INFINITY),
             conditioned: None,
@@ -204,7 +227,8 @@ impl Samples {
         }
     }
 
-    pub(super) fn finish(&self, view: View<'_>) -> FormatAccuracy {
+    pub(super) fn finish(&mut self, view: View<'_>) -> FormatAccuracy {
+        self.settle();
         let assignments = view.function.assignments.iter().enumerate();
         let mut present = vec![false; view.function.outputs().len()];
         for &array in &self.arrays {

@@ -156,13 +156,13 @@ impl<'a> AdjointRun<'a> {
     /// Actual error, prediction and bound of assignments, by their places in
     /// [`robovec_ir::Function::assignments`].
     ///
-    /// The bound holds for this run and every other whose operations round
-    /// like this one's in size: the adjoints are those between the exact and
-    /// the computed values, so nothing of second order is left out. It is
+    /// The bound covers this run whatever was lost: the adjoints are those
+    /// between the exact and the computed values, so nothing of second order is
+    /// left out, and what the prediction misses is added. For runs with other
+    /// luck it is of first order, since adjoints change with the errors and a
+    /// result that crosses a power of two rounds by twice as much. It is
     /// computed in binary64, and widened by 2⁻²⁰ of itself for that; where the
-    /// prediction shows that adjoints cancelled, in 1024 bits. What the
-    /// prediction misses after that is added to the bound, so that the bound
-    /// covers this run whatever was lost.
+    /// prediction shows that adjoints cancelled, in 1024 bits.
     ///
     /// # Panics
     ///

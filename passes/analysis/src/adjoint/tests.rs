@@ -5,7 +5,7 @@ use robovec_ir::parse::parse_module;
 use robovec_ir::states::States;
 use robovec_ir::value_formats::ValueFormats;
 use robovec_ir::{Format, Module, Value, View};
-use robovec_num::arithmetic::Binary32;
+use robovec_num::arithmetic::{Arithmetic, Binary32};
 
 const EVERYTHING: &str = "function f atomic {
   in x[1..4]
@@ -350,4 +350,66 @@ fn paths_that_cancel_leave_the_rest_its_digits() {
     assert!(distance <= 1e-12 * error.bound, "{error:?}");
     // Two roundings of half a unit in the last place.
     assert!(error.bound < 1e-6 * error.exact, "{error:?}");
+}
+
+/// The error of an output over its bound when every operation loses as much
+/// as it can, in the direction that the output's adjoints name.
+fn worst_luck(tape: &Tape, inputs: &[f64], output: usize) -> f64 {
+    let format = Format::BINARY32;
+    let run = AdjointRun::new(tape, &Binary32, format, inputs);
+    let mut slots = run.exact().to_vec();
+    let mut gradients = vec![0.0; tape.slots()];
+    run.adjoint().sweep(&[output], |_, lanes| {
+        gradients = lanes.iter().map(|lanes| lanes.0[0]).collect();
+    });
+    for node in 0..tape.nodes() {
+        let operands = tape.operands(node).map(|slot| slots[slot]);
+        let result = Binary64.apply(tape.operation(node), operands);
+        let loss = match run.local_bounds()[node] {
+            0.0 => 0.0,
+            _ => half_ulp(format, result),
+        };
+        slots[node] = result + loss.copysign(gradients[node]);
+    }
+    let slot = tape.output_slot(output);
+    (slots[slot] - run.exact()[slot]).abs() / run.bounds(&[output])[0]
+}
+
+#[test]
+fn worst_luck_reaches_the_bound_and_exceeds_it_by_little() {
+    let module = module(EVERYTHING);
+    let view = View {
+        tables: &module.tables,
+        function: &module.functions[0],
+    };
+    let tape = Tape::new(view.function);
+    let mut ratios = Vec::new();
+    for state in 0..2000 {
+        let inputs = States::new(3).draw(view, state);
+        ratios.extend([0, 1, 3].map(|output| worst_luck(&tape, &inputs, output)));
+    }
+    ratios.sort_by(f64::total_cmp);
+    // Adjoints change with the errors.
+    assert!(ratios[ratios.len() / 2] > 0.9, "the bound is no waste");
+    let most = ratios[ratios.len() - 1];
+    assert!(most > 1.0 && most < 1.001, "{most}");
+}
+
+#[test]
+fn luck_that_crosses_a_power_of_two_exceeds_the_bound() {
+    let module = module(
+        "function f atomic {
+  in x[1..3]
+  out y
+  %a = x[1] + x[2]
+  %b = %a * x[3]
+  y = %b
+}",
+    );
+    let tape = Tape::new(&module.functions[0]);
+    // The product is a little below 2, above which a number rounds by twice as
+    // much.
+    let inputs = [1.0, 3_034_177.0 / 8_388_608.0, 1.46875];
+    let ratio = worst_luck(&tape, &inputs, 0);
+    assert!(ratio > 1.3 && ratio < 2.0, "{ratio}");
 }

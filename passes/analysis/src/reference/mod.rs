@@ -53,6 +53,21 @@ pub enum ReferenceEffort {
     Audit,
 }
 
+impl ReferenceEffort {
+    /// Maximum number of operations of functions whose values are certified
+    /// unasked; long chains of more take minutes to prove.
+    const CERTIFIED_OPERATIONS: usize = 100_000;
+
+    /// The effort that is reasonable for a function of so many operations.
+    pub fn of_size(operations: usize) -> ReferenceEffort {
+        if operations <= ReferenceEffort::CERTIFIED_OPERATIONS {
+            ReferenceEffort::Certified
+        } else {
+            ReferenceEffort::DoubleDouble
+        }
+    }
+}
+
 /// The evidence for an exact value.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ExactEvidence {

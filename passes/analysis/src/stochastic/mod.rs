@@ -67,6 +67,15 @@ pub struct Sampled {
     pub sigma: f64,
 }
 
+/// Tests whether roundings to a format can be sampled.
+///
+/// # Errors
+///
+/// When the format has more than [`MAX_BITS`] bits.
+pub fn supports(format: Format) -> Result<(), Unsupported> {
+    Rounder::new(format).map(|_| ())
+}
+
 /// Samples the roundings of a function at one state and gives what they say
 /// of every assignment, in order.
 ///
