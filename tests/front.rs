@@ -30,7 +30,7 @@ fn every_choice_of_the_thesis_is_dominated() {
         "-o",
         &path,
     ]));
-    assert!(text.contains("of the 10 choices of the thesis"), "{text}");
+    assert!(text.contains("of 10 choices of the thesis"), "{text}");
     let fronts: Value = serde_json::from_str(&read(folder.path(), "front.json")).expect("JSON");
     let fronts = fronts.as_array().expect("a list");
     assert_eq!(fronts.len(), 2);

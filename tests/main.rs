@@ -29,6 +29,7 @@ mod faults;
 mod fpcore;
 mod front;
 mod generate_cli;
+mod labels;
 mod library;
 mod limits;
 mod mistaken;

@@ -106,7 +106,7 @@ const COMMANDS: &[Telling] = &[
     telling(
         "robovec rtl SUSPENSION --passes atomise,balance,cse,place -o DIR",
         &[" cycles, ", " us;"],
-        &["% of the device (estimated)"],
+        &["% of Cyclone V 5CSEBA6U23I7 (estimated)"],
     ),
     telling(
         "robovec sweep SUSPENSION --passes atomise,balance,cse --adders 1,2 --multipliers 1,2 \

@@ -18,7 +18,7 @@ use crate::source::SourcePlace;
 pub use codespan_reporting::diagnostic::{LabelStyle, Severity};
 pub use codespan_reporting::term::termcolor;
 use codespan_reporting::term::{Config, emit_to_string, emit_to_write_style};
-pub use robovec_num::limits::clip;
+pub use robovec_num::limits::{clip, counted};
 use std::io::{self, IsTerminal};
 use std::ops::Range;
 use std::sync::OnceLock;

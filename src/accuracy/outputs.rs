@@ -6,6 +6,7 @@ use crate::present::number::{or_dash, scientific};
 use crate::present::text_lines;
 use robovec_analysis::accuracy::{Accuracy, ElementError, FormatAccuracy, StateSpread};
 use robovec_ir::View;
+use robovec_ir::diagnostic::counted;
 use robovec_ir::print::print_output;
 use serde::Serialize;
 use std::fmt::Write;
@@ -157,13 +158,13 @@ pub fn text(name: &str, view: View<'_>, accuracy: &Accuracy, most: usize) -> Str
     let certainty = accuracy.certainty;
     let proved = certainty.double_double + certainty.precise + certainty.zero;
     let mut text = format!(
-        "{name}: errors over {} random states, seed {}; reference {}, {} of {} values \
+        "{name}: errors over {}, seed {}; reference {}, {} of {} \
          proved ({} in arbitrary precision, {} zero by identity)\n",
-        accuracy.states,
+        counted(accuracy.states, "random state"),
         accuracy.seed,
         accuracy.effort,
         proved,
-        proved + certainty.uncertain,
+        counted(proved + certainty.uncertain, "value"),
         certainty.precise,
         certainty.zero,
     );

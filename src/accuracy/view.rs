@@ -6,6 +6,7 @@ use crate::present::{
     AxisScale, Curve, DataCell, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, text_lines,
 };
 use robovec_analysis::rounding::{MedianChange, Quantiles, Trend};
+use robovec_ir::diagnostic::counted;
 use std::fmt::Write;
 
 /// The errors of one subject, one line for each pass.
@@ -14,8 +15,10 @@ pub fn text(subject: &FunctionAccuracy) -> String {
         return String::new();
     };
     let mut text = format!(
-        "{}: rounding errors in binary32 in units of 2^-24, {} random states, seed {}\n",
-        subject.name, first.rounding.states, first.rounding.seed
+        "{}: rounding errors in binary32 in units of 2^-24, {}, seed {}\n",
+        subject.name,
+        counted(first.rounding.states, "random state"),
+        first.rounding.seed
     );
     let head = "pass | >operations | >path | >relative: median | >99 % | >worst | \
          >normwise: median | >99 % | >worst | median became";
@@ -73,7 +76,7 @@ pub fn summary(subjects: &[FunctionAccuracy]) -> String {
     let rows: Vec<Vec<String>> = tallies.iter().map(PassTally::row).collect();
     let head = "pass | >relative: better | >same | >worse | >normwise: better | >same | >worse | \
          worse for";
-    let mut text = format!("The medians of {} functions:\n", subjects.len());
+    let mut text = format!("The medians of {}:\n", counted(subjects.len(), "function"));
     text += &text_lines(head, &rows);
     text
 }
@@ -171,11 +174,11 @@ pub fn figure(subjects: &[FunctionAccuracy]) -> Figure {
     Figure::new(
         "accuracy",
         "Speed against error, pass by pass",
-        "The longest path and the median of the relative error in binary32 after \
-                  every pass; the line joins the passes in order.",
+        "The longest path and the median of the relative error in binary32 after every pass.",
         panels.len().clamp(1, 3),
         panels,
     )
+    .with_note(Stroke::Plain, "The line joins the passes in order.")
 }
 
 fn panel(subject: &FunctionAccuracy) -> Panel {

@@ -16,6 +16,7 @@ use crate::stale::zero;
 use clap::Args;
 use robovec_analysis::class::NumericClass;
 use robovec_framework::check::check;
+use robovec_ir::diagnostic::counted;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Input, Module, Tables, View};
@@ -180,7 +181,10 @@ fn distance(
     let name = &before.function.name;
     if difference <= arguments.tolerance {
         let states = arguments.points;
-        return Ok(format!("within {difference:.1e} at {states} states"));
+        return Ok(format!(
+            "within {difference:.1e} at {}",
+            counted(states, "state")
+        ));
     }
     Err(CommandFailure::plain(format!(
         "'{name}' differs: {place} by {difference:.1e} of the largest element"

@@ -12,6 +12,7 @@ use crate::optimise::start::FORMULATIONS;
 use crate::present::json::json_text;
 use crate::robotran::FunctionKind;
 use clap::Args;
+use robovec_ir::diagnostic::counted;
 use robovec_ir::states::{Ranges, States};
 use robovec_ir::{Machine, Module};
 use std::path::{Path, PathBuf};
@@ -102,7 +103,10 @@ pub(super) fn run(arguments: &FrontArguments) -> Result<String, CommandFailure> 
             let share = front::measure_share(&module, others, &question, &progress);
             let share = share.map_err(failure)?;
             let (count, found) = (share.choices, share.found);
-            text += &format!("{name}: {count} choices, {found} of them found\n");
+            text += &format!(
+                "{name}: {}, {found} of them found\n",
+                counted(count, "choice")
+            );
             continue;
         }
         let front = front::front(&name, &module, others, &question, &progress).map_err(failure)?;

@@ -19,6 +19,7 @@ use robovec_codegen::rtl::{
 use robovec_codegen::{Artifacts, quartus};
 use robovec_framework::manager::{self, Config};
 use robovec_framework::scene::Scene;
+use robovec_ir::diagnostic::counted;
 use robovec_ir::{Format, Function, Machine, Module, View};
 use std::fmt::Write as _;
 use std::io;
@@ -391,10 +392,7 @@ fn summary(
     let groups: Vec<String> = (hardware.elements.iter())
         .map(|group| format!("{} {}", group.count, group.kind))
         .collect();
-    let clocks = match hardware.phases() {
-        1 => "1 clock".to_owned(),
-        count => format!("{count} clocks"),
-    };
+    let clocks = counted(hardware.phases(), "clock");
     let _ = writeln!(
         text,
         "{}: elements {}, {clocks} per cycle, {}",
@@ -404,8 +402,9 @@ fn summary(
     );
     let _ = writeln!(
         text,
-        "  memories: {} instructions, {} operand words per memory",
-        hardware.instruction_words, hardware.words
+        "  memories: {}, {} per memory",
+        counted(hardware.instruction_words, "instruction"),
+        counted(hardware.words, "operand word")
     );
     let (built, all) = hardware.crossbar_pairs();
     let kind = match hardware.crossbar {
@@ -431,8 +430,10 @@ fn summary(
     let share = 100.0 * device::taken_by(shape, device).share(device);
     let _ = writeln!(
         text,
-        "{}: {cycles} cycles, {time:.3} us; {share:.2} % of the device (estimated)",
-        function.name
+        "{}: {}, {time:.3} us; {share:.2} % of {} (estimated)",
+        function.name,
+        counted(cycles, "cycle"),
+        device.name
     );
     text + &errors(view, hardware.machine.number, scene)
 }

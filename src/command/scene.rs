@@ -7,6 +7,7 @@ use crate::scene::{SceneEffect, SceneFile, SceneSubject, effects};
 use clap::Args;
 use robovec_codegen::hardware;
 use robovec_framework::scene::{Hold, Scene};
+use robovec_ir::diagnostic::counted;
 use robovec_ir::{Input, Machine, Module, View};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -89,7 +90,7 @@ fn outputs(scene: &Scene, module: &Module) -> String {
     };
     let all: usize = module.functions.iter().map(|f| f.assignments.len()).sum();
     if scene.outputs.is_empty() {
-        return format!("\nall {all} outputs are needed\n");
+        return format!("\nneeded: all of {}\n", counted(all, "output"));
     }
     let rows: Vec<Vec<String>> = scene
         .outputs
@@ -108,7 +109,8 @@ fn outputs(scene: &Scene, module: &Module) -> String {
         .sum();
     let head = "output | >elements | allowed error";
     format!(
-        "\n{needed} of {all} outputs are needed\n{}\n",
+        "\nneeded: {needed} of {}\n{}\n",
+        counted(all, "output"),
         text_table(head, &rows)
     )
 }

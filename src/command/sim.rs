@@ -11,7 +11,7 @@ use crate::motion::{
 use crate::present;
 use clap::{Args, ValueEnum};
 use robovec_ir::Format;
-use robovec_ir::diagnostic::{Report, Severity, clip, did_you_mean};
+use robovec_ir::diagnostic::{Report, Severity, clip, counted, did_you_mean};
 use std::fmt::Write as _;
 use std::io::{IsTerminal as _, Write as _};
 use std::path::PathBuf;
@@ -284,20 +284,20 @@ fn roles(model: &Model, system: &MultibodySystem<'_>) -> String {
 }
 
 fn summary(arguments: &SimArguments, run: &SimulationRun) -> String {
-    let counted = |count: u64, what: &str| match count {
+    let more = |count: u64, what: &str| match count {
         0 => String::new(),
         count => format!(", {count} {what}"),
     };
     format!(
-        "{:?} s in {} steps{}{}; {} evaluations{}\n\
+        "{:?} s in {}{}{}; {}{}\n\
          energy less work kept within {:.2e} J; kinetic energy reached {:.3e} J\n\
          constraints kept within {:.2e}\n",
         run.stopped.unwrap_or(arguments.time),
-        run.steps,
-        counted(run.rejected, "repeated"),
-        counted(run.searched, "to find events"),
-        run.work.slopes,
-        counted(run.work.rounds, "rounds of Newton's method"),
+        counted(run.steps, "step"),
+        more(run.rejected, "repeated"),
+        more(run.searched, "to find events"),
+        counted(run.work.slopes, "evaluation"),
+        more(run.work.rounds, "rounds of Newton's method"),
         run.energy_drift(),
         run.energy_scale(),
         run.largest_gap(),

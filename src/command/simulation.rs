@@ -3,6 +3,7 @@
 use super::CommandFailure;
 use crate::simulate::LoadedProgram;
 use robovec_codegen::write_images;
+use robovec_ir::diagnostic::counted;
 use robovec_ir::evaluate::evaluate_mixed;
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
@@ -40,10 +41,11 @@ pub(crate) fn simulate(
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{}: {states} simulated runs of {cycles} cycles, {} outputs each, all equal to the \
-             evaluator's bit for bit",
+            "{}: {} of {}, {} each, all equal to the evaluator's bit for bit",
             function.name,
-            function.assignments.len(),
+            counted(states, "simulated run"),
+            counted(cycles, "cycle"),
+            counted(function.assignments.len(), "output"),
         );
     }
     Ok(text)

@@ -9,6 +9,7 @@ use crate::motion::{
 };
 use crate::present::text_lines;
 use clap::{Args, ValueEnum};
+use robovec_ir::diagnostic::counted;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -141,11 +142,11 @@ fn equilibrium_text(model: &Model, found: &Equilibrium) -> String {
     }
     let head = ">joint | name | >position | | >from start | nature | >error";
     format!(
-        "{}: equilibrium after {} round(s) of Newton's method\n\n{}\n\
+        "{}: equilibrium after {} of Newton's method\n\n{}\n\
          'free' is what nothing holds: it stays where it starts. The error is what rounding of the forces\n\
          may do to the position.\n",
         model.name,
-        found.rounds,
+        counted(found.rounds, "round"),
         text_lines(head, &rows)
     )
 }
@@ -219,9 +220,9 @@ fn modal_text(
     }
     let head = ">mode | >Hz | >damping % | >Re 1/s | >Im 1/s | >error 1/s | joints that move most";
     let mut text = format!(
-        "{}: {} degree(s) of freedom\n\n{}",
+        "{}: {} of freedom\n\n{}",
         model.name,
-        motions.joints.len(),
+        counted(motions.joints.len(), "degree"),
         text_lines(head, &rows)
     );
     let unbalanced = motions.residual.iter().zip(&motions.rounding);

@@ -18,6 +18,7 @@ use crate::study::results::Results;
 use crate::study::verdict::verdicts;
 use crate::study::{figures, page, run, tables};
 use robovec_ir::Module;
+use robovec_ir::diagnostic::counted;
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -92,7 +93,10 @@ pub(super) fn study(arguments: &StudyArguments) -> Result<String, CommandFailure
     let results = compute(arguments, plan, &store)?;
     if arguments.shares.shard.is_some() {
         let (placed, found) = (results.outcome.points.len(), results.outcome.reused);
-        return Ok(format!("{placed} placements, {found} of them found\n"));
+        return Ok(format!(
+            "{}, {found} of them found\n",
+            counted(placed, "placement")
+        ));
     }
     let times = if arguments.cpu {
         time(arguments, &results)?
@@ -258,8 +262,8 @@ fn summary(results: &Results, folder: &Path) -> String {
         reused => format!(", {reused} of them from an earlier run"),
     };
     let mut text = format!(
-        "{} placements{reused}; results in {}\n",
-        results.outcome.points.len(),
+        "{}{reused}; results in {}\n",
+        counted(results.outcome.points.len(), "placement"),
         folder.display()
     );
     let mut failures = results.failures();

@@ -18,6 +18,7 @@ use robovec_codegen::hardware;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::{PassStep, Pipeline, PipelineStep};
 use robovec_ir::count::Counts;
+use robovec_ir::diagnostic::counted;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Function, Level, Machine, Module, View};
 use std::borrow::Cow;
@@ -101,10 +102,10 @@ impl<'a> RunSummary<'a> {
                 function,
             };
             Some(format!(
-                "{}: {} -> {} operations, {}; {}\n",
+                "{}: {} -> {}, {}; {}\n",
                 function.name,
                 before.operations,
-                Counts::operations_of(function),
+                counted(Counts::operations_of(function), "operation"),
                 self.speed_and_cost(before, function),
                 self.error(before, view)
             ))
@@ -120,7 +121,11 @@ impl<'a> RunSummary<'a> {
         let Some(schedule) = own else {
             let path = critical_path(function, self.machine).asap_cycle;
             let name = &self.machine.name;
-            return format!("longest path {} -> {path} cycles of {name}", before.path);
+            return format!(
+                "longest path {} -> {} of {name}",
+                before.path,
+                counted(path, "cycle")
+            );
         };
         let machine = scheduled_machine(self.machine, schedule);
         let clock = hardware::clock(&machine);
@@ -129,8 +134,8 @@ impl<'a> RunSummary<'a> {
             .map(|kind| format!("{} {}", kind.count, kind.name))
             .collect();
         let mut text = format!(
-            "{} cycles, {:.3} us at {} on {}",
-            schedule.cycles,
+            "{}, {:.3} us at {} on {}",
+            counted(schedule.cycles, "cycle"),
             clock.microseconds(schedule.cycles),
             clock.text(),
             kinds.join(" + ")

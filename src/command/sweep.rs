@@ -21,6 +21,7 @@ use crate::yardstick::account::random_states;
 use clap::{Args, ValueEnum};
 use robovec_analysis::rounding::usual_states;
 use robovec_ir::count::Counts;
+use robovec_ir::diagnostic::counted;
 use robovec_ir::machine::{DeviceFamily, Interconnect, MemoryStyle};
 use robovec_ir::states::States;
 use robovec_ir::{Machine, Module};
@@ -145,7 +146,10 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> 
                 .and_then(|()| place_share(&swept, &space, work))
                 .map_err(|error| failure(error.to_string()))?;
             let (count, found) = (placed.designs.len(), placed.found);
-            report += &format!("{name}: {count} placements, {found} of them found\n");
+            report += &format!(
+                "{name}: {}, {found} of them found\n",
+                counted(count, "placement")
+            );
             continue;
         }
         let compiled = match arguments.cpu {
@@ -156,6 +160,12 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> 
         let compiled = compiled.as_ref().map(view);
         let mut result = sweep(&name, swept, &drawn, &space, work, compiled)
             .map_err(|error| failure(error.to_string()))?;
+        if let (true, Some((_, reason))) = (result.points.is_empty(), result.failures.first()) {
+            return Err(failure(format!(
+                "none of {} could be placed, the first because {reason}",
+                counted(result.failures.len(), "design")
+            )));
+        }
         if let Some((idle_watts, full_watts)) = arguments.idle_watts.zip(arguments.full_watts) {
             result.add_energy(PowerFigures {
                 idle_watts,

@@ -8,6 +8,7 @@ use crate::sources;
 use crate::trigonometry::{self, TrigonometryEffect, TrigonometrySetting};
 use clap::{Args, ValueEnum};
 use robovec_ir::Format;
+use robovec_ir::diagnostic::counted;
 use robovec_num::trigonometry::{LARGEST_RANGE, MAX_ORDER};
 use robovec_passes::trigonometry::CircularMethod;
 use std::path::PathBuf;
@@ -81,9 +82,11 @@ pub(super) fn run(arguments: &TrigArguments) -> Result<String, CommandFailure> {
     };
     let mut effects: Vec<TrigonometryEffect> = Vec::new();
     let mut text = format!(
-        "Errors in {} over {} random states, seed {}: the largest of an array over its largest \
+        "Errors in {} over {}, seed {}: the largest of an array over its largest \
          element; those of sin and cos are proved bounds.\n",
-        setting.format, setting.states, setting.seed
+        setting.format,
+        counted(setting.states, "random state"),
+        setting.seed
     );
     for path in &arguments.files {
         let function = arguments.function.as_deref();

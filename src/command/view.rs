@@ -14,6 +14,7 @@ use robovec_framework::manager::{self, Config};
 use robovec_framework::scene::Scene;
 use robovec_framework::trail::{self, Trail};
 use robovec_ir::View;
+use robovec_ir::diagnostic::counted;
 use std::fmt::Write;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -188,8 +189,9 @@ fn summary(function: &str, last: Option<&PassRunRecord>) -> String {
     match last {
         None => format!("{function}: no pass was run"),
         Some(last) => format!(
-            "{function}: {} operations, longest path {} cycles",
-            last.operations, last.asap_cycle
+            "{function}: {}, longest path {}",
+            counted(last.operations, "operation"),
+            counted(last.asap_cycle, "cycle")
         ),
     }
 }

@@ -5,6 +5,7 @@ use super::view::{place, small};
 use crate::present::number::percent;
 use robovec_analysis::adjoint::{AdjointRun, Tape};
 use robovec_framework::trail::TrackedItem;
+use robovec_ir::diagnostic::counted;
 use robovec_ir::states::States;
 use robovec_ir::{Format, View};
 use std::fmt::Write;
@@ -61,7 +62,9 @@ pub fn explain(
             let share = percent(blame.share(slot));
             let _ = writeln!(
                 text,
-                "    that is {share} of the errors of {outputs} outputs, over {count} states"
+                "    that is {share} of the errors of {}, over {}",
+                counted(outputs, "output"),
+                counted(count, "state")
             );
         }
         Some(output) => {

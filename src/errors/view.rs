@@ -6,6 +6,7 @@ use crate::present::csv::quoted;
 use crate::present::json::json_text;
 use crate::present::number::percent;
 use crate::present::text_lines;
+use robovec_ir::diagnostic::counted;
 use std::fmt::Write;
 
 /// The rows of a table for a person; the others are counted.
@@ -79,7 +80,11 @@ pub fn text(errors: &ErrorTable) -> String {
     }
     let rest = errors.outputs.len() - shown.len();
     if rest > 0 {
-        let _ = writeln!(text, "and {rest} more outputs with smaller relative errors");
+        let _ = writeln!(
+            text,
+            "and {} with smaller relative errors",
+            counted(rest, "more output")
+        );
     }
     text.push('\n');
     text.push_str(&heat_title(&errors.heat));
@@ -143,13 +148,12 @@ pub(super) fn small(number: f64) -> String {
 
 /// What the heat is of.
 pub(crate) fn heat_title(heat: &Heat) -> String {
-    let states = match heat.states {
-        1 => "1 state".to_owned(),
-        states => format!("{states} states"),
-    };
     format!(
-        "Heat: where the errors of {} outputs in {} come from, {states}, seed {}",
-        heat.outputs, heat.format, heat.seed
+        "Heat: where the errors of {} in {} come from, {}, seed {}",
+        counted(heat.outputs, "output"),
+        heat.format,
+        counted(heat.states, "state"),
+        heat.seed
     )
 }
 
@@ -193,8 +197,8 @@ pub(crate) fn heat_text(heat: &Heat) -> String {
     if heat.refused > 0 {
         let _ = writeln!(
             text,
-            "{} states had results that are not finite",
-            heat.refused
+            "{} had results that are not finite",
+            counted(heat.refused, "state")
         );
     }
     text

@@ -34,7 +34,7 @@ pub fn page(
         ),
         points: "All candidates",
         tables: page::table(&candidates_table(outcome), "fit.csv"),
-        method: METHOD,
+        method: &page::fill(METHOD, &[("device", &task.machine.device.device().name)]),
         data: json_script(&outcome.candidates),
     };
     page.to_html()
@@ -49,7 +49,7 @@ against the general function in double-double arithmetic with true sines and cos
 states of the scene.</p>\
 <p><b>Of tolerance</b>: the largest error of any output over what the scene allows it. <b>Share of \
 the device</b>: the largest of the shares of look-up tables, memory blocks and multiplier blocks of \
-a 5CSEBA6U23I7, estimated by formulas; nothing was synthesised. <b>Cells</b>: what the arithmetic costs, the square \
+the device ({{device}}), estimated by formulas; nothing was synthesised. <b>Cells</b>: what the arithmetic costs, the square \
 of the bits for a product and the bits for a sum. <b>Held</b>: measured again at so \
 many states that the search has not seen and at states bred from the worst of them, and run cycle by \
 cycle from memory images, within the tolerances; the share of states is what independent states \

@@ -11,6 +11,7 @@ use crate::present::{
 };
 use crate::yardstick::account::measure_text;
 use robovec_framework::scene::{Measure, OutputTolerance};
+use robovec_ir::diagnostic::counted;
 use robovec_num::trigonometry::host::TrigonometricUnit;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -32,10 +33,10 @@ pub fn text(
     };
     let _ = writeln!(
         text,
-        "{} programs, {} candidates measured at {} states of the scene\n",
-        outcome.programs.len(),
-        outcome.candidates.len(),
-        task.states
+        "{}, {} measured at {} of the scene\n",
+        counted(outcome.programs.len(), "program"),
+        counted(outcome.candidates.len(), "candidate"),
+        counted(task.states, "state")
     );
     match outcome.chosen {
         Some(chosen) => text += &choice(task, outcome, chosen),
@@ -60,7 +61,8 @@ pub fn text(
          >median error | >worst error | >of tolerance | >of device | >cells";
     let _ = writeln!(
         text,
-        "\nFront of time, error and cost, {}: {} of {} shown\n{}",
+        "\nFront of time, error and cost, {}: {} of {} shown; errors are parts of the largest \
+         element of an array, tolerances as the scene measures them\n{}",
         match outcome.chosen {
             Some(_) => "what meets the scene",
             None => "everything",
@@ -210,8 +212,9 @@ fn choice(task: &FitTask<'_>, outcome: &FitOutcome, chosen: usize) -> String {
          elements   {add} that add, {multi} that multiply\n  \
          operations {}, longest chain {} cycles\n  \
          schedule   {} cycles, {:.3} us\n  \
-         error      median {}, worst {} {}; {} of the tolerance\n  \
-         device     {} ({:.0} look-up tables, {:.0} memory blocks, {} multiplier blocks: estimates)\n  \
+         error      median {}, worst {} {}\n  \
+         tolerance  {}\n  \
+         device     {} of {} (estimates: look-up tables {:.0}, memory blocks {:.0}, multiplier blocks {})\n  \
          arithmetic {} cells: products cost the square of the bits, sums the bits\n  \
          pipeline   {}\n",
         program.name,
@@ -225,14 +228,32 @@ fn choice(task: &FitTask<'_>, outcome: &FitOutcome, chosen: usize) -> String {
         exponential(candidate.normwise.median),
         exponential(candidate.normwise.worst),
         measure_text(&format!("at least {validated} states of the scene")),
-        percent(candidate.used),
+        allowed(task, candidate.used),
         percent(candidate.share),
+        task.machine.device.device().name,
         candidate.resources.look_up_tables,
         candidate.resources.memory_blocks,
         candidate.resources.multiplier_blocks,
         cells(candidate.cells),
         program.pipeline,
     )
+}
+
+/// The used part of a scene's tolerances, each with its own measure, which is
+/// not that of the error beside them.
+fn allowed(task: &FitTask<'_>, used: f64) -> String {
+    let needs = task.scene.outputs.iter();
+    let allowed: Vec<String> = needs
+        .filter_map(|need| Some(format!("{} {}", need.pattern, need.tolerance?)))
+        .collect();
+    match allowed.is_empty() {
+        true => "none".to_owned(),
+        false => format!(
+            "{} of it at the worst output: {}",
+            percent(used),
+            allowed.join("; ")
+        ),
+    }
 }
 
 /// Why nothing meets the scene: what comes nearest.
@@ -271,20 +292,21 @@ fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> Stri
         .any(|need| need.tolerance.is_some());
     if !has_tolerances {
         return format!(
-            "The scene allows every error. All results are numbers at {} fresh states (seed {})\n",
-            challenge.fresh, challenge.seed
+            "The scene allows every error. All results are numbers at {} (seed {})\n",
+            counted(challenge.fresh, "fresh state"),
+            challenge.seed
         );
     }
     let mut text = format!(
-        "Held at {} fresh states (seed {}): with a confidence of 95 %, at {:.4} % of the states \
+        "Held at {} (seed {}): with a confidence of 95 %, at {:.4} % of the states \
          in the ranges, or more\n  \
          fresh states     worst {} of the tolerance\n  \
-         directed search  {} more states, bred from the worst ones: {} of the tolerance\n",
-        challenge.fresh,
+         directed search  {}, bred from the worst ones: {} of the tolerance\n",
+        counted(challenge.fresh, "fresh state"),
         challenge.seed,
         (challenge.share() * 1e6).floor() / 1e4,
         percent(challenge.fresh_used),
-        challenge.directed,
+        counted(challenge.directed, "more state"),
         percent(challenge.used),
     );
     text += &match outcome.bound {
@@ -311,8 +333,8 @@ fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> Stri
     if outcome.broken > 0 {
         let _ = writeln!(
             text,
-            "  before it        {} cheaper choice(s) failed such a search",
-            outcome.broken
+            "  before it        {} failed such a search",
+            counted(outcome.broken, "cheaper choice")
         );
     }
     let sizes = scales(task);
@@ -334,10 +356,10 @@ fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> Stri
 /// What came of the scene's motion.
 fn over_time(outcome: &FitOutcome, motion: &MotionShare) -> String {
     let mut text = format!(
-        "  over time        {} s of the scene's motion in {} steps: {} of the largest displacement \
+        "  over time        {} s of the scene's motion in {}: {} of the largest displacement \
          of a watched joint, {} allowed\n",
         motion.time,
-        motion.steps,
+        counted(motion.steps, "step"),
         exponential(motion.error),
         exponential(motion.allowed)
     );
@@ -351,8 +373,8 @@ fn over_time(outcome: &FitOutcome, motion: &MotionShare) -> String {
     }
     let _ = writeln!(
         text,
-        "                   {} cheaper choice(s) erred more; dearer ones were not tried over time",
-        outcome.drifted
+        "                   {} erred more; dearer ones were not tried over time",
+        counted(outcome.drifted, "cheaper choice")
     );
     text
 }
@@ -384,10 +406,10 @@ fn run(confirmation: &Confirmation) -> String {
         return format!("  not simulated: {}\n", confirmation.remark);
     }
     format!(
-        "  cycle by cycle   {} runs of {} cycles from memory images at the worst states, {} the \
+        "  cycle by cycle   {} of {} from memory images at the worst states, {} the \
          evaluator's bit for bit; {} of the tolerance\n",
-        confirmation.simulated,
-        confirmation.cycles,
+        counted(confirmation.simulated, "run"),
+        counted(confirmation.cycles, "cycle"),
         if confirmation.equal { "all" } else { "NOT" },
         percent(confirmation.simulated_used),
     )

@@ -263,7 +263,7 @@ impl Front {
 fn verdicts(points: &[FrontPoint], elements: usize) -> Vec<FrontVerdict> {
     let mut verdicts = Vec::new();
     for (index, point) in points.iter().enumerate().filter(|(_, point)| point.thesis) {
-        for count in 0..elements {
+        for count in (0..elements).filter(|&count| point.cycles[count].is_some()) {
             let best = |same_format: bool| {
                 let better = points.iter().enumerate().filter(|(_, other)| {
                     let comparable = !same_format || other.format == point.format;

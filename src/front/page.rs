@@ -4,11 +4,17 @@ use super::Front;
 use super::text::{figure, points_table, verdicts_table};
 use crate::present::json::json_script;
 use crate::present::page::{self, PointsPage};
+use crate::present::text::distinct;
 use robovec_codegen::hardware;
 use robovec_ir::Machine;
 
 /// The page of some fronts, measured on these machines.
 pub fn page(fronts: &[Front], machines: &[Machine]) -> String {
+    let devices = distinct(
+        machines
+            .iter()
+            .map(|machine| machine.device.device().name.as_str()),
+    );
     let machines = machines.iter().map(|machine| {
         let clock = hardware::clock(machine).text();
         format!(
@@ -30,7 +36,7 @@ pub fn page(fronts: &[Front], machines: &[Machine]) -> String {
         figures: verdicts + &page::figure(&figure(fronts)),
         points: "All points",
         tables: page::table(&points_table(fronts), "front.csv"),
-        method: METHOD,
+        method: &page::fill(METHOD, &[("devices", &devices)]),
         data: json_script(fronts),
     };
     page.to_html()
@@ -46,7 +52,7 @@ error is therefore that of everything together.</p>\
 the largest error of an array over its largest element. <b>Front</b>: no other point is nowhere \
 worse and somewhere better in cycles, in the median of the relative errors, in the worst \
 normwise error and in the <b>share of the device</b>: the largest of the shares of look-up tables, \
-memory blocks and multiplier blocks of a 5CSEBA6U23I7, estimated by formulas.</p>\
+memory blocks and multiplier blocks of the device ({{devices}}), estimated by formulas.</p>\
 <p>Inputs are numbers of binary32, so that formats of at least its width start from the same \
 state. Sines and cosines that are not written as series are prepared before the run, as in the \
 thesis, and cost no cycles.</p>";

@@ -8,6 +8,7 @@ use crate::present::{
     text_table,
 };
 use crate::yardstick::account::{measure_text, random_states};
+use robovec_ir::diagnostic::counted;
 use std::fmt::Write;
 
 /// The unit of errors in figures: the rounding of one operation in binary32.
@@ -39,8 +40,10 @@ fn standing(front: &Front, index: usize, elements: usize, undominated: &[usize])
 /// One table per number of elements, and what became of the thesis' choices.
 pub fn text(front: &Front) -> String {
     let mut text = format!(
-        "{}: {} operations as they came, {} states\n",
-        front.name, front.operations, front.states
+        "{}: {} as they came, {}\n",
+        front.name,
+        counted(front.operations, "operation"),
+        counted(front.states, "state")
     );
     for (name, reason) in &front.left {
         // Writing to a string cannot fail, here and below.
@@ -96,9 +99,9 @@ pub fn text(front: &Front) -> String {
     };
     let _ = writeln!(
         text,
-        "\nof the {} choices of the thesis, counted per number of elements, {} are dominated, {} \
-         of them within their own number format",
-        front.verdicts.len(),
+        "\nof {} of the thesis, counted per number of elements, {} dominated, {} of them within \
+         the own number format",
+        counted(front.verdicts.len(), "choice"),
         count(|verdict| verdict.by),
         count(|verdict| verdict.in_its_format),
     );

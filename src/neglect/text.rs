@@ -4,6 +4,7 @@ use super::search::{NeglectFindings, WatchedCurve};
 use crate::present::number::{exponential, or_dash};
 use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke, text_table};
 use robovec_ir::Machine;
+use robovec_ir::diagnostic::counted;
 use std::fmt::Write;
 
 /// The report: what was compared, speed, error and cost of the scenes, and
@@ -96,10 +97,11 @@ fn verdict(findings: &NeglectFindings, allowed: f64) -> String {
     let (before, after) = (full.operations.total(), reduced.operations.total());
     let share = 100.0 * after as f64 / before.max(1) as f64;
     let mut text = format!(
-        "\n{} of {} left out: {before} -> {after} operations ({share:.0} %), error of the motion \
+        "\n{} of {} left out: {before} -> {} ({share:.0} %), error of the motion \
          {} of {} allowed\n",
         taken.count(),
         findings.findings.len(),
+        counted(after, "operation"),
         exponential(reduced.motion),
         exponential(allowed),
     );

@@ -141,7 +141,8 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// A curve through points; an empty label is none.
+    /// A curve through points, those that are not finite left out; an empty
+    /// label is none.
     pub fn new(
         label: impl Into<String>,
         paint: Paint,
@@ -152,7 +153,9 @@ impl Curve {
             label: label.into(),
             paint,
             stroke,
-            marks: marks.into_iter().collect(),
+            marks: (marks.into_iter())
+                .filter(|mark| mark.x.is_finite() && mark.y.is_finite())
+                .collect(),
         }
     }
 
@@ -267,6 +270,21 @@ impl Figure {
             panels,
             columns,
         }
+    }
+
+    /// The figure with a sentence in its caption about lines of a kind, where
+    /// some are drawn.
+    pub fn with_note(mut self, stroke: Stroke, note: &str) -> Figure {
+        let is_drawn = |panel: &Panel| match &panel.content {
+            PanelContent::Curves(curves) => curves
+                .iter()
+                .any(|curve| curve.stroke == stroke && curve.marks.len() > 1),
+            PanelContent::Tiles(_) => false,
+        };
+        if self.panels.iter().any(is_drawn) {
+            self.caption = format!("{} {note}", self.caption);
+        }
+        self
     }
 
     /// The figure's numbers as comma-separated values.

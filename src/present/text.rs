@@ -41,6 +41,17 @@ pub(crate) fn text_lines(head: &str, rows: &[Vec<String>]) -> String {
     indented("", &text_table(head, rows))
 }
 
+/// Texts in their order, each once.
+pub(crate) fn distinct<'t>(texts: impl Iterator<Item = &'t str>) -> String {
+    let mut known: Vec<&str> = Vec::new();
+    for text in texts {
+        if !known.contains(&text) {
+            known.push(text);
+        }
+    }
+    known.join(", ")
+}
+
 /// The lines of a text behind an indentation, without blanks at their ends.
 pub(crate) fn indented(indentation: &str, text: &str) -> String {
     let lines = text.lines();

@@ -11,6 +11,7 @@ use crate::errors::{heat_text, heat_title};
 use crate::present::number::{or_dash, scientific, units};
 use crate::present::{indented, text_table};
 use robovec_ir::Level;
+use robovec_ir::diagnostic::counted;
 
 /// The columns of rows of a label, a number and a remark: without heads.
 const LABELLED: &str = " | >";
@@ -87,7 +88,10 @@ fn counts(function: &FunctionReport, text: &mut String) {
         vec![
             "equations".to_owned(),
             function.equations.to_string(),
-            format!("in {} vectors of independent ones", function.vectors),
+            format!(
+                "in {} of independent ones",
+                counted(function.vectors, "vector")
+            ),
         ],
         vec![
             "operations".to_owned(),
@@ -153,8 +157,9 @@ fn passes(function: &FunctionReport, text: &mut String) {
     let checked = function.passes.iter().find_map(|pass| pass.check.as_ref());
     let title = checked.map_or("Passes".to_owned(), |check| {
         format!(
-            "Passes, each checked at {} points from seed {}",
-            check.points, check.seed
+            "Passes, each checked at {} from seed {}",
+            counted(check.points, "point"),
+            check.seed
         )
     });
     section(&title, &text_table(head, &rows), text);
@@ -189,8 +194,9 @@ fn pass_errors(function: &FunctionReport, text: &mut String) {
         } = rounding;
         if rows.is_empty() {
             title = format!(
-                "Rounding in binary32 after each pass, units of 2^-24, {} states, seed {}",
-                rounding.states, rounding.seed
+                "Rounding in binary32 after each pass, units of 2^-24, {}, seed {}",
+                counted(rounding.states, "state"),
+                rounding.seed
             );
             let before = [&relative.before, &normwise.before];
             rows.push(row("(as read)", before, String::new()));
@@ -360,8 +366,10 @@ fn speed_against_error(function: &FunctionReport, text: &mut String) {
     let head =
         "format | >cycles | >time us | >median relative | >worst normwise | >worst ulps | of";
     let title = format!(
-        "Speed against error: rounding against reference values ({}), {} random states, seed {}",
-        function.error.reference, function.error.states, function.error.seed
+        "Speed against error: rounding against reference values ({}), {}, seed {}",
+        function.error.reference,
+        counted(function.error.states, "random state"),
+        function.error.seed
     );
     section(&title, &text_table(head, &rows), text);
 }

@@ -5,6 +5,7 @@ use super::{CaseFinding, Findings};
 use crate::present::escape::{Escaped, EscapedContent};
 use crate::present::page::{self, PointsPage};
 use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
+use robovec_ir::diagnostic::counted;
 use std::fmt::Write;
 
 /// An error of the findings.
@@ -89,8 +90,8 @@ pub fn page(findings: &[CaseFinding<'_>]) -> String {
     let page = PointsPage {
         title: "Hard cases and their cures".to_owned(),
         subtitle: format!(
-            "{} cases, computed by robovec {}",
-            findings.len(),
+            "{}, computed by robovec {}",
+            counted(findings.len(), "case"),
             env!("CARGO_PKG_VERSION")
         ),
         figures: match figure.panels.is_empty() {

@@ -4,6 +4,7 @@ use super::{CaseClass, Findings, LoopStabilisation, ProgramTreatment, StressCase
 use crate::present::number::or_dash;
 use crate::present::{DataCell, DataTable, text_lines};
 use robovec_ir::Format;
+use robovec_ir::diagnostic::counted;
 
 /// A case with what was found.
 pub type CaseFinding<'a> = (&'a StressCase, Findings);
@@ -162,10 +163,10 @@ pub fn classes(findings: &[CaseFinding<'_>]) -> String {
     for (class, of_class) in by_class(findings) {
         let cured = of_class.iter().filter(|(_, found)| found.cure.is_some());
         text += &format!(
-            "{}: {} of {} cases cured to within ten times the error of f64\n",
+            "{}: {} of {} cured to within ten times the error of f64\n",
             class.name(),
             cured.count(),
-            of_class.len()
+            counted(of_class.len(), "case")
         );
     }
     text

@@ -8,6 +8,8 @@ use super::variants;
 use super::zone::{BUSY, SATURATED};
 use crate::present::number::{exponential, percent};
 use crate::yardstick::account::measure_text;
+use robovec_codegen::hardware::MachineClock;
+use robovec_ir::diagnostic::counted;
 use serde::Serialize;
 
 /// The verdict about one program.
@@ -57,36 +59,34 @@ fn verdict(
 ) -> Option<StudyVerdict> {
     let facts = results.program(model, pipeline, machine)?;
     let knee = knee(results, model, pipeline, machine)?;
-    let mhz = results.plan.machines[machine].clock().mhz;
+    let clock = results.plan.machines[machine].clock();
     let subject = &results.plan.models[model];
     Some(StudyVerdict {
         model: facts.model.clone(),
         system: subject.source.clone(),
         formulation: variants::label(subject),
         pipeline: facts.pipeline.clone(),
-        answer: answer(facts, &knee, mhz),
+        answer: answer(facts, &knee, clock),
         cost: cost(facts, &knee),
-        reasons: reasons(facts, &knee, mhz),
+        reasons: reasons(facts, &knee, clock),
         zones: zones(facts, &knee),
         knee,
     })
 }
 
-fn microseconds(cycles: u32, mhz: f64) -> String {
-    format!("{:.2} µs", f64::from(cycles) / mhz)
+fn microseconds(cycles: u32, clock: MachineClock) -> String {
+    format!("{:.2} µs", clock.microseconds(cycles))
 }
 
 fn elements(split: &Split) -> String {
-    let plural =
-        |count: u32, noun: &str| format!("{count} {noun}{}", if count == 1 { "" } else { "s" });
     format!(
         "{} and {}",
-        plural(split.n_add, "adder"),
-        plural(split.n_multi, "multiplier")
+        counted(split.n_add, "adder"),
+        counted(split.n_multi, "multiplier")
     )
 }
 
-fn answer(facts: &ProgramFacts, knee: &Knee, mhz: f64) -> String {
+fn answer(facts: &ProgramFacts, knee: &Knee, clock: MachineClock) -> String {
     let model = &facts.model;
     match (&knee.cheapest, &knee.fastest) {
         (Some(best), _) => {
@@ -106,23 +106,25 @@ fn answer(facts: &ProgramFacts, knee: &Knee, mhz: f64) -> String {
                     below.elements(),
                     best.elements()
                 ),
-                _ => format!("{} processing elements", best.elements()),
+                _ => counted(best.elements(), "processing element"),
             };
             format!(
-                "{model} is worth {worth}: {}. They compute it in {} cycles, {} \
-                 at {mhz} MHz; {beyond}.",
+                "{model} is worth {worth}: {}. They compute it in {}, {} \
+                 at {}; {beyond}.",
                 elements(best),
-                best.cycles,
-                microseconds(best.cycles, mhz),
+                counted(best.cycles, "cycle"),
+                microseconds(best.cycles, clock),
+                clock.text(),
             )
         }
         (None, Some(fastest)) => format!(
             "{model} is worth more than the {} processing elements that were tried ({}): they \
-             take {} cycles, {} at {mhz} MHz, and the longest chain of operations takes {}.",
+             take {}, {} at {}, and the longest chain of operations takes {}.",
             fastest.elements(),
             elements(fastest),
-            fastest.cycles,
-            microseconds(fastest.cycles, mhz),
+            counted(fastest.cycles, "cycle"),
+            microseconds(fastest.cycles, clock),
+            clock.text(),
             knee.chain,
         ),
         (None, None) => format!("{model} could not be placed."),
@@ -144,17 +146,16 @@ fn cost(facts: &ProgramFacts, knee: &Knee) -> String {
     )
 }
 
-fn reasons(facts: &ProgramFacts, knee: &Knee, mhz: f64) -> Vec<String> {
+fn reasons(facts: &ProgramFacts, knee: &Knee, clock: MachineClock) -> Vec<String> {
     let share = 100.0 * facts.mul as f64 / facts.operations.max(1) as f64;
     let mut reasons = vec![
         format!(
-            "It has {} operations, {share:.0} % of them multiplications. The longest chain of \
-             operations that wait for one another has {} operations and takes {} cycles, {}: \
-             nothing computes it faster, however many elements there are.",
-            facts.operations,
-            facts.asap,
-            facts.asap_cycle,
-            microseconds(facts.asap_cycle, mhz),
+            "It has {}, {share:.0} % of them multiplications. The longest chain of \
+             operations that wait for one another has {} and takes {}, {}: nothing computes it faster, however many elements there are.",
+            counted(facts.operations, "operation"),
+            counted(facts.asap, "operation"),
+            counted(facts.asap_cycle, "cycle"),
+            microseconds(facts.asap_cycle, clock),
         ),
         format!(
             "Shared evenly, the operations would keep {:.1} elements busy for that long (the \
@@ -174,10 +175,10 @@ fn reasons(facts: &ProgramFacts, knee: &Knee, mhz: f64) -> Vec<String> {
     }
     if let (Some(single), Some(best)) = (&knee.single, knee.cheapest.or(knee.fastest)) {
         reasons.push(format!(
-            "One adder and one multiplier take {} cycles ({}). {} elements are {:.1} times as \
+            "One adder and one multiplier take {} ({}). {} elements are {:.1} times as \
              fast, and busy {:.0} % of the time instead of {:.0} %.",
-            single.cycles,
-            microseconds(single.cycles, mhz),
+            counted(single.cycles, "cycle"),
+            microseconds(single.cycles, clock),
             best.elements(),
             f64::from(single.cycles) / f64::from(best.cycles.max(1)),
             100.0 * best.rate,
@@ -196,7 +197,7 @@ fn zones(facts: &ProgramFacts, knee: &Knee) -> Vec<[String; 3]> {
     };
     let range = |from: u32, to: u32| {
         if from >= to {
-            format!("{to} elements")
+            counted(to, "element")
         } else {
             format!("{from} to {to} elements")
         }

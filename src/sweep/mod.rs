@@ -91,6 +91,8 @@ pub struct SweepPoint {
 pub struct FunctionSweep {
     /// The model or file.
     pub name: String,
+    /// The device that all designs are built on.
+    pub device: String,
     /// The programs that were placed.
     pub programs: Vec<SweptProgram>,
     /// The number format of their errors.
@@ -205,6 +207,7 @@ pub fn sweep(
     let times = cpu.clone().and_then(Result::ok).unwrap_or_default();
     Ok(FunctionSweep {
         name: name.to_owned(),
+        device: space.device.device().name.clone(),
         programs,
         number: thesis().number.to_string(),
         states: states.to_owned(),

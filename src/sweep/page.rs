@@ -1,7 +1,7 @@
 //! Sweeps as a page.
 
 use super::FunctionSweep;
-use super::text::{figure, points_table};
+use super::text::{devices, figure, points_table};
 use crate::present::DataCell;
 use crate::present::json::json_script;
 use crate::present::page::{self, PointsPage};
@@ -17,8 +17,9 @@ pub fn page(sweeps: &[FunctionSweep]) -> String {
     let page = PointsPage {
         title: "Resources against time".to_owned(),
         subtitle: format!(
-            "{}. Computed by robovec {}.",
+            "{}. {}. Computed by robovec {}.",
             names.join(", "),
+            devices(sweeps),
             env!("CARGO_PKG_VERSION")
         ),
         figures: page::figure(&figure(sweeps)) + &page::table(&fronts, "sweep.csv"),

@@ -2,15 +2,17 @@
 
 use super::{FunctionSweep, SweepPoint};
 use crate::present::number::{exponential, or_dash};
+use crate::present::text::distinct;
 use crate::present::{
     AxisScale, Curve, DataCell, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, text_table,
 };
 use crate::yardstick::account::{ERROR_COLUMNS, ERROR_HEADS, measure_text};
+use robovec_ir::diagnostic::counted;
 use robovec_ir::machine::MemoryStyle;
 
 /// The front with the processor's time beside it, and what did not work.
 pub fn text(sweep: &FunctionSweep) -> String {
-    let head = ">share % | >ALUT | >M10K | >DSP | add+multi | stages | >estimated MHz | memory | buffer | \
+    let head = ">share % | >tables | >memories | >multipliers | add+multi | stages | >estimated MHz | memory | buffer | \
          >instances | interconnect | >cycles | >bound | >latency us | >us/evaluation | \
          >uJ/evaluation | >CPU/FPGA | >program";
     let rows: Vec<Vec<String>> = sweep
@@ -19,9 +21,10 @@ pub fn text(sweep: &FunctionSweep) -> String {
         .map(|point| row(point, sweep.cpu_us))
         .collect();
     let mut text = format!(
-        "{}: {} designs, {} on the front\n\n{}\n{}\n",
+        "{}: {} on {}, {} on the front\n\n{}\n{}\n",
         sweep.name,
-        sweep.points.len(),
+        counted(sweep.points.len(), "design"),
+        sweep.device,
         rows.len(),
         text_table(&programs_head(), &programs(sweep)),
         text_table(head, &rows)
@@ -35,7 +38,10 @@ pub fn text(sweep: &FunctionSweep) -> String {
     text += &sweep.energy_text();
     if let Some((_, reason)) = sweep.failures.first() {
         let count = sweep.failures.len();
-        text += &format!("{count} designs could not be placed, the first because {reason}\n");
+        text += &format!(
+            "{} could not be placed, the first because {reason}\n",
+            counted(count, "design")
+        );
     }
     text
 }
@@ -181,19 +187,27 @@ pub fn points_table(sweeps: &[FunctionSweep]) -> DataTable {
     DataTable::new(
         "sweep",
         "Resources against time",
-        "Every design. The share is the largest of those of look-up tables, memory \
-                  blocks and multiplier blocks of the device, by formulas; nothing is \
-                  synthesised. The clock is that which the model of the device estimates, as \
-                  in every other command. Errors are those of the program in binary32, in \
-                  parts of the largest element of an array, at random states against \
-                  double-double arithmetic.",
+        format!(
+            "Every design. The share is the largest of those of look-up tables, memory blocks and \
+             multiplier blocks of the device ({}), by formulas; nothing is synthesised. The clock \
+             is that which the model of the device estimates, as in every other command. Errors \
+             are those of the program in {}, in parts of the largest element of an array, at \
+             random states against double-double arithmetic.",
+            devices(sweeps),
+            distinct(sweeps.iter().map(|sweep| sweep.number.as_str())),
+        ),
         &format!(
             "function | adders | multipliers | adder stages | multiplier stages | estimated clock (MHz) | \
          memory | buffer words | instances | interconnect | program | cycles | lower bound | \
-         latency (us) | us per evaluation | energy (uJ) | ALUT | M10K | DSP | share | CPU (us) | {ERROR_COLUMNS} | on front"
+         latency (us) | us per evaluation | energy (uJ) | look-up tables | memory blocks | multiplier blocks | share | CPU (us) | {ERROR_COLUMNS} | on front"
         ),
         rows,
     )
+}
+
+/// The devices of some sweeps.
+pub(super) fn devices(sweeps: &[FunctionSweep]) -> String {
+    distinct(sweeps.iter().map(|sweep| sweep.device.as_str()))
 }
 
 /// One panel per function: share of the device against time per evaluation.
@@ -202,10 +216,20 @@ pub fn figure(sweeps: &[FunctionSweep]) -> Figure {
     Figure::new(
         "sweep",
         "Resources against time",
-        "Share of the thesis' device against the time of one evaluation; the line joins \
-                  the designs that no other one beats, the dashed one is a core of this computer.",
+        format!(
+            "Share of the device ({}) against the time of one evaluation.",
+            devices(sweeps)
+        ),
         panels.len().clamp(1, 2),
         panels,
+    )
+    .with_note(
+        Stroke::Plain,
+        "The line joins the designs that no other one beats.",
+    )
+    .with_note(
+        Stroke::Dashed,
+        "The dashed line is a core of this computer.",
     )
 }
 

@@ -8,6 +8,7 @@
 
 use super::{ErrorSpread, Unmeasurable, Yardstick};
 use crate::present::number::exponential;
+use robovec_ir::diagnostic::counted;
 use robovec_ir::{Format, View};
 
 /// Heads of the two columns of errors in a table for the terminal.
@@ -36,7 +37,7 @@ pub fn random_states(count: usize, seed: u64, has_ranges: bool) -> String {
     } else {
         ""
     };
-    format!("{count} random states{ranges}, seed {seed}")
+    format!("{}{ranges}, seed {seed}", counted(count, "random state"))
 }
 
 /// What errors are parts of, and what they are measured against.

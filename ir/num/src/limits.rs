@@ -155,6 +155,19 @@ impl NumberLimit {
     }
 }
 
+/// A number with the noun that is counted, given in the singular: `1 design`,
+/// `2 designs`, `0 entries`. The plural is the regular one.
+pub fn counted(count: impl TryInto<u64>, noun: &str) -> String {
+    let count = count.try_into().unwrap_or(u64::MAX);
+    let ends = |ends: &[&str]| ends.iter().any(|end| noun.ends_with(end));
+    match noun.strip_suffix('y') {
+        _ if count == 1 => format!("1 {noun}"),
+        Some(stem) if !ends(&["ay", "ey", "oy"]) => format!("{count} {stem}ies"),
+        _ if ends(&["s", "x", "ch", "sh"]) => format!("{count} {noun}es"),
+        _ => format!("{count} {noun}s"),
+    }
+}
+
 /// A piece of the user's text for use in a message: at most 60 characters,
 /// with an ellipsis where it was cut.
 pub fn clip(text: &str) -> Cow<'_, str> {
@@ -277,5 +290,18 @@ mod tests {
             two.read_whole("three").expect_err("no number"),
             "'three' is not allowed: only 2 is, since there is no other"
         );
+    }
+
+    #[test]
+    fn counts_have_the_right_noun() {
+        for (count, noun, text) in [
+            (1, "model", "1 model"),
+            (0, "state", "0 states"),
+            (2, "entry", "2 entries"),
+            (3, "box", "3 boxes"),
+            (4, "array", "4 arrays"),
+        ] {
+            assert_eq!(counted(count, noun), text);
+        }
     }
 }

@@ -4,6 +4,7 @@
 use super::{ElementChoice, PlaceError, PlaceOptions, Priority, place};
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::{declare_pass, instances};
+use robovec_ir::diagnostic::counted;
 use robovec_ir::machine::fields;
 use robovec_ir::{Function, Level, Machine, Value};
 
@@ -149,8 +150,10 @@ impl Pass for Place {
             ),
         };
         context.remarks.push(format!(
-            "{} cycles{per_instance} on '{}', {quality}, by order '{}'",
-            summary.cycles, machine.name, summary.order
+            "{}{per_instance} on '{}', {quality}, by order '{}'",
+            counted(summary.cycles, "cycle"),
+            machine.name,
+            summary.order
         ));
         Ok(())
     }

@@ -16,6 +16,7 @@ use crate::optimise::{
 use clap::Args;
 use robovec_framework::options::OptionValue;
 use robovec_framework::scene::Scene;
+use robovec_ir::diagnostic::counted;
 use robovec_ir::{Machine, Operation};
 use robovec_passes::optimise::VariantClass;
 use std::path::PathBuf;
@@ -134,7 +135,10 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<String, CommandFailur
         let tally = pool.install(|| search_share(&given.starts, &question, &told));
         bar.finish_and_clear();
         let MakerTally { programs, found } = tally.map_err(failure)?;
-        return Ok(format!("{programs} programs, {found} of them found\n"));
+        return Ok(format!(
+            "{}, {found} of them found\n",
+            counted(programs, "program")
+        ));
     }
     let found = pool.install(|| optimise(&given.starts, &question, &told));
     bar.finish_and_clear();

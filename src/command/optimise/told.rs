@@ -13,6 +13,7 @@ use crate::yardstick::account::share_cell;
 use robovec_codegen::c;
 use robovec_codegen::hardware;
 use robovec_framework::manager::{self, Config};
+use robovec_ir::diagnostic::counted;
 use robovec_ir::{Machine, Module, print};
 use robovec_passes::registry::REGISTRY;
 use std::fmt::Write;
@@ -95,7 +96,8 @@ fn facts(given: &GivenStarts, question: &OptimisationQuestion<'_>, found: &Optim
         let clock = hardware::clock(machine);
         let time = clock.microseconds(cycles);
         line(format!(
-            "{cycles} cycles on {}, {time:.2} us at {}",
+            "{} on {}, {time:.2} us at {}",
+            counted(cycles, "cycle"),
             elements(machine),
             clock.text()
         ));
@@ -122,7 +124,7 @@ fn facts(given: &GivenStarts, question: &OptimisationQuestion<'_>, found: &Optim
             question.flags
         ));
     }
-    line(format!("{} operations", best.operations));
+    line(counted(best.operations, "operation"));
     line(found.errors.text());
     line(format!("proved against the input: {}", found.proof));
     for (name, reason) in &given.left {

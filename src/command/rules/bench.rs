@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use robovec_analysis::critical_path::critical_path;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
+use robovec_ir::diagnostic::counted;
 use robovec_ir::{Machine, Module};
 use robovec_passes::eqsat;
 use robovec_rules::RuleSet;
@@ -132,7 +133,10 @@ pub(super) fn run(arguments: &RuleBenchArguments) -> Result<String, CommandFailu
             None => tables.push(bench.table(name, &measured)),
             Some(_) => {
                 let (count, found) = (measured.len(), measured.iter().filter(|m| m.found).count());
-                text += &format!("{name}: {count} measurements, {found} of them found\n");
+                text += &format!(
+                    "{name}: {}, {found} of them found\n",
+                    counted(count, "measurement")
+                );
             }
         }
     }
@@ -339,8 +343,12 @@ fn to_text(tables: &[RuleTable], unused: &[String]) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{}: {} cycles and {} operations without rules, {} and {} with all\n",
-            found.input, none.cycles, none.operations, all.cycles, all.operations
+            "{}: {} and {} without rules, {} and {} with all\n",
+            found.input,
+            counted(none.cycles, "cycle"),
+            counted(none.operations, "operation"),
+            all.cycles,
+            all.operations
         );
         let rows: Vec<Vec<String>> = found
             .rows
@@ -358,10 +366,10 @@ fn to_text(tables: &[RuleTable], unused: &[String]) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "\n\nWith all rules: {} windows, {} forms; {:.0} % end without room for more forms, \
+            "\n\nWith all rules: {}, {}; {:.0} % end without room for more forms, \
              {:.0} % with no rounds of rules left.\n",
-            limits.windows,
-            limits.forms,
+            counted(limits.windows, "window"),
+            counted(limits.forms, "form"),
             100.0 * share(limits.out_of_nodes, limits.windows),
             100.0 * share(limits.out_of_iterations, limits.windows),
         );

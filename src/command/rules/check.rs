@@ -5,6 +5,7 @@ use super::super::{CommandFailure, output};
 use super::read;
 use crate::present::text_table;
 use clap::Args;
+use robovec_ir::diagnostic::counted;
 use robovec_rules::check::{self, Finding, Proof, RuleVerdict, TRIALS};
 use robovec_rules::{Rule, RuleSet};
 use serde_json::{Value, json};
@@ -75,7 +76,11 @@ fn established(findings: &[Finding]) -> String {
             RuleVerdict::False(_) | RuleVerdict::Unproved(_) => None,
         })
         .collect();
-    let count = format!("{} of {} rules proved", proofs.len(), findings.len());
+    let count = format!(
+        "{} of {} proved",
+        proofs.len(),
+        counted(findings.len(), "rule")
+    );
     let least = |number: fn(&Proof) -> u32| proofs.iter().map(number).min();
     let (Some(points), Some(states)) = (least(|proof| proof.points), least(|proof| proof.states))
     else {
@@ -86,9 +91,11 @@ fn established(findings: &[Finding]) -> String {
         .map(|proof| proof.distance)
         .fold(0.0, f64::max);
     format!(
-        "{count}: both sides are defined in the same places, and equal at {points} points or \
-         more\nof each of two prime fields and at {states} states or more within {distance:.0e} \
-         of the largest\nnumber there."
+        "{count}: both sides are defined in the same places, and equal at {} or \
+         more\nof each of two prime fields and at {} or more within {distance:.0e} \
+         of the largest\nnumber there.",
+        counted(points, "point"),
+        counted(states, "state")
     )
 }
 

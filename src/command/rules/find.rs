@@ -12,6 +12,7 @@ use crate::robotran::FunctionKind;
 use clap::Args;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
+use robovec_ir::diagnostic::counted;
 use robovec_ir::{Function, Machine, Module};
 use robovec_rules::RuleSet;
 use robovec_rules::find::{self, Found, MinedRules, MiningSpace, RuleSearch, TermSpace};
@@ -235,9 +236,11 @@ fn to_text(search: &RuleSearch, all: usize) -> String {
     // Writing to a string cannot fail.
     let _ = writeln!(
         text,
-        "{} terms tried{budget}, {} of different value; {} candidates, {} derived by known rules, \
-         {all} new.",
-        search.tried, search.different, search.candidates, search.derived
+        "{} tried{budget}, {} of different value; {}, {} derived by known rules, {all} new.",
+        counted(search.tried, "term"),
+        search.different,
+        counted(search.candidates, "candidate"),
+        search.derived
     );
     text.push_str(&table(search));
     text
@@ -251,13 +254,13 @@ fn mined_text(mined: &MinedRules, all: usize) -> String {
         (true, true) => "",
     };
     format!(
-        "{} windows of {} shapes that could gain; {} right sides tried for {} of them{limits}: \
-         {} candidates, {} derived by known rules, {all} new.\n{}",
-        mined.windows,
-        mined.shapes,
-        search.tried,
+        "{} of {} that could gain; {} tried for {} of them{limits}: \
+         {}, {} derived by known rules, {all} new.\n{}",
+        counted(mined.windows, "window"),
+        counted(mined.shapes, "shape"),
+        counted(search.tried, "right side"),
         search.different,
-        search.candidates,
+        counted(search.candidates, "candidate"),
         search.derived,
         table(search)
     )

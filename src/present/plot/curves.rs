@@ -27,7 +27,11 @@ pub(super) fn draw(svg: &mut Svg, frame: PlotFrame, panel: &Panel, curves: &[Cur
         )
     };
     for curve in curves.iter().filter(|curve| !is_marked(curve)) {
-        plane.stroke(svg, curve);
+        match curve.marks.len() {
+            // No line joins one point.
+            1 => plane.markers(svg, panel, curve),
+            _ => plane.stroke(svg, curve),
+        }
     }
     for curve in curves.iter().filter(is_marked) {
         plane.stroke(svg, curve);

@@ -99,3 +99,32 @@ fn axis_titles(svg: &mut Svg, frame: PlotFrame, panel: &Panel) {
     let middle = frame.top + frame.height / 2.0;
     svg.upright_text([frame.left - 48.0, middle], "axis", &panel.y.title);
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
+
+    fn figure(marks: &[[f64; 2]]) -> Figure {
+        let axis = || PlotAxis::new("x", AxisScale::Linear);
+        let marks = marks.iter().map(|&[x, y]| Mark::at(x, y));
+        let curve = Curve::new("one", Paint::Distinct(0), Stroke::Plain, marks);
+        let panel = Panel::curves("", axis(), axis(), [curve]);
+        Figure::new("f", "F", "Points.", 1, vec![panel]).with_note(Stroke::Plain, "A line.")
+    }
+
+    #[test]
+    fn a_curve_of_one_point_is_a_marker_and_no_line_in_the_caption() {
+        let drawn = |figure: &Figure| {
+            let svg = super::draw(figure);
+            let count = |what: &str| svg.matches(what).count();
+            (count("stroke-linejoin"), count("<path"))
+        };
+        let one = figure(&[[1.0, 2.0], [f64::NAN, 1.0]]);
+        assert_eq!((drawn(&one), one.caption.as_str()), ((0, 1), "Points."));
+        let two = figure(&[[1.0, 2.0], [2.0, 1.0]]);
+        assert_eq!(
+            (drawn(&two), two.caption.as_str()),
+            ((1, 0), "Points. A line.")
+        );
+    }
+}

@@ -12,6 +12,7 @@ use crate::present::escape::Escaped;
 use crate::present::json::json_script;
 use crate::present::number::round;
 use crate::present::{DataTable, Figure, page};
+use robovec_ir::diagnostic::counted;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -30,10 +31,10 @@ pub fn page(
 ) -> String {
     let plan = &results.plan;
     let subtitle = format!(
-        "{}. {} models, {} placements, computed by robovec {}.",
+        "{}. {}, {}, computed by robovec {}.",
         plan.description.trim_end_matches('.'),
-        plan.models.len(),
-        results.outcome.points.len(),
+        counted(plan.models.len(), "model"),
+        counted(results.outcome.points.len(), "placement"),
         env!("CARGO_PKG_VERSION")
     );
     let measured: Vec<DataTable> = [
@@ -116,6 +117,7 @@ fn data(results: &Results, cpu: &[CpuTime]) -> Value {
         "headline": plan.models.get(plan.headline).map(|model| &model.name),
         "machine": machine.map(|machine| &machine.name),
         "mhz": machine.map(|machine| machine.clock().mhz),
+        "clock_origin": machine.map(|machine| machine.clock().origin),
         "pipelines": plan
             .pipelines
             .iter()
@@ -152,9 +154,11 @@ fn method(results: &Results) -> String {
     {
         let _ = write!(
             text,
-            "<li>Machine <b>{}</b>: {}</li>",
+            "<li>Machine <b>{}</b>: {}, on {}, {}</li>",
             Escaped(&machine.name),
-            Escaped(&machine.machine.description)
+            Escaped(&machine.machine.description),
+            Escaped(&machine.machine.device.device().name),
+            Escaped(&machine.clock().text())
         );
     }
     for model in &plan.models {

@@ -2,6 +2,7 @@
 // are drawn already, tables are filled and have what all pages give them; this
 // file adds verdicts of other models, and a chart of one's own choice.
 const data = JSON.parse(document.getElementById("data").textContent);
+const clock = `${data.mhz} MHz (${data.clock_origin})`;
 const byId = (id) => document.getElementById(id);
 const SVG = "http://www.w3.org/2000/svg";
 const draw = (name, attributes, text) => {
@@ -23,8 +24,8 @@ const cpuSentence = (verdict) => {
   const own = best && best.cycles / data.mhz;
   const ratio = own && found.microseconds / own;
   const relation = !own ? "" : ratio >= 1
-    ? ` The elements take ${own.toFixed(2)} µs, ${ratio.toFixed(1)} times as fast.`
-    : ` The elements take ${own.toFixed(2)} µs: the core is ${(1 / ratio).toFixed(1)} times as fast.`;
+    ? ` The elements take ${own.toFixed(2)} µs at ${clock}, ${ratio.toFixed(1)} times as fast.`
+    : ` The elements take ${own.toFixed(2)} µs at ${clock}: the core is ${(1 / ratio).toFixed(1)} times as fast.`;
   return `The same function on one core of ${found.processor}: ${found.microseconds.toFixed(2)} µs in double precision (${found.compiler}).${relation}`;
 };
 // One line per kind of equations and pipeline of the same system.
@@ -38,7 +39,7 @@ function inShort(system) {
       make("td", {}, best ? `${verdict.knee.cheapest ? "" : "more than "}${best.n_add + best.n_multi} = ${best.n_add} adders + ${best.n_multi} multipliers` : ""),
       number(best && best.cycles / data.mhz), number(core));
   });
-  const heads = ["equations", "pipeline", "worth (processing elements)", "time with them (µs)", "one CPU core (µs)"];
+  const heads = ["equations", "pipeline", "worth (processing elements)", `time with them at ${clock} (µs)`, "one CPU core (µs)"];
   const head = make("thead", {}, make("tr", {}, ...heads.map((text) => make("th", {}, text))));
   return make("table", {}, head, make("tbody", {}, ...rows));
 }

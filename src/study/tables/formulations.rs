@@ -8,7 +8,7 @@ use crate::present::{DataCell, DataTable};
 
 pub(super) fn table(results: &Results) -> Option<DataTable> {
     let machine = results.main_machine()?;
-    let mhz = results.plan.machines[machine].clock().mhz;
+    let clock = results.plan.machines[machine].clock();
     let mut rows = Vec::new();
     for group in variants::groups(results) {
         for pipeline in 0..results.plan.pipelines.len() {
@@ -23,7 +23,7 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
                 let ratio = |own: f64, first: Option<f64>| {
                     first.map_or(DataCell::Empty, |first| DataCell::number(own / first, 3))
                 };
-                let time = |cycles: u32| DataCell::number(f64::from(cycles) / mhz, 2);
+                let time = |cycles: u32| DataCell::number(clock.microseconds(cycles), 2);
                 let mut row = vec![
                     DataCell::text(&subject.source),
                     DataCell::text(variants::label(subject)),
@@ -59,7 +59,8 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
             format!(
                 "Other recursions for the same function. Ratios are to the first formulation of \
             each system and pipeline. All but the first use that sin^2 + cos^2 = 1, which the \
-            thesis' machine with sin x = x does not keep. {}",
+            thesis' machine with sin x = x does not keep. Times at {}. {}",
+                clock.text(),
                 cost::CAPTION
             ),
             &format!(

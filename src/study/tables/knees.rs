@@ -10,7 +10,7 @@ use crate::present::{DataCell, DataTable};
 /// The knee of every program.
 pub(super) fn table(results: &Results) -> Option<DataTable> {
     let machine = results.main_machine()?;
-    let mhz = results.plan.machines[machine].clock().mhz;
+    let clock = results.plan.machines[machine].clock();
     let mut rows = Vec::new();
     for model in 0..results.plan.models.len() {
         for pipeline in 0..results.plan.pipelines.len() {
@@ -27,7 +27,7 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
             let number = |value: Option<f64>, decimals| {
                 value.map_or(DataCell::Empty, |value| DataCell::number(value, decimals))
             };
-            let time = |split: Split| f64::from(split.cycles) / mhz;
+            let time = |split: Split| clock.microseconds(split.cycles);
             let mut row = vec![
                 DataCell::text(&facts.model),
                 DataCell::text(&facts.pipeline),
@@ -60,7 +60,9 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
                 "Adders + multipliers (all). Busy: the largest equal numbers whose scarcer kind \
             starts an operation in nine of ten cycles. Knee: the smallest equal numbers within \
             2 % of the longest chain, exact where one of each kind less was placed too. Cheapest: \
-            the fewest elements within 2 %, unequal numbers included where they were placed. {}",
+            the fewest elements within 2 %, unequal numbers included where they were placed. Times \
+            at {}. {}",
+                clock.text(),
                 cost::CAPTION
             ),
             &format!(

@@ -76,6 +76,7 @@ pub(super) fn points(results: &Results) -> DataTable {
             }),
             DataCell::count(point.cycles),
             DataCell::count(point.lower_bound),
+            DataCell::text(machine.clock().text()),
             DataCell::number(time_us(point, machine.clock().mhz), 3),
             DataCell::number(100.0 * point.rate, 1),
             memory(0),
@@ -87,7 +88,7 @@ pub(super) fn points(results: &Results) -> DataTable {
             DataCell::text(zone.map_or("", |zone| zone.name())),
             DataCell::text(point.failure.as_deref().unwrap_or_default()),
         ];
-        row.splice(10..10, cost::cells(share, facts));
+        row.splice(11..11, cost::cells(share, facts));
         row
     });
     DataTable::new(
@@ -99,7 +100,7 @@ pub(super) fn points(results: &Results) -> DataTable {
         ),
         &format!(
             "model | pipeline | machine | adders | multipliers | order | choice | cycles | \
-         lower bound | time (µs) | {} | parallelisation rate (%) | memory of adders (words) | \
+         lower bound | clock | time (µs) | {} | parallelisation rate (%) | memory of adders (words) | \
          memory of multipliers (words) | buffer of adders (words) | \
          buffer of multipliers (words) | direct writes | indirect writes | zone | failure",
             cost::columns()

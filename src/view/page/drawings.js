@@ -36,7 +36,7 @@ function lateTab(page) {
       (plan ? `; when it is done on ${fn.machine} (${plan.cycles} cycles, no schedule is shorter than ${plan.bound})` : "") + `; its rounding error in ${fn.format} at one state, relative. A click tells why.`),
     table(["output", "chain, cycles", "slack", "done at cycle", "error"], rows, { class: "data", id: "outputs" }),
     el("h2", null, "What the passes did"),
-    table(["pass", "operations", "path, cycles", "time, ms", "error, median", "checked"], passes, { class: "data" })];
+    table(["pass", "operations", "path, cycles", "time, ms", "normwise error in binary32, median, 2⁻²⁴", "checked"], passes, { class: "data" })];
 }
 
 // Which equation a statement comes from, in words.
