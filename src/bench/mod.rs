@@ -30,7 +30,7 @@ use functions::{OutputKey, ReferenceResults};
 use robovec_ir::View;
 use robovec_ir::states::States;
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 pub use tools::Compiler;
 
 use crate::files::make_folder;
@@ -111,13 +111,16 @@ pub fn bench(
     // Programs are run from their own folders.
     let folder = &std::path::absolute(folder)?;
     let reference = ReferenceResults::new(question);
-    let mut outcomes = Vec::new();
-    let mut programs = Vec::new();
-    for (number, contestant) in contestants.iter().enumerate() {
+    let mut entered: Vec<Option<(BenchOutcome, PathBuf)>> = vec![None; contestants.len()];
+    // What compiles quickly comes first: peers of unknown size last.
+    let mut order: Vec<usize> = (0..contestants.len()).collect();
+    order.sort_by_key(|&index| contestants[index].operations.unwrap_or(usize::MAX));
+    for index in order {
+        let contestant = &contestants[index];
         progress(&format!("building {}", contestant.name));
         let place = match &contestant.shared {
             Some(name) => folder.join(name),
-            None => folder.join(&question.name).join(format!("{number:02}")),
+            None => folder.join(&question.name).join(contestant.content()),
         };
         make_folder(&place)?;
         contestant.write(&place)?;
@@ -142,9 +145,10 @@ pub fn bench(
             outcome.failure = Some(message);
             outcome.is_broken = true;
         }
-        outcomes.push(outcome);
-        programs.push(place);
+        entered[index] = Some((outcome, place));
     }
+    let entered = entered.into_iter().flatten();
+    let (mut outcomes, programs): (Vec<BenchOutcome>, Vec<PathBuf>) = entered.unzip();
     for round in 0..rounds {
         for ((contestant, outcome), place) in contestants.iter().zip(&mut outcomes).zip(&programs) {
             if outcome.failure.is_some() {
@@ -170,6 +174,24 @@ pub fn bench(
         }
     }
     Ok(outcomes)
+}
+
+/// For every program that several compilers made, the fastest of them, in the
+/// place of the first.
+pub fn by_the_better_compiler(outcomes: Vec<BenchOutcome>) -> Vec<BenchOutcome> {
+    let mut best: Vec<BenchOutcome> = Vec::with_capacity(outcomes.len());
+    for outcome in outcomes {
+        let same = |known: &&mut BenchOutcome| {
+            (known.family, &known.name) == (outcome.family, &outcome.name)
+        };
+        let time = |outcome: &BenchOutcome| outcome.nanoseconds.unwrap_or(f64::INFINITY);
+        match best.iter_mut().find(same) {
+            None => best.push(outcome),
+            Some(known) if time(&outcome) < time(known) => *known = outcome,
+            Some(_) => {}
+        }
+    }
+    best
 }
 
 /// Compiles, runs once and compares.

@@ -37,8 +37,9 @@ pub(super) struct BenchArguments {
     /// Forces and torques on the bodies of a model, drawn like other inputs, instead of none
     #[arg(long)]
     forces: bool,
-    /// C compilers
-    #[arg(long, value_delimiter = ',', default_value = "gcc")]
+    /// C compilers, each with a row of its own; by default the better of gcc and clang, where
+    /// both are installed, for every program
+    #[arg(long, value_delimiter = ',')]
     compilers: Vec<String>,
     /// What others offer that takes part, where it is installed; 'none' for nothing
     #[arg(long, value_delimiter = ',', default_values = peers::NAMES,
@@ -135,7 +136,7 @@ pub(super) fn outcomes(
         flags: arguments.flags.as_deref(),
     };
     let contestants = contestants(&question, loaded, arguments)?;
-    bench::bench(
+    let outcomes = bench::bench(
         &question,
         &contestants,
         folder,
@@ -143,7 +144,12 @@ pub(super) fn outcomes(
         arguments.milliseconds,
         &mut |what| bar.set_message(format!("{}: {what}", loaded.name)),
     )
-    .map_err(|error| CommandFailure::plain(format!("{}: {error}", folder.display())))
+    .map_err(|error| CommandFailure::plain(format!("{}: {error}", folder.display())))?;
+    Ok(if arguments.compilers.is_empty() {
+        bench::by_the_better_compiler(outcomes)
+    } else {
+        outcomes
+    })
 }
 
 /// What could take part and did not come to an end; others lack a library or
@@ -304,13 +310,24 @@ fn from_equations(
     Ok(())
 }
 
+/// The compilers of which the better one is taken for every program.
+const USUAL_COMPILERS: [&str; 2] = ["gcc", "clang"];
+
 /// The compilers that take part.
 fn compilers(arguments: &BenchArguments) -> Result<Vec<Compiler>, CommandFailure> {
     let compilers = arguments.compilers.iter();
-    let found: Result<Vec<Compiler>, String> =
-        compilers.map(|command| Compiler::find(command)).collect();
+    let found = if arguments.compilers.is_empty() {
+        let usual = USUAL_COMPILERS.map(Compiler::find);
+        if usual.iter().any(Result::is_ok) {
+            Ok(usual.into_iter().flatten().collect())
+        } else {
+            usual.into_iter().collect()
+        }
+    } else {
+        compilers.map(|command| Compiler::find(command)).collect()
+    };
     let note = "'--compilers' names the compilers that take part".to_owned();
-    found.map_err(|reason| CommandFailure::advised(reason, vec![note]))
+    found.map_err(|reason: String| CommandFailure::advised(reason, vec![note]))
 }
 
 /// How many formulations of a model take part.

@@ -132,6 +132,8 @@ pub struct Optimised {
     pub skipped: Vec<(String, String)>,
     /// How many more were made that looked like one of them.
     pub alike: usize,
+    /// How many more were made and not timed, since they promise less.
+    pub untimed: usize,
     /// The program that was taken: at the level atomic, not placed.
     pub program: Arc<Module>,
     /// Index of the start it comes from.
@@ -197,7 +199,15 @@ pub fn optimise(
     progress("proving the best");
     let proof = proof::prove(&prepared, trial, question).map_err(OptimisationError::Proof)?;
     let mut points = Vec::new();
+    let is_timed = measured
+        .figures
+        .iter()
+        .any(|figures| figures.nanoseconds.is_some());
     for (index, (trial, figures)) in outcome.trials.iter().zip(&measured.figures).enumerate() {
+        // What was not timed is no rival of what was.
+        if is_timed && figures.nanoseconds.is_none() && figures.remark.is_empty() {
+            continue;
+        }
         points.push(OptimisationPoint {
             name: trial.name.clone(),
             start: starts[trial.start].name.clone(),
@@ -220,9 +230,11 @@ pub fn optimise(
         });
     }
     let skipped = outcome.skipped.iter();
+    let taken = points.iter().position(|point| point.taken);
     Ok(Optimised {
+        untimed: outcome.trials.len() - points.len(),
         points,
-        best,
+        best: taken.expect("the best was timed, where any was"),
         alike: outcome.alike,
         skipped: skipped
             .map(|skipped| (skipped.name.clone(), skipped.reason.clone()))

@@ -34,16 +34,21 @@ fn error(point: &OptimisationPoint, place: usize) -> String {
     error.map_or("-".to_owned(), |error| format!("{error:.1e}"))
 }
 
-/// The table for the terminal.
+/// Programs in the table for the terminal.
+const SHOWN: usize = 10;
+
+/// The table for the terminal, of the best programs.
 pub fn table(found: &Optimised) -> String {
     let is_timed = found.points.iter().any(|point| point.nanoseconds.is_some());
     let or_dash = |number: Option<String>| number.unwrap_or_else(|| "-".to_owned());
-    let rows: Vec<Vec<String>> = order(&found.points)
-        .into_iter()
-        .map(|index| {
+    let order = order(&found.points);
+    let rows: Vec<Vec<String>> = order
+        .iter()
+        .take(SHOWN)
+        .map(|&index| {
             let point = &found.points[index];
             let time = match is_timed {
-                true => point.nanoseconds.map(|time| format!("{time:.0}")),
+                true => point.nanoseconds.map(|time| format!("{time:.1}")),
                 false => point.cycles.map(|cycles| cycles.to_string()),
             };
             let second = match is_timed {
@@ -83,6 +88,17 @@ pub fn table(found: &Optimised) -> String {
         found.errors.format,
         measure_text(&found.errors.states)
     );
+    if order.len() > SHOWN {
+        let more = order.len() - SHOWN;
+        let _ = write!(text, "\n{more} more are in optimise.csv of '-o FOLDER'");
+    }
+    if found.untimed > 0 {
+        let _ = write!(
+            text,
+            "\n{} more were made and not timed: by operations, loads and stores they promise less",
+            found.untimed
+        );
+    }
     if !found.skipped.is_empty() || found.alike > 0 {
         let _ = write!(
             text,

@@ -419,9 +419,6 @@ fn rules_that_make_what_cannot_be_placed_are_left_out() {
         let machine = Machine::built_in(machine).expect("it ships");
         super::placeable(&rules, &machine).1
     };
-    assert_eq!(
-        left_out("thesis"),
-        ["angles", "norm", "halves"]
-    );
+    assert_eq!(left_out("thesis"), ["angles", "norm", "halves"]);
     assert_eq!(left_out("solver"), ["angles", "norm"]);
 }

@@ -111,6 +111,16 @@ pub struct SkippedVariant {
     pub reason: String,
 }
 
+/// The reason of what waits for more effort.
+const BEYOND_EFFORT: &str = "beyond the effort";
+
+impl SkippedVariant {
+    /// True for what more effort would make.
+    pub(super) fn is_beyond_effort(&self) -> bool {
+        self.reason == BEYOND_EFFORT
+    }
+}
+
 /// What a search found.
 #[derive(Clone, Debug)]
 pub struct SearchOutcome<P> {
@@ -176,8 +186,14 @@ pub fn search<M: ProgramMaker>(
         search.carry_out(planned);
     }
     search.expand(1);
+    let operations = search.starts.iter();
+    let operations = operations.map(|start| M::function(&start.program).nodes().len());
+    let is_small = operations
+        .min()
+        .is_some_and(|operations| operations <= SMALL);
+    let unit = question.unit * if is_small { 2 } else { 1 };
     for effort in 2..=question.effort {
-        search.budget += question.unit;
+        search.budget += unit;
         let waiting = std::mem::take(&mut search.waiting);
         search.carry_out(waiting);
         search.expand(effort);
@@ -233,9 +249,14 @@ struct ProgramSearch<'a, M: ProgramMaker> {
     alike: usize,
 }
 
-/// Programs that moves are tried on for every effort: what keeps the list
-/// short where the functions are small.
-const EXPANSIONS: u32 = 9;
+/// Programs that moves are tried on by the first effort, and by each of the
+/// others: a bound for small functions, of which so many take little of the
+/// work allowed. The first is to be quick, since whole explorations take it.
+const EXPANSIONS: [u32; 2] = [9, 24];
+
+/// Operations up to which a function is small: each effort but the first has
+/// twice the work for it, since it gains by longer chains of moves.
+const SMALL: usize = 2_500;
 
 /// In one turn of so many moves are tried on the best of all programs.
 const TURNS: u32 = 3;
@@ -501,8 +522,10 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
     /// Tries all moves on one program after the other, as long as there is one
     /// that promises something and its moves fit into the budget.
     fn expand(&mut self, effort: u32) {
-        while self.waiting.is_empty() && self.expansions < effort.saturating_mul(EXPANSIONS) {
-            let Some((index, is_best)) = self.next() else {
+        let [first, others] = EXPANSIONS;
+        let most = first.saturating_add((effort - 1).saturating_mul(others));
+        while self.waiting.is_empty() && self.expansions < most {
+            let Some((index, is_best)) = self.next(effort) else {
                 return;
             };
             self.trials[index].is_expanded = true;
@@ -544,7 +567,7 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
     /// [`TURNS`] one that only a preparation made, of every lineage in turn, so
     /// that none is forgotten; then the best of all, for which the second part
     /// is true.
-    fn next(&self) -> Option<(usize, bool)> {
+    fn next(&self, effort: u32) -> Option<(usize, bool)> {
         let best = self.best_cycles();
         let fewest = self.trials.iter().map(|trial| trial.operations);
         let fewest = fewest.min().unwrap_or(0);
@@ -562,6 +585,16 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
             !trial.is_expanded && trial.bound.is_ok() && fits
         };
         let promising = (0..self.trials.len()).filter(promising);
+        // While work is left, what promises less has its turn as well.
+        if effort > 1 && promising.clone().next().is_none() {
+            let left = (0..self.trials.len()).filter(|&index| {
+                let trial = &self.trials[index];
+                !trial.is_expanded && trial.bound.is_ok()
+            });
+            return left
+                .min_by_key(|&index| self.rank(index))
+                .map(|index| (index, false));
+        }
         if self.expansions % TURNS != TURNS - 1 {
             let prepared = promising
                 .clone()
@@ -593,7 +626,7 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
         }
         for plan in std::mem::take(&mut self.waiting) {
             let (_, _, name, _) = self.description(plan);
-            let reason = "beyond the effort".to_owned();
+            let reason = BEYOND_EFFORT.to_owned();
             self.skipped.push(SkippedVariant { name, reason });
         }
         Ok(SearchOutcome {

@@ -119,9 +119,15 @@ pub const PREPARATIONS: &[SearchStep] = &[
     step("as printed", "dce{order=outputs},fold,cse,dce"),
 ];
 
+/// The name of the step that is the preset of that name: equations stay in
+/// the order given, which leaves compilers more registers in some files.
+pub const PRESET: &str = "$cpu";
+
 /// What starts go through besides where nothing but operations counts: schemes
 /// of polynomials make paths long.
 pub const FEWEST: &[SearchStep] = &[
+    bodies(PRESET, "fold,cse,composite,factor-trig{path=free},cse,dce"),
+    step("in the order given", "fold,cse,dce"),
     heavy(
         "schemes",
         "dce{order=outputs},fold,zero-removal,factor{path=free horner=occurrences},cse,dce",
@@ -249,6 +255,14 @@ pub(super) fn class(pipeline: &Pipeline) -> NumericClass {
 mod tests {
     use super::*;
     use crate::registry::REGISTRY;
+
+    #[test]
+    fn the_preset_is_a_step() {
+        let step = FEWEST.iter().find(|step| step.name == PRESET);
+        let pipeline = step.expect("it is one").pipeline;
+        let preset = REGISTRY.pipeline(PRESET).expect("it is a preset");
+        assert_eq!(preset.to_string(), format!("atomise,{pipeline}"));
+    }
 
     #[test]
     fn steps_are_pipelines_that_change_no_function() {

@@ -1,12 +1,28 @@
-//! The table of the programs that were tried, as lines of equal columns.
+//! The table of the best programs that were tried, as lines of equal columns.
 
 use super::search::SearchOutcome;
 
-/// The lines of the table: names to the left, numbers to the right.
+/// Programs in the table.
+const SHOWN: usize = 10;
+
+/// The lines of the table, the program taken first: names to the left, numbers to the right.
 pub(super) fn rows<P>(outcome: &SearchOutcome<P>) -> Vec<String> {
     let head = ["variant", "operations", "path", "bound", "cycles", ""].map(str::to_owned);
     let mut cells = vec![head];
-    for (index, trial) in outcome.trials.iter().enumerate() {
+    let mut order: Vec<usize> = (0..outcome.trials.len()).collect();
+    order.sort_by_key(|&index| {
+        let trial = &outcome.trials[index];
+        let cycles = trial.cycles.unwrap_or(u32::MAX);
+        (
+            outcome.best != Some(index),
+            cycles,
+            trial.operations,
+            trial.path,
+            index,
+        )
+    });
+    for &index in order.iter().take(SHOWN) {
+        let trial = &outcome.trials[index];
         let or_dash = |number: Option<u32>| number.map_or("-".to_owned(), |n| n.to_string());
         cells.push([
             trial.name.clone(),
@@ -19,11 +35,6 @@ pub(super) fn rows<P>(outcome: &SearchOutcome<P>) -> Vec<String> {
                 false => trial.remark.to_owned(),
             },
         ]);
-    }
-    for skipped in &outcome.skipped {
-        let dash = || "-".to_owned();
-        let reason = skipped.reason.clone();
-        cells.push([skipped.name.clone(), dash(), dash(), dash(), dash(), reason]);
     }
     let mut widths = [0; 6];
     for row in &cells {
@@ -38,5 +49,18 @@ pub(super) fn rows<P>(outcome: &SearchOutcome<P>) -> Vec<String> {
         }
         format!("{line}  {}", row[5]).trim_end().to_owned()
     };
-    cells.iter().map(line).collect()
+    let mut lines: Vec<String> = cells.iter().map(line).collect();
+    let more = outcome.trials.len().saturating_sub(SHOWN);
+    if more > 0 || !outcome.skipped.is_empty() {
+        let left = outcome.skipped.len();
+        lines.push(format!("{more} more were made, {left} left out"));
+    }
+    for skipped in outcome
+        .skipped
+        .iter()
+        .filter(|skipped| !skipped.is_beyond_effort())
+    {
+        lines.push(format!("left out: {}: {}", skipped.name, skipped.reason));
+    }
+    lines
 }
