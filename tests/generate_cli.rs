@@ -80,8 +80,8 @@ fn a_model_can_be_optimised_at_once() {
     );
 }
 
-/// A function of which the model has nothing is an error where it is named,
-/// and a remark among all.
+/// A function of which the model has nothing is an error, and a remark beside
+/// others.
 #[test]
 fn what_the_model_has_not_is_not_empty_without_a_word() {
     let arm = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/robots/arm.urdf");

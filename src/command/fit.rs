@@ -4,6 +4,7 @@ use super::flags::{SEED, states, whole};
 use super::output::result_files;
 use super::{CommandFailure, input, output, progress};
 use crate::explore::program::view;
+use crate::files::Replace;
 use crate::fit::confirm::{self, Confirmation};
 use crate::fit::{self, CostMeasure, FitError, FitOutcome, FitTask, MotionTolerance, SinePlace};
 use crate::generate::{Formulation, MomentOrigin, PrefixNetwork};
@@ -76,6 +77,8 @@ enum Cost {
 
 /// Runs the command.
 pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
+    let folder = arguments.output.as_deref();
+    output::refuse_foreign(folder, &["program.rvir", "machine.toml"], Replace::Results)?;
     let file = input::scene(&arguments.scene)?;
     let fail =
         |error: String| CommandFailure::plain(format!("{}: {error}", arguments.scene.display()));

@@ -91,9 +91,6 @@ pub(super) struct GenArguments {
     #[arg(short, long, value_name = "PATH", required_if_eq_any = [
         ("language", "c"), ("language", "matlab"), ("language", "python")])]
     output: Option<PathBuf>,
-    /// Replace files that robovec did not write
-    #[arg(long, requires = "output")]
-    force: bool,
 }
 
 impl GenArguments {
@@ -224,6 +221,7 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
     if let (None, Some(path)) = (arguments.language, &arguments.output) {
         names::refuse_wrong(path, true)?;
+        output::refuse_foreign(Some(path), &[""], Replace::Own)?;
     }
     let kinds = kinds(&arguments.function);
     let whole = [FunctionKind::Accelred, FunctionKind::Invdynared];
@@ -245,22 +243,18 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
         let formulation = arguments.formulation(&read.model, function, "recursive");
         let before = module.functions.len();
         add(&mut module, &read.model, (function, formulation), &options)?;
-        if let Err(error) = refuse_empty(&read.model, function, &module.functions[before..]) {
-            if arguments
-                .function
-                .iter()
-                .any(|name| name == function.name())
-            {
-                return Err(CommandFailure::plain(error.to_string()));
-            }
-            empty.push(function.name());
+        if refuse_empty(&read.model, function, &module.functions[before..]).is_err() {
+            empty.push(function);
         }
     }
-    if !empty.is_empty() {
+    if let Some(&first) = empty.first() {
+        refuse_empty(&read.model, first, &module.functions)
+            .map_err(|error| CommandFailure::plain(error.to_string()))?;
+        let names: Vec<&str> = empty.iter().map(|kind| kind.name()).collect();
         let _ = writeln!(
             telling::remarks(),
             "remark: the model has nothing for {}",
-            empty.join(", ")
+            names.join(", ")
         );
     }
     transform(&mut module, &pipeline)?;
@@ -269,19 +263,14 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
         functions.for_each(|function| Generation::from(arguments.generation).mark(function));
     }
     if let (Some(language), Some(folder)) = (arguments.language, &arguments.output) {
-        return write_files(
-            &module,
-            language,
-            &WriteOptions::default(),
-            folder,
-            arguments.force,
-        );
+        return write_files(&module, language, &WriteOptions::default(), folder);
     }
     match &arguments.output {
         None => Ok(print::print_module(&module)),
         Some(path) => {
-            let replace = output::forced(arguments.force, Replace::Own);
-            output::write_over(path, replace, |writer| print::write_module(&module, writer))?;
+            output::write_over(path, Replace::Own, |writer| {
+                print::write_module(&module, writer)
+            })?;
             Ok(String::new())
         }
     }
@@ -314,7 +303,7 @@ fn write_whole_step(arguments: &GenArguments, folder: &Path) -> Result<String, C
     };
     let files = whole_step::files(&model, &steps, &module, &style)
         .map_err(|error| CommandFailure::plain(error.to_string()))?;
-    let saved = save(&files, folder, arguments.force)?;
+    let saved = save(&files, folder)?;
     match real {
         Real::Double => Ok(saved),
         Real::Float => Ok(saved + &error_lines(&model, &steps, &module)?),

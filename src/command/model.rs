@@ -35,9 +35,6 @@ pub(super) struct ModelArguments {
     /// to the standard output
     #[arg(short, long, value_name = "PATH")]
     output: Option<PathBuf>,
-    /// Replace a file that is there
-    #[arg(long, requires = "output")]
-    force: bool,
     /// Tell whether these files of equations still belong to the model; exit
     /// code 1 when one must be generated again
     #[arg(long, value_name = "FILES", num_args = 1.., conflicts_with = "output")]
@@ -172,8 +169,9 @@ fn write(model: &Model, arguments: &ModelArguments) -> Result<String, CommandFai
         return Ok(text);
     };
     // Models are edited by hand, so none is known to be robovec's still.
-    let replace = output::forced(arguments.force, Replace::Nothing);
-    output::write_over(path, replace, |writer| writer.write_all(text.as_bytes()))?;
+    output::write_over(path, Replace::Nothing, |writer| {
+        writer.write_all(text.as_bytes())
+    })?;
     warn_of_limits(model);
     Ok(String::new())
 }

@@ -1,7 +1,7 @@
 //! `robovec neglect`: what a scene need not model.
 
 use super::{CommandFailure, input, output, progress};
-use crate::files::limited;
+use crate::files::{Replace, limited};
 use crate::model::mbs::unsayable;
 use crate::neglect::{self, NeglectError, NeglectTask};
 use crate::present::plot;
@@ -26,6 +26,16 @@ pub(super) struct NeglectArguments {
 /// Runs the command.
 pub(super) fn run(arguments: &NeglectArguments) -> Result<String, CommandFailure> {
     let path = &arguments.scene;
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    let name = name.to_string_lossy();
+    let stem = name.strip_suffix(".toml").unwrap_or(&name);
+    let stem = format!("{}-reduced", stem.strip_suffix(".scene").unwrap_or(stem));
+    let written = [".scene.toml", ".mbs", ".laws.toml"].map(|end| format!("{stem}{end}"));
+    output::refuse_foreign(
+        arguments.output.as_deref(),
+        &written.each_ref().map(String::as_str),
+        Replace::Results,
+    )?;
     let file = input::scene(path)?;
     let source = input::text(path, &limited::SCENE)?;
     let fail = |error: NeglectError| {
@@ -37,10 +47,6 @@ pub(super) fn run(arguments: &NeglectArguments) -> Result<String, CommandFailure
         .as_ref()
         .ok_or(NeglectError::NoMotion)
         .map_err(fail)?;
-    let name = path
-        .file_name()
-        .unwrap_or(path.as_os_str())
-        .to_string_lossy();
     let folder = path.parent().unwrap_or(Path::new(""));
     let module = file.module().map_err(|error| fail(error.into()))?;
     if let (SceneSubject::Model(subject), true) = (&file.subject, arguments.output.is_some())
@@ -71,8 +77,6 @@ pub(super) fn run(arguments: &NeglectArguments) -> Result<String, CommandFailure
     let report = neglect::text(&findings, motion.error, motion.time, &machine);
     let text = format!("{}\n\n{report}", file.scene.name);
     if let Some(folder) = &arguments.output {
-        let stem = name.strip_suffix(".toml").unwrap_or(&name);
-        let stem = format!("{}-reduced", stem.strip_suffix(".scene").unwrap_or(stem));
         let own_machine = file.scene.machine.as_ref().filter(|name| {
             // A built-in machine goes by its name wherever the scene is.
             robovec_ir::Machine::built_in(name).is_none()

@@ -9,7 +9,7 @@ use super::{
     CommandFailure, explain, listing, memory, names, output, placed, progress, reduction,
     reproducer, rules, simulation, telling,
 };
-use crate::files::{Replace, limited};
+use crate::files::{Replace, limited, set_force};
 use crate::report::{self, ReadCounts};
 use clap::FromArgMatches;
 use clap_complete::env::{CompleteEnv, Shells};
@@ -40,6 +40,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         Err(error) => error.exit(),
     };
     telling::set(arguments.telling);
+    set_force(arguments.force);
     let result = match arguments.run_reproducer {
         true => reproduced(&arguments, &words).and_then(|arguments| run(&arguments)),
         false => run(&arguments),
@@ -151,6 +152,7 @@ fn run(arguments: &OptimiserArguments) -> Result<(), CommandFailure> {
     if let Some(text) = information(arguments)? {
         return output::write_stdout(|stdout| stdout.write_all(text.as_bytes()));
     }
+    output::refuse_foreign(arguments.output.as_deref(), &[""], Replace::Own)?;
     let GivenInputs {
         pipeline,
         rules,
@@ -189,7 +191,7 @@ fn run(arguments: &OptimiserArguments) -> Result<(), CommandFailure> {
     }
     if arguments.explain.is_none() || arguments.output.is_some() {
         let path = arguments.output.as_deref();
-        write_result(path, arguments.force, &input.module, &outcome)?;
+        write_result(path, &input.module, &outcome)?;
     }
     let stages = [stage, stage_since("(write)", start)];
     let mut text = told;
@@ -529,7 +531,6 @@ fn write_report(
 
 fn write_result(
     path: Option<&Path>,
-    force: bool,
     module: &Module,
     outcome: &RunOutcome,
 ) -> Result<(), CommandFailure> {
@@ -539,13 +540,12 @@ fn write_result(
             .iter()
             .try_for_each(|file| writer.write_all(file.text.as_bytes())),
     };
-    let replace = output::forced(force, Replace::Own);
     match (path, outcome.artifacts.len()) {
         (None, 0 | 1) => output::write_stdout(text),
         (Some(path), 0 | 1) if path == Path::new("-") => output::write_stdout(text),
         (Some(path), count @ (0 | 1)) => {
             names::refuse_wrong(path, count == 0)?;
-            output::write_over(path, replace, text)
+            output::write_over(path, Replace::Own, text)
         }
         (Some(folder), count) => {
             names::refuse_for_several(folder, count)?;
@@ -560,7 +560,7 @@ fn write_result(
                 true => Replace::Anything,
                 false => Replace::Results,
             };
-            output::write_folder(folder, &files, output::forced(force, usual))
+            output::write_folder(folder, &files, usual)
         }
         (None, count) => Err(CommandFailure::advised(
             format!("the pipeline made {count} files"),

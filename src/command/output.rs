@@ -21,7 +21,7 @@ pub(crate) fn write_over(
     replace: Replace,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), CommandFailure> {
-    files::write_whole(path, replace, write).map_err(|error| failure(&error, replace))
+    files::write_whole(path, replace, write).map_err(|error| failure(&error))
 }
 
 /// Writes files that belong together, given as (name, text), into a folder.
@@ -30,7 +30,7 @@ pub(crate) fn write_folder(
     files: &[(&str, &str)],
     replace: Replace,
 ) -> Result<(), CommandFailure> {
-    files::sealed::write_folder(folder, files, replace).map_err(|error| failure(&error, replace))
+    files::sealed::write_folder(folder, files, replace).map_err(|error| failure(&error))
 }
 
 /// Writes files, given as (name, text), into a folder, which is made.
@@ -38,13 +38,11 @@ pub(crate) fn write_files<N: AsRef<str>>(
     folder: &Path,
     files: &[(N, String)],
 ) -> Result<(), CommandFailure> {
-    make_folder(folder)?;
-    for (name, text) in files {
-        write_file(&folder.join(name.as_ref()), |writer| {
-            writer.write_all(text.as_bytes())
-        })?;
-    }
-    Ok(())
+    let files: Vec<(&str, &str)> = files
+        .iter()
+        .map(|(name, text)| (name.as_ref(), text.as_str()))
+        .collect();
+    write_folder(folder, &files, Replace::Results)
 }
 
 /// The files of a table of results, all under its name: itself, its data for
@@ -62,22 +60,31 @@ pub(crate) fn result_files(
     ]
 }
 
-/// What an option `--force` makes of what may be replaced without it.
-pub(crate) fn forced(force: bool, usual: Replace) -> Replace {
-    match force {
-        true => Replace::Anything,
-        false => usual,
+/// Refuses, before any work, files of a folder that may not be replaced by its
+/// result.
+pub(crate) fn refuse_foreign(
+    folder: Option<&Path>,
+    names: &[&str],
+    replace: Replace,
+) -> Result<(), CommandFailure> {
+    let paths = folder.into_iter().flat_map(|folder| {
+        let join = |name: &&str| match name.is_empty() {
+            true => folder.to_owned(),
+            false => folder.join(name),
+        };
+        names.iter().map(join)
+    });
+    for path in paths {
+        files::refuse_foreign(&path, replace).map_err(|error| failure(&error))?;
     }
+    Ok(())
 }
 
-fn failure(error: &FileWriteError, replace: Replace) -> CommandFailure {
-    let notes = match (error, replace) {
-        (FileWriteError::System(..), _) => Vec::new(),
-        (FileWriteError::Foreign(_), Replace::Own | Replace::Nothing) => {
+fn failure(error: &FileWriteError) -> CommandFailure {
+    let notes = match error {
+        FileWriteError::System(..) => Vec::new(),
+        FileWriteError::Foreign(_) => {
             vec!["name another place, or replace it with --force".to_owned()]
-        }
-        (FileWriteError::Foreign(_), Replace::Results | Replace::Anything) => {
-            vec!["name another place, or remove the file first".to_owned()]
         }
     };
     CommandFailure::advised(error.to_string(), notes)

@@ -18,12 +18,12 @@ use super::sim::{self, SimArguments};
 use super::standing::{self, EquilibriumArguments, ModalArguments};
 use super::telling::{self, TellingArguments};
 use super::{CommandFailure, flags, grammar, input, output, write};
-use crate::files::limited;
+use crate::files::{Replace, limited, set_force};
 use crate::model::urdf::{RobotBase, RobotReading};
 use crate::process::{ProcessLimits, set_limits};
 use crate::simulate::LoadedProgram;
 use crate::sources::set_reading;
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::env::CompleteEnv;
 use std::ffi::OsString;
 use std::fmt::Write;
@@ -40,6 +40,9 @@ struct ToolArguments {
     command: ToolCommand,
     #[command(flatten)]
     telling: TellingArguments,
+    /// Replace files that robovec did not write
+    #[arg(long, global = true)]
+    force: bool,
     /// Time after which a compiler, a simulator of hardware, yosys or a program
     /// they made is stopped, s
     #[arg(long, global = true, value_name = "SECONDS", default_value_t = 1800,
@@ -154,6 +157,11 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         right_angle: arguments.right_angles,
     });
     telling::set(arguments.telling);
+    set_force(arguments.force);
+    if let Err(failure) = refuse_foreign_outputs(&matches) {
+        failure.emit();
+        return ExitCode::FAILURE;
+    }
     let start = Instant::now();
     let result = match &arguments.command {
         ToolCommand::Accuracy(arguments) => accuracy::run(arguments),
@@ -198,6 +206,19 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Refuses, before any work, files that results may not replace.
+fn refuse_foreign_outputs(matches: &ArgMatches) -> Result<(), CommandFailure> {
+    let Some((_, inner)) = matches.subcommand() else {
+        let outputs = ["output", "plot", "events", "dot", "trace"];
+        let path = |id| matches.try_get_one::<PathBuf>(id).ok().flatten();
+        for path in outputs.into_iter().filter_map(path) {
+            output::refuse_foreign(Some(path), &[""], Replace::Results)?;
+        }
+        return Ok(());
+    };
+    refuse_foreign_outputs(inner)
 }
 
 fn simulate(folder: &Path, machine: &str, inputs: &[f64]) -> Result<String, CommandFailure> {

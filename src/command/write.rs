@@ -63,9 +63,6 @@ pub(crate) struct WriteArguments {
     /// Generator whose names C bears, instead of the one the file was written for
     #[arg(long, value_enum)]
     generation: Option<GenerationName>,
-    /// Replace files that robovec did not write
-    #[arg(long)]
-    force: bool,
 }
 
 /// The type that C computes in.
@@ -153,7 +150,7 @@ pub(crate) fn run(arguments: &WriteArguments) -> Result<String, CommandFailure> 
         files.extend(written);
     }
     refuse_losses(&arguments.files, &files, &arguments.output)?;
-    save(&files, &arguments.output, arguments.force)
+    save(&files, &arguments.output)
 }
 
 /// How bounded C is written.
@@ -234,23 +231,18 @@ pub(super) fn write_files(
     language: OutputLanguage,
     options: &WriteOptions,
     folder: &Path,
-    force: bool,
 ) -> Result<String, CommandFailure> {
     let files = write(module, language.into(), options)
         .map_err(|error| CommandFailure::plain(error.to_string()))?;
-    save(&files, folder, force)
+    save(&files, folder)
 }
 
-pub(super) fn save(
-    files: &[(String, String)],
-    folder: &Path,
-    force: bool,
-) -> Result<String, CommandFailure> {
+pub(super) fn save(files: &[(String, String)], folder: &Path) -> Result<String, CommandFailure> {
     let texts: Vec<(&str, &str)> = files
         .iter()
         .map(|(name, text)| (&**name, &**text))
         .collect();
-    output::write_folder(folder, &texts, output::forced(force, Replace::Own))?;
+    output::write_folder(folder, &texts, Replace::Own)?;
     let mut names = String::new();
     for (name, _) in files {
         // Writing to a string cannot fail.

@@ -23,6 +23,6 @@ pub mod sealed;
 mod temporary;
 mod write;
 
-pub use own::Replace;
+pub use own::{Replace, set_force};
 pub use temporary::TemporaryFolder;
-pub use write::{FileWriteError, make_folder, write_whole};
+pub use write::{FileWriteError, make_folder, refuse_foreign, write_whole};

@@ -1,8 +1,9 @@
 //! Whether a file that is there may be replaced.
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What may be replaced by a file that is written.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -42,14 +43,27 @@ const MARKS: [&str; 7] = [
     "// reproduce: robovec-opt ",
 ];
 
-/// True when a file that is there may be replaced.
+/// True while anything may be replaced.
+static FORCED: AtomicBool = AtomicBool::new(false);
+
+/// Sets whether anything may be replaced from now on, in the whole process.
+pub fn set_force(force: bool) {
+    FORCED.store(force, Ordering::Relaxed);
+}
+
+/// True when a file that is there may be replaced; of a symbolic link its name
+/// and that of what it leads to count.
 pub(super) fn may_replace(path: &Path, replace: Replace) -> io::Result<bool> {
-    let extension = path.extension().and_then(|extension| extension.to_str());
+    if FORCED.load(Ordering::Relaxed) {
+        return Ok(true);
+    }
+    let is_hand = |path: &Path| {
+        let extension = path.extension().and_then(|extension| extension.to_str());
+        extension.is_some_and(|end| WRITTEN_BY_HAND.contains(&end))
+    };
     match replace {
         Replace::Anything => Ok(true),
-        Replace::Results if !extension.is_some_and(|end| WRITTEN_BY_HAND.contains(&end)) => {
-            Ok(true)
-        }
+        Replace::Results if !is_hand(path) && !is_hand(&fs::canonicalize(path)?) => Ok(true),
         Replace::Results | Replace::Own => {
             let head = head(path)?;
             Ok(head.is_empty() || is_own(&head))

@@ -5,8 +5,8 @@
 //! before anything is written over and written last, so that a folder that
 //! has it was once complete, and its hashes tell whether it still is.
 
-use super::own::{self, Replace};
-use super::write::{FileWriteError, make_folder, write_whole};
+use super::own::Replace;
+use super::write::{FileWriteError, make_folder, refuse_foreign, write_whole};
 use robovec_codegen::manifest::FileHash;
 use robovec_codegen::rtl::DESCRIPTION;
 use robovec_num::fnv::Fnv;
@@ -45,11 +45,7 @@ pub fn write_folder(
         move |error: io::Error| FileWriteError::System(path, error)
     };
     for (name, _) in files {
-        let path = folder.join(name);
-        let there = fs::metadata(&path).is_ok_and(|there| there.is_file());
-        if there && !own::may_replace(&path, replace).map_err(system(&path))? {
-            return Err(FileWriteError::Foreign(path));
-        }
+        refuse_foreign(&folder.join(name), replace)?;
     }
     for (name, _) in files.iter().filter(|(name, _)| turn(name) > 0) {
         let path = folder.join(name);

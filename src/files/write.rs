@@ -71,10 +71,8 @@ pub fn write_whole(
             .map_err(fail)
         }
         Ok(there) => {
+            refuse_foreign(path, replace)?;
             let target = fs::canonicalize(path).map_err(fail)?;
-            if !own::may_replace(&target, replace).map_err(fail)? {
-                return Err(FileWriteError::Foreign(path.to_owned()));
-            }
             replace_file(&target, &there, write).map_err(fail)
         }
         // Nothing is there, or a link that leads to nothing.
@@ -82,6 +80,21 @@ pub fn write_whole(
             create_file(path, write).map_err(fail)
         }
         Err(error) => Err(fail(error)),
+    }
+}
+
+/// An error when a file is there that may not be replaced: asked before work
+/// whose result goes there.
+///
+/// # Errors
+///
+/// When something is there that may not be replaced, or cannot be read.
+pub fn refuse_foreign(path: &Path, replace: Replace) -> Result<(), FileWriteError> {
+    let is_there = fs::metadata(path).is_ok_and(|there| there.is_file());
+    let system = |error: io::Error| FileWriteError::System(path.to_owned(), error);
+    match !is_there || own::may_replace(path, replace).map_err(system)? {
+        true => Ok(()),
+        false => Err(FileWriteError::Foreign(path.to_owned())),
     }
 }
 

@@ -44,9 +44,6 @@ pub fn set_limits(limits: ProcessLimits) {
     let _ = LIMITS.set(limits);
 }
 
-/// A program that only tells its version takes no longer.
-const VERSION_TIME: Duration = Duration::from_secs(60);
-
 /// Time between two looks at a program.
 const PAUSE: Duration = Duration::from_millis(50);
 
@@ -131,11 +128,9 @@ impl ProgramCall {
         }
     }
 
-    /// A program asked for its version, which must answer soon.
+    /// A program asked for its version.
     pub fn version(program: impl AsRef<Path>, argument: &str) -> ProgramCall {
-        let mut call = ProgramCall::new(program).arguments([argument]);
-        call.limits.time = call.limits.time.min(VERSION_TIME);
-        call
+        ProgramCall::new(program).arguments([argument])
     }
 
     /// The same under another name in messages: of a shell that runs a

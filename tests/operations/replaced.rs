@@ -165,3 +165,76 @@ fn generated_folders_are_written_again_and_foreign_c_stays() {
     said(&into("codegen{target=c signature=plain}", &["--force"]));
     assert!(read(&path).contains("by robovec"));
 }
+
+/// Every result that could take the place of a user's file, by the name of the
+/// file or by that of a link to it, is refused before the input is read, which
+/// is not there.
+#[cfg(unix)]
+#[test]
+fn refusals_come_before_work_and_look_behind_links() {
+    use std::os::unix::fs::symlink;
+    for (name, arguments) in [
+        ("program.rvir", "optimise nothing.rvir -o ."),
+        ("start.rvir", "optimise nothing.rvir -o ."),
+        ("program.rvir", "fit nothing.toml -o ."),
+        ("machine.toml", "fit nothing.toml -o ."),
+        ("nothing-reduced.mbs", "neglect nothing.scene.toml -o ."),
+        ("x.py", "sim nothing.mbs -o x.py"),
+        ("x.py", "sim nothing.mbs --plot x.py"),
+        ("x.py", "sim nothing.mbs --events x.py"),
+        ("x.py", "view nothing.rvir -o x.py"),
+        ("x.py", "view nothing.rvir --dot x.py"),
+        ("x.py", "view nothing.rvir --trace x.py"),
+        ("x.py", "modal nothing.mbs -o x.py"),
+        ("x.py", "equilibrium nothing.mbs -o x.py"),
+        ("x.rules", "rules find nothing.rvir -o x.rules"),
+        (
+            "x.rules",
+            "rules import nothing.egg --syntax egglog -o x.rules",
+        ),
+        ("x.rvir", "gen nothing.mbs -o x.rvir"),
+        ("x.rvir", "robovec-opt nothing.rvir -o x.rvir"),
+    ] {
+        for (link, target) in [(name, "notes"), (name, "mine.c"), ("", name)] {
+            let folder = folder();
+            let at = |name: &str| folder.path().join(name);
+            write(&at(target), "notes of a week\n");
+            if !link.is_empty() {
+                symlink(target, at(link)).expect("a link");
+            }
+            let words: Vec<&str> = arguments.split(' ').collect();
+            let output = match words[0] {
+                "robovec-opt" => opt_in(folder.path(), &words[1..]),
+                _ => robovec_in(folder.path(), &words),
+            };
+            let message = refused(&output);
+            assert!(
+                message.contains("robovec did not write it"),
+                "{arguments}: {message}"
+            );
+            assert!(message.contains("--force"), "{arguments}: {message}");
+            assert_eq!(read(&at(target)), "notes of a week\n", "{arguments}");
+        }
+    }
+}
+
+/// A result of no kind leads to a file of a program: the name of what a link
+/// leads to counts.
+#[cfg(unix)]
+#[test]
+fn a_link_to_a_program_is_no_place_for_results() {
+    use std::os::unix::fs::symlink;
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    write(&at("mine.c"), "int mine;\n");
+    symlink("mine.c", at("table.csv")).expect("a link");
+    let run = |more: &[&str]| {
+        let model = pendulum();
+        let arguments = ["sim", &model, "--time=0.1", "-o", "table.csv"];
+        robovec_in(folder.path(), &[&arguments[..], more].concat())
+    };
+    refused(&run(&[]));
+    assert_eq!(read(&at("mine.c")), "int mine;\n");
+    said(&run(&["--force"]));
+    assert!(read(&at("mine.c")).starts_with("time"));
+}

@@ -5,10 +5,11 @@ mod told;
 
 use super::flags::{EFFORT, SEED, states, whole};
 use super::shares::ShareArguments;
-use super::{CommandFailure, input, progress};
+use super::{CommandFailure, input, output, progress};
 use crate::bench::{Compiler, own};
 use crate::explore::placing::with_counts;
 use crate::explore::share::SharedWork;
+use crate::files::Replace;
 use crate::optimise::maker::MakerTally;
 use crate::optimise::{
     OptimisationError, OptimisationQuestion, OptimisationTarget, optimise, search_share,
@@ -78,13 +79,12 @@ pub(super) struct OptimiseArguments {
     /// Threads; as many as there are processors by default
     #[arg(long, value_name = "N", add = whole(1, 1024, "every thread takes memory of its own"))]
     jobs: Option<u32>,
-    /// Replace files that robovec did not write
-    #[arg(long, requires = "output")]
-    force: bool,
 }
 
 /// Runs the command.
 pub(super) fn run(arguments: &OptimiseArguments) -> Result<String, CommandFailure> {
+    let folder = arguments.output.as_deref();
+    output::refuse_foreign(folder, &[told::PROGRAM, told::START], Replace::Results)?;
     let pool = super::threads(arguments.jobs)?;
     let mut given = given::given(arguments)?;
     if arguments.class == VariantClass::Real {

@@ -47,13 +47,12 @@ pub(super) fn tell(
         "optimise.html".to_owned(),
         page::page(&given.name, found, &facts, &commands),
     ));
-    let replace = output::forced(arguments.force, Replace::Results);
-    for (name, content) in files.iter().filter(|(name, _)| !name.contains('/')) {
-        let path = folder.join(name);
-        output::write_over(&path, replace, |writer| {
-            writer.write_all(content.as_bytes())
-        })?;
-    }
+    let top: Vec<(&str, &str)> = files
+        .iter()
+        .filter(|(name, _)| !name.contains('/'))
+        .map(|(name, text)| (name.as_str(), text.as_str()))
+        .collect();
+    output::write_folder(folder, &top, Replace::Results)?;
     for part in [HARDWARE, IMAGES] {
         let inside = files.iter().filter_map(|(name, content)| {
             let name = name.strip_prefix(part)?.strip_prefix('/')?;
@@ -81,7 +80,7 @@ pub(super) fn tell(
 
 /// The name of the file with the equations that the best program starts from,
 /// where they are not those that came in.
-const START: &str = "start.rvir";
+pub(super) const START: &str = "start.rvir";
 
 /// What was taken and what is known of it.
 fn facts(given: &GivenStarts, question: &OptimisationQuestion<'_>, found: &Optimised) -> String {
@@ -200,7 +199,7 @@ fn commands(arguments: &OptimiseArguments, given: &GivenStarts, found: &Optimise
 }
 
 /// The name of the program's file.
-const PROGRAM: &str = "program.rvir";
+pub(super) const PROGRAM: &str = "program.rvir";
 
 /// Folders for hardware, and for memory images alone.
 const HARDWARE: &str = "rtl";
