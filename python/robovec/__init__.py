@@ -18,7 +18,7 @@ from typing import Any, Mapping, Sequence
 
 import numpy as np
 
-from . import _robovec
+from . import _gate, _robovec
 from ._compiled import Compiled, compile_files
 from ._robovec import Error, __version__
 
@@ -97,7 +97,7 @@ class Program:
         ``check`` compares it before and after every pass at so many points
         (``True``: 4) and raises ``Error`` when a pass changed the function.
         """
-        points = 4 if check is True else int(check) or None
+        points = 4 if check is True else _gate.whole("check", check) or None
         return Program(self._inner.run(passes, machine, points))
 
     def differentiate(
@@ -147,7 +147,7 @@ class Program:
         does not know either is an error. An array without the first axis is
         the same for all states. ``number`` is what is computed with (``f32``,
         ``float(8,17)``, ``fixed(12,19)``, …) and ``threads`` how many threads
-        share the states (0: as many as there are processors). Results are those
+        share the states (0: as many as there are processors; 1024 at most). Results are those
         of ``robovec eval``, bit for bit, in 64-bit floats.
         """
         given, states = self._states(arrays)
@@ -158,7 +158,7 @@ class Program:
         ]
         flat = np.concatenate(parts, axis=1) if parts else np.zeros((count, 0))
         flat = np.ascontiguousarray(flat, dtype=np.float64)
-        raw = self._inner.evaluate(flat.tobytes(), number, threads)
+        raw = self._inner.evaluate(flat.tobytes(), number, _gate.whole("threads", threads))
         numbers = np.frombuffer(raw).reshape(-1, self._width(self.outputs))
         if len(numbers) != count:
             numbers = np.broadcast_to(numbers, (count, numbers.shape[1]))
@@ -186,6 +186,8 @@ class Program:
         ``passes`` run before, as ``$cpu``. ``folder`` keeps the C files and the
         library; without it they are removed with the object.
         """
+        if number not in ("double", "float"):
+            raise Error(f"number is 'double' or 'float', not {number!r}")
         options = f"target=batch number={number} lanes={lanes} parameters=own"
         steps = [passes] if passes else []
         steps.append(f"codegen{{{options}}}")
@@ -224,13 +226,15 @@ class Program:
         states: int | None = None
         for name, shape in self.inputs.items():
             if name in arrays:
-                array = np.asarray(arrays[name], dtype=np.float64)
+                array = _gate.numbers(name, arrays[name])
             else:
                 numbers = self._inner.parameters(name)
                 if numbers is None:
                     raise Error(f"{self.name} needs the input '{name}' of shape {shape}")
                 array = np.array(numbers).reshape(shape)
             if array.shape[1:] == shape and array.ndim == len(shape) + 1:
+                if len(array) == 0:
+                    raise Error(f"'{name}' has no states")
                 if states is not None and states != len(array):
                     raise Error(f"'{name}' has {len(array)} states, others have {states}")
                 states = len(array)

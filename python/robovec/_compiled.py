@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Sequence
 
 import numpy as np
 
+from . import _gate, _robovec
 from ._robovec import Error
 
 if TYPE_CHECKING:
@@ -35,12 +36,8 @@ def compile_files(
     kept = folder is not None
     place = pathlib.Path(tempfile.mkdtemp(prefix="robovec-") if folder is None else folder)
     try:
-        place.mkdir(parents=True, exist_ok=True)
-        sources = []
-        for name, text in files:
-            (place / name).write_text(text)
-            if name.endswith(".c"):
-                sources.append(str(place / name))
+        _robovec.write_files(str(place), list(files))
+        sources = [str(place / name) for name, _ in files if name.endswith(".c")]
         library = place / f"{program.name}.so"
         command = [compiler, *flags, "-shared", "-fPIC", "-o", str(library), *sources, "-lm"]
         try:
@@ -49,7 +46,11 @@ def compile_files(
             raise Error(f"cannot start the compiler '{compiler}': {error}") from error
         if done.returncode != 0:
             raise Error(f"{' '.join(command)}\n{done.stderr}")
-        return Compiled(program, ctypes.CDLL(str(library)), number, place if kept else None)
+        try:
+            loaded = ctypes.CDLL(str(library))
+        except OSError as error:
+            raise Error(f"cannot load what '{compiler}' made: {error}") from error
+        return Compiled(program, loaded, number, place if kept else None)
     finally:
         # The library stays in memory when its file is gone.
         if not kept:
@@ -76,6 +77,7 @@ class Compiled:
         return {name: self._room(shape, states) for name, shape in shapes}
 
     def _room(self, shape: tuple[int, ...], states: int) -> np.ndarray:
+        states = _gate.whole("states", states)
         padded = np.zeros((states, *(extent + 1 for extent in shape)), self._number)
         return padded[(slice(None), *(slice(1, None) for _ in shape))]
 
@@ -123,9 +125,12 @@ class Compiled:
             passed.append(whole)
         results = self.results(count) if out is None else out
         for name, shape in program.outputs.items():
-            whole = self._whole(results[name], shape) if len(results[name]) == count else None
+            room = _gate.room(name, results.get(name), (count, *shape), self._number)
+            whole = self._whole(room, shape)
             if whole is None:
                 raise Error(f"'{name}' of out is not of results({count})")
+            if any(np.may_share_memory(whole, other) for other in passed):
+                raise Error(f"'{name}' of out shares its memory with another array")
             passed.append(whole)
         pointers = [ctypes.c_void_p(array.ctypes.data) for array in passed]
         if self._function(ctypes.c_long(count), *pointers) != 0:

@@ -4,6 +4,8 @@ __version__: str
 
 class Error(Exception): ...
 
+def write_files(folder: str, files: list[tuple[str, str]]) -> None: ...
+
 class Program:
     @staticmethod
     def load(

@@ -12,6 +12,9 @@ mod values;
 
 use program::PythonProgram;
 use pyo3::prelude::*;
+use robovec::files::Replace;
+use robovec::files::sealed::write_folder;
+use std::path::PathBuf;
 
 pyo3::create_exception!(
     robovec,
@@ -20,10 +23,23 @@ pyo3::create_exception!(
     "What robovec refuses, with the place and the remedy."
 );
 
+/// Writes files into a folder, which is made; files of programs that robovec
+/// did not write stay.
+#[pyfunction]
+fn write_files(folder: PathBuf, files: Vec<(String, String)>) -> PyResult<()> {
+    let files: Vec<(&str, &str)> = files
+        .iter()
+        .map(|(name, text)| (&**name, &**text))
+        .collect();
+    write_folder(&folder, &files, Replace::Results)
+        .map_err(|error| Error::new_err(error.to_string()))
+}
+
 /// The module behind the package.
 #[pymodule]
 fn _robovec(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("Error", module.py().get_type::<Error>())?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_function(wrap_pyfunction!(write_files, module)?)?;
     module.add_class::<PythonProgram>()
 }

@@ -6,9 +6,13 @@ use rayon::prelude::*;
 use robovec_ir::evaluate::evaluate_mixed;
 use robovec_ir::{Format, Function};
 use robovec_num::arithmetic::Arithmetic;
+use robovec_num::limits::{Amount, NumberLimit};
 use robovec_num::soft_float::FormatArithmetic;
 
 const BYTES: usize = size_of::<f64>();
+
+/// Number of threads; 0 is the number of processors.
+const THREADS: NumberLimit = NumberLimit::whole(0, 1024, "every thread takes memory of its own");
 
 /// The outputs at states that lie one after the other, as bytes of binary64 in
 /// the order of this machine. Every state is computed alone, so results do not
@@ -19,6 +23,10 @@ pub(crate) fn evaluate_states(
     format: Format,
     threads: usize,
 ) -> Result<Vec<u8>, PyErr> {
+    let amount = Amount::Whole(threads as u64);
+    THREADS
+        .check(amount)
+        .map_err(|reason| Error::new_err(format!("threads: {reason}")))?;
     let width = function.input_len() * BYTES;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| Error::new_err(format!("cannot start threads: {error}")))?;

@@ -4,6 +4,7 @@ import os
 import pathlib
 import re
 import subprocess
+import tempfile
 import unittest
 
 import numpy as np
@@ -12,6 +13,7 @@ import robovec
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ARM = ROOT / "examples/robots/arm.urdf"
 BOGIE = ROOT / "examples/models/bogie.mbs"
+PROGRAM = os.environ.get("ROBOVEC", str(ROOT / "target/release/robovec"))
 SUSPENSION = ROOT / "examples/suspension/mbs_dirdyna_suspension.m"
 
 
@@ -53,9 +55,108 @@ class Reading(unittest.TestCase):
             robovec.parse("// robovec 1\nfunction f {")
 
 
+    def test_every_function_is_loaded_by_its_name(self):
+        kinds = subprocess.run([PROGRAM, "gen", "--help"], capture_output=True, text=True).stdout
+        kinds = re.search(r"possible values: all, ([\w, ]+)\]", kinds).group(1).split(", ")
+        self.assertIn("gensensor", kinds)
+        for model in [ARM, BOGIE]:
+            for kind in kinds:
+                text = subprocess.run(
+                    [PROGRAM, "gen", str(model), "--function", kind], capture_output=True, text=True
+                ).stdout
+                names = re.findall(r"^function (\w+) ", text, re.M)
+                for name in names[:1] + names[-1:]:
+                    self.assertEqual(robovec.load(model, name, numbers=True).name, name)
+                if not names:
+                    with self.assertRaisesRegex(robovec.Error, "would be empty"):
+                        robovec.load(model, kind)
+
+
+class Gate(unittest.TestCase):
+    """What is refused at the gate is always an Error."""
+
+    TEXT = "// robovec 1\nfunction f equations {\n  in q[1..3]\n  out y\n  y = q[1]\n}\n"
+
+    def test_inputs_that_are_no_real_numbers(self):
+        program = robovec.parse(self.TEXT)
+        compiled = program.compile()
+        wrong = [
+            (np.array([1 + 2j, 0, 0]), "complex128"),
+            (np.array(["2020-01-01"] * 3, dtype="M8[D]"), "datetime64"),
+            (np.array([1, 2, 3], dtype="m8[s]"), "timedelta64"),
+            (np.ma.masked_array([1.0, 2.0, 3.0], mask=[True, False, False]), "masked"),
+            (["a", "b", "c"], "<U1"),
+            ([object(), 1, 2], "object"),
+            ([[1], [1, 2], [3]], "no array"),
+            (np.array([2**63 + 1, 0, 0], np.uint64), "do not hold"),
+            ([2**53 + 1, 0, 0], "do not hold"),
+            (np.ones((0, 3)), "no states"),
+            (np.ones((2, 3, 4)), "shape"),
+        ]
+        for call in [program, compiled]:
+            for value, word in wrong:
+                with self.subTest(word), self.assertRaisesRegex(robovec.Error, word):
+                    call(q=value)
+            for value in [[True, False, True], np.array([1, 2, 3], np.int8), np.float32([1, 2, 3])]:
+                self.assertEqual(call(q=value)["y"], float(value[0]))
+            whole = np.ma.masked_array([4.0, 2.0, 3.0], mask=False)
+            self.assertEqual(call(q=whole)["y"], 4.0)
+
+    def test_numbers_of_threads_points_and_states_have_limits(self):
+        program = robovec.parse(self.TEXT)
+        given = np.ones((5, 3))
+        for threads in [20000, -1, 1025, 1.5, "2", None, 2**40]:
+            with self.assertRaises(robovec.Error):
+                program(q=given, threads=threads)
+        self.assertEqual(program(q=given, threads=np.int64(2))["y"].shape, (5,))
+        for check in [-1, 2**40, "x"]:
+            with self.assertRaises(robovec.Error):
+                program.run("atomise", check=check)
+        compiled = program.compile()
+        for states in [-1, 1.5]:
+            with self.assertRaises(robovec.Error):
+                compiled.arrays(states)
+        for word in ["f64", "double ", "long double", "half"]:
+            with self.assertRaises(robovec.Error):
+                program.compile(number=word)
+
+    def test_out_is_written_only_where_it_may_be(self):
+        compiled = robovec.parse(self.TEXT).compile()
+        given = np.ones((7, 3))
+        out = compiled.results(7)
+        out["y"].setflags(write=False)
+        own = compiled.arrays(7)
+        for wrong in [out, {}, {"y": [0.0] * 7}, compiled.results(6), {"y": np.zeros(7, np.float32)}]:
+            with self.assertRaises(robovec.Error):
+                compiled(q=given, out=wrong)
+        self.assertFalse(out["y"].any())
+        shared = {"y": own["q"].base.reshape(-1)[:7]}
+        with self.assertRaises(robovec.Error):
+            compiled(**own, out=shared)
+        self.assertTrue(compiled(q=given, out=compiled.results(7))["y"].all())
+
+    def test_files_of_others_stay(self):
+        program = robovec.parse(self.TEXT)
+        with tempfile.TemporaryDirectory() as folder:
+            program.compile(folder=folder)
+            program.compile(folder=folder)
+            source = next(pathlib.Path(folder).glob("*.c"))
+            source.write_text("int mine;\n")
+            with self.assertRaisesRegex(robovec.Error, "did not write it"):
+                program.compile(folder=folder)
+            self.assertEqual(source.read_text(), "int mine;\n")
+            with self.assertRaises(robovec.Error):
+                program.compile(folder=source / "below")
+
+    def test_empty_texts_are_refused(self):
+        for text in ["", "// robovec 1\n", "// robovec 1\r"]:
+            with self.assertRaisesRegex(robovec.Error, "no function"):
+                robovec.parse(text)
+
+
 class Evaluating(unittest.TestCase):
     def test_results_are_those_of_the_command_line_bit_for_bit(self):
-        program = os.environ.get("ROBOVEC", str(ROOT / "target/release/robovec"))
+        program = PROGRAM
         for path, function in [(BOGIE, "dirdyna"), (BOGIE, "accelred"), (ARM, "invdyna_d")]:
             loaded = robovec.load(path, function)
             given = states(loaded, 7)
