@@ -119,6 +119,30 @@ fn a_refused_model_exits_with_1_and_writes_nothing() {
     }
 }
 
+/// Robotran takes a body without a mass for one that weighs nothing.
+#[test]
+fn a_body_without_a_mass_weighs_nothing() {
+    for (name, element) in [
+        ("missing-mass", "inertia"),
+        ("missing-mass-with-centre", "com"),
+    ] {
+        let path = root().join(format!("tests/models/{name}.mbs"));
+        let output = robovec(&["model", path.to_str().expect("a plain name")]);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(0), "{message}");
+        assert!(
+            message.contains("warning: body 'Arm' has no mass"),
+            "{message}"
+        );
+        assert!(
+            message.contains(&format!("but `{element}` is given")),
+            "{message}"
+        );
+        assert!(message.contains("taken as 0"), "{message}");
+        assert!(String::from_utf8_lossy(&output.stdout).contains("no mass"));
+    }
+}
+
 /// What is in no equation is told where equations are made, and only there.
 #[test]
 fn a_link3d_is_told_by_gen_and_refused_by_sim() {

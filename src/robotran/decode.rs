@@ -16,15 +16,28 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Diagnostic> {
             .with_message("the file is larger than 1 GiB")
             .with_note("no generated file comes near this; check that it is the right one"));
     }
+    // Compilers of C take control characters in comments; elsewhere the lexer
+    // refuses them.
     decode_text(
         bytes,
         "a Robotran file is plain text in C, Matlab or Python",
+        |byte| byte == 0,
     )
+}
+
+/// True for the control characters of ASCII that no text has. C1 controls occur
+/// in mangled Latin-1 headers.
+pub(crate) fn is_control(byte: u8) -> bool {
+    byte < b' ' && !matches!(byte, b'\n' | b'\r' | b'\t' | 0xb | 0xc)
 }
 
 /// The text of bytes of any number, decoded as [`decode`] does; `kind` says
 /// what kind of text is expected, for the message about one that is none.
-pub(crate) fn decode_text<'a>(bytes: &'a [u8], kind: &str) -> Result<Cow<'a, str>, Diagnostic> {
+pub(crate) fn decode_text<'a>(
+    bytes: &'a [u8],
+    kind: &str,
+    is_binary: impl Fn(u8) -> bool,
+) -> Result<Cow<'a, str>, Diagnostic> {
     let text = match Encoding::for_bom(bytes) {
         Some((encoding, mark)) => encoding.decode_without_bom_handling(&bytes[mark..]).0,
         None => match std::str::from_utf8(bytes) {
@@ -32,7 +45,7 @@ pub(crate) fn decode_text<'a>(bytes: &'a [u8], kind: &str) -> Result<Cow<'a, str
             Err(_) => WINDOWS_1252.decode_without_bom_handling(bytes).0,
         },
     };
-    Ok(with_line_feeds(reject_binary(text, kind)?))
+    Ok(with_line_feeds(reject_binary(text, kind, is_binary)?))
 }
 
 /// The text with a line feed for every carriage return alone, which ended lines
@@ -50,10 +63,12 @@ pub(crate) fn with_line_feeds(text: Cow<'_, str>) -> Cow<'_, str> {
     Cow::Owned(String::from_utf8(bytes).expect("ASCII took the place of ASCII"))
 }
 
-fn reject_binary<'a>(text: Cow<'a, str>, kind: &str) -> Result<Cow<'a, str>, Diagnostic> {
-    // Only control characters of ASCII: C1 controls occur in mangled Latin-1
-    // headers.
-    let binary = |&byte: &u8| byte < b' ' && !matches!(byte, b'\n' | b'\r' | b'\t' | 0xb | 0xc);
+fn reject_binary<'a>(
+    text: Cow<'a, str>,
+    kind: &str,
+    is_binary: impl Fn(u8) -> bool,
+) -> Result<Cow<'a, str>, Diagnostic> {
+    let binary = |&byte: &u8| is_binary(byte);
     let bytes = text.as_bytes();
     // A piece is looked at without a branch for every byte.
     let piece_is_text =

@@ -41,7 +41,7 @@ lalrpop_util::lalrpop_mod!(
     "/robotran/grammar.rs"
 );
 
-pub(crate) use self::decode::{decode_text, is_equations, with_line_feeds};
+pub(crate) use self::decode::{decode_text, is_control, is_equations, with_line_feeds};
 use self::explain::{explain, refusal};
 pub use self::function_kind::FunctionKind;
 use self::header::Header;

@@ -209,11 +209,11 @@ fn read_mass(
         }
         None => {
             if let Some((element, _)) = needs_mass.iter().find(|(_, given)| *given) {
-                messages.error(
+                messages.warn(
                     fields.one(element).map_or(0..0, place),
                     &format!("{title} has no mass"),
                     &format!("but `{element}` is given"),
-                    "add `<mass>`, zero if it is meant to be so, or remove this element",
+                    "its mass is taken as 0, as Robotran does; write it, even where it is zero",
                 );
             }
             0.0

@@ -36,7 +36,7 @@ pub(in crate::model) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Diagnostic>
             .with_message("the file is larger than 16 MiB")
             .with_note("no model comes near this; check that it is the right file"));
     }
-    robotran::decode_text(bytes, "a model is XML")
+    robotran::decode_text(bytes, "a model is XML", robotran::is_control)
 }
 
 /// The document of a text.

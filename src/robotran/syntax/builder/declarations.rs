@@ -54,20 +54,80 @@ impl SyntaxBuilder {
     }
 
     /// A first value of an array of C.
-    pub(in crate::robotran) fn first_value(
+    pub(in crate::robotran) fn first_value(&mut self, start: u32, number: Literal) {
+        self.values.push((start, number));
+    }
+
+    /// The end of a list of first values that starts with a brace.
+    pub(in crate::robotran) fn value_row(&mut self, start: u32) {
+        let row = std::mem::take(&mut self.values);
+        self.value_rows.push((start, row));
+    }
+
+    /// `double PxF1[4] = {3.0, 0.0, 1.5, 0.0}`: zeros, and equations for other
+    /// values. Elements 0 are Robotran's own, which no equation reads.
+    pub(in crate::robotran) fn initialise_array(
         &mut self,
         start: u32,
-        number: Literal,
+        element: RobotranElement,
         end: u32,
     ) -> Result<(), ParseFailure> {
-        if number.number() == 0.0 {
+        self.declare_array(element, true);
+        let mut rows = std::mem::take(&mut self.value_rows);
+        let is_zero =
+            |row: &(u32, Vec<(u32, Literal)>)| row.1.iter().all(|(_, v)| v.number() == 0.0);
+        if rows.iter().all(is_zero) {
             return Ok(());
         }
-        Err(refused(
+        let failure = refused(
             SourceSpan { start, end },
-            "an array with first values other than 0",
+            "first values that are not those of the array's elements",
             "assign to its elements one by one",
-        ))
+        );
+        // The outer braces of a matrix end last and hold only rows.
+        let is_matrix = element.column > 0;
+        let outer = if is_matrix { rows.pop() } else { None };
+        let is_mixed =
+            |(brace, row): &(u32, Vec<(u32, Literal)>)| row.iter().any(|(at, _)| at < brace);
+        let fits = rows.len() <= if is_matrix { element.row as usize } else { 1 }
+            && outer.is_none_or(|(_, row)| row.is_empty())
+            && !rows.iter().any(is_mixed);
+        let length = if is_matrix {
+            element.column
+        } else {
+            element.row
+        };
+        if !fits || rows.iter().any(|(_, row)| row.len() > length as usize) {
+            return Err(failure);
+        }
+        for (row, (_, values)) in rows.into_iter().enumerate() {
+            for (column, (_, value)) in values.into_iter().enumerate() {
+                let place = match is_matrix {
+                    true => [row as u32, column as u32],
+                    false => [column as u32, 0],
+                };
+                let is_unused = place[0] == 0 || is_matrix && place[1] == 0;
+                if is_unused || value.number() == 0.0 {
+                    continue;
+                }
+                let index = self.syntax.elements.len() as u32;
+                self.syntax.elements.push(RobotranElement {
+                    name: element.name,
+                    row: place[0],
+                    column: place[1],
+                });
+                let nodes = self.syntax.nodes.len() as u32;
+                let root = self.number(value);
+                let kind = StatementKind::Equation {
+                    target: SyntaxLeaf::element(index),
+                    root,
+                    first: nodes,
+                    end: nodes,
+                };
+                self.statement(kind, start, end);
+            }
+        }
+        Ok(())
     }
 
     /// `double *q = s->q` and `double *dpt1 = s->dpt[1]`, where a `pointer` is
@@ -135,10 +195,8 @@ impl SyntaxBuilder {
                 "the two would be different variables; give the new one another name",
             ));
         }
-        let elements = self.syntax.elements.len() as u32;
         for statement in &mut self.syntax.statements[self.chain..] {
             statement.span = span;
-            statement.elements = elements;
         }
         let mut first = self.complete[0] as u32;
         let last = self.syntax.nodes.len() as u32;

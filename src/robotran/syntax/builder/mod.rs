@@ -9,7 +9,7 @@ mod equations;
 mod expressions;
 
 use super::{StatementKind, SyntaxLeaf, SyntaxStatement, SyntaxTree};
-use crate::robotran::literal::{IntegerArithmetic, Unkept};
+use crate::robotran::literal::{IntegerArithmetic, Literal, Unkept};
 use crate::robotran::token::{RobotranElement, RobotranName, RobotranToken, SourceSpan, TypeWords};
 use crate::robotran::tokens::LexicalError;
 use hashbrown::HashMap;
@@ -49,6 +49,10 @@ pub(in crate::robotran) struct SyntaxBuilder {
     initialised: Vec<(RobotranName, SyntaxLeaf)>,
     declared: Vec<RobotranName>,
     pointers: Vec<RobotranName>,
+    /// First values of an array of C, with their places: of the innermost list,
+    /// and of the lists that have ended, with the places of their braces.
+    values: Vec<(u32, Literal)>,
+    value_rows: Vec<(u32, Vec<(u32, Literal)>)>,
     /// Arrays among the declarators of a statement of C.
     declares_array: bool,
     /// Rows of matrices that have names of their own in C
@@ -72,6 +76,8 @@ impl SyntaxBuilder {
 
     /// Forgets the parts of a statement that could not be read.
     pub(in crate::robotran) fn abandon_statement(&mut self) {
+        self.values.clear();
+        self.value_rows.clear();
         let [nodes, elements, statements, arguments, numbers] = self.complete;
         self.syntax.nodes.truncate(nodes);
         self.syntax.elements.truncate(elements);
