@@ -3,6 +3,7 @@
 
 mod account;
 mod draw;
+mod losses;
 mod refusals;
 mod shipped;
 

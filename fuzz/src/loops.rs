@@ -88,7 +88,7 @@ fn run(
         step_limit: 100,
         event_tolerance: EVENT_TOLERANCE,
     };
-    let (mut system, initial) = MultibodySystem::new(model, Laws::none(model), setting)?;
+    let (mut system, initial) = MultibodySystem::new(model, Laws::of_model(model), setting)?;
     system.keep_loops(keeping);
     let run = simulate(&mut system, &initial, &plan, &mut |_| {})?;
     Ok((run, system.weak_since().is_some()))

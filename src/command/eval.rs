@@ -96,7 +96,10 @@ pub(super) fn run(arguments: &EvalArguments) -> Result<String, CommandFailure> {
     let own = sources::is_model_path(&arguments.file);
     let model_path = arguments.model.as_deref();
     let model_path = model_path.or(own.then_some(arguments.file.as_path()));
-    let model = model_path.map(read_model).transpose()?;
+    // A model whose functions are evaluated is told of as equations are.
+    let kind = own.then_some(FunctionKind::Dirdyna);
+    let model = model_path.map(|path| input::model_for(path, kind));
+    let model = model.transpose()?.map(|read| read.model);
     let (module, drawn) = match &model {
         Some(model) if own => (generated(arguments, model)?, States::new(arguments.seed)),
         _ => read(arguments)?,
@@ -135,11 +138,6 @@ pub(super) fn run(arguments: &EvalArguments) -> Result<String, CommandFailure> {
         let text = text.clone().unwrap_or_default();
         CommandFailure(Report::of(&name.display().to_string(), text, diagnostics))
     })
-}
-
-fn read_model(path: &Path) -> Result<Model, CommandFailure> {
-    let read = input::model(path)?;
-    Ok(read.model)
 }
 
 /// The functions of a model.

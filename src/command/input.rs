@@ -203,7 +203,7 @@ pub(crate) fn laws_of(file: &SceneFile, folder: &Path) -> Result<Laws, CommandFa
     };
     let named = file.motion.as_ref().and_then(|motion| motion.laws.as_ref());
     match named {
-        None => Ok(Laws::none(&subject.model)),
+        None => Ok(Laws::of_model(&subject.model)),
         Some(named) => laws(&subject.model, &folder.join(named)),
     }
 }

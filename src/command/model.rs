@@ -176,16 +176,19 @@ fn write(model: &Model, arguments: &ModelArguments) -> Result<String, CommandFai
     Ok(String::new())
 }
 
-/// Warns of limits of joints, which `.mbs` files do not have.
+/// Warns of limits and losses of joints, which `.mbs` files do not have.
 fn warn_of_limits(model: &Model) {
     let limited = model.joints.iter().filter(|joint| joint.limits.is_some());
-    let count = limited.count();
-    if count == 0 {
-        return;
-    }
+    let losing = model.joints.iter().filter(|joint| joint.losses.are_there());
+    let counts = [
+        ("limits", limited.count()),
+        ("damping and friction", losing.count()),
+    ];
     let mut report = Report::new();
-    report.push(Diagnostic::warning().with_message(format!(
-        "the limits of {count} joints are left out: a .mbs file has no words for them"
-    )));
+    for (what, count) in counts.into_iter().filter(|(_, count)| *count > 0) {
+        report.push(Diagnostic::warning().with_message(format!(
+            "the {what} of {count} joints are left out: a .mbs file has no words for them"
+        )));
+    }
     report.emit_to_stderr(ColorChoice::Auto).unwrap_or_default();
 }

@@ -134,7 +134,7 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, CommandFailure> {
     hold(&mut read.model, &arguments.hold)?;
     let model = &read.model;
     let laws = match &arguments.laws {
-        None => Laws::none(model),
+        None => Laws::of_model(model),
         Some(path) => input::laws(model, path)?,
     };
     let setting = EquationSetting {

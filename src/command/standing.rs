@@ -59,7 +59,7 @@ fn subject(arguments: &EquilibriumArguments) -> Result<Subject, CommandFailure> 
     refuse_left_out(&read)?;
     hold(&mut read.model, &arguments.hold)?;
     let laws = match &arguments.laws {
-        None => Laws::none(&read.model),
+        None => Laws::of_model(&read.model),
         Some(path) => input::laws(&read.model, path)?,
     };
     Ok(Subject {

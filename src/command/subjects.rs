@@ -65,9 +65,10 @@ pub(super) const FOR_PROCESSORS: &str = "composite-base";
 pub(super) fn for_processors(
     subject: &StudySubject,
 ) -> Result<Option<[Module; 2]>, CommandFailure> {
+    let kind = Some(FunctionKind::Dirdyna);
     let model = match locate(subject)? {
         SubjectSource::Model(model) => *model,
-        SubjectSource::ModelFile(path) => input::model(&path)?.model,
+        SubjectSource::ModelFile(path) => input::model_for(&path, kind)?.model,
         SubjectSource::Equations(_) => return Ok(None),
     };
     if subject.function.as_deref().unwrap_or("dirdyna") != "dirdyna" {
@@ -85,14 +86,15 @@ pub(super) fn for_processors(
 }
 
 fn equations(subject: &StudySubject) -> Result<Module, CommandFailure> {
+    let wanted = subject.function.as_deref().unwrap_or("dirdyna");
+    let kind = FunctionKind::with_name(wanted);
     let model = match locate(subject)? {
         SubjectSource::Model(model) => *model,
-        SubjectSource::ModelFile(path) => input::model(&path)?.model,
+        SubjectSource::ModelFile(path) => input::model_for(&path, kind)?.model,
         SubjectSource::Equations(path) => {
             return input::equations(&path, None)?.without_ranges("study");
         }
     };
-    let wanted = subject.function.as_deref().unwrap_or("dirdyna");
     // Sensors are functions with numbers: sensor_1.
     let name = wanted
         .trim_end_matches(|c: char| c.is_ascii_digit())
@@ -139,7 +141,7 @@ pub(super) fn named_model(subject: &str) -> Result<(String, Option<Model>), Comm
     let is_model = sources::is_model_path(path);
     let model = match built_in(subject) {
         Some(model) => Some(model),
-        None if is_model => Some(input::model(path)?.model),
+        None if is_model => Some(input::model_for(path, Some(FunctionKind::Dirdyna))?.model),
         None => None,
     };
     Ok((input::stem(path), model))

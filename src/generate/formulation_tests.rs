@@ -65,6 +65,7 @@ pub(super) fn tree(seed: u64, bodies: usize) -> Model {
                 initial: [0.0; 3],
                 mounting: JointMounting::default(),
                 limits: None,
+                losses: Default::default(),
             });
         }
         let massless = random.below(6) == 0;

@@ -127,6 +127,7 @@ fn with_frames(source: &Model) -> Model {
                 initial: [turn.angle, 0.0, 0.0],
                 mounting: JointMounting::default(),
                 limits: None,
+                losses: Default::default(),
                 ..joint.clone()
             });
             model.joints.extend(turns);

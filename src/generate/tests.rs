@@ -31,6 +31,7 @@ pub(super) fn serial(joints: usize) -> Model {
             initial: [0.0; 3],
             mounting: JointMounting::default(),
             limits: None,
+            losses: Default::default(),
         });
         model.points.push(ModelPoint {
             name: "next".to_owned(),

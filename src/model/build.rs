@@ -95,6 +95,7 @@ impl ModelBuilder {
                 initial: [0.0; 3],
                 mounting: JointMounting::default(),
                 limits: None,
+                losses: Default::default(),
             });
         }
         self.model.bodies.push(Body {

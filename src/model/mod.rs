@@ -212,6 +212,24 @@ pub struct Joint {
     pub mounting: JointMounting,
     /// The least and the greatest position (m or rad), where the model limits it.
     pub limits: Option<[f64; 2]>,
+    /// The forces against its motion that the file of a robot gives.
+    pub losses: JointLosses,
+}
+
+/// The losses of a joint, which are laws and in no equation.
+#[derive(Clone, Copy, PartialEq, Default, Debug)]
+pub struct JointLosses {
+    /// Viscous damping, N s/m or N m s/rad.
+    pub damping: f64,
+    /// Dry friction, N or N m.
+    pub friction: f64,
+}
+
+impl JointLosses {
+    /// True where there are any.
+    pub fn are_there(&self) -> bool {
+        self.damping != 0.0 || self.friction != 0.0
+    }
 }
 
 /// A named point of the base or of a body.
@@ -462,6 +480,7 @@ impl Model {
                             || (joint.has_velocity && joint.has_acceleration))
                         && finite(&joint.initial)
                         && joint.limits.is_none_or(|limits| finite(&limits))
+                        && finite(&[joint.losses.damping, joint.losses.friction])
                         && joint
                             .mounting
                             .turns

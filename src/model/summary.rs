@@ -156,9 +156,11 @@ fn body_line(model: &Model, index: usize) -> String {
 }
 
 /// What joints have beyond those of `.mbs` files, a line for each: constant
-/// turns before them, axes against which they move, and limits.
+/// turns before them, axes against which they move, limits and losses.
 fn placements(model: &Model) -> String {
-    let plain = |joint: &Joint| joint.mounting.is_plain() && joint.limits.is_none();
+    let plain = |joint: &Joint| {
+        joint.mounting.is_plain() && joint.limits.is_none() && !joint.losses.are_there()
+    };
     if model.joints.iter().all(plain) {
         return String::new();
     }
@@ -175,6 +177,14 @@ fn placements(model: &Model) -> String {
         if let Some([least, most]) = joint.limits {
             let unit = if joint.kind.is_revolute() { "rad" } else { "m" };
             let _ = write!(text, ", from {least} to {most} {unit}");
+        }
+        for (name, amount) in [
+            ("damping", joint.losses.damping),
+            ("friction", joint.losses.friction),
+        ] {
+            if amount != 0.0 {
+                let _ = write!(text, ", {name} {amount}");
+            }
         }
         text.push('\n');
     }

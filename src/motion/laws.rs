@@ -5,7 +5,8 @@
 //!
 //! ```toml
 //! [[joint]]
-//! name = "knee"        # or "*": every joint without an entry of its own
+//! name = "knee"        # or "*": every joint without an entry of its own; in
+//!                      # place of damping and friction that a robot's file has
 //! stiffness = 200.0    # N/m or N m/rad
 //! damping = 2.0        # N s/m or N m s/rad
 //! neutral = 0.1        # where the spring is slack; default: initial position
@@ -272,10 +273,16 @@ struct Named {
 }
 
 impl Laws {
-    /// No forces, and driven joints at rest.
-    pub fn none(model: &Model) -> Laws {
+    /// What a model gives itself: the losses of its joints, and driven joints at
+    /// rest. An entry of a file for a joint takes the place of its losses.
+    pub fn of_model(model: &Model) -> Laws {
+        let losses = model.joints.iter().map(|joint| Spring {
+            damping: joint.losses.damping,
+            friction: joint.losses.friction,
+            ..Spring::default()
+        });
         Laws {
-            joints: vec![Spring::default(); model.joints.len()],
+            joints: losses.collect(),
             links: vec![Spring::default(); model.links.len()],
             forces: vec![Support::default(); model.forces.len()],
             drives: vec![Drive::default(); model.joints.len()],
@@ -306,7 +313,7 @@ impl Laws {
     pub fn parse(model: &Model, text: &str) -> Result<Laws, Vec<Diagnostic>> {
         let file: LawsFile = document::read(text).map_err(|error| vec![syntax(error)])?;
         let names: LawNames = document::read(text).map_err(|error| vec![syntax(error)])?;
-        let mut laws = Laws::none(model);
+        let mut laws = Laws::of_model(model);
         let mut errors = Vec::new();
         let joints: Vec<&str> = model.joints.iter().map(|j| j.name.as_str()).collect();
         let links: Vec<&str> = model.links.iter().map(|l| l.name.as_str()).collect();

@@ -29,7 +29,7 @@ fn accelerations(model: &Model, formulation: Formulation, state: &MotionState) -
 /// equations between `M`, `c`, `Jac` and `Jdqd` to hold.
 fn some_state(model: &Model) -> MotionState {
     let setting = EquationSetting::default();
-    let laws = Laws::none(model);
+    let laws = Laws::of_model(model);
     let (_, mut state) = MultibodySystem::new(model, laws, &setting).expect("loops close");
     for joint in 0..model.joints.len() {
         state.qd[joint] = 0.3 + joint as f64;

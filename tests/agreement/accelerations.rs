@@ -101,7 +101,7 @@ fn example(name: &str) -> Model {
 fn accelerations_with_loops_leave_what_the_loops_can_carry() {
     for name in ["four-bar.mbs", "slider-crank.mbs", "quarter-car.mbs"] {
         let model = example(name);
-        let laws = Laws::none(&model);
+        let laws = Laws::of_model(&model);
         let (system, closed) =
             MultibodySystem::new(&model, laws, &EquationSetting::default()).expect("a system");
         let roles = system.partition().clone();

@@ -131,6 +131,7 @@ fn add_body(random: &mut Random, recipe: &Recipe, model: &mut Model, index: usiz
                 false => JointMounting::default(),
             },
             limits: None,
+            losses: Default::default(),
         });
     }
     let mut product = || {

@@ -27,7 +27,13 @@ fn distance(left: &SimulationRun, right: &SimulationRun) -> f64 {
 }
 
 fn with(model: &Model, setting: &EquationSetting<'_>) -> SimulationRun {
-    run_with(model, Laws::none(model), setting, 1.0, runge_kutta(0.005))
+    run_with(
+        model,
+        Laws::of_model(model),
+        setting,
+        1.0,
+        runge_kutta(0.005),
+    )
 }
 
 #[test]
@@ -89,7 +95,7 @@ fn formulations_give_the_same_motion() {
                     accelerations,
                     ..EquationSetting::default()
                 };
-                let laws = Laws::none(&model);
+                let laws = Laws::of_model(&model);
                 let other = run_with(&model, laws, &setting, 1.0, runge_kutta(0.01));
                 let moved = distance(&plain, &other);
                 assert!(moved < 1e-10, "{}: {moved:e}", formulation.name());

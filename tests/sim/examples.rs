@@ -43,7 +43,7 @@ fn all_example_models_keep_their_energy() {
             step_limit: 1000,
             event_tolerance: EVENT_TOLERANCE,
         };
-        let laws = Laws::none(&model);
+        let laws = Laws::of_model(&model);
         let run = MultibodySystem::new(&model, laws, &EquationSetting::default())
             .and_then(|(mut system, state)| simulate(&mut system, &state, &plan, &mut |_| {}))
             .unwrap_or_else(|error| panic!("{name}: {error}"));

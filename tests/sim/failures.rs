@@ -97,7 +97,7 @@ fn dependent_joints_are_chosen_where_the_models_do_not_serve() {
         for (joint, nature) in model.joints.iter_mut().zip(natures) {
             joint.nature = nature;
         }
-        let laws = Laws::none(&model);
+        let laws = Laws::of_model(&model);
         let (system, _) =
             MultibodySystem::new(&model, laws, &EquationSetting::default()).expect("a system");
         let Partition {

@@ -138,7 +138,7 @@ fn gravity_along_an_axis_leaves_the_momentum_about_it() {
     }
     let mut model = builder.model;
     model.joints[0].initial[1] = 2.0;
-    let plain = Laws::none(&model);
+    let plain = Laws::of_model(&model);
     let run = run_with(
         &model,
         plain,

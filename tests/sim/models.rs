@@ -80,6 +80,7 @@ impl Builder {
                 initial: [initial, 0.0, 0.0],
                 mounting: JointMounting::default(),
                 limits: None,
+                losses: Default::default(),
             });
         }
         let [xx, yy, zz] = solid.inertia;
@@ -229,7 +230,7 @@ pub(crate) fn four_bar() -> Model {
 pub(crate) fn run(model: &Model, duration: f64, method: IntegrationMethod) -> SimulationRun {
     run_with(
         model,
-        Laws::none(model),
+        Laws::of_model(model),
         &EquationSetting::default(),
         duration,
         method,

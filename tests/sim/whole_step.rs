@@ -34,7 +34,7 @@ fn tried(
         step_limit: 100_000,
         event_tolerance: EVENT_TOLERANCE,
     };
-    let (mut system, initial) = MultibodySystem::new(model, Laws::none(model), setting)?;
+    let (mut system, initial) = MultibodySystem::new(model, Laws::of_model(model), setting)?;
     system.keep_loops(keeping);
     simulate(&mut system, &initial, &plan, &mut |_| {})
 }

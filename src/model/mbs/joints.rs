@@ -61,6 +61,7 @@ pub(super) fn read_joint(
         initial,
         mounting: JointMounting::default(),
         limits: None,
+        losses: Default::default(),
     }
 }
 

@@ -26,7 +26,7 @@ mod write;
 use super::{Model, physics, xml};
 use crate::robotran::FunctionKind;
 use crate::robotran::conventions::JOINTS;
-use robovec_ir::diagnostic::Report;
+use robovec_ir::diagnostic::{Diagnostic, Report};
 use robovec_num::limits::NumberLimit;
 use std::fmt;
 
@@ -72,11 +72,32 @@ impl ReadModel {
         if function.depends_on_link_forces() && !self.left_out.is_empty() {
             // Both point into the same text; without warnings it is not kept.
             if warnings.is_empty() {
-                return self.left_out.clone();
+                warnings = self.left_out.clone();
+            } else {
+                warnings.extend(self.left_out.diagnostics().iter().cloned());
             }
-            warnings.extend(self.left_out.diagnostics().iter().cloned());
+        }
+        if function.depends_on_link_forces() {
+            warnings.extend(self.losses());
         }
         warnings
+    }
+
+    /// A warning about joints whose damping and friction no equation holds.
+    fn losses(&self) -> Option<Diagnostic> {
+        let joints = self.model.joints.iter();
+        let losing: Vec<&str> = joints
+            .filter(|joint| joint.losses.are_there())
+            .map(|joint| joint.name.as_str())
+            .collect();
+        let first = losing.first()?;
+        let message = format!(
+            "damping and friction of {} joint(s), '{first}' among them, are in no equation",
+            losing.len()
+        );
+        let note = "they are laws, which 'robovec sim', 'modal' and 'equilibrium' have; in equations \
+                    they belong to the forces of joints";
+        Some(Diagnostic::warning().with_message(message).with_note(note))
     }
 }
 

@@ -156,6 +156,7 @@ impl RobotBuilder<'_> {
         let one = Joint {
             initial: [initial, 0.0, 0.0],
             limits: joint.limits,
+            losses: joint.losses,
             ..plain(joint.name.clone(), kind, mounting)
         };
         let body = self.body(joint.child, frame, &joint.name, vec![one]);
@@ -312,6 +313,7 @@ fn plain(name: String, kind: JointKind, mounting: JointMounting) -> Joint {
         initial: [0.0; 3],
         mounting,
         limits: None,
+        losses: Default::default(),
     }
 }
 

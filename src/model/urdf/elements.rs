@@ -2,6 +2,7 @@
 
 use super::attributes::{children, name, number, place_of, remark_unknown, required, triple};
 use super::inertial::{LinkInertial, read_inertial};
+use crate::model::JointLosses;
 use crate::model::rotation::{FramePose, Rotation3, to_right_angle};
 use crate::model::xml::{Messages, place, second};
 use robovec_ir::diagnostic::{clip, did_you_mean};
@@ -57,6 +58,7 @@ pub(super) struct JointElement {
     /// Of length one, in the joint's frame.
     pub(super) axis: [f64; 3],
     pub(super) limits: Option<[f64; 2]>,
+    pub(super) losses: JointLosses,
     pub(super) mimic: Option<MimicElement>,
     pub(super) place: Range<usize>,
     pub(super) child_place: Range<usize>,
@@ -274,7 +276,7 @@ fn read_joint(
 ) -> Option<JointElement> {
     let joint_name = name(node, "name", "a joint", messages);
     let title = joint_title(joint_name.as_deref().unwrap_or("?"));
-    let [origin, parent, child, axis, limit, mimic, ..] = children(
+    let [origin, parent, child, axis, limit, mimic, dynamics, ..] = children(
         node,
         [
             "origin",
@@ -293,6 +295,9 @@ fn read_joint(
     let ends = [("parent", parent), ("child", child)]
         .map(|(which, child)| end(node, child, (which, &title), numbers, messages));
     let limits = limit.and_then(|limit| read_limits(limit, kind?, &title, messages));
+    let losses = dynamics.map_or_else(JointLosses::default, |dynamics| {
+        read_losses(dynamics, kind, &title, messages)
+    });
     let axis = read_axis(axis, kind, &title, messages);
     let mimic = mimic.and_then(|mimic| {
         let title = format!("the mimic of {title}");
@@ -315,6 +320,7 @@ fn read_joint(
         origin,
         axis,
         limits,
+        losses,
         mimic,
         place: place_of(node, "name"),
         child_place: child.map_or(place(node), |child| place_of(child, "link")),
@@ -404,6 +410,44 @@ fn read_limits(
         return None;
     }
     Some(limits)
+}
+
+/// The damping and friction of `dynamics`, of joints that move along or about
+/// one axis.
+fn read_losses(
+    node: Node<'_, '_>,
+    kind: Option<UrdfJointKind>,
+    title: &str,
+    messages: &mut Messages,
+) -> JointLosses {
+    let title = format!("the dynamics of {title}");
+    let [damping, friction] = ["damping", "friction"].map(|name| {
+        let value = number(node, name, &title, messages).unwrap_or(0.0);
+        if value < 0.0 {
+            messages.warn(
+                place_of(node, name),
+                &format!("{title} would give energy: the {name} is {value}"),
+                "taken as 0",
+                "damping and friction are zero or positive",
+            );
+        }
+        value.max(0.0)
+    });
+    let losses = JointLosses { damping, friction };
+    let has_axis = !matches!(
+        kind,
+        Some(UrdfJointKind::Fixed | UrdfJointKind::Floating | UrdfJointKind::Planar)
+    );
+    if has_axis || !losses.are_there() {
+        return losses;
+    }
+    messages.warn(
+        place(node),
+        &format!("{title} are left out"),
+        "passed over",
+        "only joints about or along one axis have damping and friction",
+    );
+    JointLosses::default()
 }
 
 /// The pose that an `origin` says.
