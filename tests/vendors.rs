@@ -37,14 +37,16 @@ fn open_synthesis_for_three_vendors_takes_the_hardware() {
         .collect();
     // Whatever is left unmapped stays a memory or a cell of yosys' own.
     let left = "select -assert-none t:$mem_v2 t:$mul t:$add";
-    for (synthesis, memories) in [
-        ("synth_ecp5", "t:TRELLIS_DPR16X4"),
-        ("synth_gowin", "t:RAM16SDP*"),
-        ("synth_intel_alm -nodsp", "t:MISTRAL_MLAB"),
+    // Pads belong to the machine alone, one for every input but the clock's.
+    for (synthesis, cells) in [
+        ("synth_ecp5", "-assert-min 1 t:TRELLIS_DPR16X4"),
+        ("synth_gowin", "-assert-min 1 t:RAM16SDP*"),
+        ("synth_gowin", "-assert-max 99 t:IBUF"),
+        ("synth_intel_alm -nodsp", "-assert-min 1 t:MISTRAL_MLAB"),
     ] {
         let script = format!(
             "{read}chparam -set INITIAL 0 robovec_machine; {synthesis} -top robovec_machine; \
-             {left}; select -assert-min 1 {memories}"
+             {left}; select {cells}"
         );
         let run = Command::new(&tool.program)
             .args(["-q", "-p", &script])

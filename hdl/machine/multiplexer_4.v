@@ -1,8 +1,7 @@
-// One of four words. One six-input table per bit.
-//
-// The boundary is kept so that synthesis takes exactly that: left to itself,
-// open synthesis spreads a tree of these over more and smaller tables.
-(* keep_hierarchy *)
+// One of four words. One six-input table per bit, where synthesis keeps the
+// boundary of this module: left to itself, open synthesis spreads a tree of
+// these over more and smaller tables. The module does not ask for that, since
+// some flows put pads on every module that is kept.
 module multiplexer_4 #(
     parameter WIDTH = 32
 ) (

@@ -74,7 +74,7 @@ fn counts(function: &FunctionReport, text: &mut String) {
     match function.level {
         Level::Equations => parts.push((function.negations, "change the sign")),
         _ if function.negations > 0 => {
-            detail = format!("; {} are 0 - x", function.negations);
+            detail = format!("; as 0 - x: {}", function.negations);
         }
         _ => {}
     }

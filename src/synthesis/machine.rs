@@ -21,6 +21,9 @@ const ELEMENT: &str = "robovec_element_";
 /// The memory with two ports that write, which yosys has no cell for.
 const CLOSED: &str = "true_dual_port_memory.v";
 
+/// The module that takes one table per bit where it stays closed.
+const MULTIPLEXER: &str = "multiplexer_4";
+
 /// The modules of the parts, and what they are.
 const MODULES: [(&str, PartKind); 7] = [
     ("instruction_memory", PartKind::Instructions),
@@ -78,7 +81,7 @@ pub fn design(files: &[(String, String)]) -> SynthesisDesign {
         others: Vec::new(),
         kept: parts
             .chain(operators)
-            .chain([ELEMENT])
+            .chain([ELEMENT, MULTIPLEXER])
             .map(str::to_owned)
             .collect(),
     }

@@ -80,8 +80,7 @@ pub fn place_and_route(
     write(&path.join("pins.v"), &pins(files)?)?;
     let _ = write!(
         script,
-        "read_verilog pins.v\nsetattr -mod -unset keep_hierarchy *\n\
-         synth_ecp5 -top {PINS} -json netlist.json\n"
+        "read_verilog pins.v\nsynth_ecp5 -top {PINS} -json netlist.json\n"
     );
     write(&path.join("map.ys"), &script)?;
     run(path, &yosys.program, &["-q", "map.ys"])?;
