@@ -9,6 +9,7 @@ use crate::support::programs::{model, robovec};
 use robovec::rtl::{CheckFailure, Door, HardwareSimulator, check};
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 const PASSES: &str = "atomise,zero-removal,balance,cse,dce,place";
 
@@ -103,6 +104,83 @@ fn every_result_is_right_in_icarus_verilog() {
             assert!(count(&verdict, " results compared") >= 3 * 41, "{verdict}");
             assert!(count(&verdict, " words read back") > 20, "{verdict}");
         }
+    }
+}
+
+/// Verilator's lints, all of them, over hardware of all sorts and the agents
+/// of both buses.
+#[test]
+fn verilator_has_no_warning() {
+    if !is_there(HardwareSimulator::Verilator) {
+        return;
+    }
+    let flush = ("subnormals = true", "subnormals = false");
+    let cases: [Case<'_>; 9] = [
+        ("double-pendulum.mbs", "thesis", 1, &[]),
+        (
+            "double-pendulum.mbs",
+            "thesis",
+            1,
+            &[("writes = 2", "writes = 3")],
+        ),
+        ("double-pendulum.mbs", "side-split", 3, &[]),
+        (
+            "double-pendulum.mbs",
+            "side-split",
+            1,
+            &[("writes = 1", "writes = 2")],
+        ),
+        (
+            "double-pendulum.mbs",
+            "side-split",
+            2,
+            &[("mantissa = 23", "mantissa = 52")],
+        ),
+        (
+            "double-pendulum.mbs",
+            "side-split",
+            2,
+            &[("mantissa = 23", "mantissa = 3")],
+        ),
+        ("double-pendulum.mbs", "de10-nano", 2, &[flush]),
+        ("double-pendulum.mbs", "bufferless", 2, &[]),
+        ("quarter-car.mbs", "solver", 2, &[]),
+    ];
+    for (input, name, elements, edits) in cases {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let machine = machine(folder.path(), name, elements, edits);
+        let crossbar = ["full", "pruned"][elements as usize % 2];
+        build(
+            folder.path(),
+            &model(input),
+            &machine,
+            &["--crossbar", crossbar],
+        );
+        let files = fs::read_to_string(folder.path().join("rtl/files.f")).expect("written");
+        let files = files.lines().map(|file| format!("../rtl/{file}"));
+        let agents = [
+            "robovec_bench_top.v",
+            "robovec_avalon.v",
+            "robovec_axi4lite.v",
+        ];
+        let output = Command::new("verilator")
+            .args([
+                "--lint-only",
+                "-Wall",
+                "-I.",
+                "--top-module",
+                "robovec_bench_top",
+            ])
+            .args(agents)
+            .args(files)
+            .current_dir(folder.path().join("tb"))
+            .output()
+            .expect("it is there");
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert!(
+            output.status.success() && told.is_empty(),
+            "{name} {edits:?}: {told}"
+        );
     }
 }
 
@@ -360,6 +438,12 @@ const HARDWARE_FAULTS: &[(&str, &str, &str, &str)] = &[
         "robovec_element_add.v",
         ".EXTRA(0)",
         ".EXTRA(1)",
+    ),
+    (
+        "a clock in which the status is neither running nor done",
+        "host_window.v",
+        "running | start | finished",
+        "running | start",
     ),
     (
         "a program that ends one cycle early",

@@ -328,10 +328,30 @@ private:
 
     void wait(const Command& command) {
         const uint64_t since = clocks;
-        while ((read(command.address) & command.data) != command.data)
+        // On the bus the status is read in every clock, so that no state of it
+        // is missed.
+        const bool every_clock = window == 0;
+        top->bus_address = command.address;
+        top->bus_read = every_clock;
+        for (uint32_t found = 0; (found & command.data) != command.data;) {
+            bool seen = true;
+            if (every_clock) {
+                settle();
+                seen = top->bus_readvalid;
+                if (seen) found = top->bus_readdata;
+                tick();
+            } else {
+                found = read(command.address);
+            }
+            if (seen && (found & 3) == 0)
+                complain(command.address, "the status is neither running nor done");
             if (clocks - since > ROBOVEC_MOST_WAIT)
                 give_up("run " + std::to_string(run_number) + " has not ended after "
                         + std::to_string(clocks - since) + " clocks");
+        }
+        // Reads on their way are of no interest.
+        top->bus_read = 0;
+        for (int clock = 0; clock < 8; ++clock) tick();
         if (next_cycle != ROBOVEC_CYCLES && is_told())
             std::printf("run %" PRIu64 " ended before cycle %u of %u\n", run_number, next_cycle,
                         ROBOVEC_CYCLES);

@@ -217,6 +217,7 @@ module fp_add #(
         .to({low_3, large_3, term_3, exponent_3, flags_3})
     );
     wire [SUM-HALF:0] high = {large_3, 1'b1} + {term_3, low_3[HALF]};
+    wire unused_carries = &{1'b0, low[0], high[0]};
     // Both operands subnormal: the exponent is that of the least normal
     // number all the same.
     wire [E-1:0] effective = exponent_3 | {{(E - 1) {1'b0}}, ~|exponent_3};

@@ -173,6 +173,7 @@ module fp_div #(
             wire [M:0]       divisor_out;
             wire [STEPS-1:0] quotient_out;
             wire [SIDE-1:0]  side_out;
+            wire unused_step = &{1'b0, quotient_in, divisor_out};
             if (j == 0) begin : first
                 assign remainder_in = first_remainder;
                 assign divisor_in = first_divisor;
@@ -234,6 +235,7 @@ module fp_div #(
     );
 
     wire [M+1:0]     shifted;
+    wire             unused_top = &{1'b0, shifted};
     wire             dropped;
     wire [E-1:0]     exponent_4;
     wire             sticky_4;

@@ -313,6 +313,7 @@ module fp_fma #(
     wire [SUM-HALF+1:0] high_with = {1'b0, product_6, 1'b1} + {1'b0, term_6, low_with_6[HALF]};
     wire [SUM-HALF+1:0] high_without =
         {1'b0, product_6, 1'b1} + {1'b0, term_6, low_without_6[HALF]};
+    wire unused_carries = &{1'b0, high_with, high_without};
 
     wire              carry_7;
     wire [SUM-1:0]    with_7;

@@ -147,6 +147,7 @@ module fp_mul #(
         end else begin : pieces
             wire [PIECES*PIECE+M:0] left_padded = {{(PIECES * PIECE) {1'b0}}, left_1};
             wire [PIECES*PIECE+M:0] right_padded = {{(PIECES * PIECE) {1'b0}}, right_1};
+            wire unused_padding = &{1'b0, left_padded, right_padded};
             for (i = 0; i < PIECES; i = i + 1) begin : row
                 for (j = 0; j < PIECES; j = j + 1) begin : place
                     localparam AT = (i * PIECES + j) * 2 * PIECE;
@@ -225,6 +226,7 @@ module fp_mul #(
             // Both differences beside each other: chains in a row are slow.
             wire [WIDE-1:0] free = MOST - wide_zeros;
             wire [WIDE-1:0] bound = MOST - exponent_2;
+            wire unused = &{1'b0, free};
             assign base = left_over & {WIDE{~limited}};
             assign amount = limited
                 ? bound[AMOUNT-1:0] | {AMOUNT{|bound[WIDE-1:AMOUNT]}} : free[AMOUNT-1:0];

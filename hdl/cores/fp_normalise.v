@@ -93,6 +93,7 @@ module fp_normalise #(
             // The digit that the value asks for, and the one it gets: three
             // groups and the cap fit one look-up table.
             wire [PADDED-1:0] padded = {value_in, {(4 * UNIT) {1'b0}}};
+            wire unused = &{1'b0, padded, place, limit_out, less_out, cap_out};
             wire [1:0] wanted;
             if (TWO != 0) begin : four_ways
                 wire [2:0] group;

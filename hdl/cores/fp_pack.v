@@ -48,6 +48,7 @@ module fp_pack #(
         {EXPONENT{nan | infinite}} | (exponent & {EXPONENT{~special}});
     // The quiet NaN without sign and payload is the only one there is.
     wire [MANTISSA:0] quiet = {{MANTISSA{1'b0}}, nan} << (MANTISSA - 1);
+    wire unused = quiet[MANTISSA];
     wire [MANTISSA-1:0] chosen_fraction = quiet[MANTISSA-1:0] | (fraction & {MANTISSA{~special}});
 
     wire            sign_1;

@@ -64,6 +64,7 @@ module fp_shift_right #(
 
             // What a shift by one, two and three units drops, group by group.
             wire [4*UNIT+WIDTH-1:0] padded = {{(4 * UNIT) {1'b0}}, value_in};
+            wire unused = &{1'b0, padded, amount_out};
             wire [1:0] digit;
             wire [2:0] group;
             assign group[0] = |padded[UNIT-1:0];

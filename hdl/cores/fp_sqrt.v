@@ -140,6 +140,7 @@ module fp_sqrt #(
             wire [j+1:0]        root_out;
             wire [j+2:0]        remainder_out;
             wire [SIDE-1:0]     side_out;
+            wire unused_step = &{1'b0, radicand_out, root_out};
             if (j == 0) begin : first
                 assign radicand_in = first_radicand;
                 assign root_in = 1'b0;
@@ -174,6 +175,7 @@ module fp_sqrt #(
     assign {exponent_2, flags_2} = step[STEPS-1].side_out;
 
     wire [M+1:0]     shifted;
+    wire             unused_top = &{1'b0, exponent_2, shifted};
     wire             sticky;
     wire [E-1:0]     exponent_3;
     wire [FLAGS-1:0] flags_3;

@@ -4,7 +4,8 @@
 // Addresses count 32-bit words.
 //
 //   0   CONTROL        written: bit 0 starts the program, bit 1 clears `done`
-//   1   STATUS         bit 0: running, bit 1: done
+//   1   STATUS         bit 0: running, bit 1: done; from a start until `done`
+//                      is cleared one of them is set
 //   2   CYCLES         length of the program
 //   3,4 SCHEDULE HASH  low and high half: which program is loaded, for the
 //                      host to keep
@@ -23,7 +24,7 @@
 //   ADDRESS         bits of the host's address
 //   LIMBS           32-bit limbs of the widest word that is written
 //   WIDTH           bits of a data word, at most 64
-//   CYCLE           bits of a cycle's number
+//   CYCLE           bits of a cycle's number, at most 30
 //   CYCLES, SCHEDULE_HASH   of the program loaded at configuration
 //   MACHINE_HASH    what the machine can run
 //
@@ -123,8 +124,8 @@ module host_window #(
 
     always @* begin
         case (host_address[2:0])
-            3'd1: register_now = {30'd0, done, running | start};
-            3'd2: register_now = cycles;
+            3'd1: register_now = {30'd0, done, running | start | finished};
+            3'd2: register_now = {{(31 - CYCLE) {1'b0}}, cycles};
             3'd3: register_now = schedule_hash[31:0];
             3'd4: register_now = schedule_hash[63:32];
             3'd5: register_now = MACHINE_HASH[31:0];
@@ -134,7 +135,7 @@ module host_window #(
         endcase
     end
 
-    wire [63:0] wide_word = unit_word;
+    wire [63:0] wide_word = {{(64 - WIDTH) {1'b0}}, unit_word};
 
     always @(posedge clock) begin
         reading <= reset ? 4'd0 : {reading[2:0], host_read};

@@ -72,6 +72,7 @@ module operand_side #(
             assign port_data = write_data;
             assign port_read = 1'b1;
             assign operand = host_word;
+            wire unused = &{1'b0, advance, phase, host_access};
         end else begin : several
             reg [WIDTH-1:0] held;
             assign port_write = write[phase];

@@ -57,9 +57,10 @@ module pe_pumped #(
     // The write ports in pairs, one pair per clock after the first; a port
     // without a partner has one that never writes.
     localparam PAIRS = PHASES - 1;
-    wire [2*PAIRS-1:0]         paired_write = write;
-    wire [2*PAIRS*ADDRESS-1:0] paired_address = write_address;
-    wire [2*PAIRS*WIDTH-1:0]   paired_data = write_data;
+    localparam MISSING = 2 * PAIRS - WRITES;
+    wire [2*PAIRS-1:0]         paired_write = {{MISSING{1'b0}}, write};
+    wire [2*PAIRS*ADDRESS-1:0] paired_address = {{(MISSING * ADDRESS) {1'b0}}, write_address};
+    wire [2*PAIRS*WIDTH-1:0]   paired_data = {{(MISSING * WIDTH) {1'b0}}, write_data};
 
     wire reading = phase == 0;
     wire [PHASE_BITS-1:0] pair = (reading | host_write) ? {PHASE_BITS{1'b0}} : phase - 1'b1;
@@ -104,6 +105,7 @@ module pe_pumped #(
     generate
         if (FUSED != 0) begin : fused
             wire [WIDTH-1:0] addend_word;
+            wire [WIDTH-1:0] unused_word;
 
             true_dual_port_memory #(
                 .WIDTH(WIDTH),
@@ -119,7 +121,7 @@ module pe_pumped #(
                 .b_write(b_write),
                 .b_address(b_written),
                 .b_data(b_data),
-                .b_word()
+                .b_word(unused_word)
             );
 
             pumped_operand #(.WIDTH(WIDTH), .PHASES(PHASES), .PHASE_BITS(PHASE_BITS))
@@ -128,6 +130,7 @@ module pe_pumped #(
                 .operand(addend));
         end else begin : plain
             assign addend = {WIDTH{1'b0}};
+            wire unused = &{1'b0, addend_address};
         end
     endgenerate
 

@@ -25,6 +25,7 @@ module pumped_operand #(
 
     generate
         if (PHASES == 2) begin : double
+            wire unused = &{1'b0, phase};
             always @(posedge clock)
                 if (advance) held <= word;
         end else begin : longer

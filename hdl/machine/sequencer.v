@@ -43,17 +43,17 @@ module sequencer #(
             assign phase = 1'b0;
             assign advance = 1'b1;
         end else begin : several
-            reg [PHASE_BITS-1:0] counter;
+            reg [PHASE_BITS-1:0] clocks;
             reg                  last;
-            assign phase = counter;
+            assign phase = clocks;
             assign advance = last;
             always @(posedge clock)
                 if (reset | last) begin
-                    counter <= {PHASE_BITS{1'b0}};
+                    clocks <= {PHASE_BITS{1'b0}};
                     last <= 1'b0;
                 end else begin
-                    counter <= counter + 1'b1;
-                    last <= counter == PHASES - 2;
+                    clocks <= clocks + 1'b1;
+                    last <= {{(32 - PHASE_BITS) {1'b0}}, clocks} == PHASES - 2;
                 end
         end
     endgenerate

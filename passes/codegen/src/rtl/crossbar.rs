@@ -53,7 +53,7 @@ pub(super) fn pairs(hardware: &Hardware) -> (u64, u64) {
     (built, legs.len() as u64 * u64::from(sizes.sources()))
 }
 
-/// The text of the crossbar and of the multiplexers it needs.
+/// The text of the crossbar.
 pub(super) fn text(hardware: &Hardware) -> String {
     let legs = legs_of(hardware);
     let sizes = hardware.sizes();
@@ -116,17 +116,23 @@ pub(super) fn text(hardware: &Hardware) -> String {
             },
         );
     }
-    text += "endmodule\n";
-    let sizes: BTreeSet<usize> = legs
-        .iter()
-        .map(Vec::len)
+    // A pruned crossbar reads a part of them.
+    text += "    wire unused = &{1'b0, sources, selects, host};\n\nendmodule\n";
+    text
+}
+
+/// The multiplexers that the crossbar needs: name of the file and text.
+pub(super) fn multiplexers(hardware: &Hardware) -> Vec<(String, String)> {
+    let legs = legs_of(hardware);
+    let sizes: BTreeSet<usize> = (legs.iter().map(Vec::len))
         .filter(|&count| count > 1)
         .collect();
-    for count in sizes {
-        text += "\n";
-        text += &multiplexer(count as u32, width);
-    }
-    text
+    let width = hardware.width();
+    let file = |count: usize| {
+        let name = format!("robovec_multiplexer_{count}.v");
+        (name, multiplexer(count as u32, width))
+    };
+    sizes.into_iter().map(file).collect()
 }
 
 /// From the code of a source to the number of its leg.
@@ -152,9 +158,10 @@ fn decoder(text: &mut String, port: u32, codes: &[u32], code: &str, select: u32)
 /// One of `count` words, as a tree of multiplexers of four.
 fn multiplexer(count: u32, width: u32) -> String {
     let select = bits(count);
-    let mut text = format!(
-        "// One of {count} words, the first one lowest.\n\
-         module robovec_multiplexer_{count} (\n    input  {} select,\n    input  {} words,\n    \
+    let mut text = heading(&[format!("One of {count} words, the first one lowest.")]);
+    let _ = write!(
+        text,
+        "module robovec_multiplexer_{count} (\n    input  {} select,\n    input  {} words,\n    \
          output {} word\n);\n\n",
         range(select),
         range(count * width),

@@ -181,7 +181,11 @@ impl ElementModule<'_> {
         let selects: Vec<String> = (0..hardware.memories())
             .flat_map(|memory| self.writes(memory)[2].clone())
             .collect();
-        let _ = writeln!(text, "    assign selects = {};\n", joined(&selects));
+        let _ = writeln!(
+            text,
+            "    assign selects = {};\n    wire unused_fields = &{{1'b0, word}};\n",
+            joined(&selects)
+        );
         text
     }
 
@@ -213,6 +217,7 @@ impl ElementModule<'_> {
         }
         format!(
             "    wire {word} left;\n    wire {word} right;\n    \
+             wire unused_operands = &{{1'b0, right}};\n    \
              pe_split #(\n        .WIDTH({width}), .ADDRESS({}), .WRITES({ports}), \
              .PHASE_BITS({}),\n        .INITIAL(INITIAL), .LEFT_IMAGE(LEFT), \
              .RIGHT_IMAGE(RIGHT)\n    ) operands (\n        \
@@ -237,6 +242,7 @@ impl ElementModule<'_> {
         };
         format!(
             "    wire {word} left;\n    wire {word} right;\n    wire {word} addend;\n    \
+             wire unused_operands = &{{1'b0, right, addend, host_access}};\n    \
              pe_pumped #(\n        .WIDTH({width}), .ADDRESS({address}), .WRITES({ports}), \
              .PHASES({phases}), .PHASE_BITS({phase_bits}),\n        \
              .FUSED({fused}), .INITIAL(INITIAL), .IMAGE(DATA)\n    ) operands (\n        \

@@ -196,6 +196,7 @@ fn write_files(
         let name = element::module_name(group) + ".v";
         files.push((name, element::text(&hardware, group)));
     }
+    files.extend(crossbar::multiplexers(&hardware));
     files.push(("robovec_crossbar.v".to_owned(), crossbar::text(&hardware)));
     files.push((
         "robovec_machine.v".to_owned(),

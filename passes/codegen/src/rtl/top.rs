@@ -148,7 +148,8 @@ impl Top<'_> {
              .running(running), .finished(finished)\n    );\n\n    \
              assign results_running = active & advance;\n\n    \
              wire unit_access;\n    wire unit_write;\n    wire {host} unit_address;\n    \
-             wire {limbs} unit_data;\n    wire {word} unit_word;\n\n    \
+             wire {limbs} unit_data;\n    wire {word} unit_word;\n    \
+             wire unused_limbs = &{{1'b0, unit_data}};\n\n    \
              host_window #(\n        .ADDRESS({host_bits}), .LIMBS({limb_count}), \
              .WIDTH({width}), .CYCLE({cycle}),\n        \
              .CYCLES(INITIAL != 0 ? CYCLES : 0),\n        \
