@@ -234,6 +234,34 @@ fn an_error_is_an_exit_code() {
 }
 
 #[test]
+fn why_not_proposes_the_class_that_is_proved() {
+    let alone = ["--only", "--rules", "associativity"];
+    for (question, trig, told) in [
+        (
+            ["sin(a)*sin(a)*b + cos(a)*cos(a)*b", "b"],
+            true,
+            "class=real-trig;",
+        ),
+        (["a*b + a*c", "a*(b + c)"], false, "class=real;"),
+    ] {
+        let mut arguments = vec!["why-not", question[0], question[1]];
+        arguments.extend(alone);
+        if trig {
+            arguments.push("--trig");
+        }
+        let text = both(&rules(&arguments));
+        assert!(text.contains("A rule that closes the gap:"), "{text}");
+        assert!(text.contains(told), "{text}");
+    }
+    let question = ["why-not", "a*x*x + b*x*y + c*x*z", "x*(a*x + b*y + c*z)"];
+    for nodes in ["10", "50"] {
+        let text = both(&rules(&[&question[..], &["--nodes", nodes]].concat()));
+        let told = format!("Not reached within {nodes} nodes and 10 rounds");
+        assert!(text.contains(&told), "{text}");
+    }
+}
+
+#[test]
 fn factoring_is_found_again() {
     let known = ["signs", "commutativity", "associativity"];
     let mut arguments = vec![

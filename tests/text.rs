@@ -185,14 +185,15 @@ fn the_examples_of_the_documentation_are_read() {
         .skip(1)
         .filter_map(|rest| rest.split("```").next())
         .collect();
-    assert_eq!(examples.len(), 4);
+    assert_eq!(examples.len(), 5);
     for example in examples {
         let module = match example.contains("source 0") {
             true => parse("text-format.md", example),
             false => parse("text-format.md", &format!("source 0 \"a.m\"\n{example}")),
         };
         for function in module.functions.iter().filter(|f| f.level == Level::Placed) {
-            let machine = Machine::built_in("thesis").expect("it ships");
+            let schedule = function.schedule.as_ref().expect("it is placed");
+            let machine = Machine::built_in(&schedule.machine).expect("it ships");
             let view = View {
                 tables: &module.tables,
                 function,

@@ -292,7 +292,7 @@ impl Machine {
             ));
         }
         if let Interconnect::Network(network) = &self.interconnect
-            && let Some(fault) = network.fault()
+            && let Some(fault) = network.fault(self.elements.iter().map(|kind| kind.count).sum())
         {
             return fail(fault);
         }

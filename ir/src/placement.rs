@@ -8,7 +8,9 @@
 //! weight of the operation. A *direct* write happens in exactly the write-back
 //! cycle; an *indirect* one goes through the element's buffer and happens in a
 //! later cycle. A word written in cycle `w` can be read by an issue at
-//! `w + 1`.
+//! `w + 1`. That holds for a crossbar; over a network a write happens as many
+//! cycles after the departure of the word as its route takes
+//! ([`crate::machine::interconnect`]).
 
 use crate::entity::{Operand, Value};
 use crate::index_types;

@@ -213,11 +213,16 @@ fn machine(row: &LimitRow, value: &str, folder: &Path) -> Vec<Invocation> {
         Some(field) => format!("interconnect = {{kind = \"mesh\", {field} = {value}}}\n"),
         None => String::new(),
     };
+    // A network has no more columns than elements.
+    let elements = match (row.name.as_str(), value.parse()) {
+        ("interconnect.columns", Ok(1..=4096)) => value.to_owned(),
+        _ => of("element.count", "2"),
+    };
     let element = |kind: &str, operations: &str| {
         format!(
             "[[element]]\nkind = \"{kind}\"\noperations = [{operations}]\ncount = {}\n\
              stages = {}\ntransfer = {}\n\n",
-            of("element.count", "2"),
+            elements,
             of("element.stages", "3"),
             of("element.transfer", "2"),
         )

@@ -39,7 +39,7 @@ limited_fields! {
         1, 256, "links are reserved word by word in every cycle");
     /// Routers in a row.
     columns ("interconnect.columns", "square") = NumberLimit::whole(
-        1, 4096, "there are at most as many routers in a row as elements of a kind");
+        1, 4096, "there are at most as many routers in a row as elements");
     /// Logic cells.
     logic ("resources.logic", "0") = NumberLimit::whole(
         0, 1_000_000_000, "no device has more");

@@ -20,6 +20,7 @@
 //! work together are neighbours.
 
 use super::fields;
+use crate::diagnostic::counted;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -118,12 +119,21 @@ impl LinkNetwork {
         self.columns.unwrap_or_else(square).max(1)
     }
 
-    /// The fault that makes the network impossible, or `None`.
-    pub(super) fn fault(&self) -> Option<String> {
+    /// The fault that makes the network of so many elements impossible, or
+    /// `None`.
+    pub(super) fn fault(&self, elements: u32) -> Option<String> {
         let name = self.topology.name();
-        let square = matches!(self.topology, Topology::Mesh | Topology::Torus);
-        (self.columns.is_some() && !square)
-            .then(|| format!("the interconnect '{name}' has no columns"))
+        let columns = self.columns?;
+        if !matches!(self.topology, Topology::Mesh | Topology::Torus) {
+            return Some(format!("the interconnect '{name}' has no columns"));
+        }
+        (columns > elements).then(|| {
+            format!(
+                "the interconnect '{name}' has {} for {}; at most one for each is allowed",
+                counted(columns, "column"),
+                counted(elements, "element")
+            )
+        })
     }
 }
 
@@ -289,6 +299,8 @@ mod tests {
             "{kind = \"crossbar\", hop = 1}",
             "{kind = \"bus\", columns = 2}",
             "{kind = \"mesh\", columns = 0}",
+            "{kind = \"mesh\", columns = 9}",
+            "{kind = \"torus\", columns = 4096}",
             "{kind = \"bus\", words = 0}",
             "{kind = \"bus\", width = 2}",
             "{words = 2}",

@@ -2,7 +2,7 @@
 
 use super::form::{ClassAnalysis, EquivalentForm};
 use super::plain::{self, plain_number};
-use super::saturate::SaturationLimits;
+use super::saturate::{SaturationEnd, SaturationLimits};
 use egg::{EGraph, FlatTerm, Id, Language, RecExpr};
 use robovec_analysis::class::NumericClass;
 use robovec_rules::{Pattern, PatternNode, RuleSet};
@@ -74,10 +74,12 @@ pub fn derive(
             steps: 0,
         };
         let before = (egraph.total_number_of_nodes(), egraph.number_of_classes());
-        egraph = plain::saturate(egraph, &rules, limits).0;
+        let end;
+        (egraph, end) = plain::saturate(egraph, &rules, limits);
         let after = (egraph.total_number_of_nodes(), egraph.number_of_classes());
-        complete = before == after;
-        if after.0 >= effort.nodes {
+        complete = end == SaturationEnd::Complete;
+        // Without room for a form rounds change nothing.
+        if before == after {
             break;
         }
     }
@@ -327,6 +329,24 @@ mod tests {
                 .iter()
                 .any(|step| step.rule.contains("factor") || step.rule.contains("distribute"))
         );
+    }
+
+    #[test]
+    fn the_budget_is_kept_and_its_end_is_not_completeness() {
+        for nodes in [10, 50, 100] {
+            let effort = DerivationEffort { nodes, ..EFFORT };
+            let question = "a*x*x + b*x*y + c*x*z => x*(a*x + b*y + c*z)";
+            let Derivation::Nearest {
+                complete,
+                nodes: made,
+                ..
+            } = answer(question, effort)
+            else {
+                panic!("there is no room for it");
+            };
+            // The two terms take 20 themselves.
+            assert!(!complete && made <= nodes.max(20), "{made} of {nodes}");
+        }
     }
 
     #[test]

@@ -154,9 +154,11 @@ pub(crate) fn plain_number(number: f64) -> EquivalentForm {
 /// are kept before the first one makes a form.
 const MATCHES_PER_NODE: usize = 4;
 
-/// Takes no more than so many matches of a rule in a round.
+/// Takes no more than so many matches of a rule in a round, and makes no more
+/// forms than there is room for.
 struct BoundedMatches {
     most: usize,
+    nodes: usize,
     /// Some matches were left out.
     cut: bool,
 }
@@ -177,6 +179,33 @@ impl RewriteScheduler<EquivalentForm, ClassAnalysis> for BoundedMatches {
         self.cut |= count >= self.most;
         matches
     }
+
+    fn apply_rewrite(
+        &mut self,
+        _iteration: usize,
+        egraph: &mut EGraph<EquivalentForm, ClassAnalysis>,
+        rewrite: &PlainRule,
+        matches: Vec<SearchMatches<'_, EquivalentForm>>,
+    ) -> usize {
+        let right = rewrite.applier.get_pattern_ast();
+        let size = right.map_or(1, |ast| ast.len());
+        let mut applied = 0;
+        for found in matches {
+            for subst in found.substs {
+                if egraph.total_size() + size > self.nodes {
+                    self.cut = true;
+                    return applied;
+                }
+                let one = SearchMatches {
+                    eclass: found.eclass,
+                    substs: vec![subst],
+                    ast: found.ast.clone(),
+                };
+                applied += rewrite.apply(egraph, &[one]).len();
+            }
+        }
+        applied
+    }
 }
 
 /// Saturates an e-graph of plain terms.
@@ -189,6 +218,7 @@ pub(crate) fn saturate(
         .with_egraph(egraph)
         .with_scheduler(BoundedMatches {
             most: MATCHES_PER_NODE.saturating_mul(limits.nodes),
+            nodes: limits.nodes,
             cut: false,
         })
         .with_node_limit(limits.nodes)

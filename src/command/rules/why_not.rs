@@ -5,9 +5,10 @@ use super::super::flags::whole;
 use super::read;
 use clap::Args;
 use robovec_analysis::class::NumericClass;
+use robovec_ir::diagnostic::counted;
 use robovec_passes::eqsat::derive::{Derivation, DerivationEffort, DerivationStep, derive};
 use robovec_rules::check::{self, RuleVerdict};
-use robovec_rules::{Rule, RuleSet};
+use robovec_rules::{Pattern, Rule, RuleSet};
 use std::fmt::Write;
 
 /// What is asked.
@@ -53,8 +54,8 @@ pub(super) fn run(arguments: &WhyNotArguments) -> Result<String, CommandFailure>
     let Some(rule) = question.rules.first() else {
         return Err(CommandFailure::plain("there is no question".to_owned()));
     };
-    let finding = check::check(rule, 0);
-    match finding.verdict {
+    let finding = check::check(rule, check::TRIALS);
+    match &finding.verdict {
         RuleVerdict::False(example) => {
             return Ok(format!(
                 "No rules lead there, since the terms are not equal: {example}.\n"
@@ -74,18 +75,15 @@ pub(super) fn run(arguments: &WhyNotArguments) -> Result<String, CommandFailure>
         iterations: arguments.iterations,
     };
     let found = derive(&rule.left, &rule.right, &rules, class, effort);
-    Ok(answer(rule, &found))
+    Ok(answer(rule, &found, finding.is_sound(), effort))
 }
 
-fn answer(rule: &Rule, found: &Derivation) -> String {
+fn answer(rule: &Rule, found: &Derivation, is_proved: bool, effort: DerivationEffort) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
     match found {
         Derivation::Found(steps) => {
-            let count = match steps.len() {
-                1 => "one step".to_owned(),
-                count => format!("{count} steps"),
-            };
+            let count = counted(steps.len(), "step");
             let _ = writeln!(text, "The rules lead there in {count}:\n");
             text.push_str(&listing(rule, steps));
         }
@@ -95,25 +93,48 @@ fn answer(rule: &Rule, found: &Derivation) -> String {
             complete,
             nodes,
         } => {
+            let equal = match is_proved {
+                true => "The terms are equal",
+                false => "Nothing refutes that the terms are equal",
+            };
             let reason = match complete {
                 true => format!(
-                    "The terms are equal, but no rule leads there: all {nodes} terms were tried."
+                    "{equal}, but no rule leads there: all of {} were tried.",
+                    counted(*nodes, "term")
                 ),
                 false => format!(
-                    "Not reached within {nodes} nodes; --nodes and --iterations allow for more."
+                    "Not reached within {} and {}; --nodes and --iterations allow for more.",
+                    counted(effort.nodes, "node"),
+                    counted(effort.iterations, "round")
                 ),
             };
             let nearest = term.to_text(&rule.variables);
             let _ = writeln!(text, "{reason}\nThe nearest that was reached: {nearest}\n");
             text.push_str(&listing(rule, steps));
-            let _ = writeln!(
-                text,
-                "\nA rule that closes the gap:\n  rule new: {nearest} => {}  class=real;",
-                rule.right.to_text(&rule.variables)
-            );
+            text.push_str(&closing(rule, term));
         }
     }
     text
+}
+
+/// The rule from the nearest term to the wanted one, in the class that is
+/// proved of it.
+fn closing(question: &Rule, nearest: &Pattern) -> String {
+    let rule = Rule {
+        left: nearest.clone(),
+        ..question.clone()
+    };
+    let finding = check::check(&rule, check::TRIALS);
+    let doubt = match finding.is_sound() {
+        true => "",
+        false => ", which is not proved",
+    };
+    format!(
+        "\nA rule that closes the gap{doubt}:\n  rule new: {} => {}  class={};\n",
+        rule.left.to_text(&rule.variables),
+        rule.right.to_text(&rule.variables),
+        finding.class
+    )
 }
 
 /// The steps, aligned.
