@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from typing import Any, Mapping, Sequence
 
 import numpy as np
@@ -43,14 +44,14 @@ def load(
     concern models. ``model`` names the model that gives a file of equations
     its parameters.
 
-    Raises ``Error`` with the place and the remedy when something is wrong.
+    Raises ``Error`` with the place and the remedy when something is wrong, and
+    warns of what is left out.
     """
     other = None if model is None else os.fspath(model)
-    return Program(
-        _robovec.Program.load(
-            os.fspath(path), function, formulation, numbers, forces, other
-        )
-    )
+    inner = _robovec.Program.load(os.fspath(path), function, formulation, numbers, forces, other)
+    if inner.remarks:
+        warnings.warn(inner.remarks.rstrip(), stacklevel=2)
+    return Program(inner)
 
 
 def parse(text: str, function: str | None = None) -> Program:

@@ -27,6 +27,8 @@ pub(crate) struct PythonProgram {
     passes: Vec<PassRunRecord>,
     /// The counts of the function as it was read.
     read: Vec<ReadCounts>,
+    /// What readers remarked, as the command line shows it.
+    remarks: String,
 }
 
 fn refused(report: &Report) -> PyErr {
@@ -62,8 +64,15 @@ impl PythonProgram {
                 .map(|path| sources::model(Path::new(path)))
                 .transpose();
             let model = model.map_err(|error| refused(&error))?;
+            let mut remarks = read.warnings.render_plain();
+            if let Some(read) = &model {
+                remarks += &read.warnings.render_plain();
+            }
             let model = model.map(|read| Arc::new(read.model));
-            single(read.module, function, model)
+            Ok(PythonProgram {
+                remarks,
+                ..single(read.module, function, model)?
+            })
         })
     }
 
@@ -91,6 +100,7 @@ impl PythonProgram {
             Ok(PythonProgram {
                 module,
                 model: self.model.clone(),
+                remarks: String::new(),
                 passes: records,
                 read: self.read.clone(),
             })
@@ -111,6 +121,12 @@ impl PythonProgram {
     #[getter]
     fn name(&self) -> &str {
         &self.function().name
+    }
+
+    /// What readers remarked; empty for nothing.
+    #[getter]
+    fn remarks(&self) -> &str {
+        &self.remarks
     }
 
     /// Input arrays in order: name and extents, none for a scalar.
@@ -287,11 +303,12 @@ fn generated(
     let module = generate_asked(&read.model, &request).map_err(plain)?;
     // The name of a kind stands for all its cases, `sensor` for `sensor_1`.
     let is_case = function != kind.name();
-    single(
-        module,
-        is_case.then_some(function),
-        Some(Arc::new(read.model)),
-    )
+    let remarks = read.warnings_for(kind).render_plain();
+    let model = Arc::new(read.model);
+    Ok(PythonProgram {
+        remarks,
+        ..single(module, is_case.then_some(function), Some(model))?
+    })
 }
 
 /// The one function of a name; without a name the only one there is.
@@ -310,6 +327,7 @@ fn single(
             module,
             model,
             passes: Vec::new(),
+            remarks: String::new(),
         }),
         0 if names.is_empty() => Err(plain("the text holds no function")),
         0 => Err(plain(format!(

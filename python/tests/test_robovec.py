@@ -55,6 +55,15 @@ class Reading(unittest.TestCase):
             robovec.parse("// robovec 1\nfunction f {")
 
 
+    def test_what_is_left_out_is_warned_of(self):
+        text = ARM.read_text()
+        joint = re.search(r'<joint [^>]*type="(?:revolute|continuous)"[^>]*>', text).group()
+        with tempfile.TemporaryDirectory() as folder:
+            lossy = pathlib.Path(folder) / "lossy.urdf"
+            lossy.write_text(text.replace(joint, joint + '<dynamics damping="1"/>', 1))
+            with self.assertWarnsRegex(UserWarning, "damping and friction of 1 joint"):
+                robovec.load(lossy)
+
     def test_every_function_is_loaded_by_its_name(self):
         kinds = subprocess.run([PROGRAM, "gen", "--help"], capture_output=True, text=True).stdout
         kinds = re.search(r"possible values: all, ([\w, ]+)\]", kinds).group(1).split(", ")
