@@ -177,7 +177,7 @@ fn equations_are_compared_in_numbers_and_by_proof() {
     let files = [path(&theirs), path(&ours)];
     let check = |how: &[&str]| robovec(&[&["check"][..], &files, how].concat());
     let proof = said(&check(&["--circle", "--zeros", path(&car)]));
-    let expected = "dirdyna: real-trig, equal at 8 points of two prime fields and at 64 states";
+    let expected = "dirdyna: real-trig, equal at 8 points of two prime fields and at 80 states";
     assert!(proof.starts_with(expected), "{proof}");
     let numbers = said(&check(&["--model", path(&car)]));
     assert!(numbers.starts_with("dirdyna: within "), "{numbers}");

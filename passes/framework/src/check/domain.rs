@@ -26,7 +26,7 @@ use std::cell::OnceCell;
 
 /// A requirement on an operand.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub(super) enum Requirement {
+pub(super) enum DomainRequirement {
     /// A divisor.
     Nonzero,
     /// A number under a root.
@@ -35,8 +35,8 @@ pub(super) enum Requirement {
 
 /// What an operand must be for the function to be defined.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub(super) struct Condition {
-    pub(super) requirement: Requirement,
+pub(super) struct DomainCondition {
+    pub(super) requirement: DomainRequirement,
     pub(super) operand: Operand,
 }
 
@@ -45,7 +45,7 @@ pub(super) struct Condition {
 pub(super) struct OpenCondition {
     /// Index into [`Pairs::list`]: the first output that depends on it.
     pub(super) pair: usize,
-    pub(super) condition: Condition,
+    pub(super) condition: DomainCondition,
 }
 
 /// Points of the field at which values are compared.
@@ -58,19 +58,19 @@ const WORK: usize = 4_000_000_000;
 const MAX_PARTS: usize = 64;
 
 /// A value up to a constant factor: the quotients of its residues.
-type Key = [u64; POINTS - 1];
+type ValueKey = [u64; POINTS - 1];
 
 /// The key of what is zero everywhere, which no other value has.
-const ZERO: Key = [0; POINTS - 1];
+const ZERO: ValueKey = [0; POINTS - 1];
 
 /// The condition of a value up to a constant factor, by number.
-type Class = u32;
+type ConditionClass = u32;
 
 /// A version with the residues of its inputs and nodes at the points.
-struct Side<'a, F: Field> {
+struct VersionValues<'a, F: Field> {
     version: usize,
     function: &'a Function,
-    conditions: Vec<Condition>,
+    conditions: Vec<DomainCondition>,
     inputs: [Vec<F::Number>; POINTS],
     nodes: [Vec<F::Number>; POINTS],
 }
@@ -93,7 +93,7 @@ pub(super) fn open<F: Field>(
         F::at(prime, FieldPoint { seed })
     });
     let points = fields.each_ref().map(|field| pairs.point(field));
-    let side = |version: usize| Side {
+    let side = |version: usize| VersionValues {
         version,
         function: functions[version],
         conditions: conditions(functions[version]),
@@ -103,7 +103,7 @@ pub(super) fn open<F: Field>(
         }),
     };
     let view = [pairs.before, pairs.after][version];
-    let matching = Matching {
+    let matching = ConditionMatching {
         pairs,
         states,
         ranges: ranges(view, states),
@@ -116,12 +116,12 @@ pub(super) fn open<F: Field>(
 }
 
 /// The conditions of what outputs depend on, each once.
-fn conditions(function: &Function) -> Vec<Condition> {
+fn conditions(function: &Function) -> Vec<DomainCondition> {
     let live = live(function);
-    let mut found: Vec<Condition> = function
+    let mut found: Vec<DomainCondition> = function
         .values()
         .filter(|(value, _)| live[value.index()])
-        .filter_map(|(_, node)| Condition::of(node.operation, node.operands))
+        .filter_map(|(_, node)| DomainCondition::of(node.operation, node.operands))
         .filter(|condition| {
             let number = function.number(condition.operand);
             number.is_none_or(|number| !condition.requirement.holds_for(number))
@@ -165,18 +165,18 @@ fn ranges(view: View<'_>, states: &States) -> Vec<Range> {
     ranges
 }
 
-impl Requirement {
+impl DomainRequirement {
     fn holds_for(self, number: f64) -> bool {
         match self {
-            Requirement::Nonzero => number != 0.0,
-            Requirement::NotNegative => number >= 0.0,
+            DomainRequirement::Nonzero => number != 0.0,
+            DomainRequirement::NotNegative => number >= 0.0,
         }
     }
 
     fn holds_within(self, range: Range) -> bool {
         match self {
-            Requirement::Nonzero => range.nonzero,
-            Requirement::NotNegative => range.low >= 0.0,
+            DomainRequirement::Nonzero => range.nonzero,
+            DomainRequirement::NotNegative => range.low >= 0.0,
         }
     }
 }
@@ -184,27 +184,27 @@ impl Requirement {
 impl OpenCondition {
     /// The condition, for people.
     pub(super) fn text(self, view: View<'_>) -> String {
-        let Condition {
+        let DomainCondition {
             requirement,
             operand,
         } = self.condition;
         let what = match requirement {
-            Requirement::Nonzero => "not zero",
-            Requirement::NotNegative => "not negative",
+            DomainRequirement::Nonzero => "not zero",
+            DomainRequirement::NotNegative => "not negative",
         };
         format!("{} is {what}", print_operand(view, operand))
     }
 }
 
-impl Condition {
+impl DomainCondition {
     /// The condition that an operation sets.
-    pub(super) fn of(operation: Operation, [a, b, _]: [Operand; 3]) -> Option<Condition> {
+    pub(super) fn of(operation: Operation, [a, b, _]: [Operand; 3]) -> Option<DomainCondition> {
         let (requirement, operand) = match operation {
-            Operation::Div => (Requirement::Nonzero, b),
-            Operation::Sqrt => (Requirement::NotNegative, a),
+            Operation::Div => (DomainRequirement::Nonzero, b),
+            Operation::Sqrt => (DomainRequirement::NotNegative, a),
             _ => return None,
         };
-        Some(Condition {
+        Some(DomainCondition {
             requirement,
             operand,
         })
@@ -212,15 +212,15 @@ impl Condition {
 
     /// The conditions on the operands of a node that follow from this one on
     /// the node.
-    fn implied(self, function: &Function) -> Vec<Condition> {
+    fn implied(self, function: &Function) -> Vec<DomainCondition> {
         let Some(value) = self.operand.value() else {
             return Vec::new();
         };
         let node = function.node(value);
         let [a, b, _] = node.operands;
         let operands: &[Operand] = match (self.requirement, node.operation) {
-            (Requirement::Nonzero, Operation::Mul) => &[a, b],
-            (Requirement::Nonzero, Operation::Neg | Operation::Div | Operation::Sqrt)
+            (DomainRequirement::Nonzero, Operation::Mul) => &[a, b],
+            (DomainRequirement::Nonzero, Operation::Neg | Operation::Div | Operation::Sqrt)
             | (_, Operation::Copy) => &[a],
             _ => &[],
         };
@@ -228,30 +228,30 @@ impl Condition {
     }
 
     /// Conditions on the operands of a node from which this one follows.
-    fn sufficient(self, function: &Function) -> Vec<Condition> {
+    fn sufficient(self, function: &Function) -> Vec<DomainCondition> {
         let Some(value) = self.operand.value() else {
             return Vec::new();
         };
         let node = function.node(value);
         let [a, b, _] = node.operands;
         match (self.requirement, node.operation) {
-            (Requirement::NotNegative, Operation::Add | Operation::Mul | Operation::Div) => {
+            (DomainRequirement::NotNegative, Operation::Add | Operation::Mul | Operation::Div) => {
                 self.on(&[a, b])
             }
             _ => self.implied(function),
         }
     }
 
-    fn on(self, operands: &[Operand]) -> Vec<Condition> {
-        let on = |&operand| Condition { operand, ..self };
+    fn on(self, operands: &[Operand]) -> Vec<DomainCondition> {
+        let on = |&operand| DomainCondition { operand, ..self };
         operands.iter().map(on).collect()
     }
 }
 
-impl<F: Field> Side<'_, F> {
+impl<F: Field> VersionValues<'_, F> {
     /// The key of an operand; `None` for what has no value, or vanishes by
     /// accident.
-    fn key(&self, operand: Operand, field: &F) -> Option<Key> {
+    fn key(&self, operand: Operand, field: &F) -> Option<ValueKey> {
         let of = |numbers: &[Vec<F::Number>; POINTS], index: usize| {
             array::from_fn(|point| numbers[point][index])
         };
@@ -278,11 +278,11 @@ impl<F: Field> Side<'_, F> {
 }
 
 /// The conditions of one version, searched among those of the other.
-struct Matching<'a, F: Field> {
+struct ConditionMatching<'a, F: Field> {
     pairs: &'a Pairs<'a>,
     states: &'a States,
-    own: Side<'a, F>,
-    other: Side<'a, F>,
+    own: VersionValues<'a, F>,
+    other: VersionValues<'a, F>,
     /// The ranges of the nodes of the own version.
     ranges: Vec<Range>,
     field: &'a F,
@@ -293,24 +293,24 @@ struct Matching<'a, F: Field> {
 /// The conditions of the other version and what follows from them.
 #[derive(Default)]
 struct KnownConditions {
-    classes: FxHashMap<(Requirement, Key), (Class, Operand)>,
+    classes: FxHashMap<(DomainRequirement, ValueKey), (ConditionClass, Operand)>,
     /// For every condition of the other version the classes that it implies.
-    implied: Vec<Vec<Class>>,
+    implied: Vec<Vec<ConditionClass>>,
 }
 
-impl<F: Field> Matching<'_, F> {
+impl<F: Field> ConditionMatching<'_, F> {
     fn open(&self) -> Vec<OpenCondition> {
         let known = self.known();
         // What follows from no class of the other version gets its own.
-        let mut count = known.classes.len() as Class;
-        let mut needed: Vec<Vec<Class>> = Vec::with_capacity(self.own.conditions.len());
+        let mut count = known.classes.len() as ConditionClass;
+        let mut needed: Vec<Vec<ConditionClass>> = Vec::with_capacity(self.own.conditions.len());
         for &condition in &self.own.conditions {
             needed.push(self.needed(condition, &known).unwrap_or_else(|| {
                 count += 1;
                 vec![count - 1]
             }));
         }
-        let mut used: Vec<Class> = needed.iter().flatten().copied().collect();
+        let mut used: Vec<ConditionClass> = needed.iter().flatten().copied().collect();
         used.sort_unstable();
         used.dedup();
         let nodes = self.own.function.nodes().len() + self.other.function.nodes().len();
@@ -356,14 +356,14 @@ impl<F: Field> Matching<'_, F> {
                 );
                 next += 1;
             }
-            let mut classes: Vec<Class> = Vec::new();
+            let mut classes: Vec<ConditionClass> = Vec::new();
             for part in parts {
                 if let Some(key) = self.other.key(part.operand, self.field) {
-                    let count = known.classes.len() as Class;
+                    let count = known.classes.len() as ConditionClass;
                     let entry = known.classes.entry((part.requirement, key));
                     let (class, operand) = *entry.or_insert((count, part.operand));
                     // The second of two that differ in sign is not kept.
-                    if part.requirement == Requirement::Nonzero
+                    if part.requirement == DomainRequirement::Nonzero
                         || self.has_sign([self.other.version; 2], [part.operand, operand])
                     {
                         classes.push(class);
@@ -377,13 +377,17 @@ impl<F: Field> Matching<'_, F> {
 
     /// The classes of the other version from which a condition follows; `None`
     /// where it is not found to follow.
-    fn needed(&self, condition: Condition, known: &KnownConditions) -> Option<Vec<Class>> {
+    fn needed(
+        &self,
+        condition: DomainCondition,
+        known: &KnownConditions,
+    ) -> Option<Vec<ConditionClass>> {
         let function = self.own.function;
         let (mut classes, mut parts) = (Vec::new(), vec![condition]);
         let mut next = 0;
         while let Some(&part) = parts.get(next) {
             next += 1;
-            let Condition {
+            let DomainCondition {
                 requirement,
                 operand,
             } = part;
@@ -395,14 +399,14 @@ impl<F: Field> Matching<'_, F> {
                 OperandKind::Input(_) | OperandKind::None => false,
             };
             let key = self.own.key(operand, self.field);
-            if holds || requirement == Requirement::NotNegative && key == Some(ZERO) {
+            if holds || requirement == DomainRequirement::NotNegative && key == Some(ZERO) {
                 continue;
             }
             let found = key.and_then(|key| known.classes.get(&(requirement, key)));
             let versions = [self.own.version, self.other.version];
             match found {
                 Some(&(class, other))
-                    if requirement == Requirement::Nonzero
+                    if requirement == DomainRequirement::Nonzero
                         || self.has_sign(versions, [operand, other]) =>
                 {
                     classes.push(class);
@@ -462,10 +466,15 @@ impl<F: Field> Matching<'_, F> {
     }
 }
 
-impl<F: Field> Side<'_, F> {
+impl<F: Field> VersionValues<'_, F> {
     /// For every pair of outputs the classes of a block, as bits, that it
     /// depends on; `classes` are those of every condition.
-    fn dependence(&self, pairs: &Pairs<'_>, block: &[Class], classes: &[Vec<Class>]) -> Vec<u64> {
+    fn dependence(
+        &self,
+        pairs: &Pairs<'_>,
+        block: &[ConditionClass],
+        classes: &[Vec<ConditionClass>],
+    ) -> Vec<u64> {
         let bits: Vec<u64> = classes
             .iter()
             .map(|classes| {
@@ -477,7 +486,7 @@ impl<F: Field> Side<'_, F> {
             .collect();
         let mut reached: Vec<u64> = Vec::with_capacity(self.function.nodes().len());
         for node in self.function.nodes() {
-            let condition = Condition::of(node.operation, node.operands);
+            let condition = DomainCondition::of(node.operation, node.operands);
             let place =
                 condition.and_then(|condition| self.conditions.binary_search(&condition).ok());
             let own = place.map_or(0, |place| bits[place]);

@@ -60,7 +60,7 @@ use crate::differentiation::Differentiation;
 use crate::instances::Instances;
 use crate::scene::Scene;
 pub use constants::{LARGEST_MOVE, moved};
-use domain::Requirement;
+use domain::DomainRequirement;
 use failure::{Failed, explain};
 pub use failure::{Failure, FailureKind, Values};
 use field::FieldComparison;
@@ -396,8 +396,8 @@ fn judge_domain<F: Field>(pairs: &Pairs<'_>, states: &States, verdict: &mut Chec
     if let Some(first) = left.first() {
         if let Some((failed, requirement)) = poles::first(pairs, states, &left) {
             let kind = match requirement {
-                Requirement::Nonzero => FailureKind::Pole,
-                Requirement::NotNegative => FailureKind::Hole,
+                DomainRequirement::Nonzero => FailureKind::Pole,
+                DomainRequirement::NotNegative => FailureKind::Hole,
             };
             verdict.failure = Some(failed.explain(pairs, states, kind, verdict));
             return;

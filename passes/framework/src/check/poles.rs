@@ -6,7 +6,7 @@
 //! divisor of the version before vanishes with it, the versions differ. On the
 //! same lines numbers under roots are evaluated, which may be negative.
 
-use super::domain::{Condition, OpenCondition, Requirement};
+use super::domain::{DomainCondition, DomainRequirement, OpenCondition};
 use super::failure::{Failed, Values};
 use super::pairing::Pairs;
 use super::states::{StatePlace, StateScale};
@@ -56,8 +56,8 @@ pub(super) fn first(
     pairs: &Pairs<'_>,
     source: &States,
     open: &[OpenCondition],
-) -> Option<(Failed, Requirement)> {
-    let of = |requirement: Requirement| {
+) -> Option<(Failed, DomainRequirement)> {
+    let of = |requirement: DomainRequirement| {
         let conditions = open.iter().map(|open| open.condition);
         let wanted = conditions.filter(|condition| condition.requirement == requirement);
         let mut operands: Vec<Operand> = wanted.map(|condition| condition.operand).collect();
@@ -66,7 +66,8 @@ pub(super) fn first(
         operands.truncate(MAX_DIVISORS);
         operands
     };
-    let [divisors_after, radicands] = [Requirement::Nonzero, Requirement::NotNegative].map(of);
+    let [divisors_after, radicands] =
+        [DomainRequirement::Nonzero, DomainRequirement::NotNegative].map(of);
     let old = divisors(pairs.before.function);
     let size = pairs.before.function.nodes().len() + pairs.after.function.nodes().len() + 1;
     let evaluations = 2 * STEPS as usize + MAX_ZEROS * 2 * (NARROWINGS + HALVINGS as usize);
@@ -74,10 +75,10 @@ pub(super) fn first(
     (0..lines as u32).find_map(|number| {
         let line = StateLine::new(pairs, source, number);
         let pole = line.search(pairs, &old, &divisors_after);
-        pole.map(|failed| (failed, Requirement::Nonzero))
+        pole.map(|failed| (failed, DomainRequirement::Nonzero))
             .or_else(|| {
                 let hole = line.negative(pairs, &radicands)?;
-                Some((hole, Requirement::NotNegative))
+                Some((hole, DomainRequirement::NotNegative))
             })
     })
 }
@@ -193,7 +194,8 @@ impl StateLine {
                 here.any(|(value, usual)| value.is_nan() || value.abs() <= NEARLY * usual);
             if !vanishes
                 && self.is_confirmed(pairs, (old, &usual), (new[index], most), zero)
-                && let Some(failed) = self.failure(pairs, Requirement::Nonzero, new[index], zero)
+                && let Some(failed) =
+                    self.failure(pairs, DomainRequirement::Nonzero, new[index], zero)
             {
                 return Some(failed);
             }
@@ -241,7 +243,7 @@ impl StateLine {
             found
                 .filter(|(_, number)| number.high < 0.0)
                 .find_map(|(&radicand, _)| {
-                    self.failure(pairs, Requirement::NotNegative, radicand, t)
+                    self.failure(pairs, DomainRequirement::NotNegative, radicand, t)
                 })
         })
     }
@@ -250,11 +252,11 @@ impl StateLine {
     fn failure(
         &self,
         pairs: &Pairs<'_>,
-        requirement: Requirement,
+        requirement: DomainRequirement,
         operand: Operand,
         zero: f64,
     ) -> Option<Failed> {
-        let condition = Condition {
+        let condition = DomainCondition {
             requirement,
             operand,
         };
@@ -265,7 +267,7 @@ impl StateLine {
             let root = function.assignments[pair.after].operand;
             let divides = slice(function, &[root]).into_iter().any(|value| {
                 let node = function.node(value);
-                Condition::of(node.operation, node.operands) == Some(condition)
+                DomainCondition::of(node.operation, node.operands) == Some(condition)
             });
             (divides && before[pair.before].is_finite()).then(|| Failed {
                 pair: index,
