@@ -249,21 +249,25 @@ impl DomainCondition {
 }
 
 impl<F: Field> VersionValues<'_, F> {
+    /// The numbers of a value or input at the points.
+    fn numbers(&self, operand: Operand) -> Option<[F::Number; POINTS]> {
+        let of = |numbers: &[Vec<F::Number>; POINTS], index: usize| {
+            Some(array::from_fn(|point| numbers[point][index]))
+        };
+        match operand.kind() {
+            OperandKind::Value(value) => of(&self.nodes, value.index()),
+            OperandKind::Input(input) => of(&self.inputs, input.index()),
+            OperandKind::Constant(_) | OperandKind::None => None,
+        }
+    }
+
     /// The key of an operand; `None` for what has no value, or vanishes by
     /// accident.
     fn key(&self, operand: Operand, field: &F) -> Option<ValueKey> {
-        let of = |numbers: &[Vec<F::Number>; POINTS], index: usize| {
-            array::from_fn(|point| numbers[point][index])
-        };
-        let numbers: [F::Number; POINTS] = match operand.kind() {
-            OperandKind::Value(value) => of(&self.nodes, value.index()),
-            OperandKind::Input(input) => of(&self.inputs, input.index()),
-            OperandKind::Constant(constant) => {
-                let number = self.function.constant_number(constant);
-                return (number == 0.0).then_some(ZERO);
-            }
-            OperandKind::None => return None,
-        };
+        if let Some(number) = self.function.number(operand) {
+            return (number == 0.0).then_some(ZERO);
+        }
+        let numbers = self.numbers(operand)?;
         if numbers.iter().all(|&number| F::value(number) == 0) {
             return Some(ZERO);
         }
@@ -429,7 +433,13 @@ impl<F: Field> ConditionMatching<'_, F> {
 
     /// True when two operands that differ by a constant factor have one sign.
     fn has_sign(&self, versions: [usize; 2], operands: [Operand; 2]) -> bool {
-        if versions[0] == versions[1] && operands[0] == operands[1] {
+        // Equal values have one, also where no state gives them a number.
+        let [a, b] = [0, 1].map(|side| {
+            let sides = [&self.own, &self.other];
+            let side_of = sides.into_iter().find(|own| own.version == versions[side]);
+            side_of.and_then(|own| own.numbers(operands[side]))
+        });
+        if a.is_some() && a == b {
             return true;
         }
         let signs = (0..SIGNS as usize).map(|state| {

@@ -15,6 +15,7 @@ use robovec_ir::evaluate::{evaluate, evaluate_nodes};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Operand, OperandKind, Operation};
 use robovec_num::arithmetic::{Arithmetic, Binary64};
+use robovec_num::ball::{Ball, Balls};
 use robovec_num::double_double::{Double, DoubleDouble};
 
 /// Operations of all evaluations of a check together.
@@ -223,8 +224,14 @@ impl StateLine {
         new.abs() <= ZERO * most && !old.into_iter().zip(usual).any(vanishes)
     }
 
-    /// A place at which a number under a root is negative in double-double and
-    /// an output that depends on it has a value before.
+    /// The inputs of a version at a place of the line, with bounds.
+    fn balls(&self, version: usize, t: f64) -> Vec<Ball<1>> {
+        let inputs = self.at(version, t).into_iter();
+        inputs.map(|number| Ball::exact([number])).collect()
+    }
+
+    /// A place at which a number under a root is negative beyond doubt and an
+    /// output that depends on it has a value before.
     fn negative(&self, pairs: &Pairs<'_>, radicands: &[Operand]) -> Option<Failed> {
         if radicands.is_empty() {
             return None;
@@ -233,18 +240,20 @@ impl StateLine {
             .into_iter()
             .flat_map(|reach| (-STEPS..=STEPS).map(move |step| f64::from(step) * DISTANCE * reach));
         places.into_iter().find_map(|t| {
-            let inputs = self
-                .at(1, t)
-                .into_iter()
-                .map(Double::from)
-                .collect::<Vec<_>>();
-            let numbers = values(pairs.after.function, &DoubleDouble, &inputs, radicands);
-            let found = radicands.iter().zip(numbers);
-            found
-                .filter(|(_, number)| number.high < 0.0)
-                .find_map(|(&radicand, _)| {
-                    self.failure(pairs, DomainRequirement::NotNegative, radicand, t)
-                })
+            let numbers = values(
+                pairs.after.function,
+                &Balls::<1>,
+                &self.balls(1, t),
+                radicands,
+            );
+            let is_negative = |ball: &Ball<1>| ball.value.high[0] + ball.radius[0] < 0.0;
+            let mut found = radicands.iter().zip(numbers);
+            let (&radicand, _) = found.find(|(_, ball)| is_negative(ball))?;
+            let before = evaluate(pairs.before.function, &Balls::<1>, &self.balls(0, t));
+            let failed = self.failure(pairs, DomainRequirement::NotNegative, radicand, t)?;
+            before[pairs.list[failed.pair].before]
+                .is_known(0)
+                .then_some(failed)
         })
     }
 
