@@ -25,7 +25,7 @@ fn optimised(words: &[&str]) -> tempfile::TempDir {
         .chain(["-o", &path])
         .collect();
     let text = said(&robovec(&words));
-    assert!(text.contains("proved against the input"), "{text}");
+    assert!(text.contains("against the input: "), "{text}");
     folder
 }
 

@@ -125,7 +125,7 @@ fn facts(given: &GivenStarts, question: &OptimisationQuestion<'_>, found: &Optim
     }
     line(counted(best.operations, "operation"));
     line(found.errors.text());
-    line(format!("proved against the input: {}", found.proof));
+    line(format!("against the input: {}", found.proof));
     for (name, reason) in &given.left {
         line(format!("formulation {name} was left out: {reason}"));
     }

@@ -8,6 +8,7 @@ use robovec_ir::print::{print_definition, print_operand, print_output};
 use robovec_ir::states::States;
 use robovec_ir::{Input, Name, Output, Value, View};
 use robovec_num::field::Field;
+use robovec_num::limits::counted;
 use std::fmt;
 
 /// Two values of an output at a state.
@@ -296,8 +297,8 @@ impl fmt::Display for Failure {
         }
         write!(
             formatter,
-            "; it depends on {} operations before and {} after",
-            self.slice_before.len(),
+            "; it depends on {} before and {} after",
+            counted(self.slice_before.len(), "operation"),
             self.slice_after.len()
         )?;
         if let Some((before, after)) = &self.first_difference {

@@ -75,6 +75,7 @@ use robovec_ir::{Output, View};
 use robovec_num::ball::Balls;
 use robovec_num::field::{CircleField, Field, FieldPoint, PrimeField, RootField};
 use robovec_num::format::Format;
+use robovec_num::limits::counted;
 use small::SmallVerdict;
 pub use states::{StatePlace, StateScale};
 use std::array;
@@ -539,22 +540,22 @@ impl fmt::Display for CheckVerdict {
         if let Some(deviation) = self.deviation {
             write!(
                 formatter,
-                "{class}, outputs moved by at most {:.1e} of their array's largest element at {} \
-                 states",
-                deviation.worst_normwise, self.points
+                "{class}, outputs moved by at most {:.1e} of their array's largest element at {}",
+                deviation.worst_normwise,
+                counted(self.points, "state")
             )?;
             if self.promised {
-                write!(formatter, ", as promised at {states} states")?;
+                write!(formatter, ", as promised at {}", counted(*states, "state"))?;
             }
             return Ok(());
         }
-        let points = self.points;
+        let points = counted(self.points, "point");
         let decided = self.fewest.as_ref().filter(|(_, decided)| decided < states);
         if let Some((output, 0)) = decided {
             return write!(
                 formatter,
                 "no verdict: numbers decide {output} at none of {states} states, though it is \
-                 {class}, equal at {points} points of two prime fields"
+                 {class}, equal at {points} of two prime fields"
             );
         }
         let domain = match self.domain {
@@ -564,7 +565,8 @@ impl fmt::Display for CheckVerdict {
         };
         write!(
             formatter,
-            "{class}, equal{domain} at {points} points of two prime fields and at {states} states"
+            "{class}, equal{domain} at {points} of two prime fields and at {}",
+            counted(*states, "state")
         )?;
         if let Some((output, decided)) = decided {
             write!(formatter, " ({output} at {decided} of them)")?;
