@@ -416,3 +416,19 @@ fn no_random_pipeline_beats_it() {
     assert!(compared > 0, "no pipeline made a schedule");
     assert!(worst.0 <= 1.02, "{worst:?}");
 }
+
+#[test]
+fn nothing_is_taken_where_no_program_runs() {
+    // 'true' compiles without a word and makes nothing.
+    let output = robovec(&[
+        "optimise",
+        "tests/passes/optimise/path.rvir",
+        "--for=cpu",
+        "--compiler=true",
+        "--effort=1",
+    ]);
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("no program could be timed"), "{message}");
+    assert!(output.stdout.is_empty());
+}

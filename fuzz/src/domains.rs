@@ -6,7 +6,7 @@ use robovec_framework::check::{CheckVerdict, DomainVerdict, check};
 use robovec_ir::states::States;
 use robovec_ir::{Module, View};
 
-/// What takes the place of `V` after: defined where `D` is not zero or not
+/// The expressions that replace `V`: defined where `D` is not zero or not
 /// negative alone, and there of the same value.
 const NARROWED: [&str; 10] = [
     "V*(D/D)",
@@ -32,7 +32,7 @@ const BOTH_SIGNS: [&str; 7] = [
     "(cos(A) - 0.5*B)",
 ];
 
-/// What became of a pair: refused, or equal with the qualification.
+/// The finding about a pair: refused, or equal with the qualification.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum DomainFinding {
     /// A point was found where one has a value and the other none.

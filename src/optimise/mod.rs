@@ -132,7 +132,7 @@ pub struct Optimised {
     pub skipped: Vec<(String, String)>,
     /// How many more were made that looked like one of them.
     pub alike: usize,
-    /// How many more were made and not timed, since they promise less.
+    /// The number of programs that were made and not timed, since they promise less.
     pub untimed: usize,
     /// The program that was taken: at the level atomic, not placed.
     pub program: Arc<Module>,

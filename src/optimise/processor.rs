@@ -143,8 +143,11 @@ impl ProgramTiming<'_> {
                 let times = outcomes.iter().filter_map(|outcome| outcome.nanoseconds);
                 let fastest = times.fold(f64::INFINITY, f64::min);
                 for ((slowness, index), outcome) in slowness.iter_mut().zip(outcomes) {
-                    let time = outcome.nanoseconds.unwrap_or(f64::INFINITY);
-                    *slowness = slowness.max(time / fastest);
+                    // Where no program has a time, none is as fast as the fastest.
+                    *slowness = match outcome.nanoseconds {
+                        Some(time) => slowness.max(time / fastest),
+                        None => f64::INFINITY,
+                    };
                     if number == 0 {
                         figures[*index].nanoseconds = outcome.nanoseconds;
                         figures[*index].code_bytes = outcome.code_bytes;
@@ -166,7 +169,7 @@ impl ProgramTiming<'_> {
         unreachable!("the last rounds end the timing")
     }
 
-    /// What was measured of programs, in their order.
+    /// The measurements of programs, in their order.
     fn timed(
         &self,
         candidates: &[usize],

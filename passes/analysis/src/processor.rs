@@ -55,7 +55,7 @@ pub fn processor_work(function: &Function) -> f64 {
     work + STORE * function.assignments.len() as f64
 }
 
-/// What a register can hold.
+/// The content of a register.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 enum Place {
     Value(u32),

@@ -41,7 +41,8 @@ pub(crate) fn write(
     (result, witness)
 }
 
-/// States at which a pass looks how far rounding constants moves outputs.
+/// Number of states at which a pass measures how far rounding constants moves
+/// outputs.
 const STATES: u32 = 4;
 /// Their seed; the semantic check draws others.
 const SEED: u64 = 0x9a7e;

@@ -7,7 +7,7 @@
 //! constant factor by its values in a prime field, in which roots, sines and
 //! cosines are unrelated elements. A divisor is split into its factors, a
 //! number under a root into terms and factors that must not be negative.
-//! What is left open is given to the prover of rules where the output is small
+//! An open condition is given to the prover of rules where the output is small
 //! ([`super::small`]) and to a search along lines ([`super::poles`]).
 
 use super::nth_seed;
@@ -33,7 +33,7 @@ pub(super) enum DomainRequirement {
     NotNegative,
 }
 
-/// What an operand must be for the function to be defined.
+/// A requirement on an operand without which the function is not defined.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) struct DomainCondition {
     pub(super) requirement: DomainRequirement,

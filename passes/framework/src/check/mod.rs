@@ -278,8 +278,8 @@ pub fn check_specialised(
     verdict
 }
 
-/// Whether a function is its witness with rounded constants, and these move no
-/// output too far.
+/// Checks that a function is its witness with rounded constants, and that these
+/// move no output too far.
 fn judge_rounding(
     pairs: &Pairs<'_>,
     after: View<'_>,

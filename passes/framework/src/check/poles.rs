@@ -71,7 +71,14 @@ pub(super) fn first(
         [DomainRequirement::Nonzero, DomainRequirement::NotNegative].map(of);
     let old = divisors(pairs.before.function);
     let size = pairs.before.function.nodes().len() + pairs.after.function.nodes().len() + 1;
-    let evaluations = 2 * STEPS as usize + MAX_ZEROS * 2 * (NARROWINGS + HALVINGS as usize);
+    let of_radicands = REACHES.len() * (2 * STEPS as usize + 1);
+    let evaluations = 2 * STEPS as usize
+        + MAX_ZEROS * 2 * (NARROWINGS + HALVINGS as usize)
+        + if radicands.is_empty() {
+            0
+        } else {
+            of_radicands
+        };
     let lines = (WORK / size / evaluations).clamp(1, MAX_LINES as usize);
     (0..lines as u32).find_map(|number| {
         let line = StateLine::new(pairs, source, number);

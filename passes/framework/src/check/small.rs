@@ -87,7 +87,7 @@ pub(super) fn decided(pairs: &Pairs<'_>, pair: usize, states: &States) -> SmallV
     }
 }
 
-/// Whether inputs lie within the ranges of a scene.
+/// True when inputs lie within the ranges of a scene.
 fn within(pairs: &Pairs<'_>, states: &States, inputs: &[f64]) -> bool {
     inputs.iter().enumerate().all(|(index, &number)| {
         let (array, indices, _) = pairs.before.function.input_element(Input(index as u32));
