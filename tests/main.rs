@@ -15,6 +15,7 @@ mod support;
 mod accuracy;
 mod against_gcc;
 mod agreement;
+mod budget;
 mod check;
 mod cli;
 mod clock;
