@@ -1,42 +1,25 @@
 //! robovec: a compiler for the equations of multibody systems.
 
-pub mod accuracy;
-pub mod align;
-pub mod bench;
 pub mod command;
-pub mod errors;
 pub mod evaluate_command;
-pub mod explore;
-pub mod files;
-pub mod fit;
-pub mod fpcore;
-pub mod front;
-pub mod generate;
-pub mod hexadecimal;
-pub mod kinematics;
-pub mod model;
-pub mod motion;
-pub mod neglect;
-pub mod optimise;
-pub mod present;
-pub mod process;
-pub mod report;
-pub mod robotran;
-pub mod rtl;
-pub mod scene;
-pub mod simulate;
-pub mod sources;
-pub mod stale;
-pub mod stress;
-pub mod study;
-pub mod sweep;
-pub mod synthesis;
-pub mod trigonometry;
-pub mod view;
-pub mod whole_step;
-pub mod yardstick;
 
 pub use command::{grammar, limits};
+pub use robovec_bench as bench;
+pub use robovec_dynamics::{generate, kinematics, motion, stale, whole_step};
+pub use robovec_error::{accuracy, errors, yardstick};
+pub use robovec_explore as explore;
+pub use robovec_explore::{fit, front, neglect, optimise, scene, study, sweep, trigonometry};
+pub use robovec_fpcore as fpcore;
+pub use robovec_hardware::{rtl, synthesis};
+pub use robovec_io::{files, process, sources};
+pub use robovec_model as model;
+pub use robovec_present as present;
+pub use robovec_robotran as robotran;
+pub use robovec_robotran::align;
+pub use robovec_simulate as simulate;
+pub use robovec_stress as stress;
+pub use robovec_view as view;
+pub use robovec_view::report;
 
 /// The page on the library, whose examples `cargo test` compiles and runs.
 #[cfg(doctest)]

@@ -2,6 +2,7 @@
 //! crate is not in its package, and a test that no program holds never runs.
 
 use crate::support::files::tree;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
@@ -29,7 +30,10 @@ fn sources(folder: &Path) -> Vec<PathBuf> {
         for entry in entries {
             let path = entry.expect("a readable folder").path();
             if path.is_dir() {
-                folders.push(path);
+                // Crates lie below `src` and are counted on their own.
+                if !path.join("Cargo.toml").is_file() {
+                    folders.push(path);
+                }
             } else if path.extension().is_some_and(|extension| extension == "rs") {
                 found.push(path);
             }
@@ -64,11 +68,12 @@ fn plain(path: &Path) -> PathBuf {
     plain
 }
 
-/// The crates of the workspace, those without dependencies first, each with
-/// the crates of the workspace that it depends on, as ARCHITECTURE.md draws
-/// them.
+/// The crates of the workspace by name, those without dependencies first, each
+/// with the crates it depends on that no other of its dependencies brings, as
+/// ARCHITECTURE.md draws them.
 fn drawing() -> String {
-    let mut left: Vec<(String, Vec<String>)> = crates()
+    let short = |name: &str| name.trim_start_matches("robovec-").to_owned();
+    let mut left: Vec<(String, BTreeSet<String>)> = crates()
         .iter()
         .map(|folder| {
             let manifest = fs::read_to_string(folder.join("Cargo.toml")).expect("a manifest");
@@ -76,19 +81,22 @@ fn drawing() -> String {
             let name = manifest["package"]["name"].as_str().expect("a name");
             let needs = manifest["dependencies"].as_table().expect("a table").keys();
             let needs = needs.filter(|name| name.starts_with("robovec"));
-            (name.to_owned(), needs.cloned().collect())
+            (short(name), needs.map(|name| short(name)).collect())
         })
         .collect();
-    let (mut drawn, mut text) = (Vec::<String>::new(), String::new());
+    let (mut all, mut text) = (BTreeMap::<String, BTreeSet<String>>::new(), String::new());
     while !left.is_empty() {
-        let ready =
-            |(_, needs): &(String, Vec<String>)| needs.iter().all(|name| drawn.contains(name));
+        let ready = |(_, needs): &(String, BTreeSet<String>)| {
+            needs.iter().all(|name| all.contains_key(name))
+        };
         let place = left.iter().position(ready).expect("crates form no circle");
         let (name, needs) = left.remove(place);
-        let line = format!("    {name:17} <- {}", needs.join(", "));
+        let brought: BTreeSet<String> = needs.iter().flat_map(|name| all[name].clone()).collect();
+        let direct: Vec<&str> = needs.difference(&brought).map(String::as_str).collect();
+        let line = format!("    {name:9} <- {}", direct.join(", "));
         text += line.trim_end().trim_end_matches(" <-").trim_end();
         text.push('\n');
-        drawn.push(name);
+        all.insert(name, needs.union(&brought).cloned().collect());
     }
     text
 }

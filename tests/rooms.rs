@@ -25,7 +25,10 @@ fn sources(folder: &Path) -> Vec<(String, String)> {
         for entry in fs::read_dir(&next).expect("the sources are there") {
             let path = entry.expect("a readable folder").path();
             if path.is_dir() {
-                folders.push(path);
+                // Crates lie below `src` and are counted on their own.
+                if !path.join("Cargo.toml").is_file() {
+                    folders.push(path);
+                }
                 continue;
             }
             let is_source = path.extension().is_some_and(|extension| extension == "rs");

@@ -4,9 +4,9 @@ use super::flags::{SEED, states};
 use super::output::result_files;
 use super::output_errors::{self, OutputArguments};
 use super::{CommandFailure, input, output, progress};
-use crate::accuracy::{self, FunctionAccuracy, Options};
-use crate::present::json::json_text;
 use clap::Args;
+use robovec_error::accuracy::{self, FunctionAccuracy, Options};
+use robovec_present::json::json_text;
 use std::path::PathBuf;
 
 /// What is measured.

@@ -2,18 +2,18 @@
 
 use super::flags::{SEED, states, whole};
 use super::{CommandFailure, generation, input, opt, output, progress, robot_bench, subjects};
-use crate::bench::contestant::{Contestant, ContestantFamily};
-use crate::bench::task::BenchTask;
-use crate::bench::{self, BenchOutcome, BenchQuestion, Compiler, own, peers, robotran, text};
-use crate::files::TemporaryFolder;
-use crate::generate::{Formulation, Options, contenders};
-use crate::model::Model;
-use crate::yardstick::account::random_states;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use indicatif::ProgressBar;
+use robovec_bench::contestant::{Contestant, ContestantFamily};
+use robovec_bench::task::BenchTask;
+use robovec_bench::{BenchOutcome, BenchQuestion, Compiler, own, peers, robotran, text};
+use robovec_dynamics::generate::{Formulation, Options, contenders};
+use robovec_error::yardstick::account::random_states;
+use robovec_io::files::TemporaryFolder;
 use robovec_ir::states::States;
 use robovec_ir::{Module, View};
+use robovec_model::Model;
 use std::path::{Path, PathBuf};
 
 /// Times Robotran's file, robovec's C and other libraries on this computer, results compared first
@@ -136,7 +136,7 @@ pub(super) fn outcomes(
         flags: arguments.flags.as_deref(),
     };
     let contestants = contestants(&question, loaded, arguments)?;
-    let outcomes = bench::bench(
+    let outcomes = robovec_bench::bench(
         &question,
         &contestants,
         folder,
@@ -146,7 +146,7 @@ pub(super) fn outcomes(
     )
     .map_err(|error| CommandFailure::plain(format!("{}: {error}", folder.display())))?;
     Ok(if arguments.compilers.is_empty() {
-        bench::by_the_better_compiler(outcomes)
+        robovec_bench::by_the_better_compiler(outcomes)
     } else {
         outcomes
     })

@@ -9,18 +9,18 @@
 use super::CommandFailure;
 use super::flags::{SEED, real, whole};
 use super::input::{self, InputModule};
-use crate::align;
-use crate::kinematics::parameter;
-use crate::model::Model;
-use crate::stale::zero;
 use clap::Args;
 use robovec_analysis::class::NumericClass;
+use robovec_dynamics::kinematics::parameter;
+use robovec_dynamics::stale::zero;
 use robovec_framework::check::check;
 use robovec_ir::diagnostic::counted;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Input, Module, Tables, View};
+use robovec_model::Model;
 use robovec_num::arithmetic::Binary64;
+use robovec_robotran::align;
 use std::fmt::Write;
 use std::path::PathBuf;
 

@@ -4,15 +4,15 @@ use super::arguments::InputLanguage;
 use super::flags::{SEED, states};
 use super::{CommandFailure, generation, input};
 use crate::evaluate_command::{self, NumberSystem, ResultFormat, evaluate_at_states};
-use crate::files::limited;
-use crate::generate::Options;
-use crate::model::Model;
-use crate::robotran::FunctionKind;
-use crate::sources;
 use clap::{Args, ValueEnum};
+use robovec_dynamics::generate::Options;
+use robovec_io::files::limited;
+use robovec_io::sources;
 use robovec_ir::Module;
 use robovec_ir::diagnostic::{Report, clip};
 use robovec_ir::states::States;
+use robovec_model::Model;
+use robovec_robotran::FunctionKind;
 use std::path::{Path, PathBuf};
 
 /// How the result is written.

@@ -2,7 +2,7 @@
 
 use super::CommandFailure;
 use super::input::InputModule;
-use crate::errors;
+use robovec_error::errors;
 use robovec_framework::trail::{self, Account, DefinitionChange, Moment, PassEntry, Trail};
 use robovec_ir::diagnostic::{Diagnostic, Label, Report};
 use robovec_ir::states::States;

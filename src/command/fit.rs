@@ -3,19 +3,21 @@
 use super::flags::{SEED, states, whole};
 use super::output::result_files;
 use super::{CommandFailure, input, output, progress};
-use crate::explore::program::view;
-use crate::files::Replace;
-use crate::fit::confirm::{self, Confirmation};
-use crate::fit::{self, CostMeasure, FitError, FitOutcome, FitTask, MotionTolerance, SinePlace};
-use crate::generate::{Formulation, MomentOrigin, PrefixNetwork};
-use crate::optimise::start::FORMULATIONS;
-use crate::present::json::json_text;
-use crate::scene::{SceneFile, SceneSubject};
 use clap::{Args, ValueEnum};
 use indicatif::ProgressBar;
 use robovec_analysis::rounding::usual_states;
+use robovec_dynamics::generate::{Formulation, MomentOrigin, PrefixNetwork};
+use robovec_explore::fit::confirm::{self, Confirmation};
+use robovec_explore::fit::{
+    self, CostMeasure, FitError, FitOutcome, FitTask, MotionTolerance, SinePlace,
+};
+use robovec_explore::optimise::start::FORMULATIONS;
+use robovec_explore::program::view;
+use robovec_explore::scene::{SceneFile, SceneSubject};
 use robovec_framework::scene::ArraySizes;
+use robovec_io::files::Replace;
 use robovec_ir::{Machine, Module, print};
+use robovec_present::json::json_text;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 

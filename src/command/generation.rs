@@ -3,25 +3,25 @@
 use super::flags::whole;
 use super::write::{CFloat, GenerationName, OutputLanguage, save, write_files};
 use super::{CommandFailure, input, names, output, telling};
-use crate::files::Replace;
-use crate::generate::{
-    Formulation, GenerateError, GenerationRequest, Options, ParameterBinding, TermOrder,
-    contenders, cuts_of_rows, generate_into, redundant_rows, refuse_empty,
-};
-use crate::model::Model;
-use crate::robotran::FunctionKind;
-use crate::robotran::write::WriteOptions;
-use crate::whole_step::accuracy::step_error;
-use crate::whole_step::{self, StepFunction, StepStyle};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use robovec_codegen::c::{self, Real};
 use robovec_codegen::kind::Generation;
+use robovec_dynamics::generate::{
+    Formulation, GenerateError, GenerationRequest, Options, ParameterBinding, TermOrder,
+    contenders, cuts_of_rows, generate_into, redundant_rows, refuse_empty,
+};
+use robovec_dynamics::whole_step::accuracy::step_error;
+use robovec_dynamics::whole_step::{self, StepFunction, StepStyle};
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
+use robovec_io::files::Replace;
 use robovec_ir::count::Counts;
 use robovec_ir::{Format, Module, print};
+use robovec_model::Model;
 use robovec_passes::registry::REGISTRY;
+use robovec_robotran::FunctionKind;
+use robovec_robotran::write::WriteOptions;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 

@@ -5,21 +5,21 @@
 
 use super::CommandFailure;
 use super::arguments::InputLanguage;
-use crate::files::limited::{self, FileLimit};
-use crate::generate::{GenerationRequest, generate_asked};
-use crate::model::Model;
-use crate::model::mbs::ReadModel;
-use crate::motion::Laws;
-use crate::robotran::FunctionKind;
-use crate::robotran::Language;
-use crate::scene::{SceneFile, SceneSubject};
-use crate::sources::{self, EquationLanguage, ReadEquations, display_name};
+use robovec_dynamics::generate::{GenerationRequest, generate_asked};
+use robovec_dynamics::motion::Laws;
+use robovec_explore::scene::{SceneFile, SceneSubject};
 use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;
+use robovec_io::files::limited::{self, FileLimit};
+use robovec_io::sources::{self, EquationLanguage, ReadEquations, display_name};
 use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
 use robovec_ir::states::{Ranges, States};
 use robovec_ir::{Format, Function, Machine, Module, Operation};
+use robovec_model::Model;
+use robovec_model::mbs::ReadModel;
 use robovec_passes::registry::REGISTRY;
+use robovec_robotran::FunctionKind;
+use robovec_robotran::Language;
 use std::path::{Path, PathBuf};
 
 /// Equations as read, with the text messages point into.

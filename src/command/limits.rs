@@ -5,11 +5,11 @@
 //! module, above all rooms that declare some, only gathers them, for the manual (`docs/limits.md`) and for the
 //! tests that try every number at its ends.
 
-use crate::files::limited;
-use crate::model::{family, mbs};
 use crate::{evaluate_command, motion, robotran, scene, study};
 use robovec_framework::pipeline;
+use robovec_io::files::limited;
 use robovec_ir::parse;
+use robovec_model::{family, mbs};
 pub use robovec_num::limits::LimitRow;
 use robovec_num::limits::{self, NumberLimit};
 use robovec_passes::registry::REGISTRY;

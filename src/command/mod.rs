@@ -56,7 +56,7 @@ mod trig;
 mod view;
 mod write;
 
-use crate::bench::Compiler;
+use robovec_bench::Compiler;
 use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
 
 /// The command lines of both programs, with the limits of their numbers.

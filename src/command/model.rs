@@ -2,16 +2,16 @@
 
 use super::flags::{FlagLimit, SEED};
 use super::{CommandFailure, input, output};
-use crate::files::Replace;
-use crate::model::Model;
-use crate::model::family::{self, ModelFamily};
-use crate::model::mbs::{unsayable, write_mbs};
-use crate::model::summary::summarise;
-use crate::stale;
 use clap::Args;
+use robovec_dynamics::stale;
+use robovec_io::files::Replace;
 use robovec_ir::diagnostic::{
     Diagnostic, Label, Report, Severity, did_you_mean, termcolor::ColorChoice,
 };
+use robovec_model::Model;
+use robovec_model::family::{self, ModelFamily};
+use robovec_model::mbs::{unsayable, write_mbs};
+use robovec_model::summary::summarise;
 use std::path::PathBuf;
 
 /// The joints of a family that is given no number.

@@ -1,12 +1,12 @@
 //! `robovec neglect`: what a scene need not model.
 
 use super::{CommandFailure, input, output, progress};
-use crate::files::{Replace, limited};
-use crate::model::mbs::unsayable;
-use crate::neglect::{self, NeglectError, NeglectTask};
-use crate::present::plot;
-use crate::scene::SceneSubject;
 use clap::Args;
+use robovec_explore::neglect::{self, NeglectError, NeglectTask};
+use robovec_explore::scene::SceneSubject;
+use robovec_io::files::{Replace, limited};
+use robovec_model::mbs::unsayable;
+use robovec_present::plot;
 use std::path::{Path, PathBuf};
 
 /// Find the joints, bodies, forces and terms that a scene need not model

@@ -9,8 +9,6 @@ use super::{
     CommandFailure, explain, listing, memory, names, output, placed, progress, reduction,
     reproducer, rules, simulation, telling,
 };
-use crate::files::{Replace, limited, set_force};
-use crate::report::{self, ReadCounts};
 use clap::FromArgMatches;
 use clap_complete::env::{CompleteEnv, Shells};
 use robovec_codegen::rtl::DESCRIPTION;
@@ -20,10 +18,12 @@ use robovec_framework::manager::{
 use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;
 use robovec_framework::trail::Trail;
+use robovec_io::files::{Replace, limited, set_force};
 use robovec_ir::diagnostic::{Diagnostic, Label, Report};
 use robovec_ir::states::{Ranges, States};
 use robovec_ir::{Function, Machine, Module, SourceSet, print};
 use robovec_rules::RuleSet;
+use robovec_view::report::{self, ReadCounts};
 use std::ffi::OsString;
 use std::io::{self, Write};
 use std::path::Path;

@@ -1,8 +1,8 @@
 //! Results to files and to the standard output, mistakes as messages.
 
 use super::CommandFailure;
-use crate::files::{self, FileWriteError, Replace};
-use crate::present::{DataTable, Figure, plot};
+use robovec_io::files::{self, FileWriteError, Replace};
+use robovec_present::{DataTable, Figure, plot};
 use std::io::{self, Write};
 use std::path::Path;
 

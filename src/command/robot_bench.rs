@@ -3,16 +3,16 @@
 
 use super::bench::{BenchArguments, FORMULATIONS, LoadedSubject, drawn, outcomes, usual_equations};
 use super::{CommandFailure, generation, input, subjects};
-use crate::bench::BenchOutcome;
-use crate::bench::contestant::ContestantFamily;
-use crate::bench::task::BenchTask;
-use crate::explore::placing::placed;
-use crate::generate::{Options, contenders};
-use crate::model::Model;
-use crate::model::urdf::{RobotBase, read_urdf};
-use crate::present::number::or_dash;
-use crate::present::text_table;
 use indicatif::ProgressBar;
+use robovec_bench::BenchOutcome;
+use robovec_bench::contestant::ContestantFamily;
+use robovec_bench::task::BenchTask;
+use robovec_dynamics::generate::{Options, contenders};
+use robovec_explore::placing::placed;
+use robovec_model::Model;
+use robovec_model::urdf::{RobotBase, read_urdf};
+use robovec_present::number::or_dash;
+use robovec_present::text_table;
 use robovec_schedule::PlaceOptions;
 use std::path::Path;
 

@@ -4,11 +4,6 @@ use super::flags::whole;
 use super::opt::select;
 use super::rtl_bench::{self, RtlBenchArguments};
 use super::{CommandFailure, input, output, placed, telling};
-use crate::explore::device;
-use crate::files::sealed::check_folder;
-use crate::files::{Replace, limited};
-use crate::yardstick::Yardstick;
-use crate::yardstick::account::{ErrorAccount, random_states};
 use clap::{Args, ValueEnum};
 use robovec_analysis::rounding::usual_states;
 use robovec_codegen::hardware::{self, MachineShape};
@@ -17,8 +12,13 @@ use robovec_codegen::rtl::{
     self, Crossbar, CrossbarChoice, DESCRIPTION, Hardware, HardwareFit, RtlError,
 };
 use robovec_codegen::{Artifacts, quartus};
+use robovec_error::yardstick::Yardstick;
+use robovec_error::yardstick::account::{ErrorAccount, random_states};
+use robovec_explore::device;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::scene::Scene;
+use robovec_io::files::sealed::check_folder;
+use robovec_io::files::{Replace, limited};
 use robovec_ir::diagnostic::counted;
 use robovec_ir::{Format, Function, Machine, Module, View};
 use std::fmt::Write as _;

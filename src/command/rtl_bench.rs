@@ -2,10 +2,10 @@
 
 use super::flags::{NUMBER, SEED, whole};
 use super::{CommandFailure, input};
-use crate::process::ToolError;
-use crate::rtl::{CheckFailure, Checked, Door, HardwareSimulator, bench_files, check};
 use clap::{Args, ValueEnum};
 use robovec_framework::scene::Scene;
+use robovec_hardware::rtl::{CheckFailure, Checked, Door, HardwareSimulator, bench_files, check};
+use robovec_io::process::ToolError;
 use robovec_ir::{Machine, View};
 use std::fmt::Write as _;
 use std::path::Path;

@@ -1,14 +1,14 @@
 //! `robovec scene`: what a scene means.
 
 use super::{CommandFailure, input};
-use crate::present::number::{exponential, or_dash};
-use crate::present::text_table;
-use crate::scene::{SceneEffect, SceneFile, SceneSubject, effects};
 use clap::Args;
 use robovec_codegen::hardware;
+use robovec_explore::scene::{SceneEffect, SceneFile, SceneSubject, effects};
 use robovec_framework::scene::{Hold, Scene};
 use robovec_ir::diagnostic::counted;
 use robovec_ir::{Input, Machine, Module, View};
+use robovec_present::number::{exponential, or_dash};
+use robovec_present::text_table;
 use std::fmt::Write;
 use std::path::PathBuf;
 

@@ -1,9 +1,9 @@
 //! Shares of the work of an exploration, as commands are told of them.
 
 use super::{CommandFailure, output};
-use crate::explore::share::WorkShare;
-use crate::explore::store::PointStore;
 use clap::Args;
+use robovec_explore::share::WorkShare;
+use robovec_explore::store::PointStore;
 use std::path::Path;
 
 /// Which part of the work is done, and whether what is there is used.

@@ -2,16 +2,15 @@
 
 use super::flags::{real, whole};
 use super::{CommandFailure, input, output, progress};
-use crate::model::mbs::ReadModel;
-use crate::model::{Model, Nature};
-use crate::motion::{
+use clap::{Args, ValueEnum};
+use robovec_dynamics::motion::{
     EVENT_TOLERANCE, EquationSetting, IntegrationMethod, Laws, LoopKeeping, MotionError,
     MultibodySystem, SimulationPlan, SimulationRun, plot, simulate,
 };
-use crate::present;
-use clap::{Args, ValueEnum};
 use robovec_ir::Format;
 use robovec_ir::diagnostic::{Report, Severity, clip, counted, did_you_mean};
+use robovec_model::mbs::ReadModel;
+use robovec_model::{Model, Nature};
 use std::fmt::Write as _;
 use std::io::{IsTerminal as _, Write as _};
 use std::path::PathBuf;
@@ -158,7 +157,7 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, CommandFailure> {
     let run = run.map_err(failure)?;
     let seconds = start.elapsed().as_secs_f64();
     if let Some(path) = &arguments.plot {
-        let svg = present::plot::draw(&plot::figure(model, &run));
+        let svg = robovec_present::plot::draw(&plot::figure(model, &run));
         output::write_file(path, |writer| writer.write_all(svg.as_bytes()))?;
     }
     // When the standard error is closed there is nobody left to tell.

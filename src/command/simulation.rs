@@ -1,7 +1,6 @@
 //! `--simulate`: the placed program against the equations.
 
 use super::CommandFailure;
-use crate::simulate::LoadedProgram;
 use robovec_codegen::write_images;
 use robovec_ir::diagnostic::counted;
 use robovec_ir::evaluate::evaluate_mixed;
@@ -9,6 +8,7 @@ use robovec_ir::print::print_output;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Level, Machine, Module, View};
 use robovec_num::soft_float::FormatArithmetic;
+use robovec_simulate::LoadedProgram;
 use std::fmt::Write;
 
 /// Generates the memory images of every placed function, runs them cycle by

@@ -3,13 +3,13 @@
 
 use super::sim::{failure, hold, refuse_left_out};
 use super::{CommandFailure, input, output};
-use crate::model::{JointKind, Model};
-use crate::motion::{
+use clap::{Args, ValueEnum};
+use robovec_dynamics::motion::{
     EquationSetting, Equilibrium, Laws, Mode, MotionError, MultibodySystem, SmallMotions, modes,
 };
-use crate::present::text_lines;
-use clap::{Args, ValueEnum};
 use robovec_ir::diagnostic::counted;
+use robovec_model::{JointKind, Model};
+use robovec_present::text_lines;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -240,7 +240,7 @@ fn modal_text(
 }
 
 fn modal_json(model: &Model, motions: &SmallMotions, found: &[Mode]) -> Value {
-    let rows = |matrix: &crate::kinematics::linear::DenseMatrix| -> Vec<Vec<f64>> {
+    let rows = |matrix: &robovec_dynamics::kinematics::linear::DenseMatrix| -> Vec<Vec<f64>> {
         (0..matrix.rows())
             .map(|row| matrix.row(row).to_vec())
             .collect()

@@ -2,11 +2,11 @@
 
 use super::output::result_files;
 use super::{CommandFailure, output, progress};
-use crate::present::json::json_text;
-use crate::stress::{self, CaseClass, Findings, StressCase, StressError};
 use clap::Args;
 use rayon::prelude::*;
 use robovec_ir::diagnostic::{clip, did_you_mean};
+use robovec_present::json::json_text;
+use robovec_stress::{CaseClass, Findings, StressCase, StressError};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -51,9 +51,9 @@ pub(super) fn run(arguments: &StressArguments) -> Result<String, CommandFailure>
         .map(|index| {
             let case = &cases[index];
             let result = if arguments.verdicts {
-                stress::judge(case)
+                robovec_stress::judge(case)
             } else {
-                stress::examine(case)
+                robovec_stress::examine(case)
             };
             bar.set_message(case.name.clone());
             bar.inc(1);
@@ -72,11 +72,14 @@ pub(super) fn run(arguments: &StressArguments) -> Result<String, CommandFailure>
     if let Some(folder) = &arguments.output {
         write_files(folder, &findings)?;
     }
-    let mut text = stress::text(&findings);
+    let mut text = robovec_stress::text(&findings);
     if !arguments.verdicts {
         text.push('\n');
-        text += &stress::classes(&findings);
-        for more in [stress::steps(&findings), stress::gaps(&findings)] {
+        text += &robovec_stress::classes(&findings);
+        for more in [
+            robovec_stress::steps(&findings),
+            robovec_stress::gaps(&findings),
+        ] {
             if !more.is_empty() {
                 text.push('\n');
                 text += &more;
@@ -95,7 +98,7 @@ pub(super) fn run(arguments: &StressArguments) -> Result<String, CommandFailure>
 }
 
 fn chosen(arguments: &StressArguments) -> Result<Vec<StressCase>, CommandFailure> {
-    let mut cases = stress::cases();
+    let mut cases = robovec_stress::cases();
     for name in &arguments.case {
         if !cases.iter().any(|case| case.name == *name) {
             let known = cases.iter().map(|case| case.name.as_str());
@@ -144,9 +147,9 @@ fn write_files(
     folder: &std::path::Path,
     findings: &[(&StressCase, Findings)],
 ) -> Result<(), CommandFailure> {
-    let table = stress::table(findings);
-    let mut files = result_files(&table, json_text(&table), &stress::figure(findings));
-    files.push(("stress.html".to_owned(), stress::page(findings)));
+    let table = robovec_stress::table(findings);
+    let mut files = result_files(&table, json_text(&table), &robovec_stress::figure(findings));
+    files.push(("stress.html".to_owned(), robovec_stress::page(findings)));
     output::write_files(folder, &files)
 }
 

@@ -2,15 +2,15 @@
 //! models.
 
 use super::{CommandFailure, generation, input};
-use crate::generate::{Formulation, Options, TermOrder};
-use crate::model::Model;
-use crate::model::family::{JOINTS, ModelFamily, built_in};
-use crate::robotran::FunctionKind;
-use crate::sources;
-use crate::study::plan::StudySubject;
-use crate::study::program::ProgramSources;
+use robovec_dynamics::generate::{Formulation, Options, TermOrder};
+use robovec_explore::study::plan::StudySubject;
+use robovec_explore::study::program::ProgramSources;
+use robovec_io::sources;
 use robovec_ir::Module;
 use robovec_ir::diagnostic::{Report, did_you_mean};
+use robovec_model::Model;
+use robovec_model::family::{JOINTS, ModelFamily, built_in};
+use robovec_robotran::FunctionKind;
 use std::path::{Path, PathBuf};
 
 /// Programs from files and from built-in models.

@@ -8,19 +8,19 @@
 //! the same run tells the same on every computer.
 
 use super::arguments::OptimiserArguments;
-use crate::explore::device;
-use crate::explore::placing::scheduled_machine;
-use crate::present::number::percent;
-use crate::yardstick::Yardstick;
-use crate::yardstick::account::{ErrorAccount, random_states};
 use robovec_analysis::critical_path::critical_path;
 use robovec_codegen::hardware;
+use robovec_error::yardstick::Yardstick;
+use robovec_error::yardstick::account::{ErrorAccount, random_states};
+use robovec_explore::device;
+use robovec_explore::placing::scheduled_machine;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::{PassStep, Pipeline, PipelineStep};
 use robovec_ir::count::Counts;
 use robovec_ir::diagnostic::counted;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Function, Level, Machine, Module, View};
+use robovec_present::number::percent;
 use std::borrow::Cow;
 use std::io::{self, IsTerminal};
 use std::path::Path;

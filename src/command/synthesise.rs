@@ -2,21 +2,21 @@
 
 use super::CommandFailure;
 use super::flags::whole;
-use crate::explore::device;
-use crate::explore::operators::{ADDERS, MULTIPLIERS, Operator};
-use crate::present::number::{exponential, percent};
-use crate::present::text_table;
-use crate::process::ToolError;
-use crate::synthesis::cores::{self, Mapped};
-use crate::synthesis::rounding::operator_error;
-use crate::synthesis::timing::Path;
-use crate::synthesis::{SynthesisError, Yosys, machine, page, place};
-use crate::yardstick::account::{ERROR_HEADS, measure_text, share_cell};
 use clap::Args;
 use robovec_codegen::hardware::{MachineShape, estimate_of};
 use robovec_codegen::rtl::cores::OperatorCore;
+use robovec_error::yardstick::account::{ERROR_HEADS, measure_text, share_cell};
+use robovec_explore::device;
+use robovec_explore::operators::{ADDERS, MULTIPLIERS, Operator};
+use robovec_hardware::synthesis::cores::{self, Mapped};
+use robovec_hardware::synthesis::rounding::operator_error;
+use robovec_hardware::synthesis::timing::Path;
+use robovec_hardware::synthesis::{SynthesisError, Yosys, machine, page, place};
+use robovec_io::process::ToolError;
 use robovec_ir::machine::DeviceFamily;
 use robovec_ir::{Format, Machine};
+use robovec_present::number::{exponential, percent};
+use robovec_present::text_table;
 use std::fmt::Write;
 
 /// What is mapped.

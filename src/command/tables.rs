@@ -1,8 +1,8 @@
 //! `--time-passes` and `--stats`.
 
 use super::arguments::TableFormat;
-use crate::present::text_table;
 use robovec_framework::manager::PassRecord;
+use robovec_present::text_table;
 use serde_json::{Value, json};
 
 /// A step that is not a pass: reading, writing.

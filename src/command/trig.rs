@@ -3,14 +3,14 @@
 use super::flags::{SEED, real, states, whole};
 use super::output::result_files;
 use super::{CommandFailure, input, output};
-use crate::present::json::json_text;
-use crate::sources;
-use crate::trigonometry::{self, TrigonometryEffect, TrigonometrySetting};
 use clap::{Args, ValueEnum};
+use robovec_explore::trigonometry::{self, TrigonometryEffect, TrigonometrySetting};
+use robovec_io::sources;
 use robovec_ir::Format;
 use robovec_ir::diagnostic::counted;
 use robovec_num::trigonometry::{LARGEST_RANGE, MAX_ORDER};
 use robovec_passes::trigonometry::CircularMethod;
+use robovec_present::json::json_text;
 use std::path::PathBuf;
 
 /// Which polynomials.

@@ -5,16 +5,16 @@ use super::flags::{SEED, whole};
 use super::input::{self, InputModule, USUAL_MACHINE};
 use super::opt::{pass_records, select};
 use super::{CommandFailure, output, rules};
-use crate::files::{Replace, limited};
-use crate::report::{PassRunRecord, ReadCounts};
-use crate::sources;
-use crate::view::{self, ModelText, ViewedRun};
 use clap::Args;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::scene::Scene;
 use robovec_framework::trail::{self, Trail};
+use robovec_io::files::{Replace, limited};
+use robovec_io::sources;
 use robovec_ir::View;
 use robovec_ir::diagnostic::counted;
+use robovec_view::report::{PassRunRecord, ReadCounts};
+use robovec_view::{ModelText, ViewedRun};
 use std::fmt::Write;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -122,7 +122,7 @@ fn equations(read: &mut InputModule, arguments: &ViewArguments) -> Vec<(String, 
         true => format!("equations of {}", read.name),
         false => read.name.clone(),
     };
-    let text = view::place_lines(&mut read.module, &name);
+    let text = robovec_view::place_lines(&mut read.module, &name);
     let text = text.or_else(|| read.text());
     text.map(|text| (name, text)).into_iter().collect()
 }
@@ -161,7 +161,7 @@ fn write(
     let usual = || PathBuf::from(stem.unwrap_or_default()).with_extension("html");
     let path = arguments.output.clone().unwrap_or_else(usual);
     let mut told = String::new();
-    let page = view::page(viewed);
+    let page = robovec_view::page(viewed);
     put(&path, &page)?;
     if let Some(scene) = scene.filter(|scene| !scene.name.is_empty()) {
         let _ = writeln!(told, "scene       {}", scene.name);
@@ -178,7 +178,7 @@ fn write(
         let _ = writeln!(told, "graph       {}", file.display());
     }
     if let Some(file) = &arguments.trace {
-        let events = view::events(viewed.module, viewed.passes, viewed.machine);
+        let events = robovec_view::events(viewed.module, viewed.passes, viewed.machine);
         put(file, &events)?;
         let _ = writeln!(told, "events      {}", file.display());
     }
@@ -212,7 +212,11 @@ fn graph(arguments: &ViewArguments, viewed: &ViewedRun<'_>) -> Result<String, Co
         return Err(CommandFailure::plain("there is no function to draw"));
     };
     let tables = &module.tables;
-    Ok(view::dot(View { tables, function }, viewed.machine, item))
+    Ok(robovec_view::dot(
+        View { tables, function },
+        viewed.machine,
+        item,
+    ))
 }
 
 fn put(path: &Path, text: &str) -> Result<(), CommandFailure> {

@@ -2,16 +2,16 @@
 
 use super::arguments::InputLanguage;
 use super::{CommandFailure, input, output, telling};
-use crate::files::Replace;
-use crate::robotran::Language;
-use crate::robotran::drop_in::{DropInOptions, drop_in};
-use crate::robotran::write::{WriteOptions, write};
 use clap::{Args, ValueEnum};
 use robovec_codegen::c::{Options, Real};
 use robovec_codegen::kind::Generation;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
+use robovec_io::files::Replace;
 use robovec_ir::Module;
+use robovec_robotran::Language;
+use robovec_robotran::drop_in::{DropInOptions, drop_in};
+use robovec_robotran::write::{WriteOptions, write};
 use std::collections::HashSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

@@ -1,12 +1,12 @@
 //! States that a file lists.
 
 use super::input_name;
-use crate::hexadecimal;
-use crate::kinematics::parameter;
-use crate::model::Model;
 use hashbrown::HashMap;
+use robovec_dynamics::kinematics::parameter;
 use robovec_ir::diagnostic::{Diagnostic, Label, clip};
 use robovec_ir::{Function, Input, Tables, View};
+use robovec_model::Model;
+use robovec_num::hexadecimal;
 use std::ops::Range;
 
 /// One state: the numbers of the elements by name, and where it stands.

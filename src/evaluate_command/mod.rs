@@ -12,15 +12,15 @@ mod number;
 pub use format::ResultFormat;
 pub use number::{BITS, NumberSystem};
 
-use crate::kinematics::{element_name, parameter};
-use crate::model::Model;
 use format::ResultWriter;
 use given::{missing, read_states};
 use number::{BigFloatArithmetic, Show};
+use robovec_dynamics::kinematics::{element_name, parameter};
 use robovec_ir::diagnostic::{Diagnostic, clip};
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
 use robovec_ir::{Input, Module, View};
+use robovec_model::Model;
 use robovec_num::double_double::DoubleDouble;
 use robovec_num::field::PrimeField;
 use robovec_num::soft_float::FormatArithmetic;

@@ -1,7 +1,6 @@
 //! The kinds of numbers, and how each is written.
 
 use super::format::{ResultFormat, Shown};
-use crate::hexadecimal;
 use astro_float::{BigFloat, Consts, Radix, RoundingMode};
 use robovec_ir::Function;
 use robovec_ir::evaluate::{evaluate, evaluate_mixed};
@@ -9,6 +8,7 @@ use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::DoubleDouble;
 use robovec_num::field::{Field, PrimeField};
 use robovec_num::format::{Format, FormatError};
+use robovec_num::hexadecimal;
 use robovec_num::limits::NumberLimit;
 use robovec_num::soft_float::FormatArithmetic;
 use std::cell::RefCell;

@@ -1,6 +1,6 @@
 use super::*;
-use crate::model::mbs::read_mbs;
 use robovec_ir::parse::parse_module;
+use robovec_model::mbs::read_mbs;
 
 const TEXT: &str = "\
 // robovec 1

@@ -17,6 +17,7 @@ pub mod dual;
 pub mod field;
 pub mod fnv;
 pub mod format;
+pub mod hexadecimal;
 pub mod interval;
 pub mod limits;
 pub mod operation;

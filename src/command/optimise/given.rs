@@ -2,12 +2,12 @@
 
 use super::OptimiseArguments;
 use crate::command::{CommandFailure, input, opt, subjects};
-use crate::generate::{GenerationRequest, generate_asked};
-use crate::model::Model;
-use crate::optimise::start::{self, OptimisationStart};
-use crate::robotran::FunctionKind;
-use crate::scene::{SceneFile, SceneSubject};
+use robovec_dynamics::generate::{GenerationRequest, generate_asked};
+use robovec_explore::optimise::start::{self, OptimisationStart};
+use robovec_explore::scene::{SceneFile, SceneSubject};
 use robovec_framework::scene::Scene;
+use robovec_model::Model;
+use robovec_robotran::FunctionKind;
 use std::path::Path;
 
 /// What the user gave, read.

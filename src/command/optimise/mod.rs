@@ -6,17 +6,17 @@ mod told;
 use super::flags::{EFFORT, SEED, states, whole};
 use super::shares::ShareArguments;
 use super::{CommandFailure, input, output, progress};
-use crate::bench::{Compiler, own};
-use crate::explore::placing::with_counts;
-use crate::explore::share::SharedWork;
-use crate::files::Replace;
-use crate::optimise::maker::MakerTally;
-use crate::optimise::{
+use clap::Args;
+use robovec_bench::{Compiler, own};
+use robovec_explore::optimise::maker::MakerTally;
+use robovec_explore::optimise::{
     OptimisationError, OptimisationQuestion, OptimisationTarget, optimise, search_share,
 };
-use clap::Args;
+use robovec_explore::placing::with_counts;
+use robovec_explore::share::SharedWork;
 use robovec_framework::options::OptionValue;
 use robovec_framework::scene::Scene;
+use robovec_io::files::Replace;
 use robovec_ir::diagnostic::counted;
 use robovec_ir::{Machine, Operation};
 use robovec_passes::optimise::VariantClass;

@@ -3,9 +3,9 @@
 use super::super::flags::whole;
 use super::super::{CommandFailure, output};
 use super::read;
-use crate::present::text_table;
 use clap::Args;
 use robovec_ir::diagnostic::counted;
+use robovec_present::text_table;
 use robovec_rules::check::{self, Finding, Proof, RuleVerdict, TRIALS};
 use robovec_rules::{Rule, RuleSet};
 use serde_json::{Value, json};

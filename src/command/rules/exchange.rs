@@ -2,8 +2,8 @@
 
 use super::super::{CommandFailure, input, output};
 use super::read;
-use crate::files::limited;
 use clap::{Args, ValueEnum};
+use robovec_io::files::limited;
 use robovec_ir::diagnostic::{Diagnostic, Severity, termcolor::ColorChoice};
 use robovec_rules::check::{RuleVerdict, check, diagnose};
 use robovec_rules::syntax::{self, Syntax};

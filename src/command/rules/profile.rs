@@ -3,8 +3,8 @@
 use super::super::flags::whole;
 use super::super::{CommandFailure, input, progress};
 use super::read;
-use crate::present::text_table;
 use clap::Args;
+use robovec_present::text_table;
 use robovec_rules::profile::{self, Growing, Growth, POINTS, PairGrowth, RuleProfile, SideErrors};
 use robovec_rules::{Rule, RuleSet};
 use serde_json::{Value, json};

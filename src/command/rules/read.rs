@@ -2,7 +2,7 @@
 
 use super::super::{CommandFailure, input};
 use super::list;
-use crate::files::limited;
+use robovec_io::files::limited;
 use robovec_ir::diagnostic::{did_you_mean, termcolor::ColorChoice};
 use robovec_rules::{BUILT_IN, RuleSet};
 use std::path::Path;

@@ -1,0 +1,219 @@
+//! How fast the same function is in the hands of others.
+//!
+//! A bench takes the equations of a function, or the model they come from,
+//! and times in one run: Robotran's file as it is, the C that robovec writes
+//! for it, and, where they are installed, what else a user could call for the
+//! same function of the same model. Every contestant is a program
+//! of its own that reads states from a file, writes its results to another and
+//! prints its least time; results are compared before times are shown.
+//!
+//! States differ in positions, velocities, accelerations, forces of joints and
+//! loads; parameters are the model's, or drawn once. Contestants run one after the other in rounds,
+//! so that a busy minute of the computer meets all of them. Times are
+//! processor times of the thread: they are measurements and differ from run to
+//! run.
+
+pub mod contestant;
+mod functions;
+mod harness;
+pub mod own;
+pub mod peers;
+pub mod robotran;
+pub mod task;
+pub mod text;
+mod tools;
+mod tree;
+
+use contestant::{Contestant, ContestantFamily};
+use functions::{OutputKey, ReferenceResults};
+use robovec_error::yardstick::ErrorSpread;
+use robovec_ir::View;
+use robovec_ir::states::States;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+pub use tools::Compiler;
+
+use robovec_io::files::make_folder;
+use robovec_model::Model;
+
+/// What everybody computes, and at which states.
+pub struct BenchQuestion<'a> {
+    /// The name of the folder of its programs.
+    pub name: String,
+    /// The function as it came: what the results must be.
+    pub view: View<'a>,
+    /// The model, whose parameters are used and which peers need.
+    pub model: Option<&'a Model>,
+    /// Whether loads on bodies are drawn where there is a model; they are zero
+    /// otherwise.
+    pub has_loads: bool,
+    /// Where states come from.
+    pub states: &'a States,
+    /// How many: a multiple of 16.
+    pub count: u32,
+    /// The flags with which everybody's C is compiled; those that suit each
+    /// kind of it when `None`.
+    pub flags: Option<&'a str>,
+}
+
+/// How one contestant did.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct BenchOutcome {
+    /// Its name.
+    pub name: String,
+    /// Where it comes from.
+    pub family: ContestantFamily,
+    /// Compiler and flags, version of a library.
+    pub remark: String,
+    /// Operations of the program, where that is known.
+    pub operations: Option<usize>,
+    /// States that are computed at once.
+    pub lanes: u32,
+    /// Processor time of compiling the function, s.
+    pub compile_seconds: Option<f64>,
+    /// Size of the compiled function's code, bytes.
+    pub code_bytes: Option<u64>,
+    /// The largest difference from the reference, relative to the largest
+    /// element of the output array in its state.
+    pub difference: Option<f64>,
+    /// Errors against exact results, in parts of the largest element of an
+    /// array.
+    pub errors: Option<ErrorSpread>,
+    /// Least processor time per state, ns.
+    pub nanoseconds: Option<f64>,
+    /// How much longer one call in a thousand takes than the median one, ns:
+    /// see [`contestant::RunTime::jitter`].
+    pub jitter: Option<f64>,
+    /// Why there is no time.
+    pub failure: Option<String>,
+    /// True when it could take part, and failed.
+    pub is_broken: bool,
+}
+
+/// Told of what happens next.
+pub type BenchProgress<'a> = &'a mut dyn FnMut(&str);
+
+/// Builds all contestants, compares their results, and times them in rounds
+/// of `milliseconds` each. `folder` takes the programs; those that read the
+/// model as data are built there once, whatever the model.
+///
+/// # Errors
+///
+/// When the folder cannot be written.
+pub fn bench(
+    question: &BenchQuestion<'_>,
+    contestants: &[Contestant],
+    folder: &Path,
+    rounds: u32,
+    milliseconds: u32,
+    progress: BenchProgress<'_>,
+) -> std::io::Result<Vec<BenchOutcome>> {
+    // Programs are run from their own folders.
+    let folder = &std::path::absolute(folder)?;
+    let reference = ReferenceResults::new(question);
+    let mut entered: Vec<Option<(BenchOutcome, PathBuf)>> = vec![None; contestants.len()];
+    // What compiles quickly comes first: peers of unknown size last.
+    let mut order: Vec<usize> = (0..contestants.len()).collect();
+    order.sort_by_key(|&index| contestants[index].operations.unwrap_or(usize::MAX));
+    for index in order {
+        let contestant = &contestants[index];
+        progress(&format!("building {}", contestant.name));
+        let place = match &contestant.shared {
+            Some(name) => folder.join(name),
+            None => folder.join(&question.name).join(contestant.content()),
+        };
+        make_folder(&place)?;
+        contestant.write(&place)?;
+        let mut outcome = BenchOutcome {
+            name: contestant.name.clone(),
+            family: contestant.family,
+            remark: contestant.remark.clone(),
+            operations: contestant.operations,
+            lanes: contestant.lanes,
+            compile_seconds: None,
+            code_bytes: None,
+            difference: None,
+            errors: None,
+            nanoseconds: None,
+            jitter: None,
+            failure: contestant.missing.clone(),
+            is_broken: false,
+        };
+        if outcome.failure.is_none()
+            && let Err(message) = first_run(contestant, &place, &reference, &mut outcome)
+        {
+            outcome.failure = Some(message);
+            outcome.is_broken = true;
+        }
+        entered[index] = Some((outcome, place));
+    }
+    let entered = entered.into_iter().flatten();
+    let (mut outcomes, programs): (Vec<BenchOutcome>, Vec<PathBuf>) = entered.unzip();
+    for round in 0..rounds {
+        for ((contestant, outcome), place) in contestants.iter().zip(&mut outcomes).zip(&programs) {
+            if outcome.failure.is_some() {
+                continue;
+            }
+            progress(&format!(
+                "round {} of {rounds}: {}",
+                round + 1,
+                contestant.name
+            ));
+            match contestant.run(place, milliseconds) {
+                Ok(time) => {
+                    let known = outcome.nanoseconds.unwrap_or(f64::INFINITY);
+                    outcome.nanoseconds = Some(known.min(time.least));
+                    let jitters = outcome.jitter.into_iter().chain(time.jitter);
+                    outcome.jitter = jitters.max_by(f64::total_cmp);
+                }
+                Err(message) => {
+                    outcome.failure = Some(message);
+                    outcome.is_broken = true;
+                }
+            }
+        }
+    }
+    Ok(outcomes)
+}
+
+/// For every program that several compilers made, the fastest of them, in the
+/// place of the first.
+pub fn by_the_better_compiler(outcomes: Vec<BenchOutcome>) -> Vec<BenchOutcome> {
+    let mut best: Vec<BenchOutcome> = Vec::with_capacity(outcomes.len());
+    for outcome in outcomes {
+        let same = |known: &&mut BenchOutcome| {
+            (known.family, &known.name) == (outcome.family, &outcome.name)
+        };
+        let time = |outcome: &BenchOutcome| outcome.nanoseconds.unwrap_or(f64::INFINITY);
+        match best.iter_mut().find(same) {
+            None => best.push(outcome),
+            Some(known) if time(&outcome) < time(known) => *known = outcome,
+            Some(_) => {}
+        }
+    }
+    best
+}
+
+/// Compiles, runs once and compares.
+fn first_run(
+    contestant: &Contestant,
+    place: &Path,
+    reference: &ReferenceResults<'_>,
+    outcome: &mut BenchOutcome,
+) -> Result<(), String> {
+    let built = contestant.build(place)?;
+    outcome.compile_seconds = built.seconds;
+    outcome.code_bytes = built.code_bytes;
+    contestant.run(place, 0)?;
+    let results = contestant.results(place, reference.states())?;
+    let (difference, key) = reference.difference(&contestant.outputs, &results)?;
+    outcome.difference = Some(difference);
+    outcome.errors = Some(reference.errors(&contestant.outputs, &results));
+    if difference <= contestant.tolerance {
+        return Ok(());
+    }
+    Err(format!(
+        "another result: {} differs by {difference:.1e} of the largest element",
+        key.map_or_else(|| "an output".to_owned(), |key: OutputKey| key.to_string())
+    ))
+}

@@ -1,0 +1,194 @@
+//! Linear equations solved with symbols.
+//!
+//! A mass matrix is eliminated from the leaves to the base: `L^T D L` with unit
+//! triangular `L`. In this order two joints get an entry only where one is an
+//! ancestor of the other, so a tree's zeros stay zeros. Every entry is one
+//! sum over the joints eliminated before, which later passes may balance.
+
+use super::algebra::{Scalar, Sum};
+use super::equations::{Equations, QuantityLabel};
+use robovec_model::Model;
+use std::collections::BTreeMap;
+
+/// A row of a sparse matrix: columns in ascending order, no zeros.
+pub(super) type SparseRow = Vec<(usize, Scalar)>;
+
+/// The entry of a row.
+pub(super) fn entry(row: &[(usize, Scalar)], column: usize) -> Scalar {
+    row.binary_search_by_key(&column, |&(column, _)| column)
+        .map_or(Scalar::ZERO, |place| row[place].1)
+}
+
+/// The most products that an elimination may take: those of a dense matrix of
+/// some 230 rows.
+pub(super) const LIMIT: usize = 2_000_000;
+
+/// The products that the elimination of a tree's mass matrix takes, without
+/// loops: one for each joint and pair of joints on its path.
+pub(super) fn products(model: &Model) -> usize {
+    let mut depths: Vec<usize> = Vec::with_capacity(model.joints.len());
+    for joint in &model.joints {
+        depths.push(joint.parent.map_or(0, |parent| depths[parent] + 1));
+    }
+    let pairs = |depth: &usize| depth.saturating_mul(depth + 1) / 2;
+    depths.iter().map(pairs).fold(0, usize::saturating_add)
+}
+
+/// Why an elimination stopped.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Stop {
+    /// The row of this number has no pivot.
+    NoPivot(usize),
+    /// It takes more than [`LIMIT`] products.
+    TooLarge,
+}
+
+/// Solves `M X = B` for a symmetric matrix given by the rows of its lower
+/// triangle, column by column of `B`. `joints` names rows and columns.
+pub(super) fn solve_symmetric(
+    equations: &mut Equations,
+    rows: &[SparseRow],
+    sides: &[Vec<Scalar>],
+    joints: &[usize],
+) -> Result<Vec<Vec<Scalar>>, Stop> {
+    let count = rows.len();
+    let mut work = 0;
+    let mut factors: Vec<SparseRow> = vec![Vec::new(); count];
+    let mut entries: Vec<SparseRow> = vec![Vec::new(); count];
+    let mut behind: Vec<Vec<usize>> = vec![Vec::new(); count];
+    let mut halves = vec![vec![Scalar::ZERO; sides.len()]; count];
+    let mut middle = halves.clone();
+    for i in (0..count).rev() {
+        let label = |name: &'static str| QuantityLabel::new(name, 0, joints[i] + 1);
+        let mut row: BTreeMap<usize, Sum> = BTreeMap::new();
+        for &(column, value) in &rows[i] {
+            row.entry(column).or_default().add(&[value]);
+        }
+        let mut half: Vec<Sum> = sides.iter().map(|right| Sum::of(right[i])).collect();
+        for &k in &behind[i] {
+            let factor = entry(&factors[k], i);
+            for (half, &behind) in half.iter_mut().zip(&halves[k]) {
+                half.subtract(&[factor, behind]);
+            }
+            work += entries[k].partition_point(|&(column, _)| column <= i) + sides.len() - 1;
+            for &(column, value) in entries[k].iter().take_while(|&&(column, _)| column <= i) {
+                row.entry(column).or_default().subtract(&[factor, value]);
+            }
+        }
+        if work > LIMIT {
+            return Err(Stop::TooLarge);
+        }
+        for (side, half) in half.into_iter().enumerate() {
+            halves[i][side] = equations.define(label("qppb").column(side), half);
+        }
+        for (column, sum) in row {
+            let value = equations.define(label("Mrd").column(joints[column] + 1), sum);
+            if !value.is_zero() {
+                entries[i].push((column, value));
+            }
+        }
+        let pivot = entry(&entries[i], i);
+        if pivot.is_zero() {
+            return Err(Stop::NoPivot(i));
+        }
+        let inverse = equations.quotient(label("Mri"), Scalar::ONE, pivot);
+        for side in 0..sides.len() {
+            let label = label("qppd").column(side);
+            middle[i][side] = product(equations, label, halves[i][side], inverse);
+        }
+        for &(column, value) in entries[i].iter().filter(|&&(column, _)| column < i) {
+            let label = label("Mrlu").column(joints[column] + 1);
+            factors[i].push((column, product(equations, label, value, inverse)));
+            behind[column].push(i);
+        }
+    }
+    let mut solutions = vec![Vec::with_capacity(count); sides.len()];
+    for (side, solution) in solutions.iter_mut().enumerate() {
+        for i in 0..count {
+            let mut sum = Sum::of(middle[i][side]);
+            for &(column, factor) in &factors[i] {
+                sum.subtract(&[factor, solution[column]]);
+            }
+            let label = QuantityLabel::new("qppu", 0, joints[i] + 1).column(side);
+            solution.push(equations.define(label, sum));
+        }
+    }
+    Ok(solutions)
+}
+
+/// The product of two scalars.
+pub(super) fn product(
+    equations: &mut Equations,
+    label: QuantityLabel,
+    one: Scalar,
+    other: Scalar,
+) -> Scalar {
+    let mut sum = Sum::new();
+    sum.add(&[one, other]);
+    equations.define(label, sum)
+}
+
+/// Solves `A X = B` for a square matrix whose rows and columns already stand in
+/// the order of their pivots. A row holds its columns, then those of the right
+/// sides. The names are those of the triangular factors, of the pivots'
+/// inverses, and of the solution before and after its division. The number of
+/// a row without a pivot is an error.
+pub(super) fn solve_square(
+    equations: &mut Equations,
+    [upper_name, lower_name, inverse_name, half_name, name]: [&'static str; 5],
+    rows: &[SparseRow],
+    sides: usize,
+) -> Result<Vec<SparseRow>, usize> {
+    let count = rows.len();
+    let mut inverses = Vec::with_capacity(count);
+    let mut upper: Vec<SparseRow> = Vec::with_capacity(count);
+    for (i, given) in rows.iter().enumerate() {
+        let label = |column: usize| QuantityLabel::new(upper_name, 0, i + 1).column(column + 1);
+        let mut row: BTreeMap<usize, Sum> = BTreeMap::new();
+        for &(column, value) in given {
+            row.entry(column).or_default().add(&[value]);
+        }
+        for k in 0..i {
+            let Some(sum) = row.remove(&k) else { continue };
+            let value = equations.define(label(k), sum);
+            let name = QuantityLabel::new(lower_name, 0, i + 1).column(k + 1);
+            let factor = product(equations, name, value, inverses[k]);
+            for &(column, value) in upper[k].iter().filter(|&&(column, _)| column > k) {
+                row.entry(column).or_default().subtract(&[factor, value]);
+            }
+        }
+        let mut named = SparseRow::new();
+        for (column, sum) in row {
+            let value = equations.define(label(column), sum);
+            if !value.is_zero() {
+                named.push((column, value));
+            }
+        }
+        let pivot = entry(&named, i);
+        if pivot.is_zero() {
+            return Err(i);
+        }
+        inverses.push(equations.quotient(
+            QuantityLabel::new(inverse_name, 0, i + 1),
+            Scalar::ONE,
+            pivot,
+        ));
+        upper.push(named);
+    }
+    let mut solution: Vec<SparseRow> = vec![SparseRow::new(); count];
+    for i in (0..count).rev() {
+        for column in count..count + sides {
+            let mut sum = Sum::of(entry(&upper[i], column));
+            for &(k, value) in upper[i].iter().filter(|&&(k, _)| k > i && k < count) {
+                sum.subtract(&[value, entry(&solution[k], column - count)]);
+            }
+            let label = |name| QuantityLabel::new(name, 0, i + 1).column(column - count + 1);
+            let value = equations.define(label(half_name), sum);
+            let value = product(equations, label(name), value, inverses[i]);
+            if !value.is_zero() {
+                solution[i].push((column - count, value));
+            }
+        }
+    }
+    Ok(solution)
+}

@@ -1,0 +1,519 @@
+//! The generator: from a model to its equations.
+//!
+//! A *formulation* is a recursion over the tree of joints. It is carried out
+//! with symbols: every component it computes becomes an equation, unless it is
+//! zero, a copy or known already ([`equations`]). What the outputs do not need
+//! is dropped at the end ([`lower`]). All conventions are Robotran's: names of
+//! arrays, indices from 1, `M qdd + c = Qq`, forces and torques of a body at
+//! its centre of mass and in its frame.
+
+// An axis is an index into several vectors at once.
+#![allow(clippy::needless_range_loop)]
+
+mod actuation;
+mod algebra;
+mod articulated;
+mod bias;
+mod blocks;
+mod chain;
+mod closing;
+mod columns;
+mod composite;
+mod composite_base;
+mod constraints;
+mod contenders;
+mod derivative;
+mod equations;
+mod factor;
+mod forces;
+mod formulation;
+mod frames;
+mod grouping;
+mod hub;
+mod inertia;
+mod joint_arrays;
+mod linearised;
+mod link;
+mod loads;
+mod lower;
+mod network;
+mod parameters;
+mod prefix;
+mod reactions;
+mod recursive;
+mod reduced;
+mod regressor;
+mod roles;
+mod sensitivity;
+mod sensor;
+mod turned_body;
+mod user_constraints;
+mod vector;
+
+use self::algebra::Scalar;
+pub use self::contenders::{Contender, Contenders, contenders};
+use self::equations::{EquationStyle, Equations};
+pub use self::formulation::{Formulation, MomentOrigin, PrefixNetwork, Requirements};
+use self::frames::ModelFrames;
+use self::lower::Extents;
+pub use self::roles::{
+    constraints as loop_constraints, cuts_of_rows, independent_joints, redundant_rows,
+};
+use robovec_ir::{Function, Level, Module};
+use robovec_model::Model;
+use robovec_robotran::FunctionKind;
+use thiserror::Error;
+
+/// In which order the terms of a backward sum are written. It decides the
+/// critical path of the equations as printed, and nothing else.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum TermOrder {
+    /// The body's own terms, then what its children carry.
+    #[default]
+    OwnFirst,
+    /// What the children carry, then the body's own terms.
+    ChildFirst,
+}
+
+/// What a parameter of the model becomes.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum ParameterBinding {
+    /// An element of an input array, to be given at run time.
+    #[default]
+    Symbols,
+    /// The number in the model.
+    Numbers,
+}
+
+/// How equations are generated.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Options {
+    /// The order of terms in backward sums.
+    pub order: TermOrder,
+    /// Keep parameters that are zero in the model, and external loads of
+    /// fictitious bodies ("All Parameter Symbols included").
+    pub all_parameters: bool,
+    /// What parameters become.
+    pub parameters: ParameterBinding,
+    /// Include the external forces `frc` and torques `trq` of bodies.
+    pub external_forces: bool,
+    /// Write sums as generator 8.1 does, a leading minus where the first term
+    /// is negative; otherwise signs are moved to where they cost nothing.
+    pub leading_signs: bool,
+    /// Multiply out lever arms and `OM x (I OM)`, as Robotran prints them,
+    /// instead of naming what is used twice.
+    pub expanded: bool,
+    /// Use that `sin^2 + cos^2 = 1`. Without it the equations hold for any
+    /// substitute of sine and cosine.
+    pub true_angles: bool,
+    /// Joints, by index, whose angles are small: their sine is the angle and
+    /// their cosine one, in the equations of motion.
+    pub small_angles: Vec<usize>,
+    /// Give the multipliers `Lambda` of the constraints beside accelerations,
+    /// with `M qdd + c = Qq + Jac^T Lambda`, those of the loops first; zero for
+    /// redundant rows. And the forces `Qc` that move driven joints.
+    pub multipliers: bool,
+    /// Rows of constraints that the user computes, in inputs of their own:
+    /// their values `huserc`, their Jacobian `Juserc` by all joints, and what
+    /// remains of their second derivative, `jdqduserc`. As many joints that
+    /// the model names dependent, beside those of the loops, follow from them.
+    pub user_constraints: usize,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options {
+            order: TermOrder::default(),
+            all_parameters: false,
+            parameters: ParameterBinding::default(),
+            external_forces: true,
+            leading_signs: false,
+            expanded: false,
+            true_angles: true,
+            small_angles: Vec::new(),
+            multipliers: false,
+            user_constraints: 0,
+        }
+    }
+}
+
+/// What to generate, and how.
+#[derive(Clone, PartialEq, Debug)]
+pub struct GenerationRequest {
+    /// The function.
+    pub function: FunctionKind,
+    /// The recursion.
+    pub formulation: Formulation,
+    /// Everything else.
+    pub options: Options,
+}
+
+impl GenerationRequest {
+    /// A function in the default formulation.
+    pub fn new(function: FunctionKind) -> GenerationRequest {
+        GenerationRequest {
+            function,
+            formulation: Formulation::default(),
+            options: Options::default(),
+        }
+    }
+}
+
+/// Why nothing was generated.
+#[derive(Clone, PartialEq, Eq, Error, Debug)]
+pub enum GenerateError {
+    /// The lists of the model do not fit together.
+    #[error("the model '{0}' is inconsistent")]
+    Inconsistent(String),
+    /// The equations would fill the memory.
+    #[error(
+        "the joints of '{model}' have {pairs} ancestors, themselves included; more than {limit} \
+         would give hundreds of millions of bytes of equations (the formulation 'articulated' has \
+         no such limit)"
+    )]
+    TooLarge {
+        /// The name of the model.
+        model: String,
+        /// The pairs of a joint and an ancestor or itself.
+        pairs: usize,
+        /// The most that are allowed.
+        limit: usize,
+    },
+    /// The elimination of the mass matrix would fill the memory.
+    #[error(
+        "to eliminate the mass matrix of '{model}' takes more than {limit} products (for models \
+         without loops the formulation 'articulated' needs no elimination)"
+    )]
+    Elimination {
+        /// The name of the model.
+        model: String,
+        /// The most that are allowed.
+        limit: usize,
+    },
+    /// The formulation cannot give the function.
+    #[error("the formulation '{formulation}' does not give {function}; these do: {possible}")]
+    NotGiven {
+        /// The name of the formulation.
+        formulation: &'static str,
+        /// The name of the function.
+        function: &'static str,
+        /// The names of those that give it.
+        possible: String,
+    },
+    /// The formulation knows no constraints.
+    #[error("the formulation '{formulation}' knows no constraints; these do: {possible}")]
+    NoLoops {
+        /// The name of the formulation.
+        formulation: &'static str,
+        /// The names of those that close them.
+        possible: String,
+    },
+    /// The formulation knows no forces of driven joints.
+    #[error(
+        "the formulation '{formulation}' gives no forces of driven joints; these do: {possible}"
+    )]
+    NoDriveForces {
+        /// The name of the formulation.
+        formulation: &'static str,
+        /// The names of those that give them.
+        possible: String,
+    },
+    /// The formulation uses what the options forbid.
+    #[error(
+        "the formulation '{formulation}' needs sin^2 + cos^2 = 1, which the options exclude; \
+         'recursive' does not need it"
+    )]
+    NeedsTrueAngles {
+        /// The name of the formulation.
+        formulation: &'static str,
+    },
+    /// The function uses what the options forbid, in every formulation.
+    #[error(
+        "{function} needs sin^2 + cos^2 = 1, and the cosine as the derivative of the sine, which \
+         the options exclude; the pass 'trigonometry' may replace sines and cosines afterwards"
+    )]
+    NeedsSines {
+        /// The name of the function.
+        function: &'static str,
+    },
+    /// Forces cannot move a joint in a determined way.
+    #[error(
+        "no acceleration of the joint '{0}' is determined: \
+         what it moves has no mass or inertia of its own in that direction"
+    )]
+    Singular(String),
+    /// Constraints of the user have no joints that follow from them.
+    #[error(
+        "{rows} user constraint(s) determine as many dependent joints beside the {of_loops} of \
+         the loops, and the model names {left}: set the nature of the joints to 'dependent'"
+    )]
+    UserConstraints {
+        /// Rows that the user computes.
+        rows: usize,
+        /// Dependent joints of the model that the loops do not determine.
+        left: usize,
+        /// Dependent joints that the loops determine.
+        of_loops: usize,
+    },
+    /// Actuators are not those that inverse dynamics can find the forces of.
+    #[error(
+        "inverse dynamics finds as many forces of actuators as joints move freely, {free}, and the \
+         model has {actuated} actuator(s)"
+    )]
+    Actuators {
+        /// Joints that move freely.
+        free: usize,
+        /// Actuated joints of the model that are not driven.
+        actuated: usize,
+    },
+    /// Constraints do not hold the joints that have no actuator.
+    #[error(
+        "the constraints do not determine the forces at joints without an actuator: actuators at \
+         other joints may"
+    )]
+    Unactuated,
+    /// Derivatives would need those of what the user computes.
+    #[error(
+        "{function} needs the derivatives of constraints that the user computes, which are not \
+         known"
+    )]
+    UserDerivatives {
+        /// The name of the function.
+        function: &'static str,
+    },
+    /// There is nothing to linearise.
+    #[error("no joint of '{0}' moves freely")]
+    Motionless(String),
+    /// The equations cannot be differentiated.
+    #[error("the accelerations cannot be differentiated: {0}")]
+    Derivative(String),
+    /// The function would set nothing.
+    #[error("the model '{model}' has no {lacks}: {function} would be empty")]
+    Empty {
+        /// The name of the model.
+        model: String,
+        /// The name of the function.
+        function: &'static str,
+        /// The part of models that the function is about.
+        lacks: &'static str,
+    },
+    /// The loops cannot be closed at the model's initial state.
+    #[error("the dependent joints cannot be chosen: {0}")]
+    Loops(String),
+}
+
+/// The most pairs of a joint and one of its ancestors or itself: those of a
+/// chain of 446 joints. Each takes some 70 operations.
+const PAIR_LIMIT: usize = 100_000;
+
+/// Refuses functions that grow with the pairs of a joint and its ancestors, for
+/// models that have too many.
+fn within_limit(model: &Model, request: &GenerationRequest) -> Result<(), GenerateError> {
+    let grows = match request.function {
+        FunctionKind::Dirdyna | FunctionKind::Accelred => {
+            request.formulation != Formulation::Articulated
+        }
+        FunctionKind::Gensensor => true,
+        _ if request.function.is_derived() => true,
+        _ => false,
+    };
+    let pairs = model.pairs();
+    if grows && pairs > PAIR_LIMIT {
+        return Err(GenerateError::TooLarge {
+            model: model.name.clone(),
+            pairs,
+            limit: PAIR_LIMIT,
+        });
+    }
+    Ok(())
+}
+
+/// Generates a function of a model, at the equations level. Sensor functions
+/// come as one function for each sensor (`sensor_1`).
+///
+/// # Errors
+///
+/// See [`GenerateError`].
+pub fn generate(model: &Model, request: &GenerationRequest) -> Result<Module, GenerateError> {
+    let mut module = Module::new();
+    generate_into(&mut module, model, request)?;
+    Ok(module)
+}
+
+/// Does as [`generate`], for a function that was asked for by name.
+///
+/// # Errors
+///
+/// See [`GenerateError`]; a function that sets nothing is one.
+pub fn generate_asked(model: &Model, request: &GenerationRequest) -> Result<Module, GenerateError> {
+    let module = generate(model, request)?;
+    refuse_empty(model, request.function, &module.functions)?;
+    Ok(module)
+}
+
+/// An error when the functions of a kind set nothing.
+///
+/// # Errors
+///
+/// [`GenerateError::Empty`].
+pub fn refuse_empty(
+    model: &Model,
+    kind: FunctionKind,
+    functions: &[Function],
+) -> Result<(), GenerateError> {
+    if functions
+        .iter()
+        .any(|function| !function.assignments.is_empty())
+    {
+        return Ok(());
+    }
+    Err(GenerateError::Empty {
+        model: model.name.clone(),
+        function: kind.name(),
+        lacks: match kind {
+            FunctionKind::Sensor => "sensors",
+            FunctionKind::Link => "links",
+            FunctionKind::Extforces => "external forces",
+            FunctionKind::ConsHJ
+            | FunctionKind::ConsJdqd
+            | FunctionKind::LoopPositions
+            | FunctionKind::LoopVelocities => "loops",
+            FunctionKind::Invdynared => "actuators",
+            _ => "moving joints",
+        },
+    })
+}
+
+/// Does as [`generate`], and adds the functions to a module.
+///
+/// # Errors
+///
+/// See [`GenerateError`].
+pub fn generate_into(
+    module: &mut Module,
+    model: &Model,
+    request: &GenerationRequest,
+) -> Result<(), GenerateError> {
+    if !model.check() {
+        return Err(GenerateError::Inconsistent(model.name.clone()));
+    }
+    formulation::check(model, request)?;
+    within_limit(model, request)?;
+    let cases = match request.function {
+        FunctionKind::Sensor => model.sensors.len() + model.forces.len(),
+        FunctionKind::Gensensor => model.joints.len(),
+        _ => 1,
+    };
+    let written: Vec<Equations> = (0..cases)
+        .map(|case| write(model, request, case))
+        .collect::<Result<_, _>>()?;
+    // The cases of a file share their arrays.
+    let extents = Extents {
+        joints: model.joints.len() as u32,
+        points: written.iter().map(lower::points).max().unwrap_or(0),
+    };
+    for (case, equations) in written.iter().enumerate() {
+        let function = head(model, request, case);
+        lower::lower(equations, &extents, function, module);
+    }
+    match request.function {
+        FunctionKind::AccelD | FunctionKind::Linear => linearised::finish(module, model, request),
+        _ => Ok(()),
+    }
+}
+
+/// Writes the equations of a function, or of one case of a function of sensors
+/// (from 0).
+fn write(
+    model: &Model,
+    request: &GenerationRequest,
+    case: usize,
+) -> Result<Equations, GenerateError> {
+    let options = &request.options;
+    let mut written = Equations::new(EquationStyle {
+        leading_signs: options.leading_signs,
+    });
+    let equations = &mut written;
+    let frames = &ModelFrames::new(model);
+    let parameters = &parameters::of(frames, request, equations);
+    match request.function {
+        FunctionKind::Dirdyna => {
+            formulation::direct(equations, parameters, request);
+            // Without masses nothing is left of M; it is an output all the same.
+            if !equations.results.iter().any(|name| name == "M") {
+                equations.output("M", &[1, 1], Scalar::ZERO);
+            }
+        }
+        FunctionKind::Invdyna => formulation::inverse(equations, parameters, request),
+        FunctionKind::ConsHJ => constraints::position(equations, parameters, options),
+        FunctionKind::ConsJdqd => constraints::acceleration(equations, parameters, options),
+        FunctionKind::Link => link::write(equations, parameters, options),
+        FunctionKind::Extforces => forces::write(equations, parameters, options),
+        FunctionKind::Sensor => sensor::sensor(equations, parameters, options, case),
+        FunctionKind::Gensensor => sensor::frame(equations, parameters, frames.place(case)),
+        FunctionKind::Accelred => formulation::accelerations(equations, parameters, request)?,
+        FunctionKind::Invdynared => actuation::write(equations, parameters, request)?,
+        FunctionKind::LoopPositions => closing::positions(equations, parameters, options)?,
+        FunctionKind::LoopVelocities => closing::velocities(equations, parameters, options)?,
+        FunctionKind::InvdynaD => derivative::inverse(equations, parameters, options),
+        FunctionKind::DirdynaD => sensitivity::forward(equations, parameters, options)?,
+        FunctionKind::AccelD | FunctionKind::Linear => {
+            linearised::write(equations, frames, parameters, request)?;
+        }
+        FunctionKind::Minv => sensitivity::inverse(equations, parameters, options)?,
+        FunctionKind::Regressor => regressor::write(equations, parameters, options),
+    }
+    equations.number_outputs();
+    equations.close();
+    Ok(written)
+}
+
+/// A function without equations.
+fn head(model: &Model, request: &GenerationRequest, case: usize) -> Function {
+    let mut name = request.function.name().to_owned();
+    let mut metadata = metadata(model, request);
+    if matches!(
+        request.function,
+        FunctionKind::Sensor | FunctionKind::Gensensor
+    ) {
+        // Cases count from 1 as sensors and joints do.
+        name = format!("{name}_{}", case + 1);
+        metadata.push(("case".to_owned(), (case + 1).to_string()));
+    }
+    let mut function = Function::new(&name, Level::Equations);
+    function.metadata = metadata;
+    function
+}
+
+/// What a reader of the equations wants to know of their origin.
+fn metadata(model: &Model, request: &GenerationRequest) -> Vec<(String, String)> {
+    let mut metadata = vec![
+        ("model", model.name.clone()),
+        (
+            "generator",
+            concat!("robovec ", env!("CARGO_PKG_VERSION")).to_owned(),
+        ),
+        ("function", request.function.number().to_owned()),
+        ("kind", request.function.name().to_owned()),
+        ("joints", model.joints.len().to_string()),
+    ];
+    if request.formulation != Formulation::Recursive {
+        metadata.push(("formulation", request.formulation.name().to_owned()));
+    }
+    if request.options.all_parameters {
+        metadata.push(("all_parameter_symbols", "yes".to_owned()));
+    }
+    metadata
+        .into_iter()
+        .map(|(key, value)| (key.to_owned(), value))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests;
+
+#[cfg(test)]
+mod acceleration_tests;
+
+#[cfg(test)]
+mod formulation_tests;

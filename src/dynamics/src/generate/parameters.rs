@@ -1,0 +1,368 @@
+//! The symbols of a model: what its parameters and its state are called in the
+//! equations.
+//!
+//! A parameter that the model gives as zero is a structural zero: it never
+//! appears, unless all parameter symbols are asked for. A joint whose velocity
+//! has no symbol is at rest.
+
+use super::algebra::Scalar;
+use super::equations::{Equations, QuantityLabel};
+use super::frames::ModelFrames;
+use super::grouping::grouped;
+use super::inertia::Inertia;
+use super::joint_arrays::JointNumbers;
+use super::vector::{AxisRotation, Matrix, SumVector, Vector, ZERO, define_as, sums};
+use super::{GenerationRequest, Options, ParameterBinding};
+use robovec_model::Model;
+use robovec_robotran::FunctionKind;
+
+/// Everything the recursions read, by joint index.
+pub(super) struct ModelParameters<'m> {
+    pub(super) frames: &'m ModelFrames<'m>,
+    /// The model whose joints are frames.
+    pub(super) model: &'m Model,
+    /// Gravity, m/s^2.
+    pub(super) gravity: Vector,
+    /// Where each joint is attached, in its parent's frame.
+    pub(super) attachments: Vec<Vector>,
+    /// Centre of mass in the body's frame, zero for fictitious bodies.
+    pub(super) centers: Vec<Vector>,
+    /// Mass, zero for fictitious bodies.
+    pub(super) masses: Vec<Scalar>,
+    /// Moments of inertia about the centre of mass.
+    pub(super) inertias: Vec<Matrix>,
+    /// Joint positions.
+    pub(super) q: Vec<Scalar>,
+    /// Joint velocities.
+    pub(super) qd: Vec<Scalar>,
+    /// External force on each body at its centre of mass, in its frame.
+    pub(super) forces: Vec<Vector>,
+    /// External torque on each body, in its frame.
+    pub(super) torques: Vec<Vector>,
+    /// The rotation of each joint.
+    pub(super) turns: Vec<AxisRotation>,
+    /// What joints move, in place of masses, centres and inertias; `None`
+    /// where these are used.
+    pub(super) grouped: Option<Vec<OriginInertia>>,
+}
+
+/// What a joint moves, about the origin of its frame.
+#[derive(Clone, Copy)]
+pub(super) struct OriginInertia {
+    /// Mass, first moment and moments of inertia.
+    pub(super) inertia: Inertia,
+    /// `tr J - 2 J` of the moments: twice the second moments of mass.
+    pub(super) second: Matrix,
+}
+
+/// The parameters that a function is made of. With numbers they may be moved
+/// from body to body, save where a regressor asks for each or where loops are
+/// closed.
+pub(super) fn of<'m>(
+    frames: &'m ModelFrames<'m>,
+    request: &GenerationRequest,
+    equations: &mut Equations,
+) -> ModelParameters<'m> {
+    let (function, options) = (request.function, &request.options);
+    let moves = match function {
+        FunctionKind::Regressor => false,
+        FunctionKind::AccelD | FunctionKind::Linear => frames.source.cuts.is_empty(),
+        _ => function.is_derived(),
+    };
+    match moves && options.parameters == ParameterBinding::Numbers {
+        true => ModelParameters::grouped(frames, options, equations),
+        false => ModelParameters::new(frames, options, equations),
+    }
+}
+
+impl<'m> ModelParameters<'m> {
+    /// Names the symbols of a model and writes its sines and cosines.
+    pub(super) fn new(
+        frames: &'m ModelFrames<'m>,
+        options: &Options,
+        equations: &mut Equations,
+    ) -> Self {
+        let model: &Model = &frames.model;
+        let joints = 0..model.joints.len();
+        equations.numbers_of_joints = JointNumbers::new(frames);
+        let mut source = ParameterSource { options, equations };
+        let gravity = [0, 1, 2].map(|i| source.parameter("g", &[i + 1], model.gravity[i]));
+        // Symbols are numbered as they are named: one array after the other.
+        let masses = joints.clone().map(|i| source.mass(model, i)).collect();
+        let centers = joints.clone().map(|i| source.center(model, i)).collect();
+        let inertias = joints.clone().map(|i| source.inertia(model, i)).collect();
+        let attachments = joints
+            .clone()
+            .map(|i| match model.joints[i].point {
+                None => ZERO,
+                Some(point) => source.point(model, point),
+            })
+            .collect();
+        let mut loads = |name: &str| -> Vec<Vector> {
+            let each = joints.clone();
+            each.map(|i| source.load(model, name, i)).collect()
+        };
+        let (forces, torques) = (loads("frc"), loads("trq"));
+        let q: Vec<Scalar> = joints
+            .clone()
+            .map(|i| equations.input("q", &[i + 1]))
+            .collect();
+        let qd = joints
+            .clone()
+            .map(|i| match model.joints[i].has_velocity {
+                true => equations.input("qd", &[i + 1]),
+                false => Scalar::ZERO,
+            })
+            .collect();
+        let small = |frame: usize| {
+            let joint = frames.joint(frame);
+            joint.is_some_and(|joint| options.small_angles.contains(&joint))
+        };
+        let turns = joints
+            .map(|i| match frames.constant(equations, i) {
+                Some(constant) => constant,
+                None => turn(model, equations, i, (q[i], small(i))),
+            })
+            .collect();
+        ModelParameters {
+            frames,
+            model,
+            gravity,
+            attachments,
+            centers,
+            masses,
+            inertias,
+            q,
+            qd,
+            forces,
+            torques,
+            turns,
+            grouped: None,
+        }
+    }
+
+    /// The same with inertias as numbers, of which as much as possible is moved
+    /// to the bodies before (see [`super::grouping`]).
+    pub(super) fn grouped(
+        frames: &'m ModelFrames<'m>,
+        options: &Options,
+        equations: &mut Equations,
+    ) -> Self {
+        let mut parameters = ModelParameters::new(frames, options, equations);
+        let inertias = grouped(frames);
+        let scalars = inertias.iter().map(|own| {
+            let moments = own.moments;
+            let trace: f64 = (0..3).map(|axis| moments[axis][axis]).sum();
+            let second = |row: usize, column: usize| {
+                let diagonal = if row == column { trace } else { 0.0 };
+                diagonal - 2.0 * moments[row][column]
+            };
+            let axes = [0, 1, 2];
+            OriginInertia {
+                inertia: Inertia {
+                    mass: equations.number(own.mass),
+                    first: own.first.map(|number| equations.number(number)),
+                    moments: moments.map(|row| row.map(|number| equations.number(number))),
+                },
+                second: axes.map(|r| axes.map(|c| equations.number(second(r, c)))),
+            }
+        });
+        parameters.grouped = Some(scalars.collect());
+        parameters
+    }
+
+    /// The number of joints, constant rotations included.
+    pub(super) fn joints(&self) -> usize {
+        self.model.joints.len()
+    }
+
+    /// The joint before a joint.
+    pub(super) fn parent(&self, joint: usize) -> Option<usize> {
+        self.model.joints[joint].parent
+    }
+
+    /// The number of the axis of a joint, 0 to 2.
+    pub(super) fn axis(&self, joint: usize) -> usize {
+        self.model.joints[joint].kind.axis().index()
+    }
+
+    /// True for a rotation.
+    pub(super) fn is_revolute(&self, joint: usize) -> bool {
+        self.model.joints[joint].kind.is_revolute()
+    }
+
+    /// From the origin of the parent to the origin of the joint, in the
+    /// parent's frame: the attachment and the joint's own translation.
+    pub(super) fn offset(&self, joint: usize) -> SumVector {
+        let mut offset = sums();
+        for (component, &attachment) in offset.iter_mut().zip(&self.attachments[joint]) {
+            component.add(&[attachment]);
+        }
+        if !self.is_revolute(joint) {
+            offset[self.axis(joint)].add(&[self.q[joint]]);
+        }
+        offset
+    }
+
+    /// The offset with a name for each sum (`Dz`).
+    pub(super) fn named_offset(&self, equations: &mut Equations, joint: usize) -> Vector {
+        let label = |component| QuantityLabel::new("Dz", 0, 10 * (joint + 1) + component);
+        define_as(equations, label, self.offset(joint))
+    }
+
+    /// The named offsets of all joints.
+    pub(super) fn named_offsets(&self, equations: &mut Equations) -> Vec<Vector> {
+        (0..self.joints())
+            .map(|joint| self.named_offset(equations, joint))
+            .collect()
+    }
+
+    /// The acceleration of a joint: an input, or zero for one at rest.
+    pub(super) fn acceleration(&self, equations: &mut Equations, joint: usize) -> Scalar {
+        if self.model.joints[joint].has_acceleration {
+            equations.input("qdd", &[joint + 1])
+        } else {
+            Scalar::ZERO
+        }
+    }
+
+    /// The joints of the direct children of every joint.
+    pub(super) fn children(&self) -> Vec<Vec<usize>> {
+        let mut children = vec![Vec::new(); self.joints()];
+        for joint in 0..self.joints() {
+            if let Some(parent) = self.parent(joint) {
+                children[parent].push(joint);
+            }
+        }
+        children
+    }
+
+    /// A joint and all joints between it and the base, from the base on.
+    pub(super) fn path(&self, joint: usize) -> Vec<usize> {
+        let mut path: Vec<usize> = self.model.path(Some(joint)).collect();
+        path.reverse();
+        path
+    }
+}
+
+/// What a joint moves.
+struct Properties {
+    mass: f64,
+    center: [f64; 3],
+    inertia: [f64; 9],
+}
+
+impl Properties {
+    /// Those of the body a joint moves. A fictitious body has none, unless all
+    /// symbols are asked for: then it has zeros.
+    fn of(model: &Model, joint: usize, all: bool) -> Option<Properties> {
+        match model.body_of(joint) {
+            Some(body) => Some(Properties {
+                mass: body.mass,
+                center: body.center,
+                inertia: body.inertia_matrix(),
+            }),
+            None => all.then_some(Properties {
+                mass: 0.0,
+                center: [0.0; 3],
+                inertia: [0.0; 9],
+            }),
+        }
+    }
+}
+
+/// Makes symbols or numbers of parameters.
+pub(super) struct ParameterSource<'a> {
+    pub(super) options: &'a Options,
+    pub(super) equations: &'a mut Equations,
+}
+
+impl ParameterSource<'_> {
+    /// A parameter of the model: a structural zero, a symbol or a number.
+    pub(super) fn parameter(&mut self, array: &str, indices: &[usize], value: f64) -> Scalar {
+        match self.options.parameters {
+            ParameterBinding::Symbols if value == 0.0 && !self.options.all_parameters => {
+                Scalar::ZERO
+            }
+            ParameterBinding::Symbols => self.equations.input(array, indices),
+            ParameterBinding::Numbers => self.equations.number(value),
+        }
+    }
+
+    /// The coordinates of a point in its body's frame.
+    pub(super) fn point(&mut self, model: &Model, point: usize) -> Vector {
+        [0, 1, 2].map(|k| {
+            let value = model.points[point].coordinates[k];
+            self.parameter("dpt", &[k + 1, point + 1], value)
+        })
+    }
+
+    /// What a joint moves; `None` for a fictitious body without symbols.
+    fn moved(&self, model: &Model, joint: usize) -> Option<Properties> {
+        Properties::of(model, joint, self.options.all_parameters)
+    }
+
+    /// The mass that a joint moves.
+    fn mass(&mut self, model: &Model, joint: usize) -> Scalar {
+        self.moved(model, joint).map_or(Scalar::ZERO, |body| {
+            self.parameter("m", &[joint + 1], body.mass)
+        })
+    }
+
+    /// Its centre in the body's frame.
+    fn center(&mut self, model: &Model, joint: usize) -> Vector {
+        self.moved(model, joint).map_or(ZERO, |body| {
+            [0, 1, 2].map(|k| self.parameter("l", &[k + 1, joint + 1], body.center[k]))
+        })
+    }
+
+    /// Its moments of inertia about the centre.
+    fn inertia(&mut self, model: &Model, joint: usize) -> Matrix {
+        let Some(body) = self.moved(model, joint) else {
+            return [ZERO; 3];
+        };
+        [0, 1, 2].map(|row| {
+            // The matrix is symmetric: one symbol for each pair.
+            [0, 1, 2].map(|column| {
+                let entry = 3 * row.min(column) + row.max(column);
+                self.parameter("In", &[entry + 1, joint + 1], body.inertia[entry])
+            })
+        })
+    }
+
+    /// The external force or torque, by the name of its array, on what a
+    /// joint moves.
+    fn load(&mut self, model: &Model, name: &str, joint: usize) -> Vector {
+        if self.options.external_forces && self.moved(model, joint).is_some() {
+            [1, 2, 3].map(|k| self.equations.input(name, &[k, joint + 1]))
+        } else {
+            ZERO
+        }
+    }
+}
+
+/// The rotation of a joint by its position; the sine and the cosine get names,
+/// unless the angle is small.
+fn turn(
+    model: &Model,
+    equations: &mut Equations,
+    joint: usize,
+    (position, small): (Scalar, bool),
+) -> AxisRotation {
+    let kind = model.joints[joint].kind;
+    if !kind.is_revolute() {
+        return AxisRotation::NONE;
+    }
+    if small {
+        return AxisRotation {
+            axis: kind.axis().index(),
+            cos: Scalar::ONE,
+            sin: position,
+        };
+    }
+    AxisRotation {
+        axis: kind.axis().index(),
+        cos: equations.cos(QuantityLabel::new("C", 0, joint + 1), position),
+        sin: equations.sin(QuantityLabel::new("S", 0, joint + 1), position),
+    }
+}

@@ -1,0 +1,112 @@
+//! Forces that constraints and drives exert: multipliers, and forces of driven
+//! joints.
+//!
+//! With accelerations known, `M qdd + c = Qq + Qc + J^T lambda` holds joint by
+//! joint. Those of dependent joints give the multipliers of the loops,
+//! `Jv^T lambda = Mv qdd + c_v - Qq_v`, and those of driven joints the forces
+//! `Qc` that move them as they are told to.
+
+use super::GenerateError;
+use super::algebra::{Scalar, Sum};
+use super::blocks::solve_blocks;
+use super::closing::dependent_entries;
+use super::constraints::ConstraintRow;
+use super::equations::QuantityLabel;
+use super::factor::{SparseRow, entry};
+use super::reduced::{CoordinateReduction, DependentAccelerations, singular};
+use super::roles::JointRoles;
+use robovec_model::Nature;
+
+/// What the forces at each joint follow from.
+pub(super) struct ForceBalance<'a> {
+    /// `c` of all joints.
+    pub(super) bias: &'a [Scalar],
+    /// `Qq - c` of joints that are not driven, less what given accelerations
+    /// take.
+    pub(super) forces: &'a [Scalar],
+    /// `qdd` of all joints.
+    pub(super) accelerations: &'a [Scalar],
+    /// The user's rows with their multipliers.
+    pub(super) user: (&'a [ConstraintRow], &'a [Scalar]),
+}
+
+/// Writes the multipliers, and the forces of driven joints.
+pub(super) fn write(
+    reduction: &mut CoordinateReduction<'_, '_, '_>,
+    roles: &JointRoles,
+    loops: &DependentAccelerations,
+    balance: &ForceBalance<'_>,
+) -> Result<(), GenerateError> {
+    let (user, of_user) = balance.user;
+    let solution = of_loops(reduction, roles, loops, balance)?;
+    for (&multiplier, &number) in solution.iter().zip(&roles.rows) {
+        reduction
+            .equations
+            .output("Lambda", &[number + 1], multiplier);
+    }
+    let behind = loops.all;
+    for (number, &multiplier) in of_user.iter().enumerate() {
+        reduction
+            .equations
+            .output("Lambda", &[behind + number + 1], multiplier);
+    }
+    let rows = loops.rows.iter().zip(&solution);
+    let rows: Vec<(&ConstraintRow, &Scalar)> = rows.chain(user.iter().zip(of_user)).collect();
+    for joint in 0..balance.bias.len() {
+        if reduction.parameters.model.joints[joint].nature != Nature::Driven {
+            continue;
+        }
+        let mut sum = Sum::of(balance.bias[joint]);
+        for (other, &acceleration) in balance.accelerations.iter().enumerate() {
+            sum.add(&[reduction.mass(joint, other), acceleration]);
+        }
+        let force = reduction.equations.input("Qq", &[joint + 1]);
+        sum.subtract(&[force]);
+        for &(row, &multiplier) in &rows {
+            sum.subtract(&[row.entry(joint), multiplier]);
+        }
+        let label = QuantityLabel::new("Qcd", 0, joint + 1);
+        let value = reduction.equations.define(label, sum);
+        reduction.equations.output("Qc", &[joint + 1], value);
+    }
+    Ok(())
+}
+
+/// The multipliers of the loops, in the order of their pivots.
+fn of_loops(
+    reduction: &mut CoordinateReduction<'_, '_, '_>,
+    roles: &JointRoles,
+    loops: &DependentAccelerations,
+    balance: &ForceBalance<'_>,
+) -> Result<Vec<Scalar>, GenerateError> {
+    let v = &roles.dependent;
+    let mut rows: Vec<SparseRow> = vec![SparseRow::new(); v.len()];
+    for (number, row) in loops.rows.iter().enumerate() {
+        for (column, value) in dependent_entries(row, v) {
+            rows[column].push((number, value));
+        }
+    }
+    let (user, multipliers) = balance.user;
+    for (place, &joint) in v.iter().enumerate() {
+        let mut sum = Sum::new();
+        for (other, &acceleration) in balance.accelerations.iter().enumerate() {
+            // Given accelerations are in the force already.
+            if reduction.parameters.model.joints[other].nature != Nature::Driven {
+                sum.add(&[reduction.mass(joint, other), acceleration]);
+            }
+        }
+        sum.subtract(&[balance.forces[joint]]);
+        for (row, &multiplier) in user.iter().zip(multipliers) {
+            sum.subtract(&[row.entry(joint), multiplier]);
+        }
+        let label = QuantityLabel::new("FMl", 0, joint + 1);
+        let value = reduction.equations.define(label, sum);
+        if !value.is_zero() {
+            rows[place].push((v.len(), value));
+        }
+    }
+    let names = ["Jtlu", "Jtl", "Jti", "Jtx", "lam"];
+    let solution = solve_blocks(reduction.equations, names, &rows, 1)
+        .map_err(|place| singular(reduction.parameters.model, v[place]))?;
+    Ok(solution.iter().map(|row| entry(row, 0)).collect())
+}

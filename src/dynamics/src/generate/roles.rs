@@ -1,0 +1,246 @@
+//! The roles of joints and constraint rows in accelerations, decided in
+//! numbers at the closed initial state of the model.
+
+use super::frames::ModelFrames;
+use super::{GenerateError, GenerationRequest, Options, generate};
+use crate::kinematics::linear::{DenseMatrix, eliminate};
+use crate::kinematics::{
+    CompiledFunction, LoopClosure, LoopConstraints, MotionState, Partition, StateError,
+};
+use robovec_ir::{Format, Module};
+use robovec_model::{Model, Nature};
+use robovec_robotran::FunctionKind;
+
+/// The roles of joints and rows.
+pub(super) struct JointRoles {
+    /// Joints that neither the loops determine nor the user drives, ascending.
+    pub(super) free: Vec<usize>,
+    /// Those of them that constraints of the user determine, ascending.
+    pub(super) bound: Vec<usize>,
+    /// Joints that the loops determine, in the order of their pivots.
+    pub(super) dependent: Vec<usize>,
+    /// The row of each dependent joint.
+    pub(super) rows: Vec<usize>,
+}
+
+impl JointRoles {
+    /// Decides the roles at the closed initial state.
+    pub(super) fn new(model: &Model, options: &Options) -> Result<JointRoles, GenerateError> {
+        let mut roles = JointRoles::of_loops(model)?;
+        if options.user_constraints > 0 {
+            let named = |joint: &usize| model.joints[*joint].nature == Nature::Dependent;
+            roles.bound = roles.free.iter().copied().filter(named).collect();
+            if roles.bound.len() != options.user_constraints {
+                return Err(GenerateError::UserConstraints {
+                    rows: options.user_constraints,
+                    left: roles.bound.len(),
+                    of_loops: roles.dependent.len(),
+                });
+            }
+        }
+        Ok(roles)
+    }
+
+    /// The roles, with frames in the place of joints.
+    pub(super) fn of_frames(
+        frames: &ModelFrames<'_>,
+        options: &Options,
+    ) -> Result<JointRoles, GenerateError> {
+        let mut roles = JointRoles::new(frames.source, options)?;
+        for joint in [&mut roles.free, &mut roles.bound, &mut roles.dependent]
+            .into_iter()
+            .flatten()
+        {
+            *joint = frames.place(*joint);
+        }
+        Ok(roles)
+    }
+
+    /// Joints that no constraint determines, ascending.
+    fn independent(&self) -> Vec<usize> {
+        let moves = |joint: &usize| !self.bound.contains(joint);
+        self.free.iter().copied().filter(moves).collect()
+    }
+
+    /// True for joints that constraints determine.
+    pub(super) fn follows(&self, joint: usize) -> bool {
+        self.dependent.contains(&joint) || self.bound.contains(&joint)
+    }
+
+    /// The roles without constraints of the user.
+    fn of_loops(model: &Model) -> Result<JointRoles, GenerateError> {
+        let free = |joint: &usize| model.joints[*joint].nature != Nature::Driven;
+        if model.cuts.is_empty() {
+            return Ok(JointRoles {
+                free: (0..model.joints.len()).filter(free).collect(),
+                bound: Vec::new(),
+                dependent: Vec::new(),
+                rows: Vec::new(),
+            });
+        }
+        let (roles, jacobian) = closed_loops(model)?;
+        let square = jacobian.select(&roles.rows, &roles.dependent);
+        let pivots = eliminate(square, &vec![1.0; roles.dependent.len()], 0.0);
+        Ok(JointRoles {
+            free: roles.independent,
+            bound: Vec::new(),
+            dependent: pivots
+                .iter()
+                .map(|pivot| roles.dependent[pivot.column])
+                .collect(),
+            rows: pivots.iter().map(|pivot| roles.rows[pivot.row]).collect(),
+        })
+    }
+}
+
+/// Where forces act in inverse dynamics.
+pub(super) struct ReactionRoles {
+    /// Joints with an actuator, ascending.
+    pub(super) actuated: Vec<usize>,
+    /// Of the others that are not driven, those whose forces give the
+    /// multipliers of the loops, in the order of pivots.
+    pub(super) of_loops: Vec<usize>,
+    /// The row of each of them.
+    pub(super) rows: Vec<usize>,
+    /// Those left for the multipliers of the user's constraints.
+    pub(super) of_user: Vec<usize>,
+}
+
+impl ReactionRoles {
+    /// Decides where forces act, at the closed initial state; in frames, as the
+    /// roles are.
+    pub(super) fn new(
+        frames: &ModelFrames<'_>,
+        roles: &JointRoles,
+    ) -> Result<ReactionRoles, GenerateError> {
+        let model = &frames.model;
+        let independent = roles.independent();
+        let is_free = |joint: &usize| model.joints[*joint].nature != Nature::Driven;
+        let all = (0..model.joints.len()).filter(is_free);
+        let named: Vec<usize> = all
+            .clone()
+            .filter(|&joint| model.joints[joint].actuated)
+            .collect();
+        let actuated = if named.is_empty() {
+            independent.clone()
+        } else {
+            named
+        };
+        if actuated.len() != independent.len() {
+            return Err(GenerateError::Actuators {
+                free: independent.len(),
+                actuated: actuated.len(),
+            });
+        }
+        let others: Vec<usize> = all.filter(|joint| !actuated.contains(joint)).collect();
+        let (mut of_loops, mut rows) = (Vec::new(), Vec::new());
+        if !roles.rows.is_empty() {
+            let jacobian = closed_loops(frames.source)?.1;
+            let columns: Vec<usize> = others
+                .iter()
+                .filter_map(|&other| frames.joint(other))
+                .collect();
+            let square = jacobian.select(&roles.rows, &columns);
+            for pivot in eliminate(square, &vec![1.0; others.len()], 1e-8) {
+                of_loops.push(others[pivot.column]);
+                rows.push(roles.rows[pivot.row]);
+            }
+        }
+        if rows.len() < roles.rows.len() {
+            return Err(GenerateError::Unactuated);
+        }
+        let left = |joint: &usize| !of_loops.contains(joint);
+        Ok(ReactionRoles {
+            of_user: others.iter().copied().filter(left).collect(),
+            actuated,
+            of_loops,
+            rows,
+        })
+    }
+}
+
+/// The roles of joints at the closed initial state, by the loops, and their
+/// Jacobian there.
+fn closed_loops(model: &Model) -> Result<(Partition, DenseMatrix), GenerateError> {
+    let failed = |error: StateError| GenerateError::Loops(error.to_string());
+    let constraints = &constraints(model)?;
+    let mut state = at_rest(model);
+    let loops = LoopClosure { model, constraints };
+    let roles = loops.start(&mut state).map_err(failed)?;
+    Ok((roles, constraints.evaluate(&state).1))
+}
+
+/// The initial state, in which driven joints rest.
+fn at_rest(model: &Model) -> MotionState {
+    let mut state = MotionState::initial(model);
+    for (index, joint) in model.joints.iter().enumerate() {
+        if joint.nature == Nature::Driven {
+            (state.qd[index], state.qdd[index]) = (0.0, 0.0);
+        }
+    }
+    state
+}
+
+/// The constraints of a model with cuts, in binary64.
+///
+/// # Errors
+///
+/// When they cannot be generated.
+pub fn constraints(model: &Model) -> Result<LoopConstraints, GenerateError> {
+    let kind = FunctionKind::ConsHJ;
+    let Module {
+        tables,
+        mut functions,
+    } = generate(model, &GenerationRequest::new(kind))?;
+    let function = functions.pop().expect("the generator gives a function");
+    let format = Format::BINARY64;
+    let position = CompiledFunction::new(model, kind.name(), &tables, function, format)
+        .map_err(|error| GenerateError::Loops(error.to_string()))?;
+    let row_cuts = cuts_of_rows(model)?;
+    Ok(LoopConstraints::new(model, format, position, row_cuts))
+}
+
+/// The independent joints, from 0, ascending: those whose accelerations the
+/// others follow from.
+///
+/// # Errors
+///
+/// See [`generate`].
+pub fn independent_joints(model: &Model, options: &Options) -> Result<Vec<usize>, GenerateError> {
+    Ok(JointRoles::new(model, options)?.independent())
+}
+
+/// The rows of the constraints, from 0, that say what others say.
+///
+/// # Errors
+///
+/// See [`generate`].
+pub fn redundant_rows(model: &Model) -> Result<Vec<usize>, GenerateError> {
+    let kept = JointRoles::of_loops(model)?.rows;
+    let rows = 0..cuts_of_rows(model)?.len();
+    Ok(rows.filter(|row| !kept.contains(row)).collect())
+}
+
+/// The cut, from 0, of each row of the constraints. The equations leave out
+/// rows that no joint changes; how many a cut keeps is seen when it stands
+/// alone.
+///
+/// # Errors
+///
+/// See [`generate`].
+pub fn cuts_of_rows(model: &Model) -> Result<Vec<usize>, GenerateError> {
+    let mut alone = model.clone();
+    let mut cuts = Vec::new();
+    for (index, cut) in model.cuts.iter().enumerate() {
+        alone.cuts = vec![cut.clone()];
+        let request = GenerationRequest::new(FunctionKind::ConsHJ);
+        let module = generate(&alone, &request)?;
+        let rows = module.functions.iter().flat_map(|function| {
+            let arrays = function.outputs().iter();
+            arrays.filter(|array| module.tables.symbols.text(array.name) == "h")
+        });
+        let count = rows.map(|array| array.shape.len()).sum();
+        cuts.extend(std::iter::repeat_n(index, count));
+    }
+    Ok(cuts)
+}

@@ -1,0 +1,234 @@
+//! Energies, reckoned from the model by plain kinematics in the base frame
+//! and not from its equations.
+
+use crate::kinematics::MotionState;
+use robovec_model::{Anchor, Axis, Model};
+use std::array::from_fn;
+
+/// A vector along the axes of the base, or of a body.
+pub(super) type CartesianVector = [f64; 3];
+type Rotation = [CartesianVector; 3];
+
+/// The motion of the frame behind a joint.
+#[derive(Clone, Copy)]
+struct JointFrame {
+    /// Columns are the frame's axes in the base frame.
+    rotation: Rotation,
+    origin: CartesianVector,
+    velocity: CartesianVector,
+    spin: CartesianVector,
+}
+
+const BASE: JointFrame = JointFrame {
+    rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    origin: [0.0; 3],
+    velocity: [0.0; 3],
+    spin: [0.0; 3],
+};
+
+impl JointFrame {
+    /// A vector of the frame in the base frame.
+    fn outward(&self, v: CartesianVector) -> CartesianVector {
+        from_fn(|i| (0..3).map(|k| self.rotation[i][k] * v[k]).sum())
+    }
+
+    /// A vector of the base frame in the frame.
+    fn inward(&self, v: CartesianVector) -> CartesianVector {
+        from_fn(|k| (0..3).map(|i| self.rotation[i][k] * v[i]).sum())
+    }
+
+    /// Position and velocity of a point of the frame.
+    fn point(&self, place: CartesianVector) -> (CartesianVector, CartesianVector) {
+        let arm = self.outward(place);
+        (
+            add(self.origin, arm),
+            add(self.velocity, cross(self.spin, arm)),
+        )
+    }
+}
+
+fn add(a: CartesianVector, b: CartesianVector) -> CartesianVector {
+    from_fn(|i| a[i] + b[i])
+}
+
+fn scaled(a: CartesianVector, factor: f64) -> CartesianVector {
+    a.map(|x| x * factor)
+}
+
+fn cross(a: CartesianVector, b: CartesianVector) -> CartesianVector {
+    from_fn(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3])
+}
+
+pub(super) fn dot(a: CartesianVector, b: CartesianVector) -> f64 {
+    (0..3).map(|i| a[i] * b[i]).sum()
+}
+
+/// The motion of all frames.
+fn frames(model: &Model, state: &MotionState) -> Vec<JointFrame> {
+    let mut frames: Vec<JointFrame> = Vec::with_capacity(model.joints.len());
+    for (index, joint) in model.joints.iter().enumerate() {
+        let parent = joint.parent.map_or(BASE, |parent| frames[parent]);
+        let place = joint
+            .point
+            .map_or([0.0; 3], |point| model.points[point].coordinates);
+        let (origin, velocity) = parent.point(place);
+        let axis = joint.kind.axis();
+        let turns = joint.mounting.turns.iter();
+        let before = turns.fold(parent.rotation, |rotation, turn| {
+            turned(&rotation, turn.axis, turn.angle)
+        });
+        let sign = joint.mounting.sign();
+        let direction: CartesianVector = from_fn(|i| before[i][axis.index()]);
+        let (q, rate) = (
+            sign * state.q[index],
+            scaled(direction, sign * state.qd[index]),
+        );
+        frames.push(if joint.kind.is_revolute() {
+            JointFrame {
+                rotation: turned(&before, axis, q),
+                origin,
+                velocity,
+                spin: add(parent.spin, rate),
+            }
+        } else {
+            let slide = scaled(direction, q);
+            let carried = add(velocity, cross(parent.spin, slide));
+            JointFrame {
+                rotation: before,
+                origin: add(origin, slide),
+                velocity: add(carried, rate),
+                spin: parent.spin,
+            }
+        });
+    }
+    frames
+}
+
+/// A frame turned about its own axis.
+fn turned(rotation: &Rotation, axis: Axis, angle: f64) -> Rotation {
+    let (sine, cosine) = angle.sin_cos();
+    let (b, c) = ((axis.index() + 1) % 3, (axis.index() + 2) % 3);
+    rotation.map(|row| {
+        let mut turned = row;
+        turned[b] = cosine * row[b] + sine * row[c];
+        turned[c] = cosine * row[c] - sine * row[b];
+        turned
+    })
+}
+
+/// Kinetic energy, and potential energy in gravity (zero where all centres of
+/// mass are at the base's origin), J.
+pub(super) fn energies(model: &Model, state: &MotionState) -> (f64, f64) {
+    let frames = frames(model, state);
+    let (mut kinetic, mut potential) = (0.0, 0.0);
+    for body in &model.bodies {
+        let frame = &frames[body.joints.end - 1];
+        let (center, velocity) = frame.point(body.center);
+        let spin = frame.inward(frame.spin);
+        let matrix = body.inertia_matrix();
+        let moment: CartesianVector =
+            from_fn(|i| (0..3).map(|k| matrix[3 * i + k] * spin[k]).sum());
+        kinetic += 0.5 * (body.mass * dot(velocity, velocity) + dot(spin, moment));
+        potential -= body.mass * dot(model.gravity, center);
+    }
+    (kinetic, potential)
+}
+
+/// Linear and angular momentum of all bodies, about the base's origin and in
+/// its frame, kg m/s and kg m^2/s.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct Momenta {
+    linear: CartesianVector,
+    angular: CartesianVector,
+    /// The sums of their sizes over all bodies.
+    sizes: [f64; 2],
+}
+
+impl Momenta {
+    /// The larger difference of both, relative to the sizes.
+    pub(super) fn distance(&self, other: &Momenta) -> f64 {
+        let apart = |a: CartesianVector, b: CartesianVector| {
+            let difference = add(a, scaled(b, -1.0));
+            dot(difference, difference).sqrt()
+        };
+        let relative = |change: f64, place: usize| {
+            let size = self.sizes[place].max(other.sizes[place]);
+            if size > 0.0 { change / size } else { 0.0 }
+        };
+        let linear = relative(apart(self.linear, other.linear), 0);
+        linear.max(relative(apart(self.angular, other.angular), 1))
+    }
+}
+
+/// The momenta of a state.
+pub(super) fn momenta(model: &Model, state: &MotionState) -> Momenta {
+    let frames = frames(model, state);
+    let size = |v: CartesianVector| dot(v, v).sqrt();
+    let mut sum = Momenta {
+        linear: [0.0; 3],
+        angular: [0.0; 3],
+        sizes: [0.0; 2],
+    };
+    for body in &model.bodies {
+        let frame = &frames[body.joints.end - 1];
+        let (center, velocity) = frame.point(body.center);
+        let spin = frame.inward(frame.spin);
+        let matrix = body.inertia_matrix();
+        let own: CartesianVector = from_fn(|i| (0..3).map(|k| matrix[3 * i + k] * spin[k]).sum());
+        let linear = scaled(velocity, body.mass);
+        let angular = add(cross(center, linear), frame.outward(own));
+        sum.linear = add(sum.linear, linear);
+        sum.angular = add(sum.angular, angular);
+        sum.sizes[0] += size(linear);
+        sum.sizes[1] += size(angular);
+    }
+    sum
+}
+
+/// The positions and velocities of places.
+fn motions<'a>(
+    model: &'a Model,
+    state: &MotionState,
+    places: impl IntoIterator<Item = Anchor> + 'a,
+) -> impl Iterator<Item = [CartesianVector; 2]> + 'a {
+    let frames = frames(model, state);
+    places.into_iter().map(move |place| {
+        let frame = model
+            .last_joint(place.body)
+            .map_or(BASE, |joint| frames[joint]);
+        let coordinates = place
+            .point
+            .map_or([0.0; 3], |point| model.points[point].coordinates);
+        frame.point(coordinates).into()
+    })
+}
+
+/// The lengths of all links.
+pub(super) fn lengths(model: &Model, state: &MotionState) -> Vec<f64> {
+    let ends = model.links.iter().flat_map(|link| link.ends);
+    let positions: Vec<CartesianVector> = motions(model, state, ends)
+        .map(|[position, _]| position)
+        .collect();
+    positions
+        .chunks_exact(2)
+        .map(|ends| {
+            let span = add(ends[1], scaled(ends[0], -1.0));
+            dot(span, span).sqrt()
+        })
+        .collect()
+}
+
+/// The positions and velocities of the points of all external forces.
+pub(super) fn point_motions(model: &Model, state: &MotionState) -> Vec<[CartesianVector; 2]> {
+    let places = model.forces.iter().map(|force| Anchor {
+        body: model.points[force.point].body,
+        point: Some(force.point),
+    });
+    motions(model, state, places).collect()
+}
+
+/// The positions of the points of all external forces.
+pub(super) fn force_points(model: &Model, state: &MotionState) -> Vec<CartesianVector> {
+    let motions = point_motions(model, state).into_iter();
+    motions.map(|[position, _]| position).collect()
+}

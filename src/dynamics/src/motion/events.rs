@@ -1,0 +1,356 @@
+//! What a run looks out for: quantities that pass a value, and contacts that
+//! open or close.
+//!
+//! Signs at both ends of a step tell that something was passed; where the rate
+//! of a quantity turns round between them, a cubic through values and rates
+//! tells whether the value was passed twice. The time is then found by steps
+//! of other lengths from the same start, so that it is as exact as the
+//! integrator.
+
+use super::energy;
+use super::laws::Laws;
+use crate::kinematics::MotionState;
+use robovec_model::Model;
+use serde::Deserialize;
+
+/// How exactly the times of events are found where nobody says, s.
+pub const EVENT_TOLERANCE: f64 = 1e-9;
+
+/// A quantity of a state that events are about.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum EventQuantity {
+    /// The position of a joint, m or rad.
+    #[default]
+    Position,
+    /// The velocity of a joint, m/s or rad/s.
+    Velocity,
+    /// How far a contact is above its plane, m.
+    Gap,
+}
+
+impl EventQuantity {
+    /// Its word in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            EventQuantity::Position => "position",
+            EventQuantity::Velocity => "velocity",
+            EventQuantity::Gap => "gap",
+        }
+    }
+}
+
+/// In which direction a quantity has to pass its value.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum EventDirection {
+    /// In either.
+    #[default]
+    Both,
+    /// From below.
+    Rising,
+    /// From above.
+    Falling,
+}
+
+impl EventDirection {
+    /// Its word in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            EventDirection::Both => "both",
+            EventDirection::Rising => "rising",
+            EventDirection::Falling => "falling",
+        }
+    }
+}
+
+/// What a run looks out for.
+#[derive(Clone, Copy, PartialEq, Default, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct EventLaw {
+    /// What is looked at.
+    pub quantity: EventQuantity,
+    /// The index of the joint, or of the external force whose contact it is.
+    #[serde(skip)]
+    pub subject: usize,
+    /// The value it passes.
+    pub value: f64,
+    /// In which direction.
+    pub direction: EventDirection,
+    /// The run ends there.
+    pub stop: bool,
+}
+
+impl EventLaw {
+    /// The name of the joint or external force that it is about.
+    pub fn subject<'m>(&self, model: &'m Model) -> &'m str {
+        match self.quantity {
+            EventQuantity::Gap => &model.forces[self.subject].name,
+            EventQuantity::Position | EventQuantity::Velocity => &model.joints[self.subject].name,
+        }
+    }
+}
+
+/// Something that was looked out for and happened.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct EventRecord {
+    /// The index of the event among those of the laws.
+    pub event: usize,
+    /// When, s.
+    pub time: f64,
+    /// From below, and not from above.
+    pub rising: bool,
+}
+
+/// Something a run watches: an event, or a contact that the step is cut for.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct Watched {
+    law: EventLaw,
+    /// The event's index; `None` for a contact nobody asked about.
+    event: Option<usize>,
+    /// On which side of its value it was last seen; `None` before it left it.
+    above: Option<bool>,
+}
+
+/// A quantity less the value it may pass, and its rate where that is known
+/// without accelerations.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct Signal {
+    pub(super) value: f64,
+    rate: Option<f64>,
+}
+
+/// What a run watches.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) struct EventWatch {
+    watched: Vec<Watched>,
+}
+
+impl EventWatch {
+    /// The events of the laws, and every contact that acts.
+    pub(super) fn new(laws: &Laws) -> EventWatch {
+        let asked = laws.events.iter().enumerate();
+        let asked = asked.map(|(index, &law)| Watched {
+            law,
+            event: Some(index),
+            above: None,
+        });
+        let contacts = laws.forces.iter().enumerate();
+        let contacts = contacts.filter(|(_, law)| law.contact.acts());
+        let contacts = contacts.map(|(subject, _)| Watched {
+            law: EventLaw {
+                quantity: EventQuantity::Gap,
+                subject,
+                ..EventLaw::default()
+            },
+            event: None,
+            above: None,
+        });
+        EventWatch {
+            watched: asked.chain(contacts).collect(),
+        }
+    }
+
+    /// True when there is nothing to watch.
+    pub(super) fn is_empty(&self) -> bool {
+        self.watched.is_empty()
+    }
+
+    /// The signals of a state.
+    pub(super) fn signals(&self, model: &Model, laws: &Laws, state: &MotionState) -> Vec<Signal> {
+        let gaps = self
+            .watched
+            .iter()
+            .any(|one| one.law.quantity == EventQuantity::Gap);
+        let points = if gaps {
+            energy::point_motions(model, state)
+        } else {
+            Vec::new()
+        };
+        let signal = |one: &Watched| {
+            let subject = one.law.subject;
+            let (value, rate) = match one.law.quantity {
+                EventQuantity::Position => (state.q[subject], Some(state.qd[subject])),
+                EventQuantity::Velocity => (state.qd[subject], None),
+                EventQuantity::Gap => {
+                    let [place, velocity] = points[subject];
+                    let [gap, rate] = laws.forces[subject].contact.gap(place, velocity);
+                    (gap, Some(rate))
+                }
+            };
+            Signal {
+                value: value - one.law.value,
+                rate,
+            }
+        };
+        self.watched.iter().map(signal).collect()
+    }
+
+    /// Those that are on another side than they were last seen on, and whose
+    /// direction is asked for.
+    pub(super) fn passed(&self, signals: &[Signal]) -> Vec<usize> {
+        let places = self.watched.iter().zip(signals).enumerate();
+        let passed = places.filter(|(_, (one, signal))| {
+            let now = side(signal.value);
+            let crossed = one.above.is_some() && now.is_some() && one.above != now;
+            crossed
+                && match one.law.direction {
+                    EventDirection::Both => true,
+                    EventDirection::Rising => now == Some(true),
+                    EventDirection::Falling => now == Some(false),
+                }
+        });
+        passed.map(|(place, _)| place).collect()
+    }
+
+    /// Remembers the sides at a state the run has reached at `time`: what has
+    /// happened there, and whether the run is to end.
+    pub(super) fn reach(&mut self, time: f64, signals: &[Signal]) -> ReachedEvents {
+        let mut reached = ReachedEvents::default();
+        for place in self.passed(signals) {
+            let one = &self.watched[place];
+            match one.event {
+                Some(event) => reached.records.push(EventRecord {
+                    event,
+                    time,
+                    rising: signals[place].value > 0.0,
+                }),
+                None => reached.contacts += 1,
+            }
+            reached.stop |= one.law.stop;
+        }
+        for (one, signal) in self.watched.iter_mut().zip(signals) {
+            one.above = side(signal.value).or(one.above);
+        }
+        reached
+    }
+
+    /// The part of a step after which a quantity may have passed its value and
+    /// come back, by the cubic through values and rates at both ends.
+    pub(super) fn dip(&self, step: f64, before: &[Signal], after: &[Signal]) -> Option<f64> {
+        let pairs = self.watched.iter().zip(before.iter().zip(after));
+        let dips = pairs.filter_map(|(one, (before, after))| {
+            let above = one.above?;
+            let sign = if above { 1.0 } else { -1.0 };
+            let [from, to] = [before, after].map(|signal| sign * signal.value);
+            let [down, up] = [before.rate?, after.rate?].map(|rate| sign * rate * step);
+            if from < 0.0 || to < 0.0 || down >= 0.0 || up <= 0.0 {
+                return None;
+            }
+            let (part, least) = least_of_cubic([from, to], [down, up]);
+            (least < 0.0).then_some(part)
+        });
+        dips.reduce(f64::min)
+    }
+}
+
+/// What a state brought.
+#[derive(Clone, PartialEq, Default, Debug)]
+pub(super) struct ReachedEvents {
+    pub(super) records: Vec<EventRecord>,
+    /// Contacts that opened or closed.
+    pub(super) contacts: u64,
+    pub(super) stop: bool,
+}
+
+/// On which side of zero a number is.
+fn side(value: f64) -> Option<bool> {
+    (value != 0.0).then_some(value > 0.0)
+}
+
+/// Where between 0 and 1 the cubic with these values and slopes at the ends is
+/// least, and how much that is; it falls at 0 and rises at 1.
+fn least_of_cubic([from, to]: [f64; 2], [down, up]: [f64; 2]) -> (f64, f64) {
+    let cubic = 2.0 * (from - to) + down + up;
+    let square = 3.0 * (to - from) - 2.0 * down - up;
+    let at = |x: f64| from + x * (down + x * (square + x * cubic));
+    // The slope is negative at 0 and positive at 1: its zero between them, in
+    // the form that does not cancel.
+    let root = (square * square - 3.0 * cubic * down).max(0.0).sqrt();
+    let part = (-down / (square + root)).clamp(0.0, 1.0);
+    (part, at(part))
+}
+
+/// Narrows down where something happens between two times of which only the
+/// later has seen it. Every third time the interval is halved; the others aim
+/// at where a straight line through both ends passes zero, and a little beyond
+/// it as seen from the nearer end.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct EventBracket {
+    pub(super) from: f64,
+    pub(super) to: f64,
+    turns: u32,
+}
+
+impl EventBracket {
+    /// Between the start of a step and `to` after it.
+    pub(super) fn new(to: f64) -> EventBracket {
+        EventBracket {
+            from: 0.0,
+            to,
+            turns: 0,
+        }
+    }
+
+    /// True when the time is known to `tolerance`, or as well as numbers can
+    /// tell.
+    pub(super) fn is_narrow(&self, tolerance: f64) -> bool {
+        let middle = 0.5 * (self.from + self.to);
+        self.to - self.from <= tolerance || middle <= self.from || middle >= self.to
+    }
+
+    /// Where to look next; `ends` are the values at both ends.
+    pub(super) fn next(&mut self, tolerance: f64, ends: Option<[f64; 2]>) -> f64 {
+        self.turns += 1;
+        let width = self.to - self.from;
+        let middle = self.from + 0.5 * width;
+        let Some([a, b]) = ends.filter(|[a, b]| a - b != 0.0) else {
+            return middle;
+        };
+        if self.turns.is_multiple_of(3) {
+            return middle;
+        }
+        let zero = self.from + width * (a / (a - b));
+        let beyond = if zero < middle { 0.4 } else { -0.4 } * tolerance;
+        let aimed = zero + beyond;
+        if aimed > self.from && aimed < self.to {
+            aimed
+        } else {
+            middle
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_least_of_a_cubic_is_found() {
+        // (x - 1/3)^2 (x + 2) - 1/10, least at 1/3.
+        let value = |x: f64| (x - 1.0 / 3.0).powi(2) * (x + 2.0) - 0.1;
+        let slope = |x: f64| 2.0 * (x - 1.0 / 3.0) * (x + 2.0) + (x - 1.0 / 3.0).powi(2);
+        let (part, least) = least_of_cubic([value(0.0), value(1.0)], [slope(0.0), slope(1.0)]);
+        assert!((part - 1.0 / 3.0).abs() < 1e-12, "{part}");
+        assert!((least + 0.1).abs() < 1e-12, "{least}");
+    }
+
+    #[test]
+    fn a_bracket_finds_a_zero_in_few_turns() {
+        let value = |time: f64| (2.0 * time).cos() - 0.3;
+        let mut bracket = EventBracket::new(1.5);
+        let mut turns = 0;
+        while !bracket.is_narrow(1e-12) {
+            let ends = [value(bracket.from), value(bracket.to)];
+            let time = bracket.next(1e-12, Some(ends));
+            if value(time) < 0.0 {
+                bracket.to = time;
+            } else {
+                bracket.from = time;
+            }
+            turns += 1;
+        }
+        assert!((bracket.to - 0.5 * 0.3f64.acos()).abs() < 2e-12);
+        assert!(turns < 20, "{turns}");
+    }
+}

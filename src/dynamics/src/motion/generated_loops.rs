@@ -1,0 +1,158 @@
+//! Loops closed by the generated functions of the whole step.
+//!
+//! `loop_positions` is one round of Newton's method and `loop_velocities` what
+//! follows from it, both for dependent joints that are fixed when they are
+//! generated. So there is nothing to exchange near a dead point: a run that
+//! cannot be closed there ends, and says which joint is undetermined.
+
+use super::MotionError;
+use super::system::not_finite;
+use crate::kinematics::linear::largest;
+use crate::kinematics::{ClosingLimits, CompiledFunction, LoopConstraints, MotionState, Partition};
+use robovec_model::{Model, Nature};
+
+/// How loops are kept closed in a run.
+#[derive(Clone, Copy, PartialEq, Default, Debug)]
+pub enum LoopKeeping {
+    /// Positions and velocities of dependent joints are put onto the
+    /// constraints in every evaluation.
+    #[default]
+    Project,
+    /// All joints are integrated, and accelerations of dependent joints pull
+    /// them back: `h'' + 2 rate h' + rate^2 h = 0` (Baumgarte, "Stabilization
+    /// of constraints and integrals of motion in dynamical systems", 1972).
+    Stabilise {
+        /// 1/s.
+        rate: f64,
+    },
+    /// All joints are integrated, and nothing pulls them back.
+    Free,
+}
+
+/// What closes the loops of a model, as generated functions.
+pub(super) struct GeneratedLoops {
+    positions: CompiledFunction,
+    velocities: CompiledFunction,
+    /// Rows of the constraints that the functions solve.
+    rows: Vec<usize>,
+    /// Joints that they set.
+    dependent: Vec<usize>,
+    /// The relative distance of neighbours of the functions' numbers.
+    epsilon: f64,
+}
+
+impl GeneratedLoops {
+    /// The functions `loop_positions` and `loop_velocities` in numbers whose
+    /// neighbours are `epsilon` apart.
+    pub(super) fn new(
+        [positions, velocities]: [CompiledFunction; 2],
+        epsilon: f64,
+    ) -> GeneratedLoops {
+        let sorted = |name: &str| {
+            let mut places = positions.assigned(name);
+            places.sort_unstable();
+            places
+        };
+        GeneratedLoops {
+            rows: sorted("h"),
+            dependent: sorted("q"),
+            positions,
+            velocities,
+            epsilon,
+        }
+    }
+
+    /// The roles of joints in these functions.
+    pub(super) fn partition(&self, model: &Model) -> Partition {
+        let of = |driven: bool| {
+            let joints = model.joints.iter().enumerate();
+            joints.filter(move |(_, joint)| (joint.nature == Nature::Driven) == driven)
+        };
+        let free = of(false).map(|(index, _)| index);
+        let named = of(false).filter(|(_, joint)| joint.nature == Nature::Dependent);
+        Partition {
+            independent: free
+                .filter(|index| self.dependent.binary_search(index).is_err())
+                .collect(),
+            dependent: self.dependent.clone(),
+            driven: of(true).map(|(index, _)| index).collect(),
+            rows: self.rows.clone(),
+            chosen: named
+                .map(|(index, _)| index)
+                .ne(self.dependent.iter().copied()),
+        }
+    }
+
+    /// Puts the dependent joints onto the constraints; the rounds it took.
+    ///
+    /// # Errors
+    ///
+    /// [`MotionError::DeadPoint`], and what is not finite.
+    pub(super) fn close(
+        &self,
+        model: &Model,
+        constraints: &LoopConstraints,
+        state: &mut MotionState,
+    ) -> Result<u32, MotionError> {
+        let mut limits = ClosingLimits::new(self.epsilon);
+        loop {
+            let outputs = self.positions.evaluate(state);
+            let gap = largest(&outputs.vector("h", constraints.rows()));
+            match limits.look(gap) {
+                Some(true) => break,
+                Some(false) => {
+                    outputs.take_joints("q", &mut state.q);
+                }
+                None => return Err(self.dead_point(model, constraints, state)),
+            }
+            if !largest(&state.q).is_finite() {
+                return Err(self.dead_point(model, constraints, state));
+            }
+        }
+        self.set_velocities(state);
+        if !largest(&state.qd).is_finite() {
+            return Err(self.dead_point(model, constraints, state));
+        }
+        Ok(limits.rounds())
+    }
+
+    /// The state with the dependent joints moved by one round, and with the
+    /// velocities that the loops ask for where they are now.
+    pub(super) fn nearest(&self, state: &MotionState) -> MotionState {
+        let mut near = state.clone();
+        self.set_velocities(&mut near);
+        let outputs = self.positions.evaluate(state);
+        outputs.take_joints("q", &mut near.q);
+        near
+    }
+
+    fn set_velocities(&self, state: &mut MotionState) {
+        let outputs = self.velocities.evaluate(state);
+        outputs.take_joints("qd", &mut state.qd);
+    }
+
+    /// The error that names the joint which the loops determine least, and
+    /// its cut.
+    pub(super) fn dead_point(
+        &self,
+        model: &Model,
+        constraints: &LoopConstraints,
+        state: &MotionState,
+    ) -> MotionError {
+        let (residual, jacobian) = constraints.evaluate(state);
+        if !largest(&residual).is_finite() {
+            return not_finite("the residual of a loop", state.time);
+        }
+        // Functions without dependent joints close nothing.
+        let Some(weakest) = self.partition(model).weakest(&jacobian) else {
+            return not_finite("the residual of a loop", state.time);
+        };
+        MotionError::DeadPoint {
+            joint: model.joints[weakest.column].name.clone(),
+            cut: model.cuts[constraints.cut_of(weakest.row)].name.clone(),
+            pivot: weakest.size,
+            gap: largest(&residual),
+            time: state.time,
+        }
+    }
+}

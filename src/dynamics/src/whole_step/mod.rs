@@ -1,0 +1,215 @@
+//! The whole step of a simulation as C that takes the place of Robotran's
+//! `accelred`, and of inverse dynamics as `invdynared`.
+//!
+//! MBsysC calls `mbs_accelred` once for every evaluation of the derivative and
+//! asks for everything: the motion of driven joints, loops that are closed,
+//! constraints of the user, forces, and accelerations. Without it the library
+//! does the same with dense matrices around `dirdyna` and `cons_hJ`, in which
+//! most of the time of a simulation goes. What is straight-line code comes from
+//! the generator, sparse as the model is, one C function each; here they are put
+//! together, with the calls of the user's functions between them and Newton's
+//! method around the round that closes the loops.
+//!
+//! **Numbers.** Accelerations and forces of actuators can be computed in binary32; the project's arrays
+//! stay binary64, and so does whatever closes the loops: what Newton's method
+//! leaves open is below every tolerance of a project only in binary64, and
+//! differences of nearly equal positions are what it is made of.
+//!
+//! **What is asked for at run time.** Which joints depend is decided when the
+//! equations are made. The project decides it too, when it starts; should the
+//! two differ, the function says so and fails, since its result would be that
+//! of another system. It fails as well where numbers say that masses and
+//! constraints determine no motion.
+
+pub mod accuracy;
+mod driver;
+
+use crate::generate::{
+    Formulation, GenerateError, GenerationRequest, Options, cuts_of_rows, generate_into,
+    independent_joints,
+};
+use robovec_codegen::c::{self, Real, SignatureError};
+use robovec_codegen::kind::{Generation, file_stem};
+use robovec_ir::{Function, Module, View};
+use robovec_model::{Model, Nature};
+use robovec_robotran::FunctionKind;
+use thiserror::Error;
+
+/// A function of MBsysC that does a whole step.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum StepFunction {
+    /// `accelred`: accelerations from forces.
+    Accelerations,
+    /// `invdynared`: forces of actuators from accelerations.
+    ActuatorForces,
+}
+
+impl StepFunction {
+    /// Robotran's name.
+    pub fn name(self) -> &'static str {
+        self.kind().name()
+    }
+
+    /// What the generator gives of it beside the closing of loops.
+    fn kind(self) -> FunctionKind {
+        match self {
+            StepFunction::Accelerations => FunctionKind::Accelred,
+            StepFunction::ActuatorForces => FunctionKind::Invdynared,
+        }
+    }
+
+    /// The kind of the C function that this is: Robotran's name is the whole's.
+    fn part(self) -> &'static str {
+        match self {
+            StepFunction::Accelerations => "accelerations",
+            StepFunction::ActuatorForces => "actuator_forces",
+        }
+    }
+}
+
+/// Why the files of a step cannot be made.
+#[derive(Clone, PartialEq, Eq, Error, Debug)]
+pub enum WholeStepError {
+    /// A part cannot be generated.
+    #[error(transparent)]
+    Generate(#[from] GenerateError),
+    /// A part has no C.
+    #[error(transparent)]
+    Signature(#[from] SignatureError),
+}
+
+/// The functions that a model's steps consist of.
+fn parts(model: &Model, steps: &[StepFunction], options: &Options) -> Vec<FunctionKind> {
+    let loops = [FunctionKind::LoopPositions, FunctionKind::LoopVelocities];
+    let is_bound = !model.cuts.is_empty() || options.user_constraints > 0;
+    let loops = loops.into_iter().filter(|_| is_bound);
+    let steps = steps.iter().map(|step| step.kind());
+    loops.chain(steps).collect()
+}
+
+/// Generates the functions of some steps into one module.
+///
+/// # Errors
+///
+/// See [`GenerateError`].
+pub fn generate_parts(
+    model: &Model,
+    steps: &[StepFunction],
+    formulation: Formulation,
+    options: &Options,
+) -> Result<Module, GenerateError> {
+    let mut module = Module::new();
+    for function in parts(model, steps, options) {
+        let request = GenerationRequest {
+            function,
+            formulation,
+            options: options.clone(),
+        };
+        generate_into(&mut module, model, &request)?;
+    }
+    Ok(module)
+}
+
+/// How the files of a step are written.
+pub struct StepStyle<'a> {
+    /// How equations are written as C.
+    pub c: &'a c::Options,
+    /// The generator whose names the C bears.
+    pub generation: Generation,
+    /// What the functions were generated with.
+    pub options: &'a Options,
+}
+
+/// The C of steps, one file each that needs no other one, so that a project
+/// builds what it built before; from their functions ([`generate_parts`], with any passes
+/// run over them): names and texts of the files. What closes loops computes in
+/// binary64 whatever the style says.
+///
+/// # Errors
+///
+/// When a function has no signature of Robotran's.
+pub fn files(
+    model: &Model,
+    steps: &[StepFunction],
+    module: &Module,
+    style: &StepStyle<'_>,
+) -> Result<Vec<(String, String)>, WholeStepError> {
+    let stem = file_stem(&model.name);
+    let plan = StepPlan::new(model, style)?;
+    let file = |&step: &StepFunction| {
+        let others = |name: &str| {
+            steps
+                .iter()
+                .any(|other| *other != step && other.name() == name)
+        };
+        let own = module.functions.iter().filter(|own| !others(&own.name));
+        let parts: Result<String, _> = own.map(|part| source(module, part, step, style)).collect();
+        Ok((
+            format!("mbs_{}_{stem}.c", step.name()),
+            driver::source(&plan, step, &parts?),
+        ))
+    };
+    steps.iter().map(file).collect()
+}
+
+/// The C of a generated function, for the file of a step alone.
+fn source(
+    module: &Module,
+    function: &Function,
+    step: StepFunction,
+    style: &StepStyle<'_>,
+) -> Result<String, SignatureError> {
+    let mut function = function.clone();
+    let mut options = c::Options {
+        is_local: true,
+        ..style.c.clone()
+    };
+    if step.name() == function.name {
+        step.part().clone_into(&mut function.name);
+        function.metadata.retain(|(key, _)| key != "kind");
+        let kind = ("kind".to_owned(), step.part().to_owned());
+        function.metadata.push(kind);
+    } else {
+        options.real = Real::Double;
+    }
+    style.generation.mark(&mut function);
+    let view = View {
+        tables: &module.tables,
+        function: &function,
+    };
+    let [(_, source), _header] = c::files(view, &options)?;
+    Ok(source)
+}
+
+/// What the driver of a step must know of a model.
+struct StepPlan<'m> {
+    model: &'m Model,
+    generation: Generation,
+    /// Numbers of the independent joints, from 1, ascending.
+    independent: Vec<usize>,
+    /// Rows of constraints of loops, redundant ones included.
+    rows: usize,
+    /// Rows of constraints of the user.
+    user_rows: usize,
+    /// The multipliers and the forces of driven joints are wanted.
+    multipliers: bool,
+}
+
+impl StepPlan<'_> {
+    fn new<'m>(model: &'m Model, style: &StepStyle<'_>) -> Result<StepPlan<'m>, GenerateError> {
+        let joints = independent_joints(model, style.options)?;
+        Ok(StepPlan {
+            model,
+            generation: style.generation,
+            independent: joints.into_iter().map(|joint| joint + 1).collect(),
+            rows: cuts_of_rows(model)?.len(),
+            user_rows: style.options.user_constraints,
+            multipliers: style.options.multipliers,
+        })
+    }
+
+    fn has_driven_joints(&self) -> bool {
+        let mut joints = self.model.joints.iter();
+        joints.any(|joint| joint.nature == Nature::Driven)
+    }
+}

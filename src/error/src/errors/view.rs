@@ -1,0 +1,280 @@
+//! Errors as text, JSON and CSV.
+
+use super::heat::{Heat, HotEquation};
+use super::table::{ErrorTable, OutputRow};
+use robovec_ir::diagnostic::counted;
+use robovec_present::csv::quoted;
+use robovec_present::json::json_text;
+use robovec_present::number::percent;
+use robovec_present::text_lines;
+use std::fmt::Write;
+
+/// The rows of a table for a person; the others are counted.
+const MAX_ROWS: usize = 40;
+
+/// The relative error of a divisor from which on bounds of first order say
+/// little: what they leave out is that part of them and more.
+const WEAK: f64 = 0.01;
+
+/// What the bounds of a run are worth.
+fn first_order(weakest_divisor: f64) -> String {
+    if weakest_divisor <= WEAK {
+        return "bound: at this state, to first order\n".to_owned();
+    }
+    format!(
+        "bound: not to be relied on, a divisor or root is off by {} of itself at this state, and \
+         bounds are of first order\n",
+        percent(weakest_divisor.min(1.0))
+    )
+}
+
+/// What windows establish.
+const ESTABLISHED: &str = "window loses: proved for all states in the ranges, but where they are \
+     assumed; seen: the largest error at random states in them\n";
+
+/// The meaning of a mark before an exact value.
+const ESTIMATE: &str = "~: an estimate, which is not certified\n";
+
+/// Characters of a full bar.
+const BAR: f64 = 24.0;
+
+/// The table for a person: the outputs with the largest errors relative to
+/// their exact values, in their order, and the heat.
+pub fn text(errors: &ErrorTable) -> String {
+    let mut text = format!(
+        "{}: errors in {} at state {} of seed {}\n",
+        errors.function, errors.format, errors.state, errors.seed
+    );
+    let shown = worst(&errors.outputs);
+    let mut head = "output | >exact | >error".to_owned();
+    let first = errors.outputs.first();
+    let has = |pick: fn(&OutputRow) -> bool| first.is_some_and(pick);
+    let columns = [
+        has(|row| row.predicted.is_some()),
+        has(|row| row.bound.is_some()),
+        has(|row| row.sigma.is_some()),
+        has(|row| row.interval.is_some()),
+    ];
+    let names = [
+        " | >predicted",
+        " | >bound",
+        " | >sigma",
+        " | >least | >greatest | >window loses | >seen | >boxes | >ranges",
+    ];
+    for (names, _) in names.iter().zip(columns).filter(|(_, has)| *has) {
+        head.push_str(names);
+    }
+    let rows: Vec<Vec<String>> = shown
+        .iter()
+        .map(|&index| row(&errors.outputs[index]))
+        .collect();
+    text += &text_lines(&head, &rows);
+    if shown.iter().any(|&index| !errors.outputs[index].certified) {
+        text += ESTIMATE;
+    }
+    if columns[1] {
+        text += &first_order(errors.weakest_divisor);
+    }
+    if columns[3] {
+        text.push_str(ESTABLISHED);
+    }
+    let rest = errors.outputs.len() - shown.len();
+    if rest > 0 {
+        let _ = writeln!(
+            text,
+            "and {} with smaller relative errors",
+            counted(rest, "more output")
+        );
+    }
+    text.push('\n');
+    text.push_str(&heat_title(&errors.heat));
+    text.push('\n');
+    text += &heat_text(&errors.heat);
+    text
+}
+
+/// The places of the rows to show, in order.
+fn worst(outputs: &[OutputRow]) -> Vec<usize> {
+    let relative = |row: &OutputRow| match row.error {
+        0.0 => 0.0,
+        error => (error / row.exact).abs(),
+    };
+    let mut places: Vec<usize> = (0..outputs.len()).collect();
+    places.sort_by(|&a, &b| relative(&outputs[b]).total_cmp(&relative(&outputs[a])));
+    places.truncate(MAX_ROWS);
+    places.sort_unstable();
+    places
+}
+
+fn row(output: &OutputRow) -> Vec<String> {
+    let mut cells = vec![
+        output.name.clone(),
+        format!(
+            "{}{:.6e}",
+            if output.certified { "" } else { "~" },
+            output.exact
+        ),
+        small(output.error),
+    ];
+    let numbers = [output.predicted, output.bound, output.sigma];
+    cells.extend(numbers.into_iter().flatten().map(small));
+    if let Some(interval) = &output.interval {
+        let mut ranges = interval.ranges.to_owned();
+        if let Some(alarm) = interval.alarm {
+            let _ = write!(ranges, ", {alarm}");
+        }
+        let mut loses = interval.error;
+        if loses.is_infinite() && interval.share > 0.0 {
+            // An error without an end somewhere says nothing of the rest.
+            loses = interval.finite;
+            let _ = write!(ranges, ", only {} of them", percent(interval.share));
+        }
+        let numbers = [interval.low, interval.high, loses, interval.seen];
+        cells.extend(numbers.map(small));
+        cells.push(interval.boxes.to_string());
+        cells.push(ranges);
+    }
+    cells
+}
+
+/// Three digits and an exponent; a plain 0.
+pub(super) fn small(number: f64) -> String {
+    if number == 0.0 {
+        "0".to_owned()
+    } else {
+        format!("{number:.2e}")
+    }
+}
+
+/// What the heat is of.
+pub fn heat_title(heat: &Heat) -> String {
+    format!(
+        "Heat: where the errors of {} in {} come from, {}, seed {}",
+        counted(heat.outputs, "output"),
+        heat.format,
+        counted(heat.states, "state"),
+        heat.seed
+    )
+}
+
+/// The hottest equations, with bars, and what inputs and literals add.
+pub fn heat_text(heat: &Heat) -> String {
+    let mut text = String::new();
+    if heat.equations.is_empty() && heat.inputs.is_empty() && heat.literals == 0.0 {
+        text.push_str(match heat.refused {
+            0 => "nothing is rounded\n",
+            _ => "results are not finite, so no operation has a share\n",
+        });
+        return text;
+    }
+    // Bars tell equations apart even where none stands out.
+    let hottest = heat
+        .equations
+        .first()
+        .map_or(1.0, |equation| equation.share);
+    let rows = heat
+        .equations
+        .iter()
+        .map(|equation| equation_row(equation, hottest));
+    let rows: Vec<Vec<String>> = rows.collect();
+    let head = ">share |  | equation | >operations | where";
+    text += &text_lines(head, &rows);
+    if heat.literals > 0.0 {
+        let _ = writeln!(
+            text,
+            "{} literals that the format cannot hold",
+            percent(heat.literals)
+        );
+    }
+    for input in &heat.inputs {
+        let _ = writeln!(
+            text,
+            "{} input {}, which it cannot hold",
+            percent(input.share),
+            input.name
+        );
+    }
+    if heat.refused > 0 {
+        let _ = writeln!(
+            text,
+            "{} had results that are not finite",
+            counted(heat.refused, "state")
+        );
+    }
+    text
+}
+
+fn equation_row(equation: &HotEquation, hottest: f64) -> Vec<String> {
+    vec![
+        percent(equation.share),
+        bar(equation.share / hottest),
+        equation.name.clone().unwrap_or_else(|| "-".to_owned()),
+        equation.operations.to_string(),
+        place(equation),
+    ]
+}
+
+/// Where an equation stands.
+pub(super) fn place(equation: &HotEquation) -> String {
+    match (&equation.file, equation.line, equation.column) {
+        (Some(file), Some(line), Some(column)) => format!("{file}:{line}:{column}"),
+        _ => "-".to_owned(),
+    }
+}
+
+/// A bar from left to right, to eighths of a character.
+fn bar(share: f64) -> String {
+    const EIGHTHS: [&str; 8] = ["", "▏", "▎", "▍", "▌", "▋", "▊", "▉"];
+    let eighths = (share.clamp(0.0, 1.0) * BAR * 8.0).round() as usize;
+    let eighths = if share > 0.0 { eighths.max(1) } else { 0 };
+    format!("{}{}", "█".repeat(eighths / 8), EIGHTHS[eighths % 8])
+}
+
+/// The tables as JSON: a list with one object per function.
+pub fn json(tables: &[ErrorTable]) -> String {
+    json_text(tables)
+}
+
+/// The rows of all tables as CSV, empty cells where a method was not asked.
+pub fn csv(tables: &[ErrorTable]) -> String {
+    let mut text = String::from(
+        "function,output,exact,computed,error,predicted,bound,sigma,\
+         low,high,window_error,window_operations,ranges,alarm,\
+         share,finite,at_a_state,seen,states,boxes,certified\n",
+    );
+    let number = |number: Option<f64>| number.map_or(String::new(), |number| format!("{number:e}"));
+    for table in tables {
+        for row in &table.outputs {
+            let interval = row.interval.as_ref();
+            let cells = [
+                table.function.clone(),
+                // An element of a matrix has a comma in it.
+                quoted(&row.name),
+                number(Some(row.exact)),
+                number(Some(row.computed)),
+                number(Some(row.error)),
+                number(row.predicted),
+                number(row.bound),
+                number(row.sigma),
+                number(interval.map(|interval| interval.low)),
+                number(interval.map(|interval| interval.high)),
+                number(interval.map(|interval| interval.error)),
+                interval.map_or(String::new(), |interval| interval.operations.to_string()),
+                interval.map_or("", |interval| interval.ranges).to_owned(),
+                interval
+                    .and_then(|interval| interval.alarm)
+                    .unwrap_or("")
+                    .to_owned(),
+                number(interval.map(|interval| interval.share)),
+                number(interval.map(|interval| interval.finite)),
+                number(interval.map(|interval| interval.at_a_state)),
+                number(interval.map(|interval| interval.seen)),
+                interval.map_or(String::new(), |interval| interval.states.to_string()),
+                interval.map_or(String::new(), |interval| interval.boxes.to_string()),
+                row.certified.to_string(),
+            ];
+            let _ = writeln!(text, "{}", cells.join(","));
+        }
+    }
+    text
+}

@@ -1,0 +1,83 @@
+//! Error and cost in the words that every command uses.
+//!
+//! An error is told the same way wherever it stands beside a speed: the
+//! median and the worst over all arrays and states, in parts of the largest
+//! element of the array, with the number format, the states and the reference
+//! named. Relative errors of elements are for reports of errors alone: what is
+//! zero by cancellation would dominate them here.
+
+use super::{ErrorSpread, Unmeasurable, Yardstick};
+use robovec_ir::diagnostic::counted;
+use robovec_ir::{Format, View};
+use robovec_present::number::exponential;
+
+/// Heads of the two columns of errors in a table for the terminal.
+pub const ERROR_HEADS: &str = ">median error | >worst error";
+
+/// Heads of the two columns of errors in a table for programs.
+pub const ERROR_COLUMNS: &str = "median error | worst error";
+
+/// The errors of a program, with all that they depend on.
+#[derive(Clone, PartialEq, Debug)]
+pub struct ErrorAccount {
+    /// The format it was computed in.
+    pub format: Format,
+    /// Of every array in every state, its largest error over its largest
+    /// element.
+    pub normwise: ErrorSpread,
+    /// The states, in words: see [`random_states`].
+    pub states: String,
+}
+
+/// States in words: their number and their source. `has_ranges` where a scene
+/// or the file gives ranges of inputs.
+pub fn random_states(count: usize, seed: u64, has_ranges: bool) -> String {
+    let ranges = if has_ranges {
+        " in the given ranges"
+    } else {
+        ""
+    };
+    format!("{}{ranges}, seed {seed}", counted(count, "random state"))
+}
+
+/// What errors are parts of, and what they are measured against.
+pub fn measure_text(states: &str) -> String {
+    format!("of the largest element of an array ({states}, against double-double)")
+}
+
+impl ErrorAccount {
+    /// Measures a program in a format; `states` tells where those of the
+    /// yardstick come from.
+    ///
+    /// # Errors
+    ///
+    /// See [`Unmeasurable`].
+    pub fn measured(
+        program: View<'_>,
+        yardstick: &Yardstick,
+        format: Format,
+        states: String,
+    ) -> Result<ErrorAccount, Unmeasurable> {
+        Ok(ErrorAccount {
+            format,
+            normwise: yardstick.errors(program, format)?.normwise,
+            states,
+        })
+    }
+
+    /// One line without an end.
+    pub fn text(&self) -> String {
+        format!(
+            "error in {}: median {}, worst {} {}",
+            self.format,
+            exponential(self.normwise.median),
+            exponential(self.normwise.worst),
+            measure_text(&self.states)
+        )
+    }
+}
+
+/// A share of a device in percent, `-` where nothing was placed.
+pub fn share_cell(share: Option<f64>) -> String {
+    robovec_present::number::or_dash(share, |share| format!("{:.2} %", 100.0 * share))
+}

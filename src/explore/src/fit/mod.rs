@@ -1,0 +1,330 @@
+//! The cheapest program and machine that a scene can do with.
+//!
+//! A scene says which outputs are needed, how exact (tolerances) and how soon
+//! (a deadline). Many things can be chosen: the formulation of the equations,
+//! the passes, how sines and cosines are computed, the number format, the
+//! number of elements. They are chosen in this order, each against the
+//! scene's own tolerances and deadline, by measurement:
+//!
+//! 1. programs ([`variants`]): every formulation specialised to the scene,
+//!    with the equations as short or as few as the passes make them;
+//! 2. series ([`series`]): of each method the least order whose error leaves
+//!    room for rounding;
+//! 3. format ([`format`]): the narrowest exponent that holds what occurs, the
+//!    narrowest mantissa that meets the tolerances, found by halving; of the
+//!    shortest programs fixed point as well, and a format for every value
+//!    ([`mixture`]);
+//! 4. units for sines and cosines before the run ([`units`]);
+//! 5. elements ([`size`]): the fewest that meet the deadline, and more of
+//!    them for the front.
+//!
+//! What comes out is a list of candidates with time, error and cost, the
+//! cheapest ([`CostMeasure`]) that meets everything, and the front: the candidates that no other
+//! one beats in time, cost and error together.
+//!
+//! What is cheapest is then *challenged* ([`challenge`]): tried at many states
+//! that nothing has seen, and at states bred from the worst of them. Where it
+//! fails, these states join those it is measured at, formats are widened, and
+//! the cheapest is taken anew, until one holds. Of small programs a bound over
+//! the ranges may prove the rest ([`bound`]).
+//!
+//! Where the scene has a motion ([`motion`]), the choice has to stay within the
+//! error that is allowed over time as well, else its mantissa is widened.
+//!
+//! **Invariants.** Two seeds draw the states that candidates are chosen by:
+//! few for the *search*, which orders of series and mantissas are tried at;
+//! four times as many for the *validation*, which mantissas must hold at too
+//! and which gives the errors of candidates. Every challenge draws others. A
+//! choice that did not hold is never taken again, so that the search ends.
+
+pub mod bound;
+pub mod challenge;
+pub mod confirm;
+mod format;
+mod mixture;
+pub mod motion;
+pub mod page;
+mod ranges;
+mod search;
+mod series;
+mod size;
+pub mod text;
+mod tolerance;
+mod units;
+mod variants;
+
+pub use bound::FitBound;
+pub use challenge::Challenge;
+pub use mixture::ValueMixture;
+pub use motion::{EnergyDrift, MotionShare, MotionTolerance};
+pub use series::{SinePlace, SineTreatment};
+
+use crate::ExplorationProgress;
+use crate::device::DeviceShare;
+use crate::pareto::{self, EqualPoints};
+use crate::program::ExplorationError;
+use robovec_codegen::hardware::MachineClock;
+use robovec_dynamics::generate::Formulation;
+use robovec_error::yardstick::ErrorSpread;
+use robovec_framework::scene::{ArraySizes, Scene};
+use robovec_ir::{Machine, Module};
+use robovec_schedule::PlaceError;
+use search::{FitSearch, VALIDATION_FACTOR};
+use serde::Serialize;
+use std::cmp::Ordering;
+use std::sync::Arc;
+
+/// Steps of motions that all choices together may take.
+const MOTION_STEPS: u64 = 2_000_000;
+
+/// What the cheapest is the cheapest by.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CostMeasure {
+    /// The share of the device that the machine takes, as robovec builds it:
+    /// all its elements compute in one format that floats.
+    #[default]
+    Device,
+    /// The cells of the program's arithmetic ([`robovec_ir::cost`]), for
+    /// hardware that is built otherwise: fixed point and formats of single
+    /// values may be chosen.
+    Cells,
+}
+
+/// What is searched for, and where.
+pub struct FitTask<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The general function of the scene, alone in its module, by which
+    /// everything is measured.
+    pub general: &'a Module,
+    /// The general function in every formulation that is to be tried, each
+    /// alone in its module.
+    pub formulations: Vec<(Formulation, Module)>,
+    /// The machine whose elements, memories and clock are used.
+    pub machine: &'a Machine,
+    /// Where sines and cosines are computed.
+    pub trigonometry: SinePlace,
+    /// What the cheapest is the cheapest by.
+    pub cost: CostMeasure,
+    /// The usual sizes of the general function's arrays, by which errors are
+    /// measured where the arrays vanish.
+    pub sizes: ArraySizes,
+    /// Random states of the search; the validation takes four times as many.
+    pub states: u32,
+    /// The seed of the states of the search; validation and challenges take
+    /// the next ones.
+    pub seed: u64,
+    /// How many times the usual number of states a choice is challenged with.
+    pub effort: u32,
+    /// The motion whose error over time the scene limits.
+    pub motion: Option<&'a MotionTolerance<'a>>,
+}
+
+/// A program made for the scene.
+#[derive(Clone, Debug)]
+pub struct FitProgram {
+    /// Formulation and passes, in words.
+    pub name: String,
+    /// The pipeline that made it from the general equations.
+    pub pipeline: String,
+    /// The formulation it starts from.
+    pub formulation: Formulation,
+    /// How its sines and cosines are computed.
+    pub treatment: SineTreatment,
+    /// One function, at the atomic level.
+    pub module: Arc<Module>,
+    /// The largest error in binary64 over its tolerance, at the states of the
+    /// search: that of series and other approximations, next to which
+    /// binary64's own rounding is nothing.
+    pub model_share: f64,
+    /// The formats of its values, where they have formats of their own.
+    pub mixture: Option<ValueMixture>,
+    /// Why the scene rules it out: it is measured all the same.
+    pub excluded: Option<String>,
+}
+
+/// A program in a format on a number of elements.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct FitCandidate {
+    /// Index of its program in [`FitOutcome::programs`], from 0.
+    pub program: usize,
+    /// Name of the number format, as [`Format`](robovec_ir::Format) prints it.
+    pub format: String,
+    /// Elements that add, and that multiply.
+    pub elements: [u32; 2],
+    /// Number of operations of the program.
+    pub operations: usize,
+    /// The longest chain, in cycles.
+    pub path: u32,
+    /// Length of the schedule, in cycles.
+    pub cycles: u32,
+    /// The clock of the machine with these elements, and its origin.
+    pub clock: MachineClock,
+    /// The time at that clock, µs.
+    pub microseconds: f64,
+    /// Errors at the states of the validation, approximations and rounding
+    /// together, relative to each element.
+    pub relative: ErrorSpread,
+    /// The same errors, relative to the largest element of the array.
+    pub normwise: ErrorSpread,
+    /// The largest error over its tolerance: at most 1 when all are met; 0
+    /// when the scene has no tolerances. States that broke another choice
+    /// count as well.
+    pub used: f64,
+    /// What it takes of the device, estimated.
+    pub resources: DeviceShare,
+    /// The largest of its shares of the device ([`DeviceShare::share`]).
+    pub share: f64,
+    /// Cells of its arithmetic ([`robovec_ir::cost::function_cost`]).
+    pub cells: f64,
+    /// Why it cannot be chosen, whatever its error and its cost; empty when
+    /// it can.
+    pub remark: String,
+    /// It can be chosen, tolerances and deadline are met, and the device has
+    /// room.
+    pub meets: bool,
+}
+
+/// What was found.
+pub struct FitOutcome {
+    /// The programs.
+    pub programs: Vec<FitProgram>,
+    /// Everything that was placed and measured.
+    pub candidates: Vec<FitCandidate>,
+    /// Index of the cheapest candidate that meets everything, by the cost of
+    /// the task, then look-up tables, then cycles; `None` when none does.
+    pub chosen: Option<usize>,
+    /// What the chosen one was tried with, and held.
+    pub challenge: Option<Challenge>,
+    /// Its error over time; `None` where the scene has no motion.
+    pub motion: Option<MotionShare>,
+    /// What is proved of the chosen one; `None` where it has no bound.
+    pub bound: Option<FitBound>,
+    /// Choices before it that did not hold when they were challenged.
+    pub broken: u32,
+    /// Choices before it that erred too much over time.
+    pub drifted: u32,
+    /// What could not be tried, and why.
+    pub untried: Vec<String>,
+}
+
+/// Why nothing could be searched.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+pub enum FitError {
+    /// A program could not be made or measured.
+    #[error(transparent)]
+    Measure(#[from] ExplorationError),
+    /// No program could be made at all.
+    #[error("no formulation gives a program for this scene: {0}")]
+    NoProgram(String),
+    /// No program can be placed on the machine.
+    #[error("no program can be placed on the machine: {0}")]
+    Placement(PlaceError),
+}
+
+/// Searches programs, formats and numbers of elements for a scene, and measures
+/// each; `progress` is told what is tried.
+///
+/// # Errors
+///
+/// See [`FitError`]. That nothing meets the scene is no error: the outcome
+/// then has no chosen candidate, and its front shows what is possible.
+pub fn fit(task: &FitTask<'_>, progress: ExplorationProgress<'_>) -> Result<FitOutcome, FitError> {
+    let mut search = FitSearch::new(task, progress)?;
+    loop {
+        let candidates = search.candidates();
+        let Some(chosen) = cheapest(task, &candidates) else {
+            return search.outcome(candidates, None);
+        };
+        let program = candidates[chosen].program;
+        let format = search.format_of(&candidates[chosen]);
+        // A motion costs less than a challenge and is tried before it.
+        let name = search.programs[program].name.clone();
+        progress(&format!("{name} in {format}: the error over time"));
+        let motion = match task.motion {
+            // Without steps to spend nothing is established over time.
+            Some(motion) if search.steps_left < motion.steps() => {
+                search.untried.push(format!(
+                    "{name} in {format} over time: all choices together may take {MOTION_STEPS} \
+                     steps"
+                ));
+                return search.outcome(candidates, None);
+            }
+            Some(motion) => {
+                search.steps_left -= motion.steps();
+                Some(motion.of(&search.programs[program].module, format))
+            }
+            None => None,
+        };
+        if let Some(motion) = motion.as_ref().filter(|motion| !motion.holds()) {
+            search.drifted += 1;
+            search.widen(program, format, motion.used())?;
+            continue;
+        }
+        progress(&format!(
+            "{name} in {format}: searching for the worst state"
+        ));
+        let attempt = (&search.programs[program], format);
+        let challenge = challenge::challenge(task, attempt, search.broken)?;
+        if challenge.holds() {
+            let mut outcome = search.outcome(candidates, Some((chosen, challenge)))?;
+            outcome.motion = motion;
+            return Ok(outcome);
+        }
+        search.broken += 1;
+        search.learn(program, challenge.worst)?;
+    }
+}
+
+/// The cheapest of the candidates that meet the scene.
+fn cheapest(task: &FitTask<'_>, candidates: &[FitCandidate]) -> Option<usize> {
+    let eligible = candidates.iter().enumerate();
+    let eligible = eligible.filter(|(_, candidate)| candidate.meets);
+    let costs = |candidate: &FitCandidate| {
+        let tables = candidate.resources.look_up_tables;
+        let cycles = f64::from(candidate.cycles);
+        match task.cost {
+            CostMeasure::Device => [candidate.share, tables, cycles],
+            CostMeasure::Cells => [candidate.cells, candidate.share, cycles],
+        }
+    };
+    let order = |(_, a): &(usize, &FitCandidate), (_, b): &(usize, &FitCandidate)| {
+        let pairs = costs(a).into_iter().zip(costs(b));
+        pairs.fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(&b)))
+    };
+    eligible.min_by(order).map(|(index, _)| index)
+}
+
+impl FitProgram {
+    /// True when it has sines or cosines that are computed before the run.
+    fn has_sines(&self) -> bool {
+        let nodes = self.module.functions[0].nodes();
+        nodes.iter().any(|node| node.operation.is_trigonometric())
+    }
+}
+
+impl FitOutcome {
+    /// Indices of the candidates that no other one dominates in time, share of
+    /// the device and worst normwise error, in order of time: of those that
+    /// meet the scene, or of all when none does.
+    pub fn front(&self) -> Vec<usize> {
+        let any_meets = self.candidates.iter().any(|candidate| candidate.meets);
+        let is_eligible = |&index: &usize| self.candidates[index].meets || !any_meets;
+        let eligible: Vec<usize> = (0..self.candidates.len()).filter(is_eligible).collect();
+        let measures = |&index: &usize| {
+            let candidate = &self.candidates[index];
+            [
+                candidate.microseconds,
+                candidate.share,
+                candidate.normwise.worst,
+            ]
+        };
+        let points: Vec<[f64; 3]> = eligible.iter().map(measures).collect();
+        let front = pareto::front(&points, EqualPoints::All).into_iter();
+        let mut front: Vec<usize> = front.map(|position| eligible[position]).collect();
+        let time = |index: usize| self.candidates[index].microseconds;
+        front.sort_by(|&a, &b| time(a).total_cmp(&time(b)).then(a.cmp(&b)));
+        front
+    }
+}

@@ -1,0 +1,135 @@
+//! Measuring the programs of the choices.
+
+use super::choice::FrontChoice;
+use crate::device;
+use crate::placing::{placed, with_counts};
+use crate::processor;
+use crate::program::{ExplorationError, view};
+use robovec_analysis::critical_path::critical_path;
+use robovec_codegen::c::Real;
+use robovec_codegen::hardware;
+use robovec_error::yardstick::{ErrorSpread, LargestErrors, MeasuredErrors, Yardstick};
+use robovec_ir::count::Counts;
+use robovec_ir::{Format, Machine, Module, Operation};
+use robovec_schedule::PlaceOptions;
+use serde::{Deserialize, Serialize};
+
+/// A choice, measured in a format.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+pub struct FrontPoint {
+    /// The choice's name.
+    pub choice: String,
+    /// True for what the thesis could choose.
+    pub thesis: bool,
+    /// The number format.
+    pub format: String,
+    /// Passes.
+    pub pipeline: String,
+    /// Operations; sines and cosines apart.
+    pub operations: usize,
+    /// The longest chain, in cycles of the machine.
+    pub path: u32,
+    /// Length of the schedule for each number of elements per kind, in
+    /// cycles; `None` where the machine cannot hold the program.
+    pub cycles: Vec<Option<u32>>,
+    /// The same in microseconds at the machine's clock.
+    pub microseconds: Vec<Option<f64>>,
+    /// What the machine takes of the thesis' device for each number of
+    /// elements, with memories for this program: the largest of its shares,
+    /// estimated ([`device::DeviceShare::share`]).
+    pub shares: Vec<Option<f64>>,
+    /// Time of one call on one core of this computer, ns; `None` when it was
+    /// not measured.
+    pub cpu_ns: Option<f64>,
+    /// Errors relative to the element, everything included: series and
+    /// rounding.
+    pub relative: ErrorSpread,
+    /// Errors over the largest element of the array.
+    pub normwise: ErrorSpread,
+    /// The output with the largest normwise error, and the state.
+    pub worst: (String, usize),
+}
+
+/// Measures a program in each of the choice's formats.
+///
+/// # Errors
+///
+/// When program and yardstick do not fit.
+pub fn measure(
+    choice: &FrontChoice,
+    module: &Module,
+    machine: &Machine,
+    elements: &[u32],
+    yardstick: &Yardstick,
+) -> Result<Vec<FrontPoint>, ExplorationError> {
+    let view = view(module);
+    let counts = Counts::of(view.function);
+    let path = critical_path(view.function, machine).asap_cycle;
+    let place = |&count: &u32| {
+        let kinds = [Operation::Add, Operation::Mul, Operation::Fma];
+        let machine = with_counts(machine, &kinds.map(|kind| (kind, count)));
+        let placed = placed(module, &machine, PlaceOptions::default()).ok()?;
+        let words = placed.most_words(&machine);
+        Some((machine, placed.summary.cycles, words))
+    };
+    let places: Vec<Option<(Machine, u32, u32)>> = elements.iter().map(place).collect();
+    let cycles = places.iter().map(|place| Some(place.as_ref()?.1));
+    let cycles: Vec<Option<u32>> = cycles.collect();
+    let time = |place: &Option<(Machine, u32, u32)>, format: Format| {
+        let (machine, cycles, _) = place.as_ref()?;
+        let machine = Machine {
+            number: format,
+            ..machine.clone()
+        };
+        Some(hardware::clock(&machine).microseconds(*cycles))
+    };
+    let share = |place: &Option<(Machine, u32, u32)>, format: Format| {
+        let (machine, cycles, words) = place.as_ref()?;
+        let taken = device::taken(machine, format, *cycles, *words);
+        Some(taken.share(machine.device.device()))
+    };
+    let point = |format: &Format| {
+        let errors = yardstick.errors(view, *format)?;
+        Ok(FrontPoint {
+            choice: choice.name.clone(),
+            thesis: choice.thesis,
+            format: format.to_string(),
+            pipeline: choice.stages.join(","),
+            operations: counts.operations,
+            path,
+            cycles: cycles.clone(),
+            microseconds: places.iter().map(|place| time(place, *format)).collect(),
+            shares: places.iter().map(|place| share(place, *format)).collect(),
+            cpu_ns: None,
+            relative: errors.relative,
+            normwise: errors.normwise,
+            worst: worst(&errors),
+        })
+    };
+    choice.formats.iter().map(point).collect()
+}
+
+/// Times a program on this computer, in the formats that C has. Where there is
+/// no compiler, times stay away.
+pub(super) fn time(module: &Module, points: &mut [FrontPoint]) {
+    for point in points {
+        let real = match point.format.as_str() {
+            "f32" => Real::Float,
+            "f64" => Real::Double,
+            _ => continue,
+        };
+        point.cpu_ns = processor::compile_and_run(view(module), real).ok();
+    }
+}
+
+fn worst(errors: &MeasuredErrors) -> (String, usize) {
+    let mut worst: Option<&LargestErrors> = None;
+    for output in &errors.outputs {
+        if worst.is_none_or(|worst| output.normwise > worst.normwise) {
+            worst = Some(output);
+        }
+    }
+    worst.map_or((String::new(), 0), |output| {
+        (output.name.clone(), output.worst_state)
+    })
+}

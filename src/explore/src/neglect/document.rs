@@ -1,0 +1,171 @@
+//! The scene with things left out, as the text of a scene file.
+//!
+//! What is measured is the scene that is read back from this text, so that
+//! the file that is written is the one that was judged.
+
+use robovec_dynamics::motion::Laws;
+use robovec_model::{Anchor, Model};
+use toml::{Table, Value};
+
+/// A scene file as a table of TOML.
+#[derive(Clone, Debug)]
+pub(super) struct SceneTable {
+    table: Table,
+    /// Its section `[motion]`, which the search does without.
+    motion: Table,
+}
+
+/// What the states of the full model are free in, and what a scene may bind to
+/// leave something out.
+const STATE: [&str; 5] = ["q", "qd", "Qq", "frc", "trq"];
+
+impl SceneTable {
+    /// The table of a scene that was read already.
+    pub(super) fn of(text: &str) -> SceneTable {
+        let mut table: Table = toml::from_str(text).expect("the scene was read already");
+        let motion = match table.remove("motion") {
+            Some(Value::Table(motion)) => motion,
+            _ => Table::new(),
+        };
+        table.remove("neglect");
+        SceneTable { table, motion }
+    }
+
+    /// The scene without what it leaves out itself: no joint is locked, no
+    /// angle small, no state and no force a number.
+    pub(super) fn full(&self) -> SceneTable {
+        let mut full = self.clone();
+        full.table.remove("locked");
+        full.table.remove("small");
+        if let Some(Value::Table(bound)) = full.table.get_mut("bind") {
+            let stated = |key: &str| STATE.contains(&key.split('[').next().unwrap_or(key).trim());
+            let keys: Vec<String> = bound.keys().filter(|key| stated(key)).cloned().collect();
+            for key in keys {
+                bound.remove(&key);
+            }
+        }
+        full
+    }
+
+    /// The text of the file.
+    pub(super) fn text(&self) -> String {
+        toml::to_string(&self.table).expect("a table that was read can be written")
+    }
+
+    /// Sets a key of the file to a text.
+    pub(super) fn set(&mut self, key: &str, text: String) {
+        self.table.insert(key.to_owned(), Value::String(text));
+    }
+
+    /// Gives the file its motion back: with laws of its own, with what is left
+    /// of the error allowed, and with the starts of joints that still move.
+    pub(super) fn set_motion(&mut self, laws: &str, error: f64) {
+        let mut motion = self.motion.clone();
+        motion.insert("laws".to_owned(), Value::String(laws.to_owned()));
+        motion.insert("error".to_owned(), Value::Float(error));
+        let locked = self.table.get("locked").and_then(Value::as_table);
+        if let (Some(Value::Table(start)), Some(locked)) = (motion.get_mut("start"), locked) {
+            start.retain(|name, _| !locked.contains_key(name));
+        }
+        self.table.insert("motion".to_owned(), Value::Table(motion));
+    }
+
+    fn section(&mut self, key: &str) -> &mut Table {
+        let empty = || Value::Table(Table::new());
+        let section = self.table.entry(key.to_owned()).or_insert_with(empty);
+        section.as_table_mut().expect("sections are tables")
+    }
+
+    /// Locks a joint and takes back what was said of its motion.
+    pub(super) fn lock(&mut self, model: &Model, joint: usize, position: f64) {
+        let name = model.joints[joint].name.clone();
+        for array in ["q", "qd", "qdd"] {
+            self.forget(array, &[&name, &(joint + 1).to_string()]);
+        }
+        self.section("locked").insert(name, Value::Float(position));
+    }
+
+    /// Lists a joint among those with small angles.
+    pub(super) fn small(&mut self, model: &Model, joint: usize) {
+        let name = Value::String(model.joints[joint].name.clone());
+        let empty = || Value::Array(Vec::new());
+        let list = self.table.entry("small".to_owned()).or_insert_with(empty);
+        match list {
+            Value::Array(list) if !list.contains(&name) => list.push(name),
+            Value::Array(_) => {}
+            // A single name may stand without a list.
+            single => *single = Value::Array(vec![single.clone(), name]),
+        }
+    }
+
+    /// Binds the elements of an array that belong to a joint to zero; `names`
+    /// are all that the joint, or the body it moves, goes by.
+    pub(super) fn clear(&mut self, array: &str, matrix: bool, joint: usize, names: &[&str]) {
+        let number = (joint + 1).to_string();
+        let words: Vec<&str> = names.iter().copied().chain([number.as_str()]).collect();
+        self.forget(array, &words);
+        let key = match matrix {
+            true => format!("{array}[*,{number}]"),
+            false => format!("{array}[{number}]"),
+        };
+        self.section("bind").insert(key, Value::Float(0.0));
+    }
+
+    /// Binds a whole array to zero.
+    pub(super) fn clear_all(&mut self, array: &str) {
+        let bound = self.section("bind");
+        bound.retain(|key, _| key.split('[').next().map(str::trim) != Some(array));
+        bound.insert(array.to_owned(), Value::Float(0.0));
+    }
+
+    /// Takes back what was said of elements by these words.
+    fn forget(&mut self, array: &str, words: &[&str]) {
+        for section in ["bind", "range"] {
+            let Some(Value::Table(section)) = self.table.get_mut(section) else {
+                continue;
+            };
+            if let Some(Value::Table(exceptions)) = section.get_mut(array) {
+                exceptions.retain(|word, _| !words.contains(&word));
+            }
+            section.retain(|key, _| {
+                let Some((name, indices)) = key.split_once('[') else {
+                    return true;
+                };
+                let last = indices.trim_end_matches(']').rsplit(',').next();
+                name.trim() != array || !last.is_some_and(|last| words.contains(&last.trim()))
+            });
+        }
+    }
+
+    /// Binds to zero the forces that no law gives: those of joints without a
+    /// law and of bodies that neither a link nor an external force acts on.
+    /// That is no omission: under these laws they are zero.
+    pub(super) fn clear_loads(&mut self, model: &Model, laws: &Laws) {
+        let ends = |list: &[Anchor]| list.iter().filter_map(|end| end.body).collect::<Vec<_>>();
+        let mut loaded = vec![false; model.bodies.len()];
+        for (link, law) in model.links.iter().zip(&laws.links) {
+            if law.acts() {
+                ends(&link.ends)
+                    .into_iter()
+                    .for_each(|body| loaded[body] = true);
+            }
+        }
+        for (force, law) in model.forces.iter().zip(&laws.forces) {
+            let body = model.points[force.point].body;
+            if let Some(body) = body.filter(|_| law.acts()) {
+                loaded[body] = true;
+            }
+        }
+        for (joint, law) in laws.joints.iter().enumerate() {
+            if !law.acts() {
+                self.clear("Qq", false, joint, &[&model.joints[joint].name]);
+            }
+        }
+        for (body, _) in loaded.iter().enumerate().filter(|(_, loaded)| !**loaded) {
+            let joint = model.bodies[body].joints.end - 1;
+            let names = [&*model.joints[joint].name, &*model.bodies[body].name];
+            self.clear("frc", true, joint, &names);
+            self.clear("trq", true, joint, &names);
+        }
+    }
+}

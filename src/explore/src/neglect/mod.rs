@@ -1,0 +1,76 @@
+//! What a scene need not model: joints, bodies, forces and terms whose absence
+//! changes the motion by less than it allows.
+//!
+//! A full model and laws of its forces make a motion, from several starts.
+//! Everything that could be left out ([`Omission`]) is left out alone, the
+//! operations this saves are counted and the motion is compared; then things
+//! are left out together, the least harmful first, as long as the watched
+//! joints stay within the error the scene allows of their largest
+//! displacement. What is found is confirmed from starts that the search has
+//! not seen and with a finer integration.
+//!
+//! **Invariants.** What is measured is the scene as its file is read back:
+//! the file that is written is the one that was judged. Nothing depends on
+//! threads or clocks.
+
+mod document;
+mod judge;
+mod omission;
+mod search;
+mod text;
+mod write;
+
+pub use judge::SceneOperations;
+pub use omission::Omission;
+pub use search::{
+    NeglectFinding, NeglectFindings, NeglectTask, SceneFigures, WatchedCurve, neglect,
+};
+pub use text::{figure, text};
+pub use write::files;
+
+use crate::program::ExplorationError;
+use crate::scene::EffectError;
+use robovec_dynamics::generate::GenerateError;
+use robovec_dynamics::motion::MotionError;
+
+/// Why nothing could be judged.
+#[derive(Debug, thiserror::Error)]
+pub enum NeglectError {
+    /// The scene has no section `[motion]`.
+    #[error("the scene has no section [motion]")]
+    NoMotion,
+    /// No joint is watched.
+    #[error("no joint is watched: the scene needs no acceleration 'qdd[…]'")]
+    NothingWatched,
+    /// The scene contradicts what is left out.
+    #[error("{0}")]
+    Scene(String),
+    /// The equations could not be made.
+    #[error(transparent)]
+    Generate(#[from] GenerateError),
+    /// A pass gave up.
+    #[error(transparent)]
+    Passes(#[from] ExplorationError),
+    /// The model does not move.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    /// A program could not be measured.
+    #[error(transparent)]
+    Effect(#[from] EffectError),
+}
+
+impl NeglectError {
+    /// What a user can do, if anything.
+    pub fn advice(&self) -> Option<&'static str> {
+        match self {
+            NeglectError::NoMotion => {
+                Some("write [motion] with laws, time and error; see docs/scenes.md")
+            }
+            NeglectError::NothingWatched => {
+                Some("name joints: watch = [\"…\"], in the section [motion]")
+            }
+            NeglectError::Motion(error) => error.advice(),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,475 @@
+//! The search: what every omission does alone, and how many fit together.
+
+use super::NeglectError;
+use super::document::SceneTable;
+use super::judge::{FULL_STEPS, NeglectJudge, ReducedScene, SceneOperations, Start};
+use super::omission::{Omission, candidates};
+use crate::program::{transformed_by, view};
+use crate::scene::{
+    EffectError, PIPELINE, SceneEffect, SceneFile, SceneSubject, WatchedJoints, effects,
+};
+use rayon::prelude::*;
+use robovec_dynamics::kinematics::{InputSources, StateError};
+use robovec_dynamics::motion::{Laws, MotionError, MultibodySystem, SimulationRun, mean_position};
+use robovec_error::yardstick::{ErrorSpread, Yardstick};
+use robovec_ir::{Format, Machine, View};
+use robovec_model::Model;
+use std::collections::VecDeque;
+use std::path::Path;
+
+/// Starts that the search compares motions from, and further ones that only
+/// confirm what it found.
+const SEARCHED: u32 = 2;
+const FRESH: u32 = 3;
+
+/// One of so many samples of a motion is a state that equations are compared
+/// at.
+const COMPARED: usize = 8;
+
+/// A scene that may leave something out.
+pub struct NeglectTask<'a> {
+    /// The scene as it was read.
+    pub file: &'a SceneFile,
+    /// The name of its file.
+    pub name: &'a str,
+    /// Its text.
+    pub text: &'a str,
+    /// Where the files that it names are looked for.
+    pub folder: &'a Path,
+    /// The laws of its forces; for the model with joints held as it says.
+    pub laws: Laws,
+    /// Passes compile for it, and speed and cost are told of it.
+    pub machine: &'a Machine,
+}
+
+/// What leaving out one thing does.
+#[derive(Clone, PartialEq, Debug)]
+pub struct NeglectFinding {
+    /// The thing, in words.
+    pub what: String,
+    /// Operations saved when it alone is left out; `None` when that scene has
+    /// no motion or no equations.
+    pub saved: Option<i64>,
+    /// The largest error of a watched joint, in parts of its largest
+    /// displacement, when it alone is left out; or why it cannot be.
+    pub alone: Result<f64, String>,
+    /// The order in which it was left out with others, and the largest error
+    /// of all of them then.
+    pub taken: Option<(usize, f64)>,
+    /// It goes with something larger that is left out.
+    pub within: bool,
+}
+
+/// Speed, error and cost of one scene.
+#[derive(Clone, Debug)]
+pub struct SceneFigures {
+    /// What it is.
+    pub what: &'static str,
+    /// Its operations.
+    pub operations: SceneOperations,
+    /// Path, cycles, cost and rounding errors on the machine.
+    pub effect: SceneEffect,
+    /// The largest error of a watched joint over the motion, in parts of its
+    /// largest displacement.
+    pub motion: f64,
+    /// Errors of the needed outputs at states of the full motion, against the
+    /// full equations in double-double arithmetic, in parts of the largest
+    /// element of the array.
+    pub equations: ErrorSpread,
+}
+
+/// What was found.
+#[derive(Debug)]
+pub struct NeglectFindings {
+    /// The names of the watched joints and their largest displacements from
+    /// their means, m or rad.
+    pub watched: Vec<(String, f64)>,
+    /// The full scene, the scene as it is written, and the scene with things
+    /// left out.
+    pub figures: Vec<SceneFigures>,
+    /// Everything that was tried alone.
+    pub findings: Vec<NeglectFinding>,
+    /// The largest error of the reduced scene from starts that the search has
+    /// not seen; `None` where every start is the same.
+    pub fresh: Option<f64>,
+    /// The part of the error allowed that leaving things out does not use up,
+    /// of all motions that were compared.
+    pub rest: f64,
+    /// What the integrator itself adds: the largest change of the full motion
+    /// with a hundredth of the tolerance, in the same parts.
+    pub integration: f64,
+    /// Every watched joint in the first motion.
+    pub curves: Vec<WatchedCurve>,
+    /// The table of the reduced scene's file.
+    pub(super) reduced: SceneTable,
+    /// Its model and laws, without the links and forces that are left out.
+    pub(super) model: Model,
+    pub(super) laws: Laws,
+}
+
+/// Times, s, and positions, m or rad, of a watched joint.
+#[derive(Clone, PartialEq, Debug)]
+pub struct WatchedCurve {
+    /// In the full model.
+    pub full: Vec<(f64, f64)>,
+    /// With things left out.
+    pub reduced: Vec<(f64, f64)>,
+}
+
+/// Motions of the full model, and what they are measured by.
+struct FullMotion {
+    scene: ReducedScene,
+    runs: Vec<(Start, SimulationRun)>,
+    watched: WatchedJoints,
+}
+
+/// Finds what a scene need not model. `progress` is told what is done.
+///
+/// # Errors
+///
+/// See [`NeglectError`].
+pub fn neglect(
+    task: &NeglectTask<'_>,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<NeglectFindings, NeglectError> {
+    let wish = task.file.motion.as_ref().ok_or(NeglectError::NoMotion)?;
+    if wish.watch.is_empty() {
+        return Err(NeglectError::NothingWatched);
+    }
+    let SceneSubject::Model(subject) = &task.file.subject else {
+        return Err(NeglectError::NoMotion);
+    };
+    let own = SceneTable::of(task.text);
+    let mut judge = NeglectJudge {
+        name: task.name,
+        folder: task.folder,
+        wish,
+        laws: settled(task, &own)?,
+        machine: task.machine,
+        means: Vec::new(),
+        step_limit: FULL_STEPS,
+        own,
+    };
+    progress("the motion of the full model");
+    let full = full_motion(&mut judge, &subject.general)?;
+    let model = full.scene.subject().model.clone();
+    let own = judge.build(&judge.own, &subject.general, &[])?;
+    let own_model = own.subject().model.clone();
+    let all = candidates(&own_model, &judge.laws, &task.file.neglect, &wish.watch);
+    let operations = judge.operations(&own)?;
+    progress("every omission alone");
+    let mut tried: Vec<(Omission, NeglectFinding)> = all
+        .par_iter()
+        .map(|&one| {
+            (
+                one,
+                alone(&judge, &full, (&subject.general, operations), one),
+            )
+        })
+        .collect();
+    progress("omissions together");
+    let taken = together(&judge, &full, &subject.general, &mut tried);
+    let taken = without_subsumed(&taken, &mut tried);
+    let reduced = judge.build(&judge.own, &subject.general, &taken)?;
+    progress("the reduced scene from fresh starts");
+    let fresh = fresh(&judge, &full, &reduced)?;
+    let fine = judge.motion(&full.scene, &full.runs[0].0, judge.wish.tolerance() / 100.0)?;
+    let integration = full.watched.share(&full.runs[0].1, &fine);
+    let mut figures = Vec::new();
+    let scenes = [
+        ("the full model", &full.scene),
+        ("the scene as written", &own),
+        ("with things left out", &reduced),
+    ];
+    for (what, scene) in scenes {
+        figures.push(figures_of(&judge, &full, what, scene)?);
+    }
+    let curves = curves(&judge, &full, &reduced)?;
+    let last = figures.last().expect("three scenes were measured");
+    let used = last.motion.max(fresh.unwrap_or(0.0));
+    let names = judge
+        .wish
+        .watch
+        .iter()
+        .map(|&joint| model.joints[joint].name.clone());
+    Ok(NeglectFindings {
+        watched: names.zip(full.watched.scales.iter().copied()).collect(),
+        figures,
+        findings: tried.into_iter().map(|(_, finding)| finding).collect(),
+        rest: wish.error - used,
+        fresh,
+        integration,
+        curves,
+        model: reduced.subject().general.clone(),
+        laws: reduced.laws.clone(),
+        reduced: reduced.table,
+    })
+}
+
+/// The laws with every default a number, as the full model starts.
+fn settled(task: &NeglectTask<'_>, own: &SceneTable) -> Result<Laws, NeglectError> {
+    let full = crate::scene::read(task.name, &own.full().text(), task.folder)
+        .map_err(|report| NeglectError::Scene(report.render_plain()))?;
+    let SceneSubject::Model(subject) = &full.subject else {
+        return Err(NeglectError::NoMotion);
+    };
+    Ok(MultibodySystem::settled(&subject.model, task.laws.clone())?)
+}
+
+/// The full model from every start; sets the judge's means and steps.
+fn full_motion(judge: &mut NeglectJudge<'_>, model: &Model) -> Result<FullMotion, NeglectError> {
+    let scene = judge.build(&judge.own.full(), model, &[])?;
+    let draws = if judge.wish.varies() { SEARCHED } else { 1 };
+    let starts: Vec<Start> = (0..draws).map(|draw| judge.wish.start(draw)).collect();
+    let runs: Result<Vec<SimulationRun>, MotionError> = starts
+        .par_iter()
+        .map(|start| judge.motion(&scene, start, judge.wish.tolerance()))
+        .collect();
+    let runs = runs?;
+    judge.means = (0..model.joints.len())
+        .map(|joint| mean_position(&runs, joint))
+        .collect();
+    let steps = runs.iter().map(|run| run.steps + run.rejected).max();
+    judge.limit_steps(steps.expect("there is a start"));
+    let watched = WatchedJoints::new(&judge.wish.watch, model, &runs)?;
+    Ok(FullMotion {
+        scene,
+        runs: starts.into_iter().zip(runs).collect(),
+        watched,
+    })
+}
+
+/// The largest error of a scene over some of the searched motions.
+fn error(
+    judge: &NeglectJudge<'_>,
+    full: &FullMotion,
+    scene: &ReducedScene,
+    motions: usize,
+) -> Result<f64, MotionError> {
+    let mut worst: f64 = 0.0;
+    for (start, run) in full.runs.iter().take(motions) {
+        let other = judge.motion(scene, start, judge.wish.tolerance())?;
+        worst = worst.max(full.watched.share(run, &other));
+    }
+    Ok(worst)
+}
+
+/// What leaving out one thing alone does, judged by the first motion.
+fn alone(
+    judge: &NeglectJudge<'_>,
+    full: &FullMotion,
+    (model, before): (&Model, SceneOperations),
+    one: Omission,
+) -> NeglectFinding {
+    let mut finding = NeglectFinding {
+        what: one.describe(model),
+        saved: None,
+        alone: Err(String::new()),
+        taken: None,
+        within: false,
+    };
+    let tried = judge.build(&judge.own, model, &[one]).and_then(|scene| {
+        let operations = judge.operations(&scene)?;
+        finding.saved = Some(before.total() as i64 - operations.total() as i64);
+        Ok(error(judge, full, &scene, 1)?)
+    });
+    finding.alone = tried.map_err(|error| {
+        let text = error.to_string();
+        text.lines().next().unwrap_or_default().to_owned()
+    });
+    finding
+}
+
+/// Leaves things out together: those that save something alone first, then, as
+/// long as there are any, those that save something now that others are left
+/// out (the last joint across a plane, the mass behind a locked joint).
+fn together(
+    judge: &NeglectJudge<'_>,
+    full: &FullMotion,
+    model: &Model,
+    tried: &mut [(Omission, NeglectFinding)],
+) -> Vec<Omission> {
+    let harm = |finding: &NeglectFinding| finding.alone.clone().unwrap_or(f64::INFINITY);
+    // What does too much alone is not tried with others; what could not be
+    // judged alone is, last.
+    let mut harmless: Vec<usize> = (0..tried.len())
+        .filter(|&place| {
+            let alone = tried[place].1.alone.as_ref();
+            alone.map_or(true, |&error| error <= judge.wish.error)
+        })
+        .collect();
+    harmless.sort_by(|&a, &b| harm(&tried[a].1).total_cmp(&harm(&tried[b].1)));
+    let saves = |&place: &usize| tried[place].1.saved.is_some_and(|saved| saved > 0);
+    let judged = |&place: &usize| tried[place].1.alone.is_ok();
+    let first = harmless.iter().copied().filter(judged).filter(saves);
+    let mut rest: VecDeque<usize> = first.collect();
+    let mut taken: Vec<Omission> = Vec::new();
+    let mut refused: Vec<usize> = Vec::new();
+    while !rest.is_empty() {
+        as_many(judge, full, model, tried, (&mut taken, &mut refused), rest);
+        let goes = |one: &Omission| one.goes_with().is_some_and(|whole| taken.contains(&whole));
+        let open: Vec<usize> = harmless
+            .iter()
+            .copied()
+            .filter(|place| tried[*place].1.taken.is_none() && !refused.contains(place))
+            .filter(|&place| !goes(&tried[place].0))
+            .collect();
+        let operations = |omitted: &[Omission]| {
+            let scene = judge.build(&judge.own, model, omitted);
+            scene.and_then(|scene| judge.operations(&scene)).ok()
+        };
+        let now = operations(&taken);
+        let saves = open.par_iter().copied().filter(|&place| {
+            let with: Vec<Omission> = taken.iter().copied().chain([tried[place].0]).collect();
+            let less = now.zip(operations(&with));
+            less.is_some_and(|(now, with)| with.total() < now.total())
+        });
+        rest = saves.collect::<Vec<usize>>().into();
+    }
+    taken
+}
+
+/// Leaves out as many of a list as the error allows: as many at a time as
+/// pass, fewer where they do not.
+fn as_many(
+    judge: &NeglectJudge<'_>,
+    full: &FullMotion,
+    model: &Model,
+    tried: &mut [(Omission, NeglectFinding)],
+    (taken, refused): (&mut Vec<Omission>, &mut Vec<usize>),
+    mut rest: VecDeque<usize>,
+) {
+    let mut size = rest.len();
+    while !rest.is_empty() {
+        size = size.clamp(1, rest.len());
+        let mut attempt = taken.clone();
+        attempt.extend(rest.iter().take(size).map(|&place| tried[place].0));
+        let worst = judge
+            .build(&judge.own, model, &attempt)
+            .and_then(|scene| Ok(error(judge, full, &scene, usize::MAX)?));
+        match worst {
+            Ok(worst) if worst <= judge.wish.error => {
+                for place in rest.drain(..size) {
+                    tried[place].1.taken = Some((taken.len() + 1, worst));
+                    taken.push(tried[place].0);
+                }
+                size *= 2;
+            }
+            _ if size == 1 => refused.extend(rest.pop_front()),
+            _ => size /= 2,
+        }
+    }
+}
+
+/// What is left out besides what goes with something else: the velocity, the
+/// angle and the force of a joint go with the joint, moments of inertia with
+/// the mass.
+fn without_subsumed(taken: &[Omission], tried: &mut [(Omission, NeglectFinding)]) -> Vec<Omission> {
+    let goes = |one: &Omission| one.goes_with().is_some_and(|whole| taken.contains(&whole));
+    for (one, finding) in tried.iter_mut() {
+        if goes(one) {
+            finding.within = finding.taken.take().is_some();
+        }
+    }
+    let mut order: Vec<&mut usize> = tried
+        .iter_mut()
+        .filter_map(|(_, finding)| Some(&mut finding.taken.as_mut()?.0))
+        .collect();
+    order.sort();
+    for (place, number) in order.into_iter().enumerate() {
+        *number = place + 1;
+    }
+    taken.iter().copied().filter(|one| !goes(one)).collect()
+}
+
+/// The largest error of the reduced scene from starts the search has not seen.
+fn fresh(
+    judge: &NeglectJudge<'_>,
+    full: &FullMotion,
+    reduced: &ReducedScene,
+) -> Result<Option<f64>, NeglectError> {
+    if full.runs.len() < SEARCHED as usize {
+        return Ok(None);
+    }
+    let shares: Result<Vec<f64>, MotionError> = (SEARCHED..SEARCHED + FRESH)
+        .into_par_iter()
+        .map(|draw| {
+            let start = judge.wish.start(draw);
+            let run = judge.motion(&full.scene, &start, judge.wish.tolerance())?;
+            let other = judge.motion(reduced, &start, judge.wish.tolerance())?;
+            Ok(full.watched.share(&run, &other))
+        })
+        .collect();
+    Ok(Some(shares?.into_iter().fold(0.0, f64::max)))
+}
+
+/// Speed, error and cost of a scene.
+fn figures_of(
+    judge: &NeglectJudge<'_>,
+    full: &FullMotion,
+    what: &'static str,
+    scene: &ReducedScene,
+) -> Result<SceneFigures, NeglectError> {
+    let module = full.scene.file.module()?;
+    let yardstick = Yardstick::at(view(&module), states(judge, full, view(&module))?);
+    let reduced = scene.file.module()?;
+    let known = Some(&scene.file.scene);
+    let program = transformed_by(&reduced, PIPELINE, judge.machine, known)?;
+    let errors = yardstick.errors(view(&program), Format::BINARY64);
+    let errors = errors.map_err(|error| NeglectError::Effect(EffectError::Measure(error)))?;
+    let mut steps = effects(&scene.file, judge.machine)?;
+    Ok(SceneFigures {
+        what,
+        operations: judge.operations(scene)?,
+        effect: steps.pop().expect("the last step uses the whole scene"),
+        motion: error(judge, full, scene, usize::MAX)?,
+        equations: errors.normwise,
+    })
+}
+
+/// The inputs of the full function at states of the full motions.
+fn states(
+    judge: &NeglectJudge<'_>,
+    full: &FullMotion,
+    view: View<'_>,
+) -> Result<Vec<Vec<f64>>, MotionError> {
+    let model = &full.scene.subject().model;
+    let inputs = InputSources::new(model, view).map_err(|element| StateError::Element {
+        function: full.scene.subject().name.clone(),
+        element,
+    })?;
+    let mut states = Vec::new();
+    for (start, run) in &full.runs {
+        let samples = run.samples.iter().step_by(COMPARED);
+        let loaded = judge.moved(&full.scene, start, |system, _| {
+            Ok(samples
+                .map(|sample| system.loaded(&sample.state))
+                .collect::<Vec<_>>())
+        })?;
+        states.extend(loaded.iter().map(|state| inputs.gather(state)));
+    }
+    Ok(states)
+}
+
+/// The positions of every watched joint in the first motion, full and reduced.
+fn curves(
+    judge: &NeglectJudge<'_>,
+    full: &FullMotion,
+    reduced: &ReducedScene,
+) -> Result<Vec<WatchedCurve>, NeglectError> {
+    let (start, run) = &full.runs[0];
+    let other = judge.motion(reduced, start, judge.wish.tolerance())?;
+    let curve = |run: &SimulationRun, joint: usize| {
+        let samples = run.samples.iter();
+        samples
+            .map(|sample| (sample.state.time, sample.state.q[joint]))
+            .collect()
+    };
+    let watched = judge.wish.watch.iter();
+    Ok(watched
+        .map(|&joint| WatchedCurve {
+            full: curve(run, joint),
+            reduced: curve(&other, joint),
+        })
+        .collect())
+}

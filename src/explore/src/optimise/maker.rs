@@ -1,0 +1,260 @@
+//! Programs made on all cores, each from a module of its own, and remembered
+//! on disk.
+
+use super::start::{OptimisationStart, PreparedStarts};
+use super::{OptimisationError, OptimisationQuestion};
+use crate::ExplorationProgress;
+use crate::program::{ExplorationError, transformed, view};
+use crate::share::WorkShare;
+use crate::store::PointKey;
+use rayon::prelude::*;
+use robovec_framework::pass::PassError;
+use robovec_framework::pipeline::Pipeline;
+use robovec_ir::count::Counts;
+use robovec_ir::parse::parse_module;
+use robovec_ir::print::print_module;
+use robovec_ir::{Function, Machine, Module};
+use robovec_passes::optimise::search::{
+    ProgramMaker, ScheduleSize, SearchJob, SearchOutcome, SearchQuestion, SearchStart,
+    schedule_size, search, usual_unit,
+};
+use robovec_passes::optimise::trial::VariantTrial;
+use robovec_passes::registry::REGISTRY;
+use robovec_schedule::PlaceError;
+use serde::{Deserialize, Serialize};
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
+use std::sync::{Arc, OnceLock};
+
+/// A program of the search.
+#[derive(Clone, Debug)]
+pub struct MadeProgram {
+    /// The module, with one function.
+    pub module: Arc<Module>,
+    /// What it was made from and by; `None` where nothing is kept.
+    key: Option<PointKey>,
+    /// The passes from its start on, where it was read from disk: passes may
+    /// go another way from there, since texts do not tell in which order
+    /// symbols were first met.
+    read: Option<String>,
+}
+
+/// What a maker did.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct MakerTally {
+    /// Programs that were asked for.
+    pub programs: usize,
+    /// Those that were kept by an earlier run or another worker.
+    pub found: usize,
+}
+
+/// What is kept of a program.
+#[derive(Serialize, Deserialize)]
+enum KeptProgram {
+    /// Its text.
+    Text(String),
+    /// Why a pass gave up.
+    Failure(String),
+}
+
+/// All programs of a search.
+pub(super) fn programs(
+    starts: &[OptimisationStart],
+    prepared: &PreparedStarts,
+    question: &OptimisationQuestion<'_>,
+    progress: ExplorationProgress<'_>,
+) -> Result<(SearchOutcome<MadeProgram>, MakerTally), ExplorationError> {
+    let mut maker = ParallelMaker {
+        question,
+        progress,
+        starts: &prepared.modules,
+        tally: MakerTally::default(),
+    };
+    let sizes = prepared.modules.iter();
+    let sizes = sizes.map(|module| Counts::of(view(module).function).operations);
+    let operations = sizes.min().expect("a search has starts");
+    let search_question = SearchQuestion {
+        machine: question.machine,
+        goal: question.target.goal(),
+        class: question.class.numeric(),
+        registry: &REGISTRY,
+        effort: question.effort,
+        unit: usual_unit(operations),
+    };
+    let named = starts.iter().zip(&prepared.modules);
+    let starts = named.map(|(start, module)| SearchStart {
+        name: start.name.clone(),
+        form: start.form,
+        program: MadeProgram {
+            key: maker.start_key(module),
+            module: module.clone(),
+            read: None,
+        },
+    });
+    let starts = starts.collect();
+    let outcome = search(&mut maker, starts, search_question)
+        .map_err(|error| ExplorationError::Pass(error.to_string()))?;
+    Ok((outcome, maker.tally))
+}
+
+/// A program of a search as it was made, where its text was read from disk.
+pub(super) fn as_made(
+    trial: &VariantTrial<MadeProgram>,
+    prepared: &PreparedStarts,
+    question: &OptimisationQuestion<'_>,
+) -> Result<Arc<Module>, OptimisationError> {
+    let maker = ParallelMaker {
+        question,
+        progress: &|_| {},
+        starts: &prepared.modules,
+        tally: MakerTally::default(),
+    };
+    maker
+        .as_made(&trial.program, trial.start)
+        .map_err(|error| ExplorationError::Pass(error.to_string()).into())
+}
+
+struct ParallelMaker<'a> {
+    question: &'a OptimisationQuestion<'a>,
+    progress: ExplorationProgress<'a>,
+    /// The programs of the starts.
+    starts: &'a [Arc<Module>],
+    tally: MakerTally,
+}
+
+/// Programs that jobs start from, made again, each once; by start and passes.
+/// No pass computes on several threads, so that none waits for itself.
+type AgainMade = BTreeMap<(usize, String), OnceLock<Result<Arc<Module>, PassError>>>;
+
+impl ParallelMaker<'_> {
+    fn start_key(&self, module: &Module) -> Option<PointKey> {
+        let key = self.question.work.key("optimise")?;
+        Some(key.with_machine(self.question.machine).with_module(module))
+    }
+
+    /// A program from disk, or made.
+    fn program(
+        &self,
+        job: &SearchJob<MadeProgram>,
+        again: &AgainMade,
+    ) -> Result<MadeProgram, PassError> {
+        (self.progress)(&job.passes);
+        let key = job
+            .program
+            .key
+            .map(|key| key.with(&job.pipeline.to_string()));
+        match self.question.work.load(key) {
+            Some(KeptProgram::Failure(message)) => return Err(PassError::new(message)),
+            Some(KeptProgram::Text(text)) => {
+                let module = parse_module("program", &text);
+                if let Ok(module) = module {
+                    return Ok(MadeProgram {
+                        module: Arc::new(module),
+                        key,
+                        read: Some(job.passes.clone()),
+                    });
+                }
+            }
+            None => {}
+        }
+        let origin = match &job.program.read {
+            None => Ok(job.program.module.clone()),
+            Some(passes) => again[&(job.start, passes.clone())]
+                .get_or_init(|| self.as_made(&job.program, job.start))
+                .clone(),
+        };
+        let made = origin.and_then(|module| self.run(&module, &job.pipeline));
+        if key.is_some() {
+            let kept = match &made {
+                Ok(module) => KeptProgram::Text(print_module(module)),
+                Err(error) => KeptProgram::Failure(error.to_string()),
+            };
+            self.question.work.save(key, &kept);
+        }
+        made.map(|module| MadeProgram {
+            module,
+            key,
+            read: None,
+        })
+    }
+
+    /// A program as it was made, not as its text was read.
+    fn as_made(&self, program: &MadeProgram, start: usize) -> Result<Arc<Module>, PassError> {
+        let Some(passes) = &program.read else {
+            return Ok(program.module.clone());
+        };
+        let pipeline = REGISTRY.pipeline(passes).expect("it was run before");
+        self.run(&self.starts[start], &pipeline)
+    }
+
+    fn run(&self, module: &Module, pipeline: &Pipeline) -> Result<Arc<Module>, PassError> {
+        let made = transformed(module, pipeline, self.question.machine, self.question.scene);
+        made.map(Arc::new)
+            .map_err(|error| PassError::new(error.to_string()))
+    }
+}
+
+impl ProgramMaker for ParallelMaker<'_> {
+    type Program = MadeProgram;
+
+    fn make(&mut self, jobs: Vec<SearchJob<MadeProgram>>) -> Vec<Result<MadeProgram, PassError>> {
+        let maker = &*self;
+        let origins = jobs.iter().filter_map(|job| {
+            let read = job.program.read.as_ref()?;
+            Some(((job.start, read.clone()), OnceLock::new()))
+        });
+        let again: AgainMade = origins.collect();
+        // The longest work begins first, so that no thread is left with it.
+        let mut order: Vec<usize> = (0..jobs.len()).collect();
+        order.sort_by_key(|&index| (Reverse(jobs[index].work), index));
+        let made = own_first(self.question.work.share, &order, |index| {
+            maker.program(&jobs[index], &again)
+        });
+        let is_found = |made: &&Result<MadeProgram, PassError>| {
+            (made.as_ref()).is_ok_and(|program| program.read.is_some())
+        };
+        self.tally.programs += made.len();
+        self.tally.found += made.iter().filter(is_found).count();
+        made
+    }
+
+    fn function(program: &MadeProgram) -> &Function {
+        view(&program.module).function
+    }
+
+    fn schedules(
+        &mut self,
+        programs: &[&MadeProgram],
+        machine: &Machine,
+    ) -> Vec<Result<ScheduleSize, PlaceError>> {
+        (self.progress)("placing");
+        let work = self.question.work;
+        let order: Vec<usize> = (0..programs.len()).collect();
+        own_first(work.share, &order, |index| {
+            let key = programs[index].key.map(|key| key.with("schedule"));
+            if let Some((cycles, words)) = work.load(key) {
+                return Ok(ScheduleSize { cycles, words });
+            }
+            let size = schedule_size(Self::function(programs[index]), machine)?;
+            work.save(key, &(size.cycles, size.words));
+            Ok(size)
+        })
+    }
+}
+
+/// Does pieces of work on all cores, beginning with those of a share; what came
+/// of each stands under its number.
+fn own_first<T: Send>(
+    share: WorkShare,
+    order: &[usize],
+    piece: impl Fn(usize) -> T + Sync,
+) -> Vec<T> {
+    let mut done: Vec<(usize, T)> = Vec::with_capacity(order.len());
+    for part in share.own_and_others(order.len()) {
+        let part = part.into_par_iter().with_max_len(1);
+        let part = part.map(|place| (order[place], piece(order[place])));
+        done.extend(part.collect::<Vec<(usize, T)>>());
+    }
+    done.sort_by_key(|(index, _)| *index);
+    done.into_iter().map(|(_, result)| result).collect()
+}

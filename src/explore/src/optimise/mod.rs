@@ -1,0 +1,263 @@
+//! The best program for a target: what `robovec optimise` does.
+//!
+//! A function starts from its equations as they came and, where there is a
+//! model, from other formulations that compute the same ([`start`]). The
+//! search of the pass `optimise` makes programs from them, here on all cores
+//! and with a memory on disk ([`maker`]). They are measured where they will
+//! run ([`measure`]): the schedule on the machine, or the C that the compiler
+//! at hand makes of them; and for each the error is measured that its results
+//! have in the number format of the target.
+//!
+//! What is taken is proved once more, as a whole, against the equations as
+//! they came ([`proof`]): what the search trusts a pass for is not what the
+//! user has to trust.
+
+pub mod found;
+pub mod maker;
+pub mod measure;
+pub mod page;
+pub mod processor;
+pub mod proof;
+pub mod start;
+pub mod text;
+
+use crate::device;
+use crate::placing::words_of_a_side;
+use crate::program::ExplorationError;
+use crate::share::SharedWork;
+use maker::{MadeProgram, MakerTally};
+use robovec_bench::Compiler;
+use robovec_codegen::hardware;
+use robovec_error::yardstick::account::{ErrorAccount, random_states};
+use robovec_framework::scene::Scene;
+use robovec_ir::states::States;
+use robovec_ir::{Machine, Module};
+use robovec_passes::optimise::trial::VariantTrial;
+use robovec_passes::optimise::{Goal, VariantClass};
+use serde::Serialize;
+use start::OptimisationStart;
+use std::sync::Arc;
+
+/// What a program is made for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum OptimisationTarget {
+    /// The shortest schedule on the machine; memory images and HDL
+    Fpga,
+    /// The least time of one evaluation in C, in the place of Robotran's file
+    Cpu,
+    /// The least time per state of C that evaluates several at once
+    Batch,
+}
+
+impl OptimisationTarget {
+    /// What the search looks for: on processors operations decide, and those
+    /// with the fewest are then timed.
+    pub(crate) fn goal(self) -> Goal {
+        match self {
+            OptimisationTarget::Fpga => Goal::Cycles,
+            OptimisationTarget::Cpu | OptimisationTarget::Batch => Goal::Operations,
+        }
+    }
+}
+
+/// What is asked.
+pub struct OptimisationQuestion<'a> {
+    /// What the program is for.
+    pub target: OptimisationTarget,
+    /// The machine: with the numbers of elements that are wanted.
+    pub machine: &'a Machine,
+    /// What the function is needed for.
+    pub scene: Option<&'a Scene>,
+    /// What programs may rest on.
+    pub class: VariantClass,
+    /// How far the search goes, at least 1.
+    pub effort: u32,
+    /// Where random states come from.
+    pub states: &'a States,
+    /// States that errors are measured at.
+    pub count: u32,
+    /// The C compiler with which programs are timed; `None` when there is
+    /// none.
+    pub compiler: Option<&'a Compiler>,
+    /// Its flags.
+    pub flags: &'a str,
+    /// Where programs that were made are kept, and which of them come first.
+    pub work: SharedWork<'a>,
+}
+
+/// A program that was tried.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct OptimisationPoint {
+    /// The steps it went through.
+    pub name: String,
+    /// What it starts from; empty for the equations as they came.
+    pub start: String,
+    /// The passes from there.
+    pub passes: String,
+    /// Operations.
+    pub operations: usize,
+    /// The longest path, in cycles of the machine.
+    pub path: u32,
+    /// No schedule of these operations is shorter.
+    pub bound: Option<u32>,
+    /// The schedule.
+    pub cycles: Option<u32>,
+    /// The time of the schedule at the machine's clock, us.
+    pub microseconds: Option<f64>,
+    /// The time of one state in C, ns.
+    pub nanoseconds: Option<f64>,
+    /// The share of the device that the machine takes with memories for it,
+    /// where it was placed.
+    pub share: Option<f64>,
+    /// Size of the compiled C, bytes, where it was timed.
+    pub code_bytes: Option<u64>,
+    /// The errors of its results, where it was a candidate: of every array in
+    /// every state its largest error over its largest element, the median and
+    /// the worst.
+    pub errors: Option<[f64; 2]>,
+    /// Why it was not measured.
+    pub remark: String,
+    /// True for the one that was taken.
+    pub taken: bool,
+}
+
+/// What was found.
+pub struct Optimised {
+    /// All that was tried, the input as it came first.
+    pub points: Vec<OptimisationPoint>,
+    /// Index of the point that was taken.
+    pub best: usize,
+    /// What was not made, and why.
+    pub skipped: Vec<(String, String)>,
+    /// How many more were made that looked like one of them.
+    pub alike: usize,
+    /// The number of programs that were made and not timed, since they promise less.
+    pub untimed: usize,
+    /// The program that was taken: at the level atomic, not placed.
+    pub program: Arc<Module>,
+    /// Index of the start it comes from.
+    pub start: usize,
+    /// What was established about it.
+    pub proof: String,
+    /// Its errors.
+    pub errors: ErrorAccount,
+}
+
+/// Why nothing was found.
+#[derive(Debug, thiserror::Error)]
+pub enum OptimisationError {
+    /// A pass gave up on the equations, or a program is about something else.
+    #[error(transparent)]
+    Program(#[from] ExplorationError),
+    /// No program fits the machine.
+    #[error("the machine can place no program: {0}")]
+    Placement(String),
+    /// No program was timed.
+    #[error("no program could be timed: {0}")]
+    Timing(String),
+    /// The program that was taken is not what was asked for: a mistake in a
+    /// pass.
+    #[error("the best program is not the function that came in; this is a mistake in a pass\n{0}")]
+    Proof(String),
+}
+
+/// Searches as one of several workers, so that their programs are kept: those of
+/// its share first, then those that no other worker has made by then. What is
+/// measured and proved waits for [`optimise`] with the same question.
+///
+/// # Errors
+///
+/// When a pass gives up on the equations.
+pub fn search_share(
+    starts: &[OptimisationStart],
+    question: &OptimisationQuestion<'_>,
+    progress: crate::ExplorationProgress<'_>,
+) -> Result<MakerTally, OptimisationError> {
+    let prepared = start::prepared(starts, question)?;
+    let (_, tally) = maker::programs(starts, &prepared, question, progress)?;
+    Ok(tally)
+}
+
+/// Searches, measures, proves.
+///
+/// # Errors
+///
+/// See [`OptimisationError`].
+pub fn optimise(
+    starts: &[OptimisationStart],
+    question: &OptimisationQuestion<'_>,
+    progress: crate::ExplorationProgress<'_>,
+) -> Result<Optimised, OptimisationError> {
+    let prepared = start::prepared(starts, question)?;
+    let (mut outcome, _) = maker::programs(starts, &prepared, question, progress)?;
+    let measured = measure::measure(&prepared, &outcome, question, progress)?;
+    let best = measured.best;
+    outcome.trials[best].program.module =
+        maker::as_made(&outcome.trials[best], &prepared, question)?;
+    let trial = &outcome.trials[best];
+    progress("proving the best");
+    let proof = proof::prove(&prepared, trial, question).map_err(OptimisationError::Proof)?;
+    let mut points = Vec::new();
+    let is_timed = measured
+        .figures
+        .iter()
+        .any(|figures| figures.nanoseconds.is_some());
+    for (index, (trial, figures)) in outcome.trials.iter().zip(&measured.figures).enumerate() {
+        // What was not timed is no rival of what was.
+        if is_timed && figures.nanoseconds.is_none() && figures.remark.is_empty() {
+            continue;
+        }
+        points.push(OptimisationPoint {
+            name: trial.name.clone(),
+            start: starts[trial.start].name.clone(),
+            passes: prepared.passes(&trial.pipeline),
+            operations: trial.operations,
+            path: trial.path,
+            bound: trial.bound.as_ref().ok().copied(),
+            cycles: trial.cycles,
+            microseconds: (trial.cycles)
+                .map(|cycles| hardware::clock(question.machine).microseconds(cycles)),
+            nanoseconds: figures.nanoseconds,
+            share: share(trial, question.machine),
+            code_bytes: figures.code_bytes,
+            errors: figures.errors,
+            remark: match figures.remark.is_empty() {
+                true => trial.remark.to_owned(),
+                false => figures.remark.clone(),
+            },
+            taken: index == best,
+        });
+    }
+    let skipped = outcome.skipped.iter();
+    let taken = points.iter().position(|point| point.taken);
+    Ok(Optimised {
+        untimed: outcome.trials.len() - points.len(),
+        points,
+        best: taken.expect("the best was timed, where any was"),
+        alike: outcome.alike,
+        skipped: skipped
+            .map(|skipped| (skipped.name.clone(), skipped.reason.clone()))
+            .collect(),
+        program: trial.program.module.clone(),
+        start: trial.start,
+        proof,
+        errors: ErrorAccount {
+            format: measure::format(question),
+            normwise: measured.errors.normwise,
+            states: random_states(
+                question.count as usize,
+                question.states.seed(),
+                question.scene.is_some(),
+            ),
+        },
+    })
+}
+
+/// The share of the device that a machine takes for a program that was placed.
+fn share(trial: &VariantTrial<MadeProgram>, machine: &Machine) -> Option<f64> {
+    let (cycles, words) = trial.cycles.zip(trial.words)?;
+    let words = words_of_a_side(words, machine);
+    let taken = device::taken(machine, machine.number, cycles, words);
+    Some(taken.share(machine.device.device()))
+}

@@ -1,0 +1,127 @@
+//! Programs: what pipelines make of equations.
+
+use robovec_dynamics::generate::Formulation;
+use robovec_error::yardstick::Unmeasurable;
+use robovec_framework::manager::{self, Config, RunError};
+use robovec_framework::pipeline::Pipeline;
+use robovec_framework::scene::Scene;
+use robovec_ir::{Machine, Module, View};
+use robovec_passes::registry::REGISTRY;
+use std::collections::BTreeMap;
+use std::io;
+use std::sync::Arc;
+
+/// Why a program could not be made or measured.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+pub enum ExplorationError {
+    /// A pipeline that is none, or a pass that gave up.
+    #[error("{0}")]
+    Pass(String),
+    /// The program is about something else.
+    #[error(transparent)]
+    Unmeasurable(#[from] Unmeasurable),
+}
+
+/// The first function of a module, with its tables.
+pub fn view(module: &Module) -> View<'_> {
+    View {
+        tables: &module.tables,
+        function: &module.functions[0],
+    }
+}
+
+/// What a pipeline makes of a module, for a scene or in general. Remarks of the
+/// passes are for who compiles and are not kept.
+///
+/// # Errors
+///
+/// Those of the passes.
+pub fn transformed(
+    module: &Module,
+    pipeline: &Pipeline,
+    machine: &Machine,
+    scene: Option<&Scene>,
+) -> Result<Module, RunError> {
+    let mut module = module.clone();
+    let mut log = io::sink();
+    let config = Config {
+        scene,
+        ..Config::new(machine, &mut log)
+    };
+    manager::run(&mut module, pipeline, config)?;
+    Ok(module)
+}
+
+/// As [`transformed`], by the text of the pipeline.
+///
+/// # Errors
+///
+/// When the text is no pipeline, or a pass gives up.
+pub fn transformed_by(
+    module: &Module,
+    passes: &str,
+    machine: &Machine,
+    scene: Option<&Scene>,
+) -> Result<Module, ExplorationError> {
+    let pipeline = REGISTRY
+        .pipeline(passes)
+        .map_err(|error| ExplorationError::Pass(error.to_string()))?;
+    transformed(module, &pipeline, machine, scene)
+        .map_err(|error| ExplorationError::Pass(error.to_string()))
+}
+
+/// Programs by formulation and stages: those that start with the same stages
+/// share their work.
+pub struct ProgramWorkshop<'a> {
+    machine: &'a Machine,
+    start: BTreeMap<&'static str, Arc<Module>>,
+    made: BTreeMap<(&'static str, Vec<String>), Arc<Module>>,
+}
+
+/// The name under which equations as they came are kept.
+const AS_THEY_CAME: &str = "";
+
+impl<'a> ProgramWorkshop<'a> {
+    /// A workshop for a module of one function.
+    pub fn new(machine: &'a Machine, module: Module) -> ProgramWorkshop<'a> {
+        ProgramWorkshop {
+            machine,
+            start: BTreeMap::from([(AS_THEY_CAME, Arc::new(module))]),
+            made: BTreeMap::new(),
+        }
+    }
+
+    /// Adds the same function in another formulation.
+    pub fn add(&mut self, formulation: Formulation, module: Module) {
+        self.start.insert(formulation.name(), Arc::new(module));
+    }
+
+    /// The program that stages of passes make of a formulation, of the
+    /// equations as they came for `None`.
+    ///
+    /// # Errors
+    ///
+    /// When a stage is no pipeline or a pass gives up. A formulation that was
+    /// not added is an error of the caller and gives
+    /// [`ExplorationError::Pass`].
+    pub fn program(
+        &mut self,
+        formulation: Option<Formulation>,
+        stages: &[String],
+    ) -> Result<Arc<Module>, ExplorationError> {
+        let start = formulation.map_or(AS_THEY_CAME, Formulation::name);
+        let missing = || ExplorationError::Pass(format!("there are no equations '{start}'"));
+        let mut module = self.start.get(start).cloned().ok_or_else(missing)?;
+        for count in 1..=stages.len() {
+            let key = (start, stages[..count].to_vec());
+            if let Some(known) = self.made.get(&key) {
+                module = known.clone();
+                continue;
+            }
+            let next = transformed_by(&module, &stages[count - 1], self.machine, None)?;
+            module = Arc::new(next);
+            self.made.insert(key, module.clone());
+        }
+        Ok(module)
+    }
+}

@@ -1,0 +1,193 @@
+//! Scene files: what a program is needed for, as a user writes it.
+//!
+//! ```toml
+//! name = "bogie on straight track"
+//! model = "../models/bogie.mbs"   # or: equations = "mbs_accelred_bogie.c"
+//! function = "accelred"           # of a model by default dirdyna
+//! formulation = "articulated"     # by default the generator's
+//! machine = "thesis"              # a name, or a .toml file beside the scene
+//! trigonometry = "elements"       # sines and cosines as series; else "host"
+//! deadline = 50.0                 # µs
+//! parameters = "from-model"       # dpt, l, m, In, g, lrod are the model's
+//! free = ["m[Frame]"]             # but these stay inputs
+//! driven = ["T1_Frame"]           # joints whose motion is prescribed
+//!
+//! small = ["R1_Frame"]             # joints with sin q = q and cos q = 1
+//!
+//! [locked]                        # joints that do not move
+//! R3_Frame = 0.0                  # m or rad, or "initial"
+//!
+//! [[output]]                      # what is needed; without any, everything
+//! elements = ["qdd[T3_Frame]", "qdd[6]"]
+//! error = 1e-6                    # allowed, …
+//! measure = "norm"                # … of the array's largest element,
+//!                                 # "relative" or "absolute"
+//!
+//! [bind]                          # inputs that are known numbers
+//! frc = 0.0
+//! "trq[2,*]" = 0.0
+//!
+//! [range]                         # how large the others are
+//! q = { all = [-0.05, 0.05], T1_Frame = [-100, 100] }
+//!
+//! [motion]                        # a motion that programs are judged by
+//! laws = "../laws/bogie.toml"     # its forces
+//! time = 10.0                     # s
+//! error = 0.01                    # of the largest displacement of …
+//! watch = ["T3_Frame"]            # … these joints
+//!
+//! [neglect]                       # what may be left out (`robovec neglect`)
+//! kinds = ["joints", "angles"]    # by default all
+//! keep = ["Motor"]
+//! ```
+//!
+//! The scene itself is [`robovec_framework::scene::Scene`]; here it is read,
+//! joined with its model or its equations ([`SceneSubject`]), and every mistake is
+//! told with its place. docs/scenes.md is the manual.
+
+mod arrays;
+mod document;
+mod effect;
+mod inputs;
+mod known;
+mod motion;
+mod moving;
+mod read;
+mod subject;
+
+pub use effect::{EffectError, PIPELINE, SceneEffect, USUAL, effects};
+pub use motion::{NeglectKind, NeglectWish, SceneMotion};
+pub use moving::WatchedJoints;
+pub use read::read;
+pub use subject::{ModelSubject, SceneSubject};
+
+use robovec_dynamics::generate::{Formulation, GenerateError};
+use robovec_framework::scene::Scene;
+use robovec_io::files::limited;
+use robovec_io::sources;
+use robovec_ir::Module;
+use robovec_ir::diagnostic::Report;
+use robovec_num::limits::NumberLimit;
+use std::path::Path;
+
+/// The time allowed, in microseconds.
+const DEADLINE: NumberLimit = NumberLimit::real(
+    1e-6,
+    1e12,
+    "no machine has a shorter cycle, and every program is done in 11 days",
+);
+
+/// The error allowed, in the unit of its measure.
+const ERROR: NumberLimit = NumberLimit::real(
+    1e-30,
+    1e30,
+    "no program is free of rounding errors, and a larger error allows everything",
+);
+
+/// The size an error is measured by at least, in the unit of the output.
+const SCALE: NumberLimit = NumberLimit::real(
+    1e-30,
+    1e30,
+    "a smaller scale vanishes with what it is there for, and no output is larger",
+);
+
+/// Numbers of inputs, in SI units.
+const INPUT: NumberLimit = NumberLimit::real(
+    -1e30,
+    1e30,
+    "products of such numbers must be numbers of binary64",
+);
+
+/// The limits of the numbers of a scene: name, limit, and what it is when the
+/// scene does not say.
+pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
+    ("deadline", DEADLINE, "none"),
+    ("output.error", ERROR, "none"),
+    ("output.scale", SCALE, "usual size"),
+    ("bind", INPUT, ""),
+    ("range", INPUT, ""),
+    ("locked", INPUT, ""),
+    ("motion.time", motion::TIME, "10"),
+    ("motion.error", ERROR, "0.01"),
+    ("motion.energy", ERROR, "none"),
+    ("motion.start", INPUT, "the model's"),
+];
+
+/// A scene with what it is about.
+#[derive(Debug)]
+pub struct SceneFile {
+    /// What is needed.
+    pub scene: Scene,
+    /// The model or the equations.
+    pub subject: SceneSubject,
+    /// What the user should know of the model.
+    pub warnings: Report,
+    /// The motion that programs are judged by.
+    pub motion: Option<SceneMotion>,
+    /// What may be left out.
+    pub neglect: NeglectWish,
+}
+
+impl SceneFile {
+    /// Reads a scene file (`*.scene.toml`) and what it names.
+    ///
+    /// # Errors
+    ///
+    /// Messages that point into the scene, or into the file it names.
+    pub fn load(path: &Path) -> Result<SceneFile, Report> {
+        let text = sources::text(path, &limited::SCENE)?;
+        let name = path.file_name().unwrap_or(path.as_os_str());
+        let folder = path.parent().unwrap_or(Path::new(""));
+        read(&name.to_string_lossy(), &text, folder)
+    }
+
+    /// The function the scene is about, in the formulation it wishes for,
+    /// before anything of the scene is used: joints are held already.
+    ///
+    /// # Errors
+    ///
+    /// Those of the generator.
+    pub fn module(&self) -> Result<Module, GenerateError> {
+        match &self.subject {
+            SceneSubject::Equations(module) => Ok((**module).clone()),
+            SceneSubject::Model(subject) => subject.equations(self.formulation()),
+        }
+    }
+
+    /// The same function for which nothing is known: every joint moves, every
+    /// output is there.
+    ///
+    /// # Errors
+    ///
+    /// Those of the generator.
+    pub fn general(&self) -> Result<Module, GenerateError> {
+        match &self.subject {
+            SceneSubject::Equations(module) => Ok((**module).clone()),
+            SceneSubject::Model(subject) => subject.general_equations(self.formulation()),
+        }
+    }
+
+    /// Where no joint is watched: watches those whose accelerations are needed.
+    fn watch_what_is_needed(&mut self) {
+        let (Some(motion), SceneSubject::Model(subject)) = (&mut self.motion, &self.subject) else {
+            return;
+        };
+        if motion.watch.is_empty() {
+            let needed = |joint: &usize| {
+                let mut outputs = self.scene.outputs.iter();
+                outputs.any(|need| need.pattern.matches("qdd", &[*joint as u32 + 1]))
+            };
+            let joints = 0..subject.general.joints.len();
+            motion.watch = joints.filter(needed).collect();
+        }
+    }
+
+    /// The formulation the scene wishes for, else the generator's default.
+    pub fn formulation(&self) -> Formulation {
+        match &self.scene.formulation {
+            None => Formulation::default(),
+            Some(wished) => Formulation::from_name(wished)
+                .expect("a scene wishes for a formulation that there is, its reader checks it"),
+        }
+    }
+}

@@ -1,0 +1,190 @@
+//! Figure 3.14: the number Y against degrees of freedom, by topology.
+
+use super::super::plan::Printed;
+use super::super::printed::SystemTopology;
+use super::super::results::Results;
+use super::super::zone::Zone;
+use robovec_present::number::round;
+use robovec_present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
+
+/// How far the fitted lines are drawn, degrees of freedom.
+const FURTHEST: f64 = 200.0;
+
+/// The topologies the thesis fits.
+pub(in super::super) const TOPOLOGIES: [SystemTopology; 3] = [
+    SystemTopology::Serial,
+    SystemTopology::SemiSerial,
+    SystemTopology::Parallel,
+];
+
+const CAPTION: &str = "Operations per cycle of the longest chain. Lines: least squares, drawn on \
+    to 200 degrees of freedom; their slopes, per degree of freedom, stand at their ends. Points \
+    without a line: the figures the thesis prints, without the cells that cannot be right. The \
+    thesis gives slopes of 0.05 for serial and 0.25 for the other systems; its own Table 3.1 says \
+    the opposite (0.21 serial, 0.23 semi-serial, 0.08 parallel).";
+
+/// A line fitted to points by least squares.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(in super::super) struct LineFit {
+    /// Where it crosses zero degrees of freedom.
+    pub(in super::super) offset: f64,
+    /// Per degree of freedom.
+    pub(in super::super) slope: f64,
+}
+
+/// The line through points that is best by least squares; `None` for fewer
+/// than two different abscissae.
+pub(in super::super) fn fit(points: &[[f64; 2]]) -> Option<LineFit> {
+    let count = points.len() as f64;
+    let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / count;
+    let (x, y) = (mean(0), mean(1));
+    let square: f64 = points.iter().map(|point| (point[0] - x).powi(2)).sum();
+    let mixed: f64 = points
+        .iter()
+        .map(|point| (point[0] - x) * (point[1] - y))
+        .sum();
+    (square > 0.0).then(|| {
+        let slope = mixed / square;
+        LineFit {
+            offset: y - slope * x,
+            slope,
+        }
+    })
+}
+
+/// Degrees of freedom and number Y of our programs of a topology.
+pub(in super::super) fn numbers(
+    results: &Results,
+    topology: SystemTopology,
+    pipeline: usize,
+) -> Vec<[f64; 2]> {
+    let Some(machine) = results.main_machine() else {
+        return Vec::new();
+    };
+    let models = 0..results.plan.models.len();
+    let point = |model: usize| {
+        let system = results
+            .system(model)
+            .filter(|system| system.topology == topology)?;
+        let facts = results.program(model, pipeline, machine)?;
+        Some([f64::from(system.dof), facts.number_y()])
+    };
+    models.filter_map(point).collect()
+}
+
+/// Those of the thesis that can be right.
+pub(in super::super) fn printed_numbers(
+    topology: SystemTopology,
+    printed: Printed,
+) -> Vec<[f64; 2]> {
+    let systems = super::super::printed::thesis().systems.iter();
+    let systems = systems.filter(|system| system.topology == topology);
+    let rows = systems.filter_map(|system| Some((system, system.row(printed)?)));
+    let sound = rows.filter(|(_, row)| row.is_sound("asap_cycle"));
+    let y = sound.map(|(system, row)| {
+        [
+            f64::from(system.dof),
+            f64::from(row.operations) / f64::from(row.asap_cycle),
+        ]
+    });
+    y.collect()
+}
+
+pub(super) fn figure(results: &Results) -> Option<Figure> {
+    let mut panels = Vec::new();
+    for (printed, title) in [
+        (Printed::Original, "equations as printed"),
+        (Printed::Modified, "chains shortened"),
+    ] {
+        let Some(pipeline) = results.pipeline(printed) else {
+            continue;
+        };
+        let mut curves = Vec::new();
+        for (index, topology) in TOPOLOGIES.into_iter().enumerate() {
+            curves.extend(topology_curves(results, topology, index, pipeline, printed));
+        }
+        let has_own = |curve: &Curve| curve.stroke == Stroke::Plain;
+        if curves.iter().any(has_own) {
+            panels.push(Panel::curves(
+                title,
+                PlotAxis::new("degrees of freedom", AxisScale::Linear).showing(0.0, FURTHEST),
+                PlotAxis::new("number Y (operations per cycle)", AxisScale::Linear)
+                    .showing(0.0, 1.0),
+                curves,
+            ));
+        }
+    }
+    (!panels.is_empty()).then(|| {
+        Figure::new(
+            "figure-3.14",
+            "Figure 3.14: number Y by topology and size",
+            CAPTION,
+            2,
+            panels,
+        )
+    })
+}
+
+fn topology_curves(
+    results: &Results,
+    topology: SystemTopology,
+    index: usize,
+    pipeline: usize,
+    printed: Printed,
+) -> Vec<Curve> {
+    let curve = |label: String, index: usize, stroke: Stroke, points: &[[f64; 2]]| {
+        Curve::new(
+            label,
+            Paint::Distinct(index),
+            stroke,
+            points.iter().map(|&[x, y]| Mark::at(x, y)),
+        )
+    };
+    let own = numbers(results, topology, pipeline);
+    let Some(fit) = fit(&own) else {
+        return Vec::new();
+    };
+    let line = [0.0, FURTHEST].map(|dof| [dof, (fit.offset + fit.slope * dof).max(0.0)]);
+    let label = format!("{} {}", topology.name(), round(fit.slope, 3));
+    let mut thesis = curve(
+        String::new(),
+        index,
+        Stroke::Points,
+        &printed_numbers(topology, printed),
+    );
+    for mark in &mut thesis.marks {
+        // Hollow, to be told from ours.
+        mark.zone = Some(Zone::Saturation.mark());
+    }
+    vec![
+        curve(label, index, Stroke::Plain, &line),
+        curve(String::new(), index, Stroke::Points, &own),
+        thesis,
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_found_again() {
+        let fit = fit(&[[0.0, 1.0], [10.0, 3.0], [20.0, 5.0]]).expect("a line");
+        assert!((fit.offset - 1.0).abs() < 1e-12 && (fit.slope - 0.2).abs() < 1e-12);
+        assert_eq!(super::fit(&[[5.0, 1.0], [5.0, 2.0]]), None);
+        assert_eq!(super::fit(&[]), None);
+    }
+
+    #[test]
+    fn the_slopes_of_the_thesis_are_swapped() {
+        let slope = |topology| {
+            fit(&printed_numbers(topology, Printed::Original))
+                .expect("five systems")
+                .slope
+        };
+        let [serial, semi, parallel] = TOPOLOGIES.map(slope);
+        assert!((0.19..0.22).contains(&serial), "{serial}");
+        assert!((0.21..0.24).contains(&semi), "{semi}");
+        assert!((0.07..0.09).contains(&parallel), "{parallel}");
+    }
+}

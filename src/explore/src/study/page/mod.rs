@@ -1,0 +1,179 @@
+//! The report: one HTML file that needs nothing else.
+//!
+//! Figures are put in as they are drawn for paper, tables as HTML, points as
+//! JSON for the chart that a reader composes. **Invariant.** The page refers
+//! to no other file and no address.
+
+use super::cpu::{self, CpuTime};
+use super::results::{Results, time_us};
+use super::verdict::verdicts;
+use super::zone::zone;
+use robovec_ir::diagnostic::counted;
+use robovec_present::escape::Escaped;
+use robovec_present::json::json_script;
+use robovec_present::number::round;
+use robovec_present::{DataTable, Figure, page};
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+const TEMPLATE: &str = include_str!("page.html");
+const SCRIPT: &str = include_str!("page.js");
+
+/// Tables with more rows than this are left to the files.
+const LONGEST_TABLE: usize = 400;
+
+/// The report as HTML.
+pub fn page(
+    results: &Results,
+    tables: &[DataTable],
+    figures: &[Figure],
+    times: &[CpuTime],
+) -> String {
+    let plan = &results.plan;
+    let subtitle = format!(
+        "{}. {}, {}, computed by robovec {}.",
+        plan.description.trim_end_matches('.'),
+        counted(plan.models.len(), "model"),
+        counted(results.outcome.points.len(), "placement"),
+        env!("CARGO_PKG_VERSION")
+    );
+    let measured: Vec<DataTable> = [
+        cpu::table::winners(results, times),
+        cpu::step::table(results, times),
+        cpu::table::programs(times),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    let shown = measured
+        .iter()
+        .chain(tables)
+        .filter(|table| table.rows.len() <= LONGEST_TABLE);
+    let title = format!("Study: {}", plan.name);
+    let parts = [
+        ("title", Escaped(&title).to_string()),
+        ("subtitle", Escaped(&subtitle).to_string()),
+        ("css", page::STYLE.to_owned()),
+        ("js", format!("{}\n{SCRIPT}", page::TABLES)),
+        ("tables", shown.map(table).collect()),
+        ("figures", figures.iter().map(page::figure).collect()),
+        ("method", method(results)),
+        ("data", json_script(&data(results, times))),
+    ];
+    let parts: Vec<(&str, &str)> = parts
+        .iter()
+        .map(|(name, part)| (*name, part.as_str()))
+        .collect();
+    page::fill(TEMPLATE, &parts)
+}
+
+/// Tables that say where their numbers are; data of the thesis and long lists
+/// are there for whoever looks for them.
+fn table(table: &DataTable) -> String {
+    match table.name.as_str() {
+        "cpu" | "winners" | "whole-step-cpu" => page::table(table, ""),
+        name if name.starts_with("table-1.") => page::folding_table(table, &file(name), false),
+        name => page::table(table, &file(name)),
+    }
+}
+
+fn file(name: &str) -> String {
+    format!("tables/{name}.csv")
+}
+
+/// What the script works on.
+fn data(results: &Results, cpu: &[CpuTime]) -> Value {
+    let plan = &results.plan;
+    let machine = results
+        .main_machine()
+        .map(|machine| &plan.machines[machine]);
+    let all = results.outcome.points.iter();
+    let points = all.map(|(request, point)| {
+        let placed = super::results::StudyPlacement { request, point };
+        let facts = results.program(request.model, request.pipeline, request.machine);
+        let facts = facts.filter(|_| point.failure.is_none());
+        let machine = &plan.machines[request.machine];
+        let most = |words: [f64; 3]| words[2];
+        json!({
+            "model": plan.models[request.model].name,
+            "pipeline": plan.pipelines[request.pipeline].name,
+            "machine": machine.name,
+            "n_add": request.n_add,
+            "n_multi": request.n_multi,
+            "priority": request.priority,
+            "choice": request.choice,
+            "cycles": point.cycles,
+            "lower_bound": point.lower_bound,
+            "time_us": round(time_us(point, machine.clock().mhz), 4),
+            "rate": round(point.rate, 4),
+            "busy": [round(point.kinds[0].rate, 4), round(point.kinds[1].rate, 4)],
+            "memory": [most(point.kinds[0].memory), most(point.kinds[1].memory)],
+            "buffer": [most(point.kinds[0].buffer), most(point.kinds[1].buffer)],
+            "zone": facts.map(|facts| zone(facts, placed)),
+            "failure": point.failure,
+        })
+    });
+    json!({
+        "headline": plan.models.get(plan.headline).map(|model| &model.name),
+        "machine": machine.map(|machine| &machine.name),
+        "mhz": machine.map(|machine| machine.clock().mhz),
+        "clock_origin": machine.map(|machine| machine.clock().origin),
+        "pipelines": plan
+            .pipelines
+            .iter()
+            .map(|pipeline| (pipeline.name.clone(), json!(pipeline.pipeline.to_string())))
+            .collect::<serde_json::Map<_, _>>(),
+        "points": points.collect::<Vec<_>>(),
+        "verdicts": verdicts(results),
+        "cpu": cpu,
+    })
+}
+
+/// Models, pipelines and machines, and the words used.
+fn method(results: &Results) -> String {
+    let plan = &results.plan;
+    let mut text = "<p>Every program is a straight line of additions, subtractions and \
+        multiplications. A pipeline of passes rewrites it; the placer gives every operation a \
+        cycle and an element of the machine; a verifier accepts the result before it is counted. \
+        Lower bounds are proved. Elements are counted as adders + multipliers (all together): \
+        the thesis uses both ways of counting.</p><ul>"
+        .to_owned();
+    for pipeline in &plan.pipelines {
+        // Writing to a string cannot fail.
+        let _ = write!(
+            text,
+            "<li>Pipeline <b>{}</b>: <code>{}</code></li>",
+            Escaped(&pipeline.name),
+            Escaped(&pipeline.pipeline.to_string())
+        );
+    }
+    for machine in plan
+        .machines
+        .iter()
+        .filter(|machine| machine.couple.is_none())
+    {
+        let _ = write!(
+            text,
+            "<li>Machine <b>{}</b>: {}, on {}, {}</li>",
+            Escaped(&machine.name),
+            Escaped(&machine.machine.description),
+            Escaped(&machine.machine.device.device().name),
+            Escaped(&machine.clock().text())
+        );
+    }
+    for model in &plan.models {
+        let stands = model
+            .printed
+            .as_ref()
+            .map_or(String::new(), |row| format!(", for the thesis' {row}"));
+        let _ = write!(
+            text,
+            "<li>Model <b>{}</b>: {}, equations {}{}</li>",
+            Escaped(&model.name),
+            Escaped(&model.source),
+            Escaped(&super::variants::label(model)),
+            Escaped(&stands)
+        );
+    }
+    text + "</ul>"
+}

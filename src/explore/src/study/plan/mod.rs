@@ -1,0 +1,229 @@
+//! What a study places: models, pipelines, machines, numbers of elements.
+//!
+//! A plan is read from TOML and resolved here once and for all: afterwards
+//! every name is an index, every pipeline is parsed, every machine is read,
+//! and the placements are a sorted list without repetitions. Nothing is
+//! computed before all of it is known to be right.
+
+mod file;
+mod resolve;
+mod sweeps;
+
+use robovec_codegen::hardware::{self, MachineClock};
+use robovec_framework::pipeline::Pipeline;
+use robovec_ir::Machine;
+use robovec_num::limits::NumberLimit;
+use robovec_schedule::{ElementChoice, PlaceOptions, Priority};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+pub use resolve::resolve;
+
+/// The plan that redoes the thesis.
+pub const THESIS: &str = include_str!("thesis.toml");
+
+/// The machine of sweeps that name none.
+pub const DEFAULT_MACHINE: &str = "thesis";
+
+/// The most adders or multipliers of a placement.
+pub const MAX_ELEMENTS: u32 = 1024;
+
+/// Adders or multipliers of a placement.
+pub const ELEMENTS: NumberLimit = NumberLimit::whole(
+    1,
+    MAX_ELEMENTS as u64,
+    "a program is placed for every number of elements",
+);
+
+/// The limits of the numbers of a plan: name, limit, and what it is when the
+/// plan does not say.
+pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
+    ("sweep.elements", ELEMENTS, ""),
+    ("sweep.grid", ELEMENTS, ""),
+];
+
+/// A resolved plan. Indices point into its lists.
+#[derive(Clone, Debug)]
+pub struct StudyPlan {
+    /// Its name.
+    pub name: String,
+    /// One line for people.
+    pub description: String,
+    /// The model the verdict is about.
+    pub headline: usize,
+    /// The models.
+    pub models: Vec<StudySubject>,
+    /// The pipelines.
+    pub pipelines: Vec<NamedPipeline>,
+    /// The machines.
+    pub machines: Vec<NamedMachine>,
+    /// Whether the smallest equal numbers that reach the longest chain are
+    /// searched for.
+    pub exact_knees: bool,
+    /// The placements, sorted, each once.
+    pub requests: Vec<PlacementRequest>,
+}
+
+/// A model of a study: where its program comes from.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
+pub struct StudySubject {
+    /// Its name in results.
+    pub name: String,
+    /// A file of equations, a model file, or the name of a built-in model.
+    pub source: String,
+    /// The folder of the plan, where files are looked for first; `None` for
+    /// a source from the command line.
+    #[serde(skip)]
+    pub folder: Option<PathBuf>,
+    /// The function studied; by default the only one, or `dirdyna`.
+    pub function: Option<String>,
+    /// The system of the thesis' Table 3.1 it stands for.
+    pub printed: Option<String>,
+    /// Whether only sweeps that name it have it.
+    #[serde(skip)]
+    pub by_name: bool,
+    /// How equations are generated from a model; files of equations are taken
+    /// as they are.
+    pub style: GenerationStyle,
+}
+
+/// How equations are generated from a model; see [`robovec_dynamics::generate::Options`].
+#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct GenerationStyle {
+    /// The recursion.
+    pub formulation: String,
+    /// What children carry stands before a body's own terms.
+    pub child_first: bool,
+    /// Products are multiplied out as Robotran prints them.
+    pub expanded: bool,
+    /// Sums keep a leading minus.
+    pub leading_signs: bool,
+    /// External forces and torques are included.
+    pub forces: bool,
+    /// Nothing is taken for granted of sines and cosines.
+    pub any_angles: bool,
+    /// Parameters that are zero in the model are kept.
+    pub all_parameters: bool,
+}
+
+/// Which rows of Table 3.1 a pipeline is compared with.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Printed {
+    /// The systems as Robotran wrote them.
+    Original,
+    /// The "modified" systems, changed by hand.
+    Modified,
+}
+
+/// A pipeline of a study.
+#[derive(Clone, Debug)]
+pub struct NamedPipeline {
+    /// Its name in results.
+    pub name: String,
+    /// The pipeline.
+    pub pipeline: Pipeline,
+    /// The rows of the thesis it is compared with.
+    pub printed: Option<Printed>,
+}
+
+/// A machine of a study.
+#[derive(Clone, PartialEq, Debug)]
+pub struct NamedMachine {
+    /// Its name in results.
+    pub name: String,
+    /// The machine.
+    pub machine: Machine,
+    /// Stages of adders and multipliers, for the couples of Table 1.3.
+    pub couple: Option<[u32; 2]>,
+}
+
+impl NamedMachine {
+    /// The clock that the study counts with: what was published of the
+    /// machine, else the estimate.
+    pub fn clock(&self) -> MachineClock {
+        hardware::published_clock(&self.machine)
+    }
+}
+
+/// One placement.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct PlacementRequest {
+    /// Index of the model.
+    pub model: usize,
+    /// Index of the pipeline.
+    pub pipeline: usize,
+    /// Index of the machine.
+    pub machine: usize,
+    /// Adders.
+    pub n_add: u32,
+    /// Multipliers.
+    pub n_multi: u32,
+    /// Order of placement.
+    pub priority: PriorityKey,
+    /// Choice among free elements.
+    pub choice: ChoiceKey,
+}
+
+/// [`Priority`], ordered, so that placements can be sorted.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PriorityKey {
+    /// [`Priority::Best`].
+    Best,
+    /// [`Priority::Alap`].
+    Alap,
+    /// [`Priority::FanOut`].
+    FanOut,
+    /// [`Priority::Mobility`].
+    Mobility,
+}
+
+/// [`ElementChoice`], ordered, so that placements can be sorted.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ChoiceKey {
+    /// [`ElementChoice::Preferential`].
+    Preferential,
+    /// [`ElementChoice::First`].
+    First,
+}
+
+impl PlacementRequest {
+    /// True for the order and the choice of ordinary figures.
+    pub fn is_usual(&self) -> bool {
+        self.priority == PriorityKey::Best && self.choice == ChoiceKey::Preferential
+    }
+
+    /// The options of the placer.
+    pub fn options(&self) -> PlaceOptions {
+        PlaceOptions {
+            priority: match self.priority {
+                PriorityKey::Best => Priority::Best,
+                PriorityKey::Alap => Priority::Alap,
+                PriorityKey::FanOut => Priority::FanOut,
+                PriorityKey::Mobility => Priority::Mobility,
+            },
+            choice: match self.choice {
+                ChoiceKey::Preferential => ElementChoice::Preferential,
+                ChoiceKey::First => ElementChoice::First,
+            },
+        }
+    }
+}
+
+/// What the command line asks for in place of the plan's own choices.
+#[derive(Clone, PartialEq, Eq, Default, Debug)]
+pub struct Selection {
+    /// The folder of the plan's file, `None` for a built-in plan.
+    pub folder: Option<PathBuf>,
+    /// Models of the plan, or sources of others.
+    pub models: Option<Vec<String>>,
+    /// Pipelines of the plan, or pipelines as text.
+    pub pipelines: Option<Vec<String>>,
+    /// Machines.
+    pub machines: Option<Vec<String>>,
+    /// Elements of each kind.
+    pub elements: Option<Vec<u32>>,
+}

@@ -1,0 +1,254 @@
+//! What the study means, in plain words, computed from its points.
+
+use super::cost;
+use super::knee::{Knee, Split, knee};
+use super::program::ProgramFacts;
+use super::results::Results;
+use super::variants;
+use super::zone::{BUSY, SATURATED};
+use robovec_codegen::hardware::MachineClock;
+use robovec_error::yardstick::account::measure_text;
+use robovec_ir::diagnostic::counted;
+use robovec_present::number::{exponential, percent};
+use serde::Serialize;
+
+/// The verdict about one program.
+#[derive(Clone, Debug, Serialize)]
+pub struct StudyVerdict {
+    /// The model.
+    pub model: String,
+    /// The system, which models with other equations share.
+    pub system: String,
+    /// What tells its equations from others of the system.
+    pub formulation: String,
+    /// The pipeline.
+    pub pipeline: String,
+    /// The answer in one sentence.
+    pub answer: String,
+    /// What that takes of the device, and how wrong it is.
+    pub cost: String,
+    /// Why, sentence by sentence.
+    pub reasons: Vec<String>,
+    /// The three zones: name, range of elements, what limits them.
+    pub zones: Vec<[String; 3]>,
+    /// The figures behind it.
+    pub knee: Knee,
+}
+
+/// The verdict about every program on the machine of the ordinary figures:
+/// the headline model first.
+pub fn verdicts(results: &Results) -> Vec<StudyVerdict> {
+    let Some(machine) = results.main_machine() else {
+        return Vec::new();
+    };
+    let headline = results.plan.headline;
+    let others = (0..results.plan.models.len()).filter(|&model| model != headline);
+    let models = std::iter::once(headline).chain(others);
+    let pipelines = results.plan.pipelines.len();
+    let pairs = models.flat_map(|model| (0..pipelines).map(move |pipeline| (model, pipeline)));
+    pairs
+        .filter_map(|(model, pipeline)| verdict(results, model, pipeline, machine))
+        .collect()
+}
+
+fn verdict(
+    results: &Results,
+    model: usize,
+    pipeline: usize,
+    machine: usize,
+) -> Option<StudyVerdict> {
+    let facts = results.program(model, pipeline, machine)?;
+    let knee = knee(results, model, pipeline, machine)?;
+    let clock = results.plan.machines[machine].clock();
+    let subject = &results.plan.models[model];
+    Some(StudyVerdict {
+        model: facts.model.clone(),
+        system: subject.source.clone(),
+        formulation: variants::label(subject),
+        pipeline: facts.pipeline.clone(),
+        answer: answer(facts, &knee, clock),
+        cost: cost(facts, &knee),
+        reasons: reasons(facts, &knee, clock),
+        zones: zones(facts, &knee),
+        knee,
+    })
+}
+
+fn microseconds(cycles: u32, clock: MachineClock) -> String {
+    format!("{:.2} µs", clock.microseconds(cycles))
+}
+
+fn elements(split: &Split) -> String {
+    format!(
+        "{} and {}",
+        counted(split.n_add, "adder"),
+        counted(split.n_multi, "multiplier")
+    )
+}
+
+fn answer(facts: &ProgramFacts, knee: &Knee, clock: MachineClock) -> String {
+    let model = &facts.model;
+    match (&knee.cheapest, &knee.fastest) {
+        (Some(best), _) => {
+            let gain = 100.0 * (f64::from(best.cycles) / f64::from(knee.chain.max(1)) - 1.0);
+            let beyond = if gain <= 0.0 {
+                "no number of elements is faster".to_owned()
+            } else {
+                format!(
+                    "no number of elements is more than {:.1} % faster",
+                    gain.max(0.1)
+                )
+            };
+            // Between two numbers that were tried the knee may lie anywhere.
+            let worth = match &knee.below {
+                Some(below) if !knee.is_exact => format!(
+                    "more than {} and at most {} processing elements (of those tried)",
+                    below.elements(),
+                    best.elements()
+                ),
+                _ => counted(best.elements(), "processing element"),
+            };
+            format!(
+                "{model} is worth {worth}: {}. They compute it in {}, {} \
+                 at {}; {beyond}.",
+                elements(best),
+                counted(best.cycles, "cycle"),
+                microseconds(best.cycles, clock),
+                clock.text(),
+            )
+        }
+        (None, Some(fastest)) => format!(
+            "{model} is worth more than the {} processing elements that were tried ({}): they \
+             take {}, {} at {}, and the longest chain of operations takes {}.",
+            fastest.elements(),
+            elements(fastest),
+            counted(fastest.cycles, "cycle"),
+            microseconds(fastest.cycles, clock),
+            clock.text(),
+            knee.chain,
+        ),
+        (None, None) => format!("{model} could not be placed."),
+    }
+}
+
+/// The share of the device and the errors of what the answer is about.
+fn cost(facts: &ProgramFacts, knee: &Knee) -> String {
+    let Some(best) = knee.cheapest.or(knee.fastest) else {
+        return String::new();
+    };
+    let [median, worst] = cost::errors(facts);
+    format!(
+        "They take {} of the device (estimated). Errors in binary32: median {}, worst {} {}.",
+        percent(best.share),
+        exponential(median),
+        exponential(worst),
+        measure_text(&cost::states(facts)),
+    )
+}
+
+fn reasons(facts: &ProgramFacts, knee: &Knee, clock: MachineClock) -> Vec<String> {
+    let share = 100.0 * facts.mul as f64 / facts.operations.max(1) as f64;
+    let mut reasons = vec![
+        format!(
+            "It has {}, {share:.0} % of them multiplications. The longest chain of \
+             operations that wait for one another has {} and takes {}, {}: nothing computes it faster, however many elements there are.",
+            counted(facts.operations, "operation"),
+            counted(facts.asap, "operation"),
+            counted(facts.asap_cycle, "cycle"),
+            microseconds(facts.asap_cycle, clock),
+        ),
+        format!(
+            "Shared evenly, the operations would keep {:.1} elements busy for that long (the \
+             thesis' number Y). That is where more elements begin to be idle.",
+            facts.number_y(),
+        ),
+    ];
+    if let (Some(cheapest), Some(equal)) = (&knee.cheapest, &knee.equal)
+        && cheapest.elements() < equal.elements()
+    {
+        reasons.push(format!(
+            "With as many adders as multipliers it takes {} elements instead of {}, because the \
+             two kinds of operations are not equally many.",
+            equal.elements(),
+            cheapest.elements(),
+        ));
+    }
+    if let (Some(single), Some(best)) = (&knee.single, knee.cheapest.or(knee.fastest)) {
+        reasons.push(format!(
+            "One adder and one multiplier take {} ({}). {} elements are {:.1} times as \
+             fast, and busy {:.0} % of the time instead of {:.0} %.",
+            counted(single.cycles, "cycle"),
+            microseconds(single.cycles, clock),
+            best.elements(),
+            f64::from(single.cycles) / f64::from(best.cycles.max(1)),
+            100.0 * best.rate,
+            100.0 * single.rate,
+        ));
+    }
+    reasons
+}
+
+/// The three zones in equal numbers of adders and multipliers.
+fn zones(facts: &ProgramFacts, knee: &Knee) -> Vec<[String; 3]> {
+    let scarce = if facts.mul >= facts.add_sub {
+        "multipliers"
+    } else {
+        "adders"
+    };
+    let range = |from: u32, to: u32| {
+        if from >= to {
+            counted(to, "element")
+        } else {
+            format!("{from} to {to} elements")
+        }
+    };
+    let busy = knee.busiest.map_or(0, |split| split.elements());
+    let saturated = knee.equal.map(|split| split.elements());
+    let parallel = match busy {
+        0 => "none of those tried".to_owned(),
+        busy => range(knee.single.map_or(busy, |_| 2), busy),
+    };
+    let between = match saturated {
+        // Equal numbers come in steps of two.
+        Some(saturated) if knee.is_exact && saturated <= busy + 2 => "none".to_owned(),
+        Some(saturated) if knee.is_exact => range(busy + 2, saturated - 2),
+        Some(saturated) => format!("between {busy} and {saturated} elements"),
+        None => format!("more than {busy} elements"),
+    };
+    let transition = match saturated {
+        Some(saturated) if between == "none" => format!(
+            "the step from {busy} to {saturated} elements leads over it: the placer keeps elements \
+             busy until the longest chain decides"
+        ),
+        _ => "limited by both: elements wait for operands in some cycles, and operands for \
+              elements in others"
+            .to_owned(),
+    };
+    let full = match saturated {
+        Some(saturated) => format!("{saturated} elements and more"),
+        None => "none of those tried".to_owned(),
+    };
+    let zone = |name: &str, range: String, why: String| [name.to_owned(), range, why];
+    vec![
+        zone(
+            "Parallelisation",
+            parallel,
+            format!(
+                "limited by the {scarce}: they start an operation in at least {:.0} % of all \
+                 cycles, so that every further one shortens the run",
+                100.0 / BUSY
+            ),
+        ),
+        zone("Transition", between, transition),
+        zone(
+            "Saturation",
+            full,
+            format!(
+                "limited by the longest chain: within {:.0} % of its {} cycles, more elements \
+                 are idle elements",
+                100.0 * (SATURATED - 1.0),
+                knee.chain
+            ),
+        ),
+    ]
+}

@@ -1,0 +1,231 @@
+//! What series for sines and cosines do to the results of a model.
+//!
+//! [`measure`] replaces the sines and cosines of a function by polynomials,
+//! for several orders and ranges of the joints, and compares the outputs with
+//! those of true sines and cosines at random states. The error of a series is
+//! a modelling error that reaches every output, and mostly far above rounding
+//! (thesis 1.2.2, remark); beside each other in one table it is seen where
+//! one takes over from the other. [`view`] shows the result.
+
+mod view;
+
+pub use view::{figure, table, text};
+
+use crate::program::transformed;
+use robovec_analysis::critical_path::critical_path;
+use robovec_dynamics::kinematics::{InputSources, MotionState};
+use robovec_error::yardstick::{ErrorSpread, Unmeasurable, Yardstick};
+use robovec_framework::manager::RunError;
+use robovec_framework::options::OptionValue;
+use robovec_ir::states::{Ranges, States};
+use robovec_ir::{Format, Input, Machine, Module, View};
+use robovec_model::Model;
+use robovec_num::soft_float::FormatArithmetic;
+use robovec_passes::registry::REGISTRY;
+use robovec_passes::trigonometry::{AngleOption, CircularMethod, Trigonometry};
+use std::sync::Arc;
+
+/// What is measured.
+#[derive(Clone, Debug)]
+pub struct TrigonometrySetting {
+    /// How sines and cosines are computed.
+    pub method: CircularMethod,
+    /// Orders of the polynomials.
+    pub orders: Vec<u32>,
+    /// Ranges of the joints, of either sign, rad (and m, where they slide).
+    pub angles: Vec<f64>,
+    /// How often angles are halved.
+    pub halvings: u32,
+    /// The format the outputs are computed in.
+    pub format: Format,
+    /// Random states of each range.
+    pub states: u32,
+    /// Where they come from.
+    pub seed: u64,
+}
+
+/// The outputs of one function for one range and one way to compute sines.
+#[derive(Clone, PartialEq, Debug)]
+pub struct TrigonometryRow {
+    /// The range of the joints.
+    pub angle: f64,
+    /// The order; `None` for true sines and cosines.
+    pub order: Option<u32>,
+    /// Proved largest errors of sine and cosine on the range.
+    pub proved: [f64; 2],
+    /// Operations of the function, and its longest path in cycles.
+    pub size: [u32; 2],
+    /// For each output array the largest error of an element in a state over
+    /// the largest element in that state.
+    pub errors: Vec<ErrorSpread>,
+}
+
+/// All rows of one function.
+#[derive(Clone, PartialEq, Debug)]
+pub struct TrigonometryEffect {
+    /// The function, or the model and the function.
+    pub name: String,
+    /// Names of its output arrays.
+    pub arrays: Vec<String>,
+    /// One row for every range and order.
+    pub rows: Vec<TrigonometryRow>,
+}
+
+/// Why nothing was measured.
+#[derive(Debug, thiserror::Error)]
+pub enum MeasureError {
+    /// A pass failed.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// The passes made another function.
+    #[error(transparent)]
+    Unmeasurable(#[from] Unmeasurable),
+    /// The model does not have an input of the equations.
+    #[error("the model has no {0}")]
+    Input(String),
+}
+
+/// Measures every function of a module. Parameters are those of the model
+/// when there is one, else random ones; so are velocities and forces.
+///
+/// # Errors
+///
+/// When a pass fails, or the equations are not the model's.
+pub fn measure(
+    name: &str,
+    module: &Module,
+    model: Option<&Model>,
+    machine: &Machine,
+    setting: &TrigonometrySetting,
+) -> Result<Vec<TrigonometryEffect>, MeasureError> {
+    let mut machine = machine.clone();
+    machine.number = setting.format;
+    let mut effects: Vec<TrigonometryEffect> = Vec::new();
+    for function in &module.functions {
+        let arrays = function.outputs().iter();
+        effects.push(TrigonometryEffect {
+            name: match module.functions.len() {
+                1 => name.to_owned(),
+                _ => format!("{name} {}", function.name),
+            },
+            arrays: arrays
+                .map(|array| module.tables.symbols.text(array.name).to_owned())
+                .collect(),
+            rows: Vec::new(),
+        });
+    }
+    for &angle in &setting.angles {
+        let exact = module
+            .functions
+            .iter()
+            .map(|function| {
+                let tables = &module.tables;
+                yardstick(View { tables, function }, model, angle, setting)
+            })
+            .collect::<Result<Vec<Yardstick>, MeasureError>>()?;
+        let orders = std::iter::once(None).chain(setting.orders.iter().copied().map(Some));
+        for order in orders {
+            let replaced = match order {
+                None => module.clone(),
+                Some(order) => replaced(module, &machine, setting, order, angle)?,
+            };
+            let proved = match order {
+                None => [0.0; 2],
+                Some(order) => proved(&machine, setting, order, angle),
+            };
+            for ((effect, function), exact) in
+                effects.iter_mut().zip(&replaced.functions).zip(&exact)
+            {
+                let view = View {
+                    tables: &replaced.tables,
+                    function,
+                };
+                let path = critical_path(function, &machine).asap_cycle;
+                let counts = robovec_ir::count::Counts::of(function);
+                effect.rows.push(TrigonometryRow {
+                    angle,
+                    order,
+                    proved,
+                    size: [counts.operations as u32, path],
+                    errors: exact.errors(view, setting.format)?.arrays,
+                });
+            }
+        }
+    }
+    Ok(effects)
+}
+
+fn replaced(
+    module: &Module,
+    machine: &Machine,
+    setting: &TrigonometrySetting,
+    order: u32,
+    angle: f64,
+) -> Result<Module, RunError> {
+    let (method, range) = (setting.method.print(), AngleOption(angle).print());
+    let halvings = setting.halvings;
+    let text = format!(
+        "trigonometry{{method={method} order={order} range={range} halvings={halvings}}},\
+         atomise,fold,cse,dce"
+    );
+    let pipeline = REGISTRY
+        .pipeline(&text)
+        .expect("made of known passes and options");
+    transformed(module, &pipeline, machine, None)
+}
+
+/// The proved errors of sine and cosine; an order that is given always gives
+/// polynomials.
+fn proved(machine: &Machine, setting: &TrigonometrySetting, order: u32, angle: f64) -> [f64; 2] {
+    let pass = Trigonometry {
+        method: setting.method,
+        order,
+        halvings: setting.halvings,
+        ..Trigonometry::default()
+    };
+    let found = pass.polynomials(machine, angle);
+    found.map_or([f64::INFINITY; 2], |(_, errors)| errors)
+}
+
+/// The exact outputs at random states. The exact function starts from the
+/// numbers the format has.
+fn yardstick(
+    view: View<'_>,
+    model: Option<&Model>,
+    angle: f64,
+    setting: &TrigonometrySetting,
+) -> Result<Yardstick, MeasureError> {
+    let ranges = ranges(view, model, angle)?;
+    let source = States::new(setting.seed).within(Arc::new(ranges));
+    let arithmetic = FormatArithmetic::new(setting.format);
+    let state = |index| {
+        let state = source.draw(view, index).into_iter();
+        state.map(|number| arithmetic.convert(number)).collect()
+    };
+    let states = (0..setting.states.max(1)).map(state).collect();
+    Ok(Yardstick::at(view, states))
+}
+
+/// Joints within the range, parameters as the model has them.
+fn ranges(view: View<'_>, model: Option<&Model>, angle: f64) -> Result<Ranges, MeasureError> {
+    let mut ranges = Ranges::default();
+    let parameters = match model {
+        None => None,
+        Some(model) => {
+            let inputs = InputSources::new(model, view).map_err(MeasureError::Input)?;
+            Some(inputs.gather(&MotionState::initial(model)))
+        }
+    };
+    for index in 0..view.function.input_len() {
+        let (array, indices, _) = view.function.input_element(Input(index as u32));
+        let name = view.tables.symbols.text(array.name);
+        match (name, &parameters) {
+            ("q", _) => ranges.set(name, indices, -angle, angle),
+            ("dpt" | "l" | "m" | "In" | "g" | "lrod", Some(parameters)) => {
+                ranges.set(name, indices, parameters[index], parameters[index]);
+            }
+            _ => {}
+        }
+    }
+    Ok(ranges)
+}

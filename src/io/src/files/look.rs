@@ -1,0 +1,174 @@
+//! The kind of a file, by its first bytes, for messages about a file that a
+//! command cannot take.
+//!
+//! **Invariant.** A file that the reader of its kind would take looks like
+//! that kind or like nothing in particular.
+
+use super::limited::FileKind;
+
+/// Number of bytes at the beginning of a file that show its kind.
+const HEAD: usize = 4096;
+
+/// First bytes of files that hold no text.
+const BINARY: [(&[u8], &str); 11] = [
+    (b"\x89PNG", "a PNG image"),
+    (b"\xff\xd8\xff", "a JPEG image"),
+    (b"GIF8", "a GIF image"),
+    (b"%PDF-", "a PDF document"),
+    (b"\x7fELF", "a compiled program"),
+    (b"!<arch>", "a library of compiled code"),
+    (
+        b"PK\x03\x04",
+        "a ZIP archive (as .docx and .xlsx files are)",
+    ),
+    (b"\x1f\x8b", "a gzip archive"),
+    (b"\xfd7zXZ", "an xz archive"),
+    (b"\x28\xb5\x2f\xfd", "a zstd archive"),
+    (b"\x93NUMPY", "an array of NumPy"),
+];
+
+/// Tables and keys that only files of one kind have in TOML.
+const TABLES: [(FileKind, &[&str]); 4] = [
+    (FileKind::Machine, &["[[element]]", "clock_mhz ="]),
+    (FileKind::Plan, &["[[sweep]]", "[[pipeline]]"]),
+    (
+        FileKind::Laws,
+        &[
+            "[[joint]]",
+            "[[link]]",
+            "[[force]]",
+            "[[contact]]",
+            "[[driven]]",
+            "[[event]]",
+        ],
+    ),
+    (
+        FileKind::Scene,
+        &[
+            "[[output]]",
+            "[range]",
+            "[bind]",
+            "model = \"",
+            "equations = \"",
+        ],
+    ),
+];
+
+/// The looks of a file.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum FileLook {
+    /// Nothing, or white space.
+    Empty,
+    /// A kind that some command takes.
+    Known(FileKind),
+    /// TOML of no kind in particular.
+    Toml,
+    /// JSON, of which some is hardware.
+    Json,
+    /// XML without the first element of a model.
+    Xml,
+    /// Something that no command takes.
+    Foreign(&'static str),
+    /// Nothing in particular.
+    Unknown,
+}
+
+/// The looks of a file of a name.
+pub(super) fn look(name: &str, bytes: &[u8]) -> FileLook {
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        return FileLook::Empty;
+    }
+    if let Some((_, what)) = BINARY.iter().find(|(first, _)| bytes.starts_with(first)) {
+        return FileLook::Foreign(what);
+    }
+    if name.ends_with(".md") {
+        return FileLook::Foreign("a text for people");
+    }
+    let bytes = &bytes[..bytes.len().min(HEAD)];
+    let is_utf16 = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
+    if bytes.contains(&0) && !is_utf16 {
+        return FileLook::Foreign("data that is no text");
+    }
+    let text = String::from_utf8_lossy(bytes);
+    let text = text.trim_start_matches('\u{feff}');
+    let found = markup(text)
+        .or_else(|| list(text))
+        .or_else(|| toml(name, text));
+    found
+        .or_else(|| lines(text))
+        .or_else(|| {
+            robovec_robotran::is_equations(name, text)
+                .then_some(FileLook::Known(FileKind::Equations))
+        })
+        .unwrap_or(FileLook::Unknown)
+}
+
+fn markup(text: &str) -> Option<FileLook> {
+    let text = text.trim_start();
+    if !text.starts_with('<') {
+        return None;
+    }
+    let models = ["<mbsDescR7", "<robot"];
+    let lower = text.to_ascii_lowercase();
+    Some(if models.iter().any(|first| text.contains(first)) {
+        FileLook::Known(FileKind::Model)
+    } else if lower.starts_with("<!doctype html") || lower.contains("<html") {
+        FileLook::Foreign("a page of HTML")
+    } else if lower.contains("<svg") {
+        FileLook::Foreign("an SVG image")
+    } else {
+        FileLook::Xml
+    })
+}
+
+/// Parenthesised text.
+fn list(text: &str) -> Option<FileLook> {
+    let mut lines = text.lines().map(str::trim_start);
+    let first = lines.find(|line| !line.is_empty() && !line.starts_with([';', '#']))?;
+    let heads = [
+        "(FPCore",
+        "(rewrite",
+        "(birewrite",
+        "(datatype",
+        "(define-rule",
+    ];
+    Some(
+        match heads.iter().position(|head| first.starts_with(head))? {
+            0 => FileLook::Known(FileKind::Equations),
+            _ => FileLook::Known(FileKind::ForeignRules),
+        },
+    )
+}
+
+fn toml(name: &str, text: &str) -> Option<FileLook> {
+    let is_named = name.ends_with(".toml");
+    let mut lines = text.lines().map(str::trim);
+    if !is_named && !lines.clone().any(|line| line.starts_with("[[")) {
+        return None;
+    }
+    let has = |mark: &&str| lines.clone().any(|line| line.starts_with(mark));
+    let kind = TABLES.iter().find(|(_, marks)| marks.iter().any(has));
+    let is_toml = |line: &str| line.starts_with('[') || line.contains(" = ");
+    match kind {
+        Some((kind, _)) => Some(FileLook::Known(*kind)),
+        None if lines.any(is_toml) && is_named => Some(FileLook::Toml),
+        None => None,
+    }
+}
+
+/// What a line gives away.
+fn lines(text: &str) -> Option<FileLook> {
+    let is_code = |line: &&str| !line.is_empty() && !line.starts_with('#');
+    let mut lines = text.lines().map(str::trim).filter(is_code);
+    let first = lines.next()?;
+    if first.starts_with("// robovec ") || text.starts_with("// RUN:") {
+        return Some(FileLook::Known(FileKind::Equations));
+    }
+    if first == "state" {
+        return Some(FileLook::Known(FileKind::States));
+    }
+    if first.starts_with("rule ") && first.contains(':') {
+        return Some(FileLook::Known(FileKind::Rules));
+    }
+    (first.starts_with('{') && (first.contains('"') || first == "{")).then_some(FileLook::Json)
+}

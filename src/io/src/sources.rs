@@ -1,0 +1,290 @@
+//! Files that hold equations, models, machines and other texts, from path to value.
+//!
+//! **Invariant.** A file is read up to the limit of its kind, and a failure is a
+//! report that points into the text where it can. What a reader remarked is
+//! returned; telling it is left to the caller.
+
+use crate::files::limited::{self, FileLimit};
+use robovec_ir::diagnostic::{Diagnostic, Label, Report, did_you_mean};
+use robovec_ir::machine::{self, MachineError};
+use robovec_ir::states::Ranges;
+use robovec_ir::{Format, Machine, Module, parse};
+use robovec_model::mbs::{ReadModel, read_mbs};
+use robovec_model::urdf::{RobotBase, RobotReading, read_urdf};
+use robovec_model::{Model, family};
+use robovec_robotran::Language;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+/// A language that equations are written in.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum EquationLanguage {
+    /// robovec's own text.
+    Rvir,
+    /// FPCore, which tools for rounding errors exchange.
+    Fpcore,
+    /// One that Robotran writes.
+    Robotran(Language),
+}
+
+/// Equations as read.
+#[derive(Debug)]
+pub struct ReadEquations {
+    /// The functions.
+    pub module: Module,
+    /// Name of the file, without its folder.
+    pub name: String,
+    /// The ranges that the file gives its inputs.
+    pub ranges: Ranges,
+    /// The format that the file computes in, where it names one.
+    pub format: Option<Format>,
+    /// What the reader remarked.
+    pub warnings: Report,
+}
+
+/// Name of a file in messages: only the last part, so that results do not
+/// depend on where one stands; `<stdin>` for `-`.
+pub fn display_name(path: &Path) -> String {
+    if path == Path::new("-") {
+        return "<stdin>".to_owned();
+    }
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
+/// Reads equations; without a language, in the one that name and text show.
+/// Of a file of FPCore the function of a name is read, of others all are.
+///
+/// # Errors
+///
+/// Says why the file is not read, where its text is wrong, or that no function
+/// sets an output.
+pub fn equations(
+    path: &Path,
+    language: Option<EquationLanguage>,
+    function: Option<&str>,
+) -> Result<ReadEquations, Report> {
+    let read = equations_or_stubs(path, language, function)?;
+    let functions = &read.module.functions;
+    if functions
+        .iter()
+        .any(|function| !function.assignments.is_empty())
+    {
+        return Ok(read);
+    }
+    let note = match functions.iter().all(|function| function.nodes().is_empty()) {
+        true => "the generator leaves such a stub when the model has nothing for this function",
+        false => {
+            "an equation sets an output when it sets an element of an array, as 'c[1] = …'; other \
+             names are temporaries"
+        }
+    };
+    let message = format!("{} sets no output", read.name);
+    Err(Report::error(message, vec![note.to_owned()]))
+}
+
+/// Does as [`equations`], and takes files whose functions set no output.
+///
+/// # Errors
+///
+/// Says why the file is not read, or where its text is wrong.
+pub fn equations_or_stubs(
+    path: &Path,
+    language: Option<EquationLanguage>,
+    function: Option<&str>,
+) -> Result<ReadEquations, Report> {
+    let bytes = limited::read(path, &limited::EQUATIONS)?;
+    let name = display_name(path);
+    let looks_own = || name.ends_with(".rvir") || bytes.starts_with(b"// robovec ");
+    let looks_core = || name.ends_with(".fpcore") || bytes.starts_with(b"(FPCore");
+    let language = match language {
+        Some(EquationLanguage::Robotran(language)) => Some(language),
+        Some(EquationLanguage::Rvir) => return own_text(name, bytes),
+        Some(EquationLanguage::Fpcore) => return core(name, bytes, function),
+        None if looks_own() => return own_text(name, bytes),
+        None if looks_core() => return core(name, bytes, function),
+        None => None,
+    };
+    let read = robovec_robotran::read(&name, &bytes, language).map_err(|error| error.report)?;
+    Ok(ReadEquations {
+        module: read.module,
+        name,
+        ranges: Ranges::default(),
+        format: None,
+        warnings: read.warnings,
+    })
+}
+
+fn core(name: String, bytes: Vec<u8>, function: Option<&str>) -> Result<ReadEquations, Report> {
+    let text = utf8(&name, bytes).map_err(|message| Report::error(message, Vec::new()))?;
+    let read = robovec_fpcore::read(&name, &text, function)?;
+    Ok(ReadEquations {
+        module: read.module,
+        name,
+        ranges: read.ranges,
+        format: read.format,
+        warnings: read.warnings,
+    })
+}
+
+fn own_text(name: String, bytes: Vec<u8>) -> Result<ReadEquations, Report> {
+    let text = utf8(&name, bytes).map_err(|message| {
+        let note = "robovec's own text is UTF-8; is this another kind of file?".to_owned();
+        Report::error(message, vec![note])
+    })?;
+    match parse::parse_module(&name, &text) {
+        Ok(module) if module.functions.is_empty() => {
+            let note = "robovec's own text holds functions; see docs/text-format.md".to_owned();
+            Err(Report::error(
+                format!("{name} holds no function"),
+                vec![note],
+            ))
+        }
+        Ok(module) => Ok(ReadEquations {
+            module,
+            name,
+            ranges: Ranges::default(),
+            format: None,
+            warnings: Report::new(),
+        }),
+        Err(diagnostics) => Err(Report::of(&name, text, diagnostics)),
+    }
+}
+
+/// True while robots move freely.
+static FLOATING: AtomicBool = AtomicBool::new(false);
+
+/// The bits of [`RobotReading::right_angle`].
+static RIGHT_ANGLE: AtomicU64 = AtomicU64::new(0);
+
+/// Sets how robots are read from now on, in the whole process; as
+/// [`RobotReading::default`] where nothing is said.
+pub fn set_reading(reading: RobotReading) {
+    FLOATING.store(reading.base == RobotBase::Floating, Ordering::Relaxed);
+    RIGHT_ANGLE.store(reading.right_angle.to_bits(), Ordering::Relaxed);
+}
+
+/// Reads a model, a `.mbs` or a URDF file, a robot as [`set_reading`] said.
+///
+/// # Errors
+///
+/// Says why the file is not read, or where its text is wrong.
+pub fn model(path: &Path) -> Result<ReadModel, Report> {
+    if let Some(model) = built_in_name(path).and_then(family::built_in) {
+        return Ok(ReadModel {
+            model,
+            warnings: Report::new(),
+            left_out: Report::new(),
+        });
+    }
+    let bytes = limited::read(path, &limited::MODEL)?;
+    let name = display_name(path);
+    let base = match FLOATING.load(Ordering::Relaxed) {
+        true => RobotBase::Floating,
+        false => RobotBase::Fixed,
+    };
+    let read = match is_urdf(&name, &bytes) {
+        true => {
+            let right_angle = f64::from_bits(RIGHT_ANGLE.load(Ordering::Relaxed));
+            read_urdf(&name, &bytes, RobotReading { base, right_angle })
+        }
+        false => read_mbs(&name, &bytes),
+    };
+    read.map_err(|error| error.report)
+}
+
+/// True for the name of a model file, or of a built-in model.
+pub fn is_model_path(path: &Path) -> bool {
+    let is = |kind: &str| {
+        path.extension()
+            .is_some_and(|extension| extension.eq_ignore_ascii_case(kind))
+    };
+    is("mbs") || is("urdf") || built_in_name(path).is_some()
+}
+
+/// The name of a built-in model (`bogie`, `serial-23`) that stands in the place
+/// of a file; a file of that name goes before it.
+fn built_in_name(path: &Path) -> Option<&str> {
+    let name = path.to_str()?;
+    (family::is_built_in(name) && !path.exists()).then_some(name)
+}
+
+/// The ranges of positions that a model limits, those of the model's joints.
+pub fn limits_of_joints(model: &Model) -> Ranges {
+    let mut ranges = Ranges::default();
+    for (index, joint) in model.joints.iter().enumerate() {
+        if let Some([least, most]) = joint.limits {
+            ranges.set("q", [index as u32 + 1, 0], least, most);
+        }
+    }
+    ranges
+}
+
+/// How far into a file its first element is looked for.
+const HEAD: usize = 4096;
+
+/// True for a URDF file, by its name or else its first element.
+pub fn is_urdf(name: &str, bytes: &[u8]) -> bool {
+    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(HEAD)]);
+    name.ends_with(".urdf") || (!name.ends_with(".mbs") && head.contains("<robot"))
+}
+
+/// Reads a text of a kind.
+///
+/// # Errors
+///
+/// Says why the file is not read, or which byte is no UTF-8.
+pub fn text(path: &Path, limit: &FileLimit) -> Result<String, Report> {
+    let bytes = limited::read(path, limit)?;
+    let name = path.display().to_string();
+    utf8(&name, bytes).map_err(|message| Report::error(message, Vec::new()))
+}
+
+/// The machine of a name, or of a file.
+///
+/// # Errors
+///
+/// Says which machines there are, or where the file is wrong.
+pub fn machine(name: &str) -> Result<Machine, Report> {
+    if let Some(machine) = Machine::built_in(name) {
+        return Ok(machine);
+    }
+    let path = Path::new(name);
+    if path.extension().is_none() && !path.exists() {
+        let names: Vec<&str> = machine::BUILT_IN.iter().map(|(name, _)| *name).collect();
+        let mut notes: Vec<String> = did_you_mean(name, names.iter().copied())
+            .map(|near| format!("did you mean '{near}'?"))
+            .into_iter()
+            .collect();
+        notes.push(format!("machines: {}, or a .toml file", names.join(", ")));
+        return Err(Report::error(
+            format!("there is no machine '{name}'"),
+            notes,
+        ));
+    }
+    let text = String::from_utf8_lossy(&limited::read(path, &limited::MACHINE)?).into_owned();
+    Machine::parse(&text).map_err(|error| {
+        let diagnostic = Diagnostic::error().with_message(error.to_string());
+        let diagnostic = match error {
+            MachineError::Syntax {
+                span: Some(span), ..
+            } => diagnostic.with_labels(vec![Label::primary(0, span)]),
+            MachineError::Syntax { span: None, .. } | MachineError::Meaning(_) => diagnostic
+                .with_labels(vec![
+                    Label::primary(0, 0..0).with_message("in this machine file"),
+                ]),
+        };
+        Report::of(&display_name(path), text, vec![diagnostic])
+    })
+}
+
+fn utf8(name: &str, bytes: Vec<u8>) -> Result<String, String> {
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        format!(
+            "{name} is not UTF-8 text: byte {} does not belong",
+            valid + 1
+        )
+    })?;
+    Ok(robovec_robotran::with_line_feeds(text.into()).into_owned())
+}

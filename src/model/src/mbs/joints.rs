@@ -1,0 +1,151 @@
+//! Joints.
+
+use super::fields::{ElementFields, Messages, place, second};
+use super::number::numbers;
+use super::scope::body_title;
+use crate::{Joint, JointKind, JointMounting, Model, Nature};
+use robovec_ir::diagnostic::{clip, did_you_mean};
+use roxmltree::Node;
+use rustc_hash::FxHashMap;
+use std::ops::Range;
+
+/// Reads a joint of a body; what it hangs on is filled in later.
+pub(super) fn read_joint(
+    node: Node<'_, '_>,
+    body: usize,
+    title: &str,
+    messages: &mut Messages,
+) -> Joint {
+    let one = [
+        "jointname",
+        "type",
+        "nature",
+        "symbols",
+        "initialvalue",
+        "actuated",
+    ];
+    let fields = ElementFields::of(node, &one, &[], messages);
+    let name = fields.name("jointname", &format!("a joint of {title}"), messages);
+    let owner = format!("joint '{}' of {title}", clip(&name));
+    let kind = word(
+        &fields,
+        "type",
+        &owner,
+        JointKind::from_name,
+        messages,
+        || JointKind::ALL.iter().map(|kind| kind.name()).collect(),
+    );
+    let nature = word(
+        &fields,
+        "nature",
+        &owner,
+        Nature::from_name,
+        messages,
+        || Nature::ALL.iter().map(|nature| nature.name()).collect(),
+    );
+    let nature = nature.unwrap_or(Nature::Independent);
+    let (has_velocity, has_acceleration) = symbols(&fields, nature, &owner, messages);
+    let initial = fields.one("initialvalue").map_or([0.0; 3], |initial| {
+        numbers(initial, ["q", "qd", "qdd"], &owner, messages)
+    });
+    Joint {
+        name,
+        kind: kind.unwrap_or(JointKind::ALL[0]),
+        nature,
+        body,
+        parent: None,
+        point: None,
+        has_velocity,
+        has_acceleration,
+        actuated: fields.one("actuated").is_some(),
+        initial,
+        mounting: JointMounting::default(),
+        limits: None,
+        losses: Default::default(),
+    }
+}
+
+/// A word out of a short list; `None`, with an error, for any other.
+fn word<T>(
+    fields: &ElementFields<'_>,
+    field: &str,
+    owner: &str,
+    from_name: impl Fn(&str) -> Option<T>,
+    messages: &mut Messages,
+    names: impl Fn() -> Vec<&'static str>,
+) -> Option<T> {
+    let name = fields.name(field, owner, messages);
+    let value = from_name(&name);
+    if value.is_none() && !name.is_empty() {
+        let names = names();
+        let near = did_you_mean(&name, names.iter().copied());
+        let near = near.map_or(String::new(), |near| format!("did you mean '{near}'? "));
+        messages.error(
+            fields.place_of(field),
+            &format!("{owner} has the unknown {field} '{}'", clip(&name)),
+            "not one that exists",
+            &format!("{near}it is one of: {}", names.join(", ")),
+        );
+    }
+    value
+}
+
+/// Whether velocity and acceleration are symbols. Only a driven joint may do
+/// without, and only by listing those it has: a list that is absent forbids
+/// nothing.
+fn symbols(
+    fields: &ElementFields<'_>,
+    nature: Nature,
+    owner: &str,
+    messages: &mut Messages,
+) -> (bool, bool) {
+    let Some(node) = fields.one("symbols") else {
+        return (true, true);
+    };
+    let listed = ElementFields::of(node, &["q", "qd", "qdd"], &[], messages);
+    let has = |name| listed.one(name).is_some();
+    if nature == Nature::Driven {
+        return (has("qd"), has("qdd"));
+    }
+    if !(has("q") && has("qd") && has("qdd")) {
+        messages.warn(
+            place(node),
+            &format!("{owner} is {} and lists only some symbols", nature.name()),
+            "passed over",
+            "only a driven joint can have a constant zero for qd or qdd",
+        );
+    }
+    (true, true)
+}
+
+/// Refuses two joints of one name: the user's functions find joints by it.
+pub(super) fn repeated_joints(
+    bodies: &[ElementFields<'_>],
+    model: &Model,
+    messages: &mut Messages,
+) {
+    let mut seen: FxHashMap<&str, Range<usize>> = FxHashMap::default();
+    let nodes = bodies.iter().flat_map(|body| body.many("joint"));
+    for (joint, node) in model.joints.iter().zip(nodes) {
+        let name_place = node
+            .children()
+            .find(|child| child.has_tag_name("jointname"))
+            .map_or(0..0, place);
+        if let Some(first) = seen.get(joint.name.as_str()) {
+            if !joint.name.is_empty() {
+                messages.push_error(second(
+                    &format!(
+                        "there are two joints '{}', the second in {}",
+                        clip(&joint.name),
+                        body_title(&model.bodies[joint.body].name)
+                    ),
+                    name_place,
+                    first.clone(),
+                    "give one of them another name",
+                ));
+            }
+        } else {
+            seen.insert(&joint.name, name_place);
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! Rotations and poses in numbers.
+//!
+//! What is a right angle within the rounding of a decimal number of sixteen
+//! digits is taken as one: a cosine of `6e-17` would be an operation. Angles of a
+//! file may be taken as one from farther off ([`to_right_angle`]).
+
+use crate::{Axis, ConstantTurn};
+use std::array::from_fn;
+
+/// A vector.
+pub(super) type Point3 = [f64; 3];
+
+/// What of a number of the size of one is rounding.
+pub(super) const DUST: f64 = 1e-15;
+
+/// The multiple of a right angle that an angle differs from by no more than a
+/// tolerance, rad; otherwise the angle.
+pub(super) fn to_right_angle(angle: f64, tolerance: f64) -> f64 {
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let nearest = (angle / quarter).round() * quarter;
+    match (angle - nearest).abs() <= tolerance {
+        true => nearest,
+        false => angle,
+    }
+}
+
+pub(super) fn add(a: Point3, b: Point3) -> Point3 {
+    from_fn(|i| a[i] + b[i])
+}
+
+pub(super) fn scaled(a: Point3, factor: f64) -> Point3 {
+    a.map(|x| x * factor)
+}
+
+/// A rotation: its matrix takes components in a frame to those in the frame it
+/// stands on.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct Rotation3(pub(super) [[f64; 3]; 3]);
+
+/// Sine and cosine, exact at right angles.
+fn sine_cosine(angle: f64) -> (f64, f64) {
+    let (sine, cosine) = angle.sin_cos();
+    if cosine.abs() <= DUST {
+        (sine.signum(), 0.0)
+    } else if sine.abs() <= DUST && angle != 0.0 && angle.abs() > 1.0 {
+        (0.0, cosine.signum())
+    } else {
+        (sine, cosine)
+    }
+}
+
+impl Rotation3 {
+    pub(super) const IDENTITY: Rotation3 =
+        Rotation3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+
+    /// About an axis.
+    pub(super) fn about(axis: Axis, angle: f64) -> Rotation3 {
+        let (sine, cosine) = sine_cosine(angle);
+        let (b, c) = ((axis.index() + 1) % 3, (axis.index() + 2) % 3);
+        let mut matrix = Rotation3::IDENTITY.0;
+        matrix[b][b] = cosine;
+        matrix[b][c] = -sine;
+        matrix[c][b] = sine;
+        matrix[c][c] = cosine;
+        Rotation3(matrix)
+    }
+
+    /// By yaw about the third axis, then pitch about the new second, then roll
+    /// about the new first.
+    pub(super) fn from_roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> Rotation3 {
+        let about = Rotation3::about;
+        let first = about(Axis::Z, yaw).then(&about(Axis::Y, pitch));
+        first.then(&about(Axis::X, roll))
+    }
+
+    pub(super) fn is_identity(&self) -> bool {
+        *self == Rotation3::IDENTITY
+    }
+
+    /// This rotation, then another one in the frame it gives.
+    pub(super) fn then(&self, other: &Rotation3) -> Rotation3 {
+        if self.is_identity() {
+            return *other;
+        }
+        let product: [[f64; 3]; 3] = from_fn(|row| {
+            from_fn(|column| (0..3).map(|k| self.0[row][k] * other.0[k][column]).sum())
+        });
+        Rotation3(product.map(|row| row.map(|x: f64| if x.abs() <= DUST { 0.0 } else { x })))
+    }
+
+    /// A vector of the frame in the axes of the one it stands on.
+    pub(super) fn apply(&self, vector: Point3) -> Point3 {
+        from_fn(|row| (0..3).map(|k| self.0[row][k] * vector[k]).sum())
+    }
+
+    pub(super) fn inverse(&self) -> Rotation3 {
+        Rotation3(from_fn(|row| from_fn(|column| self.0[column][row])))
+    }
+
+    /// The rotation of constant turns, one after the other.
+    pub(super) fn of_turns(turns: &[ConstantTurn]) -> Rotation3 {
+        let start = Rotation3::IDENTITY;
+        turns.iter().fold(start, |before, turn| {
+            before.then(&Rotation3::about(turn.axis, turn.angle))
+        })
+    }
+
+    /// Turns about axes that give the rotation: yaw, pitch and roll without
+    /// those that are zero.
+    pub(super) fn turns(&self) -> Vec<ConstantTurn> {
+        let m = &self.0;
+        let pitch = (-m[2][0]).atan2(m[0][0].hypot(m[1][0]));
+        let (yaw, roll) = if m[0][0].hypot(m[1][0]) <= 4.0 * DUST {
+            // Only the sum or difference of yaw and roll is determined.
+            ((-m[0][1]).atan2(m[1][1]), 0.0)
+        } else {
+            (m[1][0].atan2(m[0][0]), m[2][1].atan2(m[2][2]))
+        };
+        let all = [(Axis::Z, yaw), (Axis::Y, pitch), (Axis::X, roll)];
+        let turns = all.into_iter().filter(|(_, angle)| *angle != 0.0);
+        turns
+            .map(|(axis, angle)| ConstantTurn { axis, angle })
+            .collect()
+    }
+}
+
+/// Where a frame stands on another one.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct FramePose {
+    pub(super) rotation: Rotation3,
+    pub(super) origin: Point3,
+}
+
+impl FramePose {
+    /// On the other frame itself.
+    pub(super) const HERE: FramePose = FramePose {
+        rotation: Rotation3::IDENTITY,
+        origin: [0.0; 3],
+    };
+
+    /// A pose given in this frame, in the frame this one stands on.
+    pub(super) fn then(&self, other: &FramePose) -> FramePose {
+        let moved = match self.rotation.is_identity() {
+            true => other.origin,
+            false => clean(self.rotation.apply(other.origin)),
+        };
+        FramePose {
+            rotation: self.rotation.then(&other.rotation),
+            origin: add(self.origin, moved),
+        }
+    }
+}
+
+/// The vector without components that are rounding beside the others.
+fn clean(vector: Point3) -> Point3 {
+    let largest = vector.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    vector.map(|x| if x.abs() <= largest * DUST { 0.0 } else { x })
+}

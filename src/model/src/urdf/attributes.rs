@@ -1,0 +1,169 @@
+//! What attributes and children of elements hold, and messages about those that
+//! are missing, repeated or no numbers.
+
+use crate::xml::{Messages, parse_number, place, second};
+use robovec_ir::diagnostic::{clip, did_you_mean};
+use roxmltree::Node;
+use std::ops::Range;
+
+/// The children of an element by name, at most one of each; one with a name
+/// that is nearly known is warned of, since it would silently mean nothing.
+pub(super) fn children<'a, const N: usize>(
+    node: Node<'a, 'a>,
+    known: [&str; N],
+    messages: &mut Messages,
+) -> [Option<Node<'a, 'a>>; N] {
+    let mut found: [Option<Node<'a, 'a>>; N] = [None; N];
+    for child in node.children().filter(|child| child.is_element()) {
+        let name = child.tag_name().name();
+        match known.iter().position(|known| *known == name) {
+            Some(index) => match found[index] {
+                None => found[index] = Some(child),
+                Some(_) if !messages.has_room() => messages.count_error(),
+                Some(first) => messages.push_error(second(
+                    &format!(
+                        "`{name}` is given twice in one `{}`",
+                        node.tag_name().name()
+                    ),
+                    place(child),
+                    place(first),
+                    "remove one of them",
+                )),
+            },
+            None => remark_unknown(child, &known, messages),
+        }
+    }
+    found
+}
+
+/// Extensions of simulators are many, so only what looks like a mistake is
+/// told.
+pub(super) fn remark_unknown(child: Node<'_, '_>, known: &[&str], messages: &mut Messages) {
+    let name = child.tag_name().name();
+    if let Some(near) = did_you_mean(name, known.iter().copied()) {
+        messages.warn(
+            place(child),
+            &format!("the element `{}` is not known here", clip(name)),
+            "passed over",
+            &format!("did you mean `{near}`?"),
+        );
+    }
+}
+
+/// Where an attribute is, for a message: its value, or else the element.
+pub(super) fn place_of(node: Node<'_, '_>, attribute: &str) -> Range<usize> {
+    match node.attribute_node(attribute) {
+        Some(found) if !found.range_value().is_empty() => found.range_value(),
+        Some(found) => found.range(),
+        None => place(node),
+    }
+}
+
+/// A name in an attribute; `None`, with an error, where there is none.
+pub(super) fn name(
+    node: Node<'_, '_>,
+    attribute: &str,
+    owner: &str,
+    messages: &mut Messages,
+) -> Option<String> {
+    let range = place_of(node, attribute);
+    let (message, label, help) = match node.attribute(attribute).map(str::trim) {
+        None => (
+            format!("{owner} has no attribute '{attribute}'"),
+            "in this element",
+            format!("add `{attribute}=\"…\"`"),
+        ),
+        Some("") => (
+            format!("the attribute '{attribute}' of {owner} is empty"),
+            "no name",
+            "write a name between the quotes".to_owned(),
+        ),
+        Some(text) if text.chars().any(char::is_control) => (
+            format!("the attribute '{attribute}' of {owner} holds a line break or a tab"),
+            "this name",
+            "write the name on one line".to_owned(),
+        ),
+        Some(text) => return Some(text.to_owned()),
+    };
+    messages.error(range, &message, label, &help);
+    None
+}
+
+/// A number in an attribute; `None`, with an error, where it is none, and
+/// without one where the attribute is missing.
+pub(super) fn number(
+    node: Node<'_, '_>,
+    attribute: &str,
+    owner: &str,
+    messages: &mut Messages,
+) -> Option<f64> {
+    let text = node.attribute(attribute)?;
+    parse_number(text.trim())
+        .map_err(|refusal| {
+            let message = format!("'{attribute}' of {owner}{}", refusal.message);
+            let range = place_of(node, attribute);
+            let help = match text.trim().is_empty() {
+                true => "write a number between the quotes",
+                false => refusal.help,
+            };
+            messages.error(range, &message, refusal.label, help);
+        })
+        .ok()
+}
+
+/// A number that must be there; zero, with an error, where it is not.
+pub(super) fn required(
+    node: Node<'_, '_>,
+    attribute: &str,
+    owner: &str,
+    messages: &mut Messages,
+) -> f64 {
+    if node.attribute(attribute).is_none() {
+        messages.error(
+            place(node),
+            &format!("{owner} has no attribute '{attribute}'"),
+            "in this element",
+            &format!("add `{attribute}=\"…\"`"),
+        );
+    }
+    number(node, attribute, owner, messages).unwrap_or(0.0)
+}
+
+/// Three numbers in an attribute; `default` where it is missing, and with an
+/// error where it holds anything else.
+pub(super) fn triple(
+    node: Node<'_, '_>,
+    attribute: &str,
+    owner: &str,
+    default: [f64; 3],
+    messages: &mut Messages,
+) -> [f64; 3] {
+    let Some(text) = node.attribute(attribute) else {
+        return default;
+    };
+    let mut values = default;
+    let mut count = 0;
+    for word in text.split_whitespace() {
+        match parse_number(word) {
+            Ok(value) if count < 3 => values[count] = value,
+            Ok(_) => {}
+            Err(refusal) => {
+                let message = format!("'{attribute}' of {owner}{}", refusal.message);
+                let range = place_of(node, attribute);
+                messages.error(range, &message, refusal.label, refusal.help);
+                return default;
+            }
+        }
+        count += 1;
+    }
+    if count != 3 {
+        messages.error(
+            place_of(node, attribute),
+            &format!("'{attribute}' of {owner} holds {count} numbers"),
+            "three are wanted",
+            "write three numbers with blanks between them, such as \"0 0 1.5\"",
+        );
+        return default;
+    }
+    values
+}

@@ -1,0 +1,341 @@
+//! From links and joints to bodies: links that are fixed to each other are one.
+
+use super::RobotBase;
+use super::couplings::ResolvedMimic;
+use super::elements::{JointElement, RobotElements, UrdfJointKind};
+use super::frames::{self, AxisFrame};
+use super::inertial::BodyInertia;
+use super::tree::RobotOrder;
+use crate::rotation::{FramePose, Rotation3};
+use crate::xml::Messages;
+use crate::{
+    Anchor, Axis, Body, Cut, CutKind, Joint, JointCoupling, JointKind, JointMounting, Model,
+    ModelPoint, Nature,
+};
+use robovec_num::limits::Amount;
+use robovec_robotran::conventions::JOINTS;
+use std::ops::Range;
+
+/// A model, and where the name of each body stands.
+pub(super) struct BuiltRobot {
+    pub(super) model: Model,
+    pub(super) places: Vec<Range<usize>>,
+}
+
+/// Where a link is: on which body, and how it stands there.
+#[derive(Clone, Copy)]
+struct LinkPlace {
+    body: Option<usize>,
+    pose: FramePose,
+}
+
+/// The joints of a free body: the names behind its own, and the kinds.
+const FREE: [(&str, JointKind); 6] = [
+    ("x", JointKind::Prismatic(Axis::X)),
+    ("y", JointKind::Prismatic(Axis::Y)),
+    ("z", JointKind::Prismatic(Axis::Z)),
+    ("yaw", JointKind::Revolute(Axis::Z)),
+    ("pitch", JointKind::Revolute(Axis::Y)),
+    ("roll", JointKind::Revolute(Axis::X)),
+];
+
+/// The joints of a body that moves in a plane.
+const PLANAR: [(&str, JointKind); 3] = [
+    ("x", JointKind::Prismatic(Axis::X)),
+    ("y", JointKind::Prismatic(Axis::Y)),
+    ("angle", JointKind::Revolute(Axis::Z)),
+];
+
+struct RobotBuilder<'r> {
+    robot: &'r RobotElements,
+    model: Model,
+    places: Vec<Range<usize>>,
+    /// What each body weighs.
+    inertias: Vec<BodyInertia>,
+    /// The joint of the model that a joint of the robot is, where it is one.
+    numbers: Vec<Option<usize>>,
+}
+
+/// Builds the model of a robot; `None`, with an error, when it is too large.
+pub(super) fn build(
+    robot: &RobotElements,
+    order: &RobotOrder,
+    couplings: &[Option<ResolvedMimic>],
+    base: RobotBase,
+    messages: &mut Messages,
+) -> Option<BuiltRobot> {
+    let mut builder = RobotBuilder {
+        robot,
+        model: Model::new(&robot.name),
+        places: Vec::new(),
+        inertias: Vec::new(),
+        numbers: vec![None; robot.joints.len()],
+    };
+    let here = LinkPlace {
+        body: None,
+        pose: FramePose::HERE,
+    };
+    let mut links = vec![here; robot.links.len()];
+    if base == RobotBase::Floating {
+        links[order.root] = builder.series(order.root, &here, "base", &FREE, Vec::new());
+    }
+    builder.weigh(order.root, &links[order.root]);
+    for &index in &order.joints {
+        let joint = &robot.joints[index];
+        let before = links[joint.parent];
+        let frame = LinkPlace {
+            body: before.body,
+            pose: before.pose.then(&joint.origin),
+        };
+        links[joint.child] = builder.joint(index, &frame);
+        builder.weigh(joint.child, &links[joint.child]);
+    }
+    let count = builder.model.joints.len();
+    if !JOINTS.admits(Amount::Whole(count as u64)) {
+        messages.error(
+            robot.place.clone(),
+            &format!("joints: {}", JOINTS.refusal(&count.to_string())),
+            "in this robot",
+            "leave out what does not matter for the motion",
+        );
+        return None;
+    }
+    builder.couple(couplings);
+    Some(builder.finish())
+}
+
+impl RobotBuilder<'_> {
+    /// Adds what a link weighs to its body; the base does not move.
+    fn weigh(&mut self, link: usize, place: &LinkPlace) {
+        if let (Some(body), Some(inertial)) = (place.body, &self.robot.links[link].inertial) {
+            let inertia = BodyInertia::of_link(inertial, &place.pose);
+            self.inertias[body] = self.inertias[body].with(&inertia);
+        }
+    }
+
+    /// What a joint makes of the place of its frame: the place of its child.
+    fn joint(&mut self, index: usize, frame: &LinkPlace) -> LinkPlace {
+        let robot = self.robot;
+        let joint = &robot.joints[index];
+        match joint.kind {
+            UrdfJointKind::Fixed => *frame,
+            UrdfJointKind::Floating => {
+                let turns = frame.pose.rotation.turns();
+                self.series(joint.child, frame, &joint.name, &FREE, turns)
+            }
+            UrdfJointKind::Planar => {
+                let upright = upright(joint.axis);
+                let rotation = frame.pose.rotation.then(&upright);
+                let mut place =
+                    self.series(joint.child, frame, &joint.name, &PLANAR, rotation.turns());
+                place.pose.rotation = upright.inverse();
+                place
+            }
+            UrdfJointKind::Revolute | UrdfJointKind::Continuous | UrdfJointKind::Prismatic => {
+                self.numbers[index] = Some(self.model.joints.len());
+                self.single(joint, frame)
+            }
+        }
+    }
+
+    /// A body on one joint; its frame is that of the body before, but for the
+    /// turns that the axis needs.
+    fn single(&mut self, joint: &JointElement, frame: &LinkPlace) -> LinkPlace {
+        let AxisFrame {
+            mounting,
+            axis,
+            rotation,
+        } = frames::of_axis(frame.pose.rotation.apply(joint.axis));
+        let kind = match joint.kind {
+            UrdfJointKind::Prismatic => JointKind::Prismatic(axis),
+            _ => JointKind::Revolute(axis),
+        };
+        let initial = joint
+            .limits
+            .map_or(0.0, |[lower, upper]| 0.0_f64.clamp(lower, upper));
+        let one = Joint {
+            initial: [initial, 0.0, 0.0],
+            limits: joint.limits,
+            losses: joint.losses,
+            ..plain(joint.name.clone(), kind, mounting)
+        };
+        let body = self.body(joint.child, frame, &joint.name, vec![one]);
+        LinkPlace {
+            body: Some(body),
+            pose: FramePose {
+                rotation: rotation.inverse().then(&frame.pose.rotation),
+                origin: [0.0; 3],
+            },
+        }
+    }
+
+    /// A body on several joints, whose frame is the link's own.
+    fn series(
+        &mut self,
+        link: usize,
+        frame: &LinkPlace,
+        name: &str,
+        kinds: &[(&str, JointKind)],
+        turns: Vec<crate::ConstantTurn>,
+    ) -> LinkPlace {
+        let mut turns = Some(turns);
+        let joints = kinds
+            .iter()
+            .map(|&(suffix, kind)| {
+                let mounting = JointMounting {
+                    turns: turns.take().unwrap_or_default(),
+                    reversed: false,
+                };
+                plain(format!("{name}_{suffix}"), kind, mounting)
+            })
+            .collect();
+        LinkPlace {
+            body: Some(self.body(link, frame, name, joints)),
+            pose: FramePose::HERE,
+        }
+    }
+
+    /// Adds a body with its joints at the origin of a frame.
+    fn body(&mut self, link: usize, on: &LinkPlace, name: &str, joints: Vec<Joint>) -> usize {
+        let link = &self.robot.links[link];
+        let index = self.model.bodies.len();
+        let point = (on.pose.origin != [0.0; 3]).then(|| {
+            self.model.points.push(ModelPoint {
+                name: name.to_owned(),
+                body: on.body,
+                coordinates: on.pose.origin,
+            });
+            self.model.points.len() - 1
+        });
+        let start = self.model.joints.len();
+        self.model
+            .joints
+            .extend(joints.into_iter().map(|joint| Joint {
+                body: index,
+                ..joint
+            }));
+        self.model.bodies.push(Body {
+            name: link.name.clone(),
+            parent: on.body,
+            point,
+            joints: start..self.model.joints.len(),
+            mass: 0.0,
+            center: [0.0; 3],
+            inertia: [0.0; 6],
+        });
+        self.places.push(link.place.clone());
+        self.inertias.push(BodyInertia::NONE);
+        index
+    }
+
+    /// Adds the couplings of joints that follow others.
+    fn couple(&mut self, couplings: &[Option<ResolvedMimic>]) {
+        for (index, coupling) in couplings.iter().enumerate() {
+            let Some(ResolvedMimic {
+                leader,
+                factor,
+                offset,
+            }) = *coupling
+            else {
+                continue;
+            };
+            let [joint, leader] = [index, leader].map(|joint| {
+                self.numbers[joint].expect("only joints with a position follow and lead")
+            });
+            let position = factor * self.model.joints[leader].initial[0] + offset;
+            let model = &mut self.model;
+            let follower = &mut model.joints[joint];
+            follower.nature = Nature::Dependent;
+            follower.initial[0] = position;
+            let ends = [joint, leader].map(|joint| Anchor {
+                body: Some(model.joints[joint].body),
+                point: None,
+            });
+            model.cuts.push(Cut {
+                name: model.joints[joint].name.clone(),
+                kind: CutKind::Coupling(JointCoupling {
+                    joint,
+                    leader,
+                    factor,
+                    offset,
+                }),
+                ends,
+                ignore: [false; 3],
+            });
+        }
+    }
+
+    fn finish(mut self) -> BuiltRobot {
+        let model = &mut self.model;
+        for (body, inertia) in model.bodies.iter_mut().zip(&self.inertias) {
+            body.mass = inertia.mass;
+            // Where nothing weighs, a centre means nothing.
+            if inertia.mass != 0.0 {
+                body.center = inertia.center;
+            }
+            body.inertia = inertia.inertia;
+        }
+        // Points are numbered in the order of their bodies.
+        let mut order: Vec<usize> = (0..model.points.len()).collect();
+        order.sort_by_key(|&point| model.points[point].body);
+        let mut number_of = vec![0; order.len()];
+        for (number, &point) in order.iter().enumerate() {
+            number_of[point] = number;
+        }
+        model.points = order.iter().map(|&at| model.points[at].clone()).collect();
+        for point in model
+            .bodies
+            .iter_mut()
+            .filter_map(|body| body.point.as_mut())
+        {
+            *point = number_of[*point];
+        }
+        model.connect();
+        BuiltRobot {
+            model: self.model,
+            places: self.places,
+        }
+    }
+}
+
+/// A joint that starts at zero and hangs on nothing yet.
+fn plain(name: String, kind: JointKind, mounting: JointMounting) -> Joint {
+    Joint {
+        name,
+        kind,
+        nature: Nature::Independent,
+        body: 0,
+        parent: None,
+        point: None,
+        has_velocity: true,
+        has_acceleration: true,
+        actuated: false,
+        initial: [0.0; 3],
+        mounting,
+        limits: None,
+        losses: Default::default(),
+    }
+}
+
+/// The shortest rotation after which the third axis is the direction, which
+/// has length one; against the axis, half a turn about the first one.
+fn upright([x, y, z]: [f64; 3]) -> Rotation3 {
+    let aside = x * x + y * y;
+    if aside == 0.0 {
+        return match z < 0.0 {
+            true => Rotation3::about(Axis::X, std::f64::consts::PI),
+            false => Rotation3::IDENTITY,
+        };
+    }
+    // `1 / (1 + z)`, in the form that does not cancel.
+    let factor = match z < 0.0 {
+        true => (1.0 - z) / aside,
+        false => 1.0 / (1.0 + z),
+    };
+    let both = -x * y * factor;
+    Rotation3([
+        [1.0 - x * x * factor, both, x],
+        [both, 1.0 - y * y * factor, y],
+        [-x, -y, z],
+    ])
+}

@@ -1,0 +1,493 @@
+//! What the elements of a robot say.
+
+use super::attributes::{children, name, number, place_of, remark_unknown, required, triple};
+use super::inertial::{LinkInertial, read_inertial};
+use crate::JointLosses;
+use crate::rotation::{FramePose, Rotation3, to_right_angle};
+use crate::xml::{Messages, place, second};
+use robovec_ir::diagnostic::{clip, did_you_mean};
+use roxmltree::Node;
+use rustc_hash::FxHashMap;
+use std::ops::Range;
+
+/// A robot, its references by name resolved.
+pub(super) struct RobotElements {
+    pub(super) name: String,
+    pub(super) links: Vec<LinkElement>,
+    pub(super) joints: Vec<JointElement>,
+    /// Where the robot's element begins.
+    pub(super) place: Range<usize>,
+}
+
+/// A link.
+pub(super) struct LinkElement {
+    pub(super) name: String,
+    pub(super) inertial: Option<LinkInertial>,
+    pub(super) place: Range<usize>,
+}
+
+/// The kind of a joint.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum UrdfJointKind {
+    Fixed,
+    Revolute,
+    Continuous,
+    Prismatic,
+    Planar,
+    Floating,
+}
+
+const KINDS: [(&str, UrdfJointKind); 6] = [
+    ("revolute", UrdfJointKind::Revolute),
+    ("continuous", UrdfJointKind::Continuous),
+    ("prismatic", UrdfJointKind::Prismatic),
+    ("fixed", UrdfJointKind::Fixed),
+    ("floating", UrdfJointKind::Floating),
+    ("planar", UrdfJointKind::Planar),
+];
+
+/// A joint.
+pub(super) struct JointElement {
+    pub(super) name: String,
+    pub(super) kind: UrdfJointKind,
+    /// Links, by index.
+    pub(super) parent: usize,
+    pub(super) child: usize,
+    /// Of the joint's frame in the parent's.
+    pub(super) origin: FramePose,
+    /// Of length one, in the joint's frame.
+    pub(super) axis: [f64; 3],
+    pub(super) limits: Option<[f64; 2]>,
+    pub(super) losses: JointLosses,
+    pub(super) mimic: Option<MimicElement>,
+    pub(super) place: Range<usize>,
+    pub(super) child_place: Range<usize>,
+}
+
+/// What a joint follows.
+pub(super) struct MimicElement {
+    pub(super) leader: String,
+    pub(super) factor: f64,
+    pub(super) offset: f64,
+    pub(super) place: Range<usize>,
+}
+
+/// How messages call a joint.
+pub(super) fn joint_title(name: &str) -> String {
+    format!("joint '{}'", clip(name))
+}
+
+/// Reads the elements of a robot; `None`, with errors, when it is none.
+pub(super) fn read(
+    (file, right_angle): (&str, f64),
+    root: Node<'_, '_>,
+    messages: &mut Messages,
+) -> Option<RobotElements> {
+    if root.tag_name().name() != "robot" {
+        messages.error(
+            place(root),
+            "this is XML, but not a robot",
+            "the first element is not `robot`",
+            "give a URDF file; files of other formats must be converted to it first",
+        );
+        return None;
+    }
+    if let Some(node) = root.descendants().find(is_xacro) {
+        messages.error(
+            place(node),
+            "this is a robot in parts, which xacro puts together",
+            "an element of xacro",
+            "write the whole robot first: `xacro FILE.xacro > ROBOT.urdf`",
+        );
+        return None;
+    }
+    let name = robot_name(file, root, messages);
+    let elements: Vec<Node<'_, '_>> = root.children().filter(Node::is_element).collect();
+    let of = |kind: &'static str| {
+        let all = elements.iter().copied();
+        all.filter(move |element| element.tag_name().name() == kind)
+    };
+    for &other in &elements {
+        if other.tag_name().namespace().is_none()
+            && !["link", "joint"].contains(&other.tag_name().name())
+        {
+            remark_unknown(other, &["link", "joint"], messages);
+        }
+    }
+    let mut links = Vec::new();
+    let mut numbers: FxHashMap<String, usize> = FxHashMap::default();
+    for node in of("link") {
+        read_link(node, &mut links, (&mut numbers, right_angle), messages);
+    }
+    let mut joints: Vec<JointElement> = Vec::new();
+    let mut seen: FxHashMap<String, Range<usize>> = FxHashMap::default();
+    for node in of("joint") {
+        let Some(joint) = read_joint(node, (&numbers, right_angle), messages) else {
+            continue;
+        };
+        match seen.get(&joint.name) {
+            None => {
+                seen.insert(joint.name.clone(), joint.place.clone());
+            }
+            Some(first) if messages.has_room() => messages.push_error(second(
+                &format!("there are two joints '{}'", clip(&joint.name)),
+                joint.place.clone(),
+                first.clone(),
+                "give every joint a name of its own",
+            )),
+            Some(_) => messages.count_error(),
+        }
+        joints.push(joint);
+    }
+    Some(RobotElements {
+        name,
+        links,
+        joints,
+        place: place(root),
+    })
+}
+
+/// True for what only xacro knows the meaning of.
+fn is_xacro(node: &Node<'_, '_>) -> bool {
+    let space = node.tag_name().namespace();
+    node.is_element() && space.is_some_and(|space| space.ends_with("/xacro"))
+}
+
+/// The name of the robot, which is also part of file names.
+fn robot_name(file: &str, root: Node<'_, '_>, messages: &mut Messages) -> String {
+    let unusable = |text: &str| text.contains(|c: char| c == '/' || c == '\\' || c.is_control());
+    let given = root.attribute("name").map(str::trim).unwrap_or_default();
+    if !given.is_empty() && !unusable(given) {
+        return given.to_owned();
+    }
+    if !given.is_empty() {
+        messages.error(
+            place_of(root, "name"),
+            "the name of the robot holds a slash or a line break",
+            "it becomes part of file names",
+            "use letters, digits and underscores",
+        );
+    }
+    let stem = file.strip_suffix(".urdf").unwrap_or(file).trim();
+    let usable = !stem.is_empty() && !unusable(stem);
+    if usable { stem } else { "robot" }.to_owned()
+}
+
+fn read_link(
+    node: Node<'_, '_>,
+    links: &mut Vec<LinkElement>,
+    (numbers, right_angle): (&mut FxHashMap<String, usize>, f64),
+    messages: &mut Messages,
+) {
+    let Some(name) = name(node, "name", "a link", messages) else {
+        return;
+    };
+    let at = place_of(node, "name");
+    if let Some(&first) = numbers.get(&name) {
+        let first: &LinkElement = &links[first];
+        if messages.has_room() {
+            messages.push_error(second(
+                &format!("there are two links '{}'", clip(&name)),
+                at,
+                first.place.clone(),
+                "give every link a name of its own",
+            ));
+        } else {
+            messages.count_error();
+        }
+        return;
+    }
+    let [inertial, _, _] = children_of_link(node, messages);
+    let title = format!("link '{}'", clip(&name));
+    numbers.insert(name.clone(), links.len());
+    links.push(LinkElement {
+        inertial: inertial.map(|node| read_inertial(node, (&title, right_angle), messages)),
+        name,
+        place: at,
+    });
+}
+
+/// Links may hold any number of drawings.
+fn children_of_link<'a>(node: Node<'a, 'a>, messages: &mut Messages) -> [Option<Node<'a, 'a>>; 3] {
+    let mut found = [None; 3];
+    for child in node.children().filter(Node::is_element) {
+        match child.tag_name().name() {
+            "inertial" => match found[0] {
+                None => found[0] = Some(child),
+                Some(first) => messages.push_error(second(
+                    "`inertial` is given twice in one `link`",
+                    place(child),
+                    place(first),
+                    "remove one of them",
+                )),
+            },
+            "visual" | "collision" => {}
+            _ => remark_unknown(child, &["inertial", "visual", "collision"], messages),
+        }
+    }
+    found
+}
+
+/// The link that a child of a joint names; `None`, with an error, when there
+/// is none.
+fn end(
+    joint: Node<'_, '_>,
+    child: Option<Node<'_, '_>>,
+    (which, title): (&str, &str),
+    numbers: &FxHashMap<String, usize>,
+    messages: &mut Messages,
+) -> Option<usize> {
+    let Some(child) = child else {
+        messages.error(
+            place(joint),
+            &format!("{title} has no `{which}`"),
+            "in this element",
+            &format!("add `<{which} link=\"…\"/>`"),
+        );
+        return None;
+    };
+    let link = name(child, "link", &format!("the {which} of {title}"), messages)?;
+    if let Some(&number) = numbers.get(&link) {
+        return Some(number);
+    }
+    if !messages.has_room() {
+        messages.count_error();
+        return None;
+    }
+    let mut known: Vec<&str> = numbers.keys().map(String::as_str).collect();
+    known.sort_unstable();
+    let help = match did_you_mean(&link, known) {
+        Some(near) => format!("did you mean '{near}'?"),
+        None => format!("add `<link name=\"{}\"/>`, or mend the name", clip(&link)),
+    };
+    messages.error(
+        place_of(child, "link"),
+        &format!("the {which} of {title} is no link of the robot"),
+        "there is no link of this name",
+        &help,
+    );
+    None
+}
+
+fn read_joint(
+    node: Node<'_, '_>,
+    (numbers, right_angle): (&FxHashMap<String, usize>, f64),
+    messages: &mut Messages,
+) -> Option<JointElement> {
+    let joint_name = name(node, "name", "a joint", messages);
+    let title = joint_title(joint_name.as_deref().unwrap_or("?"));
+    let [origin, parent, child, axis, limit, mimic, dynamics, ..] = children(
+        node,
+        [
+            "origin",
+            "parent",
+            "child",
+            "axis",
+            "limit",
+            "mimic",
+            "dynamics",
+            "calibration",
+            "safety_controller",
+        ],
+        messages,
+    );
+    let kind = read_kind(node, &title, messages);
+    let ends = [("parent", parent), ("child", child)]
+        .map(|(which, child)| end(node, child, (which, &title), numbers, messages));
+    let limits = limit.and_then(|limit| read_limits(limit, kind?, &title, messages));
+    let losses = dynamics.map_or_else(JointLosses::default, |dynamics| {
+        read_losses(dynamics, kind, &title, messages)
+    });
+    let axis = read_axis(axis, kind, &title, messages);
+    let mimic = mimic.and_then(|mimic| {
+        let title = format!("the mimic of {title}");
+        Some(MimicElement {
+            leader: name(mimic, "joint", &title, messages)?,
+            factor: number(mimic, "multiplier", &title, messages).unwrap_or(1.0),
+            offset: number(mimic, "offset", &title, messages).unwrap_or(0.0),
+            place: place_of(mimic, "joint"),
+        })
+    });
+    let origin = origin.map_or(FramePose::HERE, |origin| {
+        read_pose(origin, (&title, right_angle), messages)
+    });
+    let [parent, child_link] = ends;
+    Some(JointElement {
+        name: joint_name?,
+        kind: kind?,
+        parent: parent?,
+        child: child_link?,
+        origin,
+        axis,
+        limits,
+        losses,
+        mimic,
+        place: place_of(node, "name"),
+        child_place: child.map_or(place(node), |child| place_of(child, "link")),
+    })
+}
+
+fn read_kind(node: Node<'_, '_>, title: &str, messages: &mut Messages) -> Option<UrdfJointKind> {
+    let text = name(node, "type", title, messages)?;
+    let found = KINDS.iter().find(|(name, _)| *name == text);
+    if found.is_none() {
+        let names = KINDS.map(|(name, _)| name);
+        let help = match did_you_mean(&text, names) {
+            Some(near) => format!("did you mean '{near}'?"),
+            None => format!("kinds of joints: {}", names.join(", ")),
+        };
+        messages.error(
+            place_of(node, "type"),
+            &format!("{title} is of no known kind: '{}'", clip(&text)),
+            "this kind",
+            &help,
+        );
+    }
+    found.map(|(_, kind)| *kind)
+}
+
+/// The axis, of length one; the first axis where none is given.
+fn read_axis(
+    node: Option<Node<'_, '_>>,
+    kind: Option<UrdfJointKind>,
+    title: &str,
+    messages: &mut Messages,
+) -> [f64; 3] {
+    let default = [1.0, 0.0, 0.0];
+    let needed = !matches!(
+        kind,
+        None | Some(UrdfJointKind::Fixed | UrdfJointKind::Floating)
+    );
+    let (Some(node), true) = (node, needed) else {
+        return default;
+    };
+    let given = triple(
+        node,
+        "xyz",
+        &format!("the axis of {title}"),
+        default,
+        messages,
+    );
+    let largest = given.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    if largest == 0.0 {
+        messages.error(
+            place_of(node, "xyz"),
+            &format!("the axis of {title} has no length"),
+            "this axis",
+            "write a direction, such as \"0 0 1\"",
+        );
+        return default;
+    }
+    // Scaled first, so that no square is lost.
+    let scaled = given.map(|x| x / largest);
+    let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
+    scaled.map(|x| x / length)
+}
+
+fn read_limits(
+    node: Node<'_, '_>,
+    kind: UrdfJointKind,
+    title: &str,
+    messages: &mut Messages,
+) -> Option<[f64; 2]> {
+    if !matches!(kind, UrdfJointKind::Revolute | UrdfJointKind::Prismatic) {
+        return None;
+    }
+    let title = format!("the limit of {title}");
+    let lower = number(node, "lower", &title, messages);
+    let upper = number(node, "upper", &title, messages);
+    if lower.is_none() && upper.is_none() {
+        return None;
+    }
+    let limits = [lower.unwrap_or(0.0), upper.unwrap_or(0.0)];
+    if limits[0] > limits[1] {
+        messages.warn(
+            place_of(node, "lower"),
+            &format!("{title} is no range: from {} to {}", limits[0], limits[1]),
+            "passed over",
+            "the lower limit comes first",
+        );
+        return None;
+    }
+    Some(limits)
+}
+
+/// The damping and friction of `dynamics`, of joints that move along or about
+/// one axis.
+fn read_losses(
+    node: Node<'_, '_>,
+    kind: Option<UrdfJointKind>,
+    title: &str,
+    messages: &mut Messages,
+) -> JointLosses {
+    let title = format!("the dynamics of {title}");
+    let [damping, friction] = ["damping", "friction"].map(|name| {
+        let value = number(node, name, &title, messages).unwrap_or(0.0);
+        if value < 0.0 {
+            messages.warn(
+                place_of(node, name),
+                &format!("{title} would give energy: the {name} is {value}"),
+                "taken as 0",
+                "damping and friction are zero or positive",
+            );
+        }
+        value.max(0.0)
+    });
+    let losses = JointLosses { damping, friction };
+    let has_axis = !matches!(
+        kind,
+        Some(UrdfJointKind::Fixed | UrdfJointKind::Floating | UrdfJointKind::Planar)
+    );
+    if has_axis || !losses.are_there() {
+        return losses;
+    }
+    messages.warn(
+        place(node),
+        &format!("{title} are left out"),
+        "passed over",
+        "only joints about or along one axis have damping and friction",
+    );
+    JointLosses::default()
+}
+
+/// The pose that an `origin` says.
+pub(super) fn read_pose(
+    node: Node<'_, '_>,
+    (title, right_angle): (&str, f64),
+    messages: &mut Messages,
+) -> FramePose {
+    let title = format!("the origin of {title}");
+    let origin = triple(node, "xyz", &title, [0.0; 3], messages);
+    let angles = triple(node, "rpy", &title, [0.0; 3], messages);
+    let angles = angles.map(|angle| to_right_angle(angle, right_angle));
+    FramePose {
+        rotation: Rotation3::from_roll_pitch_yaw(angles),
+        origin,
+    }
+}
+
+/// The number of a required attribute of a child.
+pub(super) fn value_of(
+    node: Node<'_, '_>,
+    child: Option<Node<'_, '_>>,
+    (element, title): (&str, &str),
+    messages: &mut Messages,
+) -> f64 {
+    match child {
+        Some(child) => required(
+            child,
+            "value",
+            &format!("the {element} of {title}"),
+            messages,
+        ),
+        None => {
+            messages.error(
+                place(node),
+                &format!("{title} has no `{element}`"),
+                "in this element",
+                &format!("add `<{element} value=\"…\"/>`"),
+            );
+            0.0
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! Masses of links, and of bodies that are made of several.
+
+use super::attributes::{children, place_of, required};
+use super::elements::{read_pose, value_of};
+use crate::rotation::{FramePose, Rotation3, add, scaled};
+use crate::xml::{Messages, place};
+use roxmltree::Node;
+use std::ops::Range;
+
+/// What a link weighs, in a frame of its own.
+pub(super) struct LinkInertial {
+    pub(super) mass: f64,
+    /// Of the frame of the centre of mass in the link's.
+    pub(super) origin: FramePose,
+    /// About the centre of mass, in its frame: `xx xy xz yy yz zz`.
+    pub(super) inertia: [f64; 6],
+    pub(super) place: Range<usize>,
+}
+
+/// Reads an `inertial`.
+pub(super) fn read_inertial(
+    node: Node<'_, '_>,
+    (title, right_angle): (&str, f64),
+    messages: &mut Messages,
+) -> LinkInertial {
+    let [origin, mass, inertia] = children(node, ["origin", "mass", "inertia"], messages);
+    let value = value_of(node, mass, ("mass", title), messages);
+    if value < 0.0 {
+        let at = mass.map_or(place(node), |mass| place_of(mass, "value"));
+        messages.error(
+            at,
+            &format!("the mass of {title} is negative"),
+            "this mass",
+            "a mass is zero or positive, in kilograms",
+        );
+    }
+    let entries = match inertia {
+        Some(inertia) => {
+            let owner = format!("the inertia of {title}");
+            ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"]
+                .map(|entry| required(inertia, entry, &owner, messages))
+        }
+        None => {
+            messages.error(
+                place(node),
+                &format!("{title} has no `inertia`"),
+                "in this element",
+                "add `<inertia ixx=\"…\" ixy=\"0\" ixz=\"0\" iyy=\"…\" iyz=\"0\" izz=\"…\"/>`",
+            );
+            [0.0; 6]
+        }
+    };
+    LinkInertial {
+        mass: value,
+        origin: origin.map_or(FramePose::HERE, |origin| {
+            read_pose(origin, (title, right_angle), messages)
+        }),
+        inertia: entries,
+        place: inertia.map_or(place(node), place),
+    }
+}
+
+/// What a body weighs, in its own frame.
+#[derive(Clone, Copy)]
+pub(super) struct BodyInertia {
+    pub(super) mass: f64,
+    pub(super) center: [f64; 3],
+    /// About the centre of mass: `xx xy xz yy yz zz`.
+    pub(super) inertia: [f64; 6],
+}
+
+impl BodyInertia {
+    pub(super) const NONE: BodyInertia = BodyInertia {
+        mass: 0.0,
+        center: [0.0; 3],
+        inertia: [0.0; 6],
+    };
+
+    /// What a link weighs, in the frame of the body that it stands on with a
+    /// pose.
+    pub(super) fn of_link(link: &LinkInertial, pose: &FramePose) -> BodyInertia {
+        let frame = pose.then(&link.origin);
+        BodyInertia {
+            mass: link.mass,
+            center: frame.origin,
+            inertia: turned(&link.inertia, &frame.rotation),
+        }
+    }
+
+    /// Both in one.
+    pub(super) fn with(&self, other: &BodyInertia) -> BodyInertia {
+        let mass = self.mass + other.mass;
+        if mass == 0.0 {
+            let mut sum = *self;
+            for (entry, more) in sum.inertia.iter_mut().zip(other.inertia) {
+                *entry += more;
+            }
+            return sum;
+        }
+        // A part without mass is not moved by rounding.
+        let center = match (self.mass == 0.0, other.mass == 0.0) {
+            (true, _) => other.center,
+            (_, true) => self.center,
+            _ => scaled(
+                add(
+                    scaled(self.center, self.mass),
+                    scaled(other.center, other.mass),
+                ),
+                1.0 / mass,
+            ),
+        };
+        let mut inertia = [0.0; 6];
+        for part in [self, other] {
+            let shifted = part.about(center);
+            for (entry, more) in inertia.iter_mut().zip(shifted) {
+                *entry += more;
+            }
+        }
+        BodyInertia {
+            mass,
+            center,
+            inertia,
+        }
+    }
+
+    /// The moments of inertia about a point.
+    fn about(&self, point: [f64; 3]) -> [f64; 6] {
+        let [x, y, z] = add(self.center, scaled(point, -1.0));
+        let [xx, xy, xz, yy, yz, zz] = self.inertia;
+        let m = self.mass;
+        [
+            xx + m * (y * y + z * z),
+            xy - m * x * y,
+            xz - m * x * z,
+            yy + m * (x * x + z * z),
+            yz - m * y * z,
+            zz + m * (x * x + y * y),
+        ]
+    }
+}
+
+/// A symmetric matrix in the axes of another frame, `R I R^T`.
+fn turned(entries: &[f64; 6], rotation: &Rotation3) -> [f64; 6] {
+    if rotation.is_identity() {
+        return *entries;
+    }
+    let [xx, xy, xz, yy, yz, zz] = *entries;
+    let matrix = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+    // The columns of `I R^T` are `I` times the rows of `R`.
+    let half = matrix.map(|row| rotation.apply(row));
+    let column = |k: usize| rotation.apply(half.map(|row| row[k]));
+    let columns = [column(0), column(1), column(2)];
+    let scale = entries.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    // What is left of a zero entry by rounding is no entry.
+    let entry = |row: usize, column: usize| {
+        let value = columns[column][row];
+        if value.abs() <= scale * 4.0 * f64::EPSILON {
+            0.0
+        } else {
+            value
+        }
+    };
+    [
+        entry(0, 0),
+        entry(0, 1),
+        entry(0, 2),
+        entry(1, 1),
+        entry(1, 2),
+        entry(2, 2),
+    ]
+}

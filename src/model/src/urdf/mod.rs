@@ -1,0 +1,146 @@
+//! The reader of URDF, the XML in which robots are exchanged.
+//!
+//! A file passes through [`super::xml`] (bytes to a tree of elements),
+//! [`elements`] and [`attributes`] (what the elements say, with their places),
+//! [`tree`] (links and joints in the order from the base), [`frames`] (which
+//! frame each moving body gets) and [`bodies`] (the model). Drawings, materials,
+//! collisions and whatever simulators add are passed over.
+//!
+//! Frames of bodies are chosen, not copied: the frame of a body is that of the
+//! body it hangs on, where all joints are at zero, unless the axis of its joint
+//! is no axis of that frame. So most constant rotations of a file are in no
+//! equation; those that remain turn by at most half a right angle.
+//!
+//! **Invariants.** A model that is returned upholds
+//! [`Model::check`](super::Model::check); a file with any error returns none.
+//! Nothing recurses over links.
+
+mod attributes;
+mod bodies;
+mod couplings;
+mod elements;
+mod frames;
+mod inertial;
+mod tree;
+
+use super::mbs::{ModelError, ReadModel};
+use super::xml::{self, Messages};
+use super::{Model, physics};
+use robovec_ir::diagnostic::Report;
+
+/// What the base of a robot does.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum RobotBase {
+    /// The first link stands still, as the format has it.
+    #[default]
+    Fixed,
+    /// The first link moves freely, by six joints: three translations, then
+    /// yaw, pitch and roll.
+    Floating,
+}
+
+/// How a robot is read.
+#[derive(Clone, Copy, PartialEq, Default, Debug)]
+pub struct RobotReading {
+    /// What its base does.
+    pub base: RobotBase,
+    /// How far from a multiple of a right angle an angle of the file is taken as
+    /// one, rad: many files write `1.57079632679`, and constant rotations that
+    /// are nearly right cost operations that right ones do not.
+    pub right_angle: f64,
+}
+
+impl From<RobotBase> for RobotReading {
+    fn from(base: RobotBase) -> RobotReading {
+        RobotReading {
+            base,
+            ..RobotReading::default()
+        }
+    }
+}
+
+/// What a URDF file is, for messages.
+const KIND: xml::DocumentKind = xml::DocumentKind {
+    last: "</robot>",
+    what: "a URDF file is XML; one that xacro makes a robot of must pass through xacro first",
+    first: "a URDF file's first element is `<robot>`",
+};
+
+/// Reads a URDF file. The name serves messages, and names a robot that has no
+/// name of its own.
+///
+/// # Errors
+///
+/// Everything that keeps the file from being a model, each with its place:
+/// text that is not XML or is cut short, document types and entities, unknown
+/// or repeated names, links on a cycle or with two parents, unknown kinds of
+/// joints, axes of no length, numbers that are none, more joints than
+/// [`JOINT_LIMIT`](robovec_robotran::conventions::JOINT_LIMIT).
+pub fn read_urdf(
+    name: &str,
+    bytes: &[u8],
+    reading: impl Into<RobotReading>,
+) -> Result<ReadModel, ModelError> {
+    let reading = reading.into();
+    let text = xml::decode(bytes).map_err(|mut error| {
+        // There is no text to point into, so the message names the file.
+        error.message = format!("{name}: {}", error.message);
+        ModelError {
+            report: Report::of(name, "", vec![error]),
+        }
+    })?;
+    let mut messages = Messages::default();
+    let model = xml::parse(&text, &KIND)
+        .map_err(|error| messages.push_error(error))
+        .ok()
+        .and_then(|document| read_document(name, &document, reading, &mut messages));
+    match model {
+        Some(model) if !messages.has_errors() => {
+            let warnings = messages.into_diagnostics();
+            let shown = if warnings.is_empty() { "" } else { &text };
+            Ok(ReadModel {
+                model,
+                warnings: Report::of(name, shown, warnings),
+                left_out: Report::new(),
+            })
+        }
+        _ => Err(ModelError {
+            report: Report::of(name, text.as_ref(), messages.into_diagnostics()),
+        }),
+    }
+}
+
+/// The model of a document; `None`, with errors among the messages, when there
+/// is none.
+fn read_document(
+    name: &str,
+    document: &roxmltree::Document<'_>,
+    reading: RobotReading,
+    messages: &mut Messages,
+) -> Option<Model> {
+    let root = document.root_element();
+    let robot = elements::read((name, reading.right_angle), root, messages)?;
+    let order = tree::order(&robot, messages)?;
+    let couplings = couplings::resolve(&robot, messages);
+    if messages.has_errors() {
+        return None;
+    }
+    for link in &robot.links {
+        if let Some(inertial) = &link.inertial {
+            let title = format!("link '{}'", link.name);
+            physics::impossible(&title, &inertial.inertia, &inertial.place, messages);
+        }
+    }
+    let built = bodies::build(&robot, &order, &couplings, reading.base, messages)?;
+    physics::massless(&built.model, &built.places, messages);
+    if built.model.joints.is_empty() {
+        messages.warn(
+            robot.place,
+            "nothing in the robot moves",
+            "all its joints are fixed",
+            "no equations come of it; with --base floating it moves freely",
+        );
+    }
+    debug_assert!(built.model.check(), "the reader upholds the invariants");
+    Some(built.model)
+}

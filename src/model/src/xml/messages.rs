@@ -1,0 +1,162 @@
+//! What is wrong or remarkable about a file of a model, and where.
+
+use robovec_ir::diagnostic::{Diagnostic, Label};
+use roxmltree::Node;
+use std::ops::Range;
+
+/// No more errors, and no more warnings, than this are reported for one file.
+const LIMIT: usize = 20;
+
+/// What is wrong or remarkable about a file.
+#[derive(Default)]
+pub(crate) struct Messages {
+    errors: Vec<Diagnostic>,
+    warnings: Vec<Diagnostic>,
+    more_warnings: usize,
+    more_errors: bool,
+    left_out: Vec<Diagnostic>,
+    more_left_out: usize,
+}
+
+/// An error about a place of the text.
+pub(crate) fn diagnostic(
+    range: Range<usize>,
+    message: &str,
+    label: &str,
+    help: &str,
+) -> Diagnostic {
+    Diagnostic::error()
+        .with_message(message)
+        .with_labels(vec![Label::primary(0, range).with_message(label)])
+        .with_note(format!("help: {help}"))
+}
+
+/// An error about what is there twice.
+pub(crate) fn second(
+    message: &str,
+    second: Range<usize>,
+    first: Range<usize>,
+    help: &str,
+) -> Diagnostic {
+    diagnostic(second, message, "the second one", help)
+        .with_label(Label::secondary(0, first).with_message("the first one"))
+}
+
+impl Messages {
+    pub(crate) fn push_error(&mut self, error: Diagnostic) {
+        if self.errors.len() < LIMIT {
+            self.errors.push(error);
+        } else {
+            self.more_errors = true;
+        }
+    }
+
+    /// Adds an error about a place.
+    pub(crate) fn error(&mut self, range: Range<usize>, message: &str, label: &str, help: &str) {
+        self.push_error(diagnostic(range, message, label, help));
+    }
+
+    /// Adds a warning about a place.
+    pub(crate) fn warn(&mut self, range: Range<usize>, message: &str, label: &str, help: &str) {
+        if self.warnings.len() < LIMIT {
+            let mut warning = diagnostic(range, message, label, help);
+            warning.severity = robovec_ir::diagnostic::Severity::Warning;
+            self.warnings.push(warning);
+        } else {
+            self.more_warnings += 1;
+        }
+    }
+
+    /// Adds a warning about what is read but is in no equation. Only a command
+    /// that makes equations has reason to tell it.
+    pub(crate) fn leave_out(
+        &mut self,
+        range: Range<usize>,
+        message: &str,
+        label: &str,
+        help: &str,
+    ) {
+        if self.left_out.len() < LIMIT {
+            let mut warning = diagnostic(range, message, label, help);
+            warning.severity = robovec_ir::diagnostic::Severity::Warning;
+            self.left_out.push(warning);
+        } else {
+            self.more_left_out += 1;
+        }
+    }
+
+    /// The warnings about what is in no equation, which are no part of the
+    /// others.
+    pub(crate) fn take_left_out(&mut self) -> Vec<Diagnostic> {
+        let mut all = std::mem::take(&mut self.left_out);
+        if self.more_left_out > 0 {
+            all.push(Diagnostic::note().with_message(format!(
+                "{} more are left out and not shown",
+                self.more_left_out
+            )));
+        }
+        all
+    }
+
+    /// False when further errors are only counted, so that there is no point in
+    /// searching for advice.
+    pub(crate) fn has_room(&self) -> bool {
+        self.errors.len() < LIMIT
+    }
+
+    /// Remembers an error that there is no room for.
+    pub(crate) fn count_error(&mut self) {
+        self.more_errors = true;
+    }
+
+    pub(crate) fn has_errors(&self) -> bool {
+        !self.errors.is_empty()
+    }
+
+    /// The errors, then the warnings.
+    pub(crate) fn into_diagnostics(self) -> Vec<Diagnostic> {
+        let mut all = self.errors;
+        if self.more_errors {
+            all.push(Diagnostic::note().with_message(format!(
+                "reading stopped after {LIMIT} errors; there are more"
+            )));
+        }
+        all.extend(self.warnings);
+        if self.more_warnings > 0 {
+            all.push(Diagnostic::note().with_message(format!(
+                "{} more warnings are not shown",
+                self.more_warnings
+            )));
+        }
+        all
+    }
+}
+
+/// Where an element is, for a message: its text when that is all it holds,
+/// else its opening tag up to its name.
+pub(crate) fn place(node: Node<'_, '_>) -> Range<usize> {
+    let text = node.children().find(|child| child.is_text());
+    if let Some(text) = text
+        && !node.children().any(|child| child.is_element())
+        && let Some(content) = text.text().map(str::trim)
+        && !content.is_empty()
+    {
+        let range = text.range();
+        let source = &node.document().input_text()[range.clone()];
+        let start = range.start + (source.len() - source.trim_start().len());
+        return start..start + source.trim().len();
+    }
+    let start = node.range().start;
+    let source = &node.document().input_text()[start..];
+    let length = source.find(['>', ' ', '\n', '\r', '\t', '/']).unwrap_or(1);
+    start..start + length.max(1)
+}
+
+/// The text of an element, without the blanks around it.
+pub(crate) fn content(node: Node<'_, '_>) -> String {
+    let mut text = String::new();
+    for piece in node.children().filter(|child| child.is_text()) {
+        text.push_str(piece.text().unwrap_or_default());
+    }
+    text.trim().to_owned()
+}

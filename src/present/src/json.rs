@@ -1,0 +1,18 @@
+//! Plain data as JSON: strings, numbers and lists of them, nothing that JSON
+//! cannot hold. Numbers that are not finite become `null`.
+
+use serde::Serialize;
+
+/// Indented, with a line end behind it.
+pub fn json_text(value: &(impl Serialize + ?Sized)) -> String {
+    let mut text = serde_json::to_string_pretty(value).expect("results are plain data");
+    text.push('\n');
+    text
+}
+
+/// On one line, for a script inside HTML.
+pub fn json_script(value: &(impl Serialize + ?Sized)) -> String {
+    let text = serde_json::to_string(value).expect("results are plain data");
+    // A closing tag inside a string would end the script.
+    text.replace("</", "<\\/")
+}

@@ -1,0 +1,22 @@
+//! Results for people and for programs: aligned text, tables as CSV and HTML,
+//! figures as CSV and SVG, pages that need nothing else.
+//!
+//! **Invariant.** This room knows nothing of what is shown: it uses no other
+//! room of this crate, and rooms that have results use it.
+
+pub mod csv;
+pub mod escape;
+mod figure;
+pub mod json;
+pub mod number;
+pub mod page;
+pub mod plot;
+mod table;
+pub mod text;
+
+pub use figure::{
+    AxisScale, Curve, Figure, Mark, MarkFill, MarkZone, Paint, Panel, PanelContent, PlotAxis,
+    Stroke, TileMap,
+};
+pub use table::{DataCell, DataTable};
+pub use text::{indented, text_lines, text_table};

@@ -1,0 +1,155 @@
+//! Pages: HTML files that need nothing else.
+//!
+//! Figures are put in as they are drawn for paper, tables as HTML, data as
+//! JSON for a script. **Invariant.** A page refers to no other file and no
+//! address.
+
+use super::escape::{Escaped, EscapedContent};
+use super::{DataCell, DataTable, Figure, plot};
+use std::fmt::Write;
+
+/// The style of all pages with tables and figures.
+pub const STYLE: &str = include_str!("page/page.css");
+
+/// What all pages with tables can do: sort, find, save, tell values.
+pub const TABLES: &str = include_str!("page/tables.js");
+
+const POINTS: &str = include_str!("page/points.html");
+
+/// Tables with more rows than this are shown when asked for.
+const LONG_TABLE: usize = 50;
+
+/// Cells with longer texts are broken into lines.
+const LONG_CELL: usize = 60;
+
+/// A page of points: figures, all points as tables, and what they mean.
+pub struct PointsPage<'a> {
+    /// Text.
+    pub title: String,
+    /// Text: of what, and by whom.
+    pub subtitle: String,
+    /// HTML: what is shown first.
+    pub figures: String,
+    /// What the points are, over their tables.
+    pub points: &'a str,
+    /// HTML.
+    pub tables: String,
+    /// HTML: how the numbers came about.
+    pub method: &'a str,
+    /// JSON for scripts, as [`super::json::json_script`] makes it.
+    pub data: String,
+}
+
+impl PointsPage<'_> {
+    /// The page.
+    pub fn to_html(&self) -> String {
+        let title = Escaped(&self.title).to_string();
+        let subtitle = Escaped(&self.subtitle).to_string();
+        let parts = [
+            ("title", title.as_str()),
+            ("subtitle", &subtitle),
+            ("css", STYLE),
+            ("figures", &self.figures),
+            ("points", self.points),
+            ("tables", &self.tables),
+            ("method", self.method),
+            ("data", &self.data),
+            ("js", TABLES),
+        ];
+        fill(POINTS, &parts)
+    }
+}
+
+/// Fills the places `{{name}}` of a template; what is filled in is not looked
+/// at again, and a place without a part stays empty.
+pub fn fill(template: &str, parts: &[(&str, &str)]) -> String {
+    let mut text = String::new();
+    let mut rest = template;
+    while let Some((before, after)) = rest.split_once("{{") {
+        text.push_str(before);
+        let (name, after) = after.split_once("}}").unwrap_or((after, ""));
+        let part = parts.iter().find(|(known, _)| *known == name);
+        text.push_str(part.map_or("", |(_, part)| part));
+        rest = after;
+    }
+    text + rest
+}
+
+/// Lines of text as they are, in letters of one width.
+pub fn lines(text: &str) -> String {
+    format!("<pre>{}</pre>", EscapedContent(text))
+}
+
+/// A table that folds, open unless it is long; `file` is where its numbers are,
+/// empty for a table without a file.
+pub fn table(table: &DataTable, file: &str) -> String {
+    folding_table(table, file, table.rows.len() <= LONG_TABLE)
+}
+
+/// As [`table`], open or not.
+pub fn folding_table(table: &DataTable, file: &str, open: bool) -> String {
+    let mut text = String::new();
+    let open = if open { " open" } else { "" };
+    let file = match file {
+        "" => String::new(),
+        file => format!("File: {file}."),
+    };
+    // Writing to a string cannot fail.
+    let _ = write!(
+        text,
+        "<details id=\"{}\"{open}><summary>{}</summary>\n<p class=\"caption\">{} \
+         {file}</p>\n<div class=\"scroll tall\"><table class=\"data\"><thead><tr>",
+        table.name,
+        Escaped(&table.title),
+        Escaped(&table.caption),
+    );
+    for column in &table.columns {
+        let _ = write!(text, "<th>{}</th>", Escaped(column));
+    }
+    text.push_str("</tr></thead><tbody>\n");
+    for row in &table.rows {
+        text.push_str("<tr>");
+        for value in row {
+            cell(&mut text, value);
+        }
+        text.push_str("</tr>\n");
+    }
+    text.push_str("</tbody></table></div></details>\n");
+    text
+}
+
+fn cell(text: &mut String, cell: &DataCell) {
+    let plain = cell.plain();
+    // As above, writing cannot fail.
+    let _ = match cell {
+        DataCell::Empty => write!(text, "<td></td>"),
+        DataCell::Count(_) | DataCell::Number(..) => write!(text, "<td class=\"n\">{plain}</td>"),
+        DataCell::Text(long) if long.len() > LONG_CELL => {
+            write!(text, "<td class=\"long\">{}</td>", Escaped(long))
+        }
+        DataCell::Text(short) => write!(text, "<td>{}</td>", Escaped(short)),
+        DataCell::Doubtful { doubtful } => write!(text, "<td class=\"n\"><s>{doubtful}</s></td>"),
+    };
+}
+
+/// A figure with its caption.
+pub fn figure(figure: &Figure) -> String {
+    format!(
+        "<figure id=\"{}\">{}<figcaption><b>{}</b><br><span class=\"caption\">{}</span></figcaption></figure>\n",
+        figure.name,
+        plot::draw(figure),
+        Escaped(&figure.title),
+        Escaped(&figure.caption),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_filled_in_is_not_filled_again() {
+        let parts = [("a", "{{b}}"), ("b", "2")];
+        assert_eq!(fill("<{{a}}|{{b}}|{{c}}>", &parts), "<{{b}}|2|>");
+    }
+}

@@ -1,0 +1,61 @@
+//! Aligned tables of text.
+
+use comfy_table::{Cell, CellAlignment, LineStyle, Table, TableStyle};
+
+/// What stands between the heads of two columns.
+pub(super) const BETWEEN: &str = " | ";
+
+/// A table with a line under its head. `head` has the heads of all columns,
+/// ` | ` between them; a `>` before a head aligns its column to the right. A
+/// table whose heads are all empty has no head.
+pub fn text_table(head: &str, rows: &[Vec<String>]) -> String {
+    let heads: Vec<&str> = head.split(BETWEEN).collect();
+    let is_right = |column: usize| heads.get(column).is_some_and(|head| head.starts_with('>'));
+    let mut table = Table::new();
+    table.load_style(TableStyle::new().header_separator(LineStyle::none().fill('─').junction('─')));
+    let cell = |(column, content): (usize, &str)| {
+        let alignment = match is_right(column) {
+            true => CellAlignment::Right,
+            false => CellAlignment::Left,
+        };
+        Cell::new(content).set_alignment(alignment)
+    };
+    let names = heads.iter().map(|head| head.trim_start_matches('>'));
+    if names.clone().any(|name| !name.is_empty()) {
+        table.set_header(names.enumerate().map(cell).collect::<Vec<Cell>>());
+    }
+    for row in rows {
+        let cells = row.iter().map(String::as_str).enumerate();
+        table.add_row(cells.map(cell).collect::<Vec<Cell>>());
+    }
+    // The first column starts at the section's indentation.
+    if let Some(first) = table.column_mut(0) {
+        first.set_padding((0, 1));
+    }
+    table.to_string()
+}
+
+/// As [`text_table`], without blanks at the ends of its lines, and with a line
+/// end behind the last.
+pub fn text_lines(head: &str, rows: &[Vec<String>]) -> String {
+    indented("", &text_table(head, rows))
+}
+
+/// Texts in their order, each once.
+pub fn distinct<'t>(texts: impl Iterator<Item = &'t str>) -> String {
+    let mut known: Vec<&str> = Vec::new();
+    for text in texts {
+        if !known.contains(&text) {
+            known.push(text);
+        }
+    }
+    known.join(", ")
+}
+
+/// The lines of a text behind an indentation, without blanks at their ends.
+pub fn indented(indentation: &str, text: &str) -> String {
+    let lines = text.lines();
+    lines
+        .map(|line| format!("{indentation}{}\n", line.trim_end()))
+        .collect()
+}

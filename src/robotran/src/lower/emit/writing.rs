@@ -1,0 +1,184 @@
+//! What equations define: names, elements and outputs.
+
+use super::{EmittedFunction, FunctionEmitter, LATER, Later, SymbolSet};
+use crate::Language;
+use crate::explain::refusal;
+use crate::lower::scan::{READ_BACK, REWRITTEN};
+use crate::token::RobotranName;
+use robovec_ir::{Assignment, Name, Node, Operand, Operation, Output, SourceSet, Symbol, Value};
+
+impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
+    pub(super) fn set_definition(&mut self, symbol: Symbol, operand: Operand) {
+        if symbol.index() >= self.shared.definitions.len() {
+            let length = symbol.index() + 1;
+            self.shared.definitions.resize(length, Operand::NONE);
+        }
+        self.shared.definitions[symbol.index()] = operand;
+        self.defined.push(symbol);
+    }
+
+    pub(super) fn define(
+        &mut self,
+        name: RobotranName,
+        operand: Operand,
+        fresh: bool,
+        sources: SourceSet,
+    ) {
+        let symbol = name.symbol();
+        if self.shared.language == Language::C && name.is_of_data() {
+            self.member_of_data(symbol);
+            return;
+        }
+        if self.signature.given.contains(&name) && self.storage.find(name).is_none() {
+            self.errors.push(refusal(
+                "a parameter is assigned to",
+                self.shared.syntax.statements[self.statement].span,
+                "from here on it would be another number",
+                "give the number another name",
+            ));
+            return;
+        }
+        if self.storage.find(name).is_some() {
+            self.errors.push(refusal(
+                "an array is assigned to without an index",
+                self.shared.syntax.statements[self.statement].span,
+                "which element is meant?",
+                "write the index, or give the temporary another name",
+            ));
+            return;
+        }
+        if self.names.is_defined(symbol) && self.crossing.is_none() {
+            self.defined_twice(symbol);
+            return;
+        }
+        let name = self.names.scalar(symbol);
+        let value = self.named(name, operand, fresh, sources);
+        self.set_definition(symbol, value);
+    }
+
+    /// Names a value: a fresh node takes the name itself, anything else is
+    /// copied.
+    pub(super) fn named(
+        &mut self,
+        name: Name,
+        operand: Operand,
+        fresh: bool,
+        sources: SourceSet,
+    ) -> Operand {
+        if fresh && let Some(value) = operand.value() {
+            self.function.node_mut(value).name = name;
+            return operand;
+        }
+        Operand::from(self.function.push(Node {
+            name,
+            sources,
+            operands: Operand::list([operand]),
+            operation: Operation::Copy,
+        }))
+    }
+
+    /// The output element of a slot that is written once and never read back.
+    pub(super) fn plain_output(&self, slot: u32) -> Option<Output> {
+        let (array, _, _) = self.storage.element(slot);
+        let output = self.outputs[self.storage.find(array.name)? as usize]?;
+        let plain = self.scan.flags[slot as usize] & (REWRITTEN | READ_BACK) == 0;
+        plain.then_some(Output(output.offset + (slot - array.offset)))
+    }
+
+    pub(in crate::lower) fn write(
+        &mut self,
+        slot: u32,
+        operand: Operand,
+        fresh: bool,
+        sources: SourceSet,
+    ) {
+        if let Some(output) = self.plain_output(slot) {
+            self.function.assignments.push(Assignment {
+                output,
+                operand,
+                sources,
+            });
+            return;
+        }
+        let (array, indices, rank) = self.storage.element(slot);
+        let symbols = &mut self.shared.tables.symbols;
+        let name = self
+            .names
+            .element(symbols, array.name.symbol(), &indices[..rank]);
+        let value = self.named(name, operand, fresh, sources);
+        if self.elements[slot as usize].is_none() {
+            self.named_elements.push(slot);
+        }
+        self.elements[slot as usize] = value;
+    }
+
+    /// Appends the expressions that stand behind all definitions, in order of
+    /// the outputs they give.
+    fn append_trees(&mut self) {
+        let Later { nodes, mut trees } = std::mem::take(&mut self.later);
+        trees.sort_by_key(|&(output, _)| output);
+        for (output, run) in trees {
+            let base = self.function.nodes().len() as u32;
+            let moved = |operand: Operand| match operand.value() {
+                Some(Value(index)) if index >= LATER => Operand::from(Value(base + index - LATER)),
+                Some(_) | None => operand,
+            };
+            let mut root = None;
+            for node in &nodes[run] {
+                root = Some(self.function.push(Node {
+                    operands: node.operands.map(moved),
+                    ..*node
+                }));
+            }
+            if let Some(root) = root {
+                self.function.assignments.push(Assignment {
+                    output,
+                    operand: Operand::from(root),
+                    sources: self.function.node(root).sources,
+                });
+            }
+        }
+    }
+
+    /// Finishes the function: the last value of every element that became a
+    /// named value, and the scalars other parts read.
+    pub(in crate::lower) fn finish(mut self) -> EmittedFunction {
+        for slot in std::mem::take(&mut self.named_elements) {
+            let number = self.storage.array_of(slot);
+            let array = &self.storage.arrays[number];
+            let operand = self.elements[slot as usize];
+            if let (Some(output), Some(node)) = (self.outputs[number], operand.value()) {
+                let sources = self.function.node(node).sources;
+                self.function.assignments.push(Assignment {
+                    output: Output(output.offset + (slot - array.offset)),
+                    operand,
+                    sources,
+                });
+            }
+        }
+        if let Some(crossing) = self.crossing {
+            let mut seen = SymbolSet::default();
+            for symbol in self.defined.clone() {
+                let operand = self.shared.definitions[symbol.index()];
+                if crossing.outputs.contains(&symbol)
+                    && seen.insert(symbol)
+                    && let Some(node) = operand.value()
+                {
+                    let sources = self.function.node(node).sources;
+                    self.scalar_output(symbol, operand, sources);
+                }
+            }
+        }
+        self.append_trees();
+        self.function.sort_assignments();
+        for symbol in self.defined {
+            self.shared.definitions[symbol.index()] = Operand::NONE;
+        }
+        EmittedFunction {
+            function: self.function,
+            missing: self.missing,
+            errors: self.errors,
+            warnings: self.warnings,
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! Hard cases: models and equations that are known to break floating point,
+//! measured, judged, and cured.
+//!
+//! A [`StressCase`] is built, computed in binary32 as it comes and compared with a
+//! reference in double-double numbers. Beside its error stand the condition of
+//! the problem and the error that rounding the data once would make; from
+//! these follows the [`StressVerdict`], whose fault the error is. Then candidates
+//! for cures are tried (other recursions, passes, coordinates, units, formats
+//! of all values or of each, refinement, compensated sums, steps, loops kept
+//! closed), and the cheapest that comes close to binary64 is
+//! told. The constructions are described in `docs/stress.md`.
+//!
+//! **Invariant.** Nothing depends on clocks, threads or the order of work.
+
+mod case;
+mod cases;
+mod cure;
+mod draw;
+mod drift;
+mod dynamics;
+mod equations;
+mod forms;
+mod linear;
+mod long;
+mod loops;
+mod memo;
+mod numbers;
+mod page;
+mod program;
+mod series;
+mod steps;
+mod treatment;
+pub mod units;
+mod verdict;
+mod view;
+mod whole_step;
+
+pub use case::{CaseClass, Measured, StressCase};
+pub use cases::cases;
+pub use cure::{Findings, TreatmentTrial, examine, judge};
+pub use page::{figure, page};
+pub use treatment::{LoopStabilisation, ProgramTreatment};
+pub use verdict::{ALLOWANCE, StressVerdict, verdict};
+pub use view::{CaseFinding, classes, gaps, steps, table, text};
+
+use robovec_dynamics::generate::GenerateError;
+use robovec_dynamics::motion::MotionError;
+use thiserror::Error;
+
+/// Why a case cannot be measured.
+#[derive(Clone, PartialEq, Debug, Error)]
+pub enum StressError {
+    /// The model gives no equations.
+    #[error(transparent)]
+    Generate(#[from] GenerateError),
+    /// The model does not move.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    /// A pass failed.
+    #[error("the passes failed: {0}")]
+    Passes(String),
+}

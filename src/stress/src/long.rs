@@ -1,0 +1,245 @@
+//! Long simulations in one arithmetic.
+
+use super::case::{Measured, StressBench, StressSubject};
+use super::dynamics::{DynamicsSubject, Metric};
+use super::memo::Memo;
+use super::numbers::{Wide, Work, WorkingPrecision};
+use super::{ProgramTreatment, StressError};
+use robovec_dynamics::generate::{Formulation, GenerationRequest, generate};
+use robovec_dynamics::kinematics::MotionState;
+use robovec_dynamics::motion::runge_kutta::{TimeStep, change_work};
+use robovec_dynamics::motion::{Calculus, Drift, FreeMotion, Stepping};
+use robovec_ir::Format;
+use robovec_ir::cost::OperationWork;
+use robovec_model::Model;
+use robovec_num::arithmetic::Arithmetic;
+use robovec_robotran::FunctionKind;
+use std::convert::Infallible;
+use std::ops::Add;
+
+/// What is to stay the same.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Kept {
+    /// The energy.
+    Energy,
+    /// Linear and angular momentum.
+    Momentum,
+}
+
+/// A model left to itself.
+pub(super) struct Long {
+    model: Model,
+    initial: MotionState,
+    kept: Kept,
+    /// s.
+    duration: f64,
+    /// s.
+    step: f64,
+}
+
+impl Long {
+    pub(super) fn new(
+        model: Model,
+        initial: MotionState,
+        kept: Kept,
+        [duration, step]: [f64; 2],
+    ) -> Long {
+        // Rounds the numbers of both.
+        let mut shared = DynamicsSubject::new(model, vec![initial], Metric::Accelerations);
+        Long {
+            initial: shared.states.remove(0),
+            model: shared.model,
+            kept,
+            duration,
+            step,
+        }
+    }
+
+    fn steps(&self, step: f64) -> u64 {
+        (self.duration / step).round() as u64
+    }
+}
+
+/// More steps than this are not repeated for format after format.
+const MANY_STEPS: u64 = 500_000;
+
+impl StressSubject for Long {
+    fn metric(&self) -> &'static str {
+        match self.kept {
+            Kept::Energy => "energy drift",
+            Kept::Momentum => "momentum drift",
+        }
+    }
+
+    fn untreated(&self) -> ProgramTreatment {
+        ProgramTreatment {
+            step: Some(self.step),
+            ..ProgramTreatment::default()
+        }
+    }
+
+    fn candidates(&self) -> Vec<ProgramTreatment> {
+        let plain = self.untreated();
+        let mut list = vec![
+            ProgramTreatment {
+                compensated: true,
+                ..plain.clone()
+            },
+            ProgramTreatment {
+                state: Some(Format::BINARY64),
+                ..plain.clone()
+            },
+        ];
+        // Another step, and how far it brings binary32.
+        for step in [1e-2, 1e-3] {
+            if step > self.step {
+                list.push(ProgramTreatment {
+                    step: Some(step),
+                    compensated: true,
+                    ..plain.clone()
+                });
+            }
+        }
+        list
+    }
+
+    fn rounds(&self) -> bool {
+        self.steps(self.step) < MANY_STEPS
+    }
+
+    fn prepare(&self) -> Result<Box<dyn StressBench + '_>, StressError> {
+        let request = GenerationRequest::new(FunctionKind::Accelred);
+        let module = generate(&self.model, &request)?;
+        let work = module.functions.iter().map(OperationWork::of);
+        Ok(Box::new(LongBench {
+            work: work.fold(OperationWork::default(), Add::add),
+            known: Memo::default(),
+            motion: FreeMotion::new(&self.model, Formulation::default())?,
+            subject: self,
+        }))
+    }
+}
+
+struct LongBench<'a> {
+    subject: &'a Long,
+    motion: FreeMotion<'a>,
+    work: OperationWork,
+    /// Runs take long: none is made twice.
+    known: Memo<ProgramTreatment, Drift>,
+}
+
+/// A run, for whatever arithmetic its slopes are computed in.
+struct Slopes<'a> {
+    bench: &'a LongBench<'a>,
+    state: WorkingPrecision,
+    stepping: Stepping,
+}
+
+/// The same, for whatever its state is kept in.
+struct WithSlopes<'a, A> {
+    bench: &'a LongBench<'a>,
+    slopes: &'a A,
+    stepping: Stepping,
+}
+
+impl Work for Slopes<'_> {
+    type Result = Drift;
+
+    fn run<A: Arithmetic<Number: Wide>>(self, slopes: &A) -> Drift {
+        self.state.work(WithSlopes {
+            bench: self.bench,
+            slopes,
+            stepping: self.stepping,
+        })
+    }
+}
+
+impl<A: Arithmetic<Number: Wide>> Work for WithSlopes<'_, A> {
+    type Result = Drift;
+
+    fn run<S: Arithmetic<Number: Wide>>(self, state: &S) -> Drift {
+        let slopes = Calculus {
+            arithmetic: self.slopes,
+            read: |number: A::Number| number.wide().high,
+        };
+        let state = Calculus {
+            arithmetic: state,
+            read: |number: S::Number| number.wide().high,
+        };
+        let bench = self.bench;
+        bench
+            .motion
+            .drift(slopes, state, &bench.subject.initial, self.stepping)
+    }
+}
+
+impl StressBench for LongBench<'_> {
+    /// Of a motion there is no one number.
+    fn condition(&self) -> f64 {
+        f64::NAN
+    }
+
+    /// What the method leaves out at this step, and what reading the state in
+    /// the format says of the energy.
+    fn floor(&self, format: Format) -> f64 {
+        let treatment = ProgramTreatment {
+            format: Format::BINARY64,
+            ..self.subject.untreated()
+        };
+        self.error(&treatment).0.max(format.unit_roundoff())
+    }
+
+    fn measure(&self, treatment: &ProgramTreatment) -> Result<Measured, StressError> {
+        let (error, other) = self.error(treatment);
+        let name = match self.subject.kept {
+            Kept::Energy => "momentum drift",
+            Kept::Momentum => "energy drift",
+        };
+        let steps = self
+            .subject
+            .steps(treatment.step.unwrap_or(self.subject.step)) as f64;
+        let state = treatment.state.unwrap_or(treatment.format);
+        let numbers = 2 * self.subject.model.joints.len();
+        let slopes = (self.work * 4.0).cost(treatment.format);
+        let change = change_work(numbers, treatment.compensated).cost(state);
+        Ok(Measured {
+            error,
+            others: vec![(name, other)],
+            outside: 0.0,
+            consistent: true,
+            cost: steps * (slopes + change),
+        })
+    }
+}
+
+impl LongBench<'_> {
+    /// The drift that verdicts are about, and the other one.
+    fn error(&self, treatment: &ProgramTreatment) -> (f64, f64) {
+        let drift = self.drift(treatment);
+        match self.subject.kept {
+            Kept::Energy => (drift.energy, drift.momentum),
+            Kept::Momentum => (drift.momentum, drift.energy),
+        }
+    }
+
+    fn drift(&self, treatment: &ProgramTreatment) -> Drift {
+        let step = treatment.step.unwrap_or(self.subject.step);
+        let stepping = Stepping {
+            how: TimeStep {
+                step,
+                compensated: treatment.compensated,
+            },
+            steps: self.subject.steps(step),
+            samples: 200,
+        };
+        let slopes = Slopes {
+            bench: self,
+            state: WorkingPrecision::In(treatment.state.unwrap_or(treatment.format)),
+            stepping,
+        };
+        let Ok(drift) = self.known.get(treatment.clone(), || {
+            Ok::<Drift, Infallible>(WorkingPrecision::In(treatment.format).work(slopes))
+        });
+        drift
+    }
+}

@@ -1,0 +1,208 @@
+//! What is done to a program so that its error becomes smaller.
+
+use robovec_dynamics::generate::Formulation;
+use robovec_ir::Format;
+use std::fmt;
+
+/// The passes that shorten paths by regrouping sums and products.
+pub(super) const BALANCED: &str = "atomise,zero-removal,balance,cse,dce";
+
+/// What is run over the equations of every recursion: regrouping for short
+/// paths and for common factors, and sums that round less. The first list is
+/// empty: the equations as they come.
+pub(super) const PASSES: [&str; 7] = [
+    "",
+    BALANCED,
+    "atomise,factor,cse,dce",
+    "atomise,factor{path=free},cse,dce",
+    "atomise,composite,cse,dce",
+    "atomise,accurate",
+    "atomise,accurate{growth=1000 slack=1000}",
+];
+
+/// What keeps the loops of a model closed in time.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum LoopStabilisation {
+    /// Nothing: accelerations agree with the loops, positions need not.
+    #[default]
+    None,
+    /// What is open is led back by the accelerations, as a critically damped
+    /// oscillator would (Baumgarte 1972).
+    Baumgarte,
+    /// After every step the dependent joints are put back onto the loops.
+    Projection,
+}
+
+impl LoopStabilisation {
+    /// All of them.
+    pub const ALL: [LoopStabilisation; 3] = [
+        LoopStabilisation::None,
+        LoopStabilisation::Baumgarte,
+        LoopStabilisation::Projection,
+    ];
+}
+
+/// How a program is made and run. The default is what one gets without
+/// asking: the recursion Robotran prints, in binary32.
+#[derive(Clone, PartialEq, Debug)]
+pub struct ProgramTreatment {
+    /// The recursion the equations come from.
+    pub formulation: Formulation,
+    /// The passes that are run over them; none when empty.
+    pub passes: &'static str,
+    /// The joints that are independent in the loops; those of the model when
+    /// empty.
+    pub independent: Vec<String>,
+    /// Another way to write the same equations, by name; the one that is the
+    /// case when empty.
+    pub form: &'static str,
+    /// What is computed in.
+    pub format: Format,
+    /// Every value in the narrowest format with which the outputs keep this
+    /// error, up to binary64: the pass `mixed`.
+    pub mixed: Option<f64>,
+    /// What keeps loops closed.
+    pub stabilisation: LoopStabilisation,
+    /// What forces (`c`, `Qq`, residuals) are computed in, where that is not
+    /// what masses are computed in.
+    pub forces: Option<Format>,
+    /// Steps of iterative refinement of accelerations: each solves again, with
+    /// the same factor of `M`, for what the inverse dynamics say is missing.
+    pub refinements: u32,
+    /// Compute in units that bring the model's numbers to the order of one.
+    pub units: bool,
+    /// Keep what additions to the integrator's state leave out (Kahan 1965).
+    pub compensated: bool,
+    /// The integrator's state in this format, where that is not what slopes
+    /// are computed in.
+    pub state: Option<Format>,
+    /// The integrator's step, s.
+    pub step: Option<f64>,
+    /// The highest power of the angle in the series that stand for sine and
+    /// cosine; true functions where there is none.
+    pub series: Option<u32>,
+}
+
+impl Default for ProgramTreatment {
+    fn default() -> ProgramTreatment {
+        ProgramTreatment {
+            formulation: Formulation::default(),
+            passes: "",
+            independent: Vec::new(),
+            form: "",
+            format: Format::BINARY32,
+            mixed: None,
+            stabilisation: LoopStabilisation::None,
+            forces: None,
+            refinements: 0,
+            units: false,
+            compensated: false,
+            state: None,
+            step: None,
+            series: None,
+        }
+    }
+}
+
+impl ProgramTreatment {
+    /// The untreated program in a format.
+    pub fn in_format(format: Format) -> ProgramTreatment {
+        ProgramTreatment {
+            format,
+            ..ProgramTreatment::default()
+        }
+    }
+
+    /// The same in binary32: treatments that differ in their format alone
+    /// share one program.
+    pub(super) fn in_binary32(&self) -> ProgramTreatment {
+        ProgramTreatment {
+            format: Format::BINARY32,
+            ..self.clone()
+        }
+    }
+
+    /// True when it is another program in the same format, and nothing else.
+    pub(super) fn is_another_program(&self, untreated: &ProgramTreatment) -> bool {
+        let same = ProgramTreatment {
+            formulation: untreated.formulation,
+            passes: untreated.passes,
+            independent: untreated.independent.clone(),
+            form: untreated.form,
+            stabilisation: untreated.stabilisation,
+            ..self.clone()
+        };
+        same == *untreated && self != untreated
+    }
+
+    /// What it does that another does not, in a few words.
+    pub fn label(&self, untreated: &ProgramTreatment) -> String {
+        let mut words: Vec<String> = Vec::new();
+        if self.formulation != untreated.formulation {
+            words.push(self.formulation.name().to_owned());
+        }
+        if self.form != untreated.form {
+            words.push(self.form.to_owned());
+        }
+        if self.passes != untreated.passes {
+            words.push(match self.passes {
+                BALANCED => "balanced".to_owned(),
+                // Every list of passes begins there.
+                passes => passes.trim_start_matches("atomise,").to_owned(),
+            });
+        }
+        if self.independent != untreated.independent {
+            words.push(format!("independent {}", self.independent.join(" ")));
+        }
+        match self.stabilisation {
+            LoopStabilisation::None => {}
+            LoopStabilisation::Baumgarte => words.push("stabilised".to_owned()),
+            LoopStabilisation::Projection => words.push("projected".to_owned()),
+        }
+        if self.series != untreated.series {
+            words.push(match self.series {
+                None => "true sin, cos".to_owned(),
+                Some(order) => format!("order {order}"),
+            });
+        }
+        if self.step != untreated.step {
+            words.push(match self.step {
+                None => "another step".to_owned(),
+                Some(step) => format!("dt {step:?} s"),
+            });
+        }
+        if let Some(error) = self.mixed {
+            words.push(format!("mixed within {error:.0e}"));
+        } else if self.format != untreated.format {
+            words.push(self.format.to_string());
+        }
+        if let Some(format) = self.forces {
+            words.push(format!("forces {format}"));
+        }
+        match self.refinements {
+            0 => {}
+            1 => words.push("refined once".to_owned()),
+            2 => words.push("refined twice".to_owned()),
+            count => words.push(format!("refined {count} times")),
+        }
+        if let Some(format) = self.state {
+            words.push(format!("state {format}"));
+        }
+        if self.compensated {
+            words.push("compensated state".to_owned());
+        }
+        if self.units {
+            words.push("other units".to_owned());
+        }
+        if words.is_empty() {
+            words.push("as it is".to_owned());
+        }
+        words.join(", ")
+    }
+}
+
+impl fmt::Display for ProgramTreatment {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.label(&ProgramTreatment::default()))
+    }
+}

@@ -1,0 +1,237 @@
+//! The report of a compilation: what it costs and how exact it is.
+//!
+//! One structure, written as JSON ([`ModuleReport::to_json`]) for programs and as
+//! text ([`ModuleReport::to_text`]) for people. The names of the JSON form are an
+//! interface, documented in `docs/report.md`; a field may be added and none
+//! renamed. Numbers that are not finite are `null` there.
+
+mod error;
+mod records;
+mod rounding;
+mod schedule;
+mod text;
+
+pub use error::{
+    ArrayReport, ElementReport, ErrorReport, FormatReport, MatrixReport, SpreadReport,
+};
+pub use records::{BoundaryReport, CheckErrors, CheckReport, PassReport};
+
+use robovec_analysis::critical_path::critical_path;
+use robovec_analysis::rounding::RoundingErrors;
+use robovec_error::errors::Heat;
+use robovec_framework::check::CheckVerdict;
+use robovec_ir::count::Counts;
+use robovec_ir::states::States;
+use robovec_ir::{Function, Level, Machine, Module, View};
+use robovec_present::json::json_text;
+pub use rounding::{QuantilesReport, RoundingReport};
+pub use schedule::{ByKind, KindReport, ScheduleReport, TransferReport};
+use serde::{Serialize, Serializer};
+use std::sync::Arc;
+
+/// What the pass manager tells about one run of a pass on one function.
+#[derive(Clone, PartialEq, Debug)]
+pub struct PassRunRecord {
+    /// The function's name.
+    pub function: String,
+    /// The pass as it stands in the pipeline, options included.
+    pub name: String,
+    /// Processor time, in seconds.
+    pub cpu_s: f64,
+    /// The largest memory of the process so far, in MB; absent where the
+    /// system does not tell.
+    pub peak_mb: Option<f64>,
+    /// Operations after the pass, minus signs included, sine and cosine not.
+    pub operations: usize,
+    /// The longest chain after the pass, in cycles.
+    pub asap_cycle: u32,
+    /// The semantic check of the pass; absent when it was not asked for.
+    pub verdict: Option<CheckVerdict>,
+    /// Rounding errors in binary32 before and after the pass; absent when
+    /// they were not measured.
+    pub rounding: Option<[Arc<RoundingErrors>; 2]>,
+}
+
+/// What a report measures.
+#[derive(Clone, PartialEq, Debug)]
+pub struct ReportOptions {
+    /// Where the states come from over which rounding errors are measured.
+    pub states: States,
+    /// Number of them.
+    pub count: u32,
+    /// The counts of functions as they were read; others are counted as they
+    /// are.
+    pub read: Vec<ReadCounts>,
+}
+
+/// The counts of a function as it was read: passes take equations apart, and
+/// their number is that of the user's file.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct ReadCounts {
+    function: String,
+    equations: usize,
+    vectors: usize,
+}
+
+impl ReadCounts {
+    /// The counts of all functions.
+    pub fn of(module: &Module) -> Vec<ReadCounts> {
+        let count = |function: &Function| {
+            let counts = Counts::of(function);
+            ReadCounts {
+                function: function.name.clone(),
+                equations: counts.equations,
+                vectors: counts.vectors,
+            }
+        };
+        module.functions.iter().map(count).collect()
+    }
+}
+
+impl Default for ReportOptions {
+    fn default() -> ReportOptions {
+        ReportOptions {
+            states: States::new(1),
+            count: 16,
+            read: Vec::new(),
+        }
+    }
+}
+
+/// The report of a module.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct ModuleReport {
+    /// The version of robovec.
+    pub robovec: String,
+    /// One entry per function, in the module's order.
+    pub functions: Vec<FunctionReport>,
+}
+
+/// The report of a function.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct FunctionReport {
+    /// Its name.
+    pub name: String,
+    /// The model it belongs to, from the header of its file.
+    pub model: Option<String>,
+    /// The level it was lowered to.
+    #[serde(serialize_with = "level_name")]
+    pub level: Level,
+    /// Assignments: named values and output elements.
+    pub equations: usize,
+    /// Everything but sines, cosines and copies.
+    pub operations: usize,
+    /// Additions and subtractions; below the equations level minus signs are
+    /// among them, as `0 - x`.
+    pub add_sub: usize,
+    /// Multiplications.
+    pub mul: usize,
+    /// Divisions.
+    pub div: usize,
+    /// Square roots.
+    pub sqrt: usize,
+    /// Sines and cosines.
+    pub sin_cos: usize,
+    /// Minus signs.
+    pub negations: usize,
+    /// Groups of equations that need only those before them.
+    pub vectors: usize,
+    /// The longest chain, in operations.
+    pub asap: u32,
+    /// The longest chain, in cycles of the machine.
+    pub asap_cycle: u32,
+    /// Operations per cycle of the longest chain: how many processing
+    /// elements can be kept busy at most (the thesis' number Y). Absent for
+    /// a function without a chain.
+    pub number_y: Option<f64>,
+    /// User calls that split the function.
+    pub boundaries: Vec<BoundaryReport>,
+    /// What was run on it, in order.
+    pub passes: Vec<PassReport>,
+    /// Cycles and processing elements; absent before `place`.
+    pub schedule: Option<ScheduleReport>,
+    /// Rounding errors of the outputs.
+    pub error: ErrorReport,
+    /// Which equations these come from, in the machine's number format.
+    pub heat: Heat,
+}
+
+impl ModuleReport {
+    /// Measures and counts everything a report tells about a module after the
+    /// recorded passes were run on it for a machine.
+    pub fn collect(
+        module: &Module,
+        machine: &Machine,
+        passes: &[PassRunRecord],
+        options: &ReportOptions,
+    ) -> ModuleReport {
+        let describe = |function: &Function| {
+            let view = View {
+                tables: &module.tables,
+                function,
+            };
+            FunctionReport::collect(view, machine, passes, options)
+        };
+        ModuleReport {
+            robovec: env!("CARGO_PKG_VERSION").to_owned(),
+            functions: module.functions.iter().map(describe).collect(),
+        }
+    }
+
+    /// The report as JSON, indented, with a line end behind it.
+    pub fn to_json(&self) -> String {
+        json_text(self)
+    }
+
+    /// The report for a person, at most 100 columns wide.
+    pub fn to_text(&self) -> String {
+        text::print(self)
+    }
+}
+
+impl FunctionReport {
+    fn collect(
+        view: View<'_>,
+        machine: &Machine,
+        passes: &[PassRunRecord],
+        options: &ReportOptions,
+    ) -> FunctionReport {
+        let function = view.function;
+        let mut counts = Counts::of(function);
+        if let Some(read) = (options.read.iter()).find(|read| read.function == function.name) {
+            (counts.equations, counts.vectors) = (read.equations, read.vectors);
+        }
+        let path = critical_path(function, machine);
+        let own = passes.iter().filter(|pass| pass.function == function.name);
+        FunctionReport {
+            name: function.name.clone(),
+            model: function.metadata("model").map(str::to_owned),
+            level: function.level,
+            equations: counts.equations,
+            operations: counts.operations,
+            add_sub: counts.add_sub,
+            mul: counts.mul,
+            div: counts.div,
+            sqrt: counts.sqrt,
+            sin_cos: counts.sin_cos,
+            negations: counts.negations,
+            vectors: counts.vectors,
+            asap: path.asap,
+            asap_cycle: path.asap_cycle,
+            number_y: (path.asap_cycle > 0)
+                .then(|| counts.operations as f64 / f64::from(path.asap_cycle)),
+            boundaries: BoundaryReport::collect(view),
+            passes: own.map(|record| PassReport::new(record, view)).collect(),
+            schedule: ScheduleReport::collect(function, machine),
+            error: ErrorReport::new(view, options),
+            heat: Heat::measure(view, machine.number, &options.states),
+        }
+    }
+}
+
+fn level_name<S: Serializer>(level: &Level, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(level.name())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,77 @@
+//! Bounds beside those that others publish for the same formulas and ranges.
+
+use robovec::errors::{ErrorMethod, ErrorSettings, ErrorTable, IntervalRow};
+use robovec::fpcore::read;
+use robovec_analysis::interval::GivenData;
+use robovec_ir::states::States;
+use robovec_ir::{Format, View};
+use std::sync::Arc;
+
+/// Absolute errors in binary64: FPTaylor's, of turbine1 Fluctuat's, of
+/// jetEngine Fluctuat's with subdivision. They round inputs and literals.
+const PUBLISHED: [(&str, f64); 10] = [
+    ("doppler1", 1.36e-13),
+    ("doppler2", 2.45e-13),
+    ("carbonGas", 8.3e-9),
+    ("sine", 4.4e-16),
+    ("verhulst", 2.5e-16),
+    ("kepler0", 7.5e-14),
+    ("rigidBody1", 2.95e-13),
+    ("rigidBody2", 3.61e-11),
+    ("turbine1", 8.3e-14),
+    ("jetEngine", 1.8e-11),
+];
+
+fn bounded(text: &str, name: &str, data: GivenData, boxes: usize) -> IntervalRow {
+    let core = read("benchmarks", text, Some(name)).expect("it is a good core");
+    let view = View {
+        tables: &core.module.tables,
+        function: &core.module.functions[0],
+    };
+    let settings = ErrorSettings {
+        format: Format::BINARY64,
+        states: States::new(1).within(Arc::new(core.ranges)),
+        state: 0,
+        blamed: 1,
+        methods: vec![ErrorMethod::Interval],
+        outputs: vec![0],
+        most_equations: 1,
+        window: 1000,
+        samples: 1,
+        boxes,
+        data,
+    };
+    let table = ErrorTable::measure(view, &settings).expect("intervals need no sampling");
+    let row = table.outputs.into_iter().next();
+    row.and_then(|row| row.interval).expect("it was asked for")
+}
+
+#[test]
+fn bounds_are_near_published_ones_and_above_errors_seen() {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/examples/rounding/benchmarks.fpcore"
+    );
+    let text = std::fs::read_to_string(path).expect("it ships");
+    for (name, published) in PUBLISHED {
+        for data in [GivenData::Held, GivenData::Real] {
+            let row = bounded(&text, name, data, 2000);
+            assert_eq!((row.ranges, row.share), ("given", 1.0), "{name}");
+            assert!(row.error <= 1.5 * published, "{name} {data:?}: {row:?}");
+            assert!(row.seen <= row.error && row.at_a_state <= row.error);
+            // The bound is not far from what happens.
+            assert!(row.error <= 3.0 * row.seen, "{name} {data:?}: {row:?}");
+            // More boxes give no larger bound, and one box a larger one.
+            let few = bounded(&text, name, data, 1);
+            assert!(few.error >= row.error && few.boxes == 1, "{name}");
+        }
+    }
+}
+
+#[test]
+fn a_pole_leaves_the_rest_of_the_ranges() {
+    let text = "(FPCore pole (x) :pre (<= -1 x 3) (/ 1 x))";
+    let row = bounded(text, "pole", GivenData::Held, 200);
+    assert!(row.error.is_infinite() && row.finite.is_finite());
+    assert!(row.share > 0.95 && row.share < 1.0, "{row:?}");
+}
