@@ -70,15 +70,15 @@ const COMMANDS: &[Telling] = &[
         ..telling(
             "robovec optimise SUSPENSION --effort=1 --states=16 -o DIR",
             &[">cycles", " us at "],
-            &[">of device", "% of Cyclone V"],
+            &[">share of device", "% of Cyclone V"],
         )
     },
     Telling {
         tool: "cc",
         ..telling(
             "robovec optimise SUSPENSION --effort=1 --states=16 --for=cpu -o DIR",
-            &["ns/state", " ns per state"],
-            &["code kB", ">operations", " operations\n"],
+            &["C (ns per state)", " ns per state"],
+            &["code (bytes)", ">operations", " operations\n"],
         )
     },
     Telling {
@@ -111,13 +111,13 @@ const COMMANDS: &[Telling] = &[
     telling(
         "robovec sweep SUSPENSION --passes atomise,balance,cse --adders 1,2 --multipliers 1,2 \
          --couples 7-4 -o DIR",
-        &["us/evaluation", "jitter: "],
+        &["us per evaluation", "jitter: "],
         &[">share %"],
     ),
     telling(
         "robovec front SUSPENSION --elements 4 --states 16 -o DIR",
-        &[">cycles", ">us"],
-        &[">of device"],
+        &[">cycles", ">time (us)"],
+        &[">share of device"],
     ),
     telling(
         "robovec fit tests/told/small.scene.toml -o DIR",

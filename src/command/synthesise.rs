@@ -5,7 +5,7 @@ use super::flags::whole;
 use clap::Args;
 use robovec_codegen::hardware::{MachineShape, estimate_of};
 use robovec_codegen::rtl::cores::OperatorCore;
-use robovec_error::yardstick::account::{ERROR_HEADS, measure_text, share_cell};
+use robovec_error::yardstick::account::{measure_text, share_cell};
 use robovec_explore::device;
 use robovec_explore::operators::{ADDERS, MULTIPLIERS, Operator};
 use robovec_hardware::synthesis::cores::{self, Mapped};
@@ -209,14 +209,13 @@ fn operators(mapped: &[Mapped], number: Format) -> Result<String, CommandFailure
         ]);
         states = error.states;
     }
-    let head = format!(
-        "operator | >stages | >ALUT | >formula | >registers | >formula | >DSP | >of device | \
-         {ERROR_HEADS} | >ns | >MHz low | >mid | >high | >thesis MHz | >thesis LUT"
-    );
+    let head = "operator | >stages | >ALUT | >formula | >registers | >formula | >DSP | \
+                >of device | >median error | >worst error | >ns | >MHz low | >mid | >high | \
+                >thesis MHz | >thesis LUT";
     Ok(format!(
         "{}\nns: from operands to result, at the clock between\nerrors of one operation in \
          {number}, in parts {}\n",
-        text_table(&head, &rows),
+        text_table(head, &rows),
         measure_text(&states)
     ))
 }

@@ -1,9 +1,9 @@
 //! Results for people and for programs: aligned text, tables as CSV and HTML,
 //! figures as CSV and SVG, pages that need nothing else.
 //!
-//! **Invariant.** This room knows nothing of what is shown: it uses no other
-//! room of this crate, and rooms that have results use it.
+//! **Invariant.** This crate knows nothing of what is shown.
 
+mod columns;
 pub mod csv;
 pub mod escape;
 mod figure;
@@ -14,6 +14,7 @@ pub mod plot;
 mod table;
 pub mod text;
 
+pub use self::columns::{CellValue, Columns, Digits};
 pub use figure::{
     AxisScale, Curve, Figure, Mark, MarkFill, MarkZone, Paint, Panel, PanelContent, PlotAxis,
     Stroke, TileMap,

@@ -48,6 +48,11 @@ pub fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
 
+/// A share of 1 in percent with two decimals, for small shares of a device.
+pub fn share_percent(share: f64) -> String {
+    format!("{:.2} %", 100.0 * share)
+}
+
 /// What is there in words, a dash for what is not.
 pub fn or_dash<T>(value: Option<T>, text: impl FnOnce(T) -> String) -> String {
     value.map_or_else(|| "-".to_owned(), text)

@@ -9,18 +9,26 @@ pub(super) const BETWEEN: &str = " | ";
 /// ` | ` between them; a `>` before a head aligns its column to the right. A
 /// table whose heads are all empty has no head.
 pub fn text_table(head: &str, rows: &[Vec<String>]) -> String {
-    let heads: Vec<&str> = head.split(BETWEEN).collect();
-    let is_right = |column: usize| heads.get(column).is_some_and(|head| head.starts_with('>'));
+    let heads = head.split(BETWEEN);
+    let heads: Vec<(&str, bool)> = heads
+        .map(|head| (head.trim_start_matches('>'), head.starts_with('>')))
+        .collect();
+    aligned(&heads, rows)
+}
+
+/// The same of heads that carry whether their columns are aligned to the right.
+pub(super) fn aligned(heads: &[(&str, bool)], rows: &[Vec<String>]) -> String {
     let mut table = Table::new();
     table.load_style(TableStyle::new().header_separator(LineStyle::none().fill('─').junction('─')));
     let cell = |(column, content): (usize, &str)| {
-        let alignment = match is_right(column) {
-            true => CellAlignment::Right,
-            false => CellAlignment::Left,
-        };
-        Cell::new(content).set_alignment(alignment)
+        let is_right = heads.get(column).is_some_and(|(_, is_right)| *is_right);
+        Cell::new(content).set_alignment(if is_right {
+            CellAlignment::Right
+        } else {
+            CellAlignment::Left
+        })
     };
-    let names = heads.iter().map(|head| head.trim_start_matches('>'));
+    let names = heads.iter().map(|(head, _)| *head);
     if names.clone().any(|name| !name.is_empty()) {
         table.set_header(names.enumerate().map(cell).collect::<Vec<Cell>>());
     }

@@ -1,11 +1,11 @@
 //! Errors of passes as text, table and figure.
 
 use super::{FunctionAccuracy, PassAccuracy};
-use robovec_analysis::rounding::{MedianChange, Quantiles, Trend};
+use robovec_analysis::rounding::{MedianChange, Trend};
 use robovec_ir::diagnostic::counted;
 use robovec_present::number::units;
 use robovec_present::{
-    AxisScale, Curve, DataCell, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, text_lines,
+    AxisScale, Columns, Curve, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, columns,
 };
 use std::fmt::Write;
 
@@ -20,35 +20,40 @@ pub fn text(subject: &FunctionAccuracy) -> String {
         counted(first.rounding.states, "random state"),
         first.rounding.seed
     );
-    let head = "pass | >operations | >path | >relative: median | >99 % | >worst | \
-         >normwise: median | >99 % | >worst | median became";
-    let rows: Vec<Vec<String>> = subject.steps.iter().map(row).collect();
-    text += &text_lines(head, &rows);
+    let rows: Vec<StepRow<'_>> = subject.steps.iter().map(|step| (subject, step)).collect();
+    text += &columns().text(&rows);
     text
 }
 
-fn row(step: &PassAccuracy) -> Vec<String> {
-    let name = match step.pass.as_str() {
+/// A function after a pass.
+type StepRow<'a> = (&'a FunctionAccuracy, &'a PassAccuracy);
+
+fn columns<'a>() -> Columns<'a, StepRow<'a>> {
+    let shown = |row: &StepRow<'a>| match row.1.pass.as_str() {
         "" => "(as read)",
         pass => pass,
     };
-    let mut row = vec![
-        name.to_owned(),
-        step.operations.to_string(),
-        step.path.to_string(),
-    ];
-    for quantiles in [&step.rounding.relative, &step.rounding.normwise] {
-        row.extend(numbers(quantiles).map(units));
+    columns! { StepRow<'_>;
+        "function", [Hidden, All], |row| row.0.name.as_str();
+        "pass", [All, Hidden], shown;
+        "pass", [Hidden, All], |row| row.1.pass.as_str();
+        "operations", [All, All], |row| row.1.operations;
+        "path (cycles)", [All, All], |row| row.1.path;
+        "states", [Hidden, All], |row| row.1.rounding.states;
+        "relative median (2^-24)", [Words(units), Decimals(4)], |r| r.1.rounding.relative.median;
+        "relative 99 % (2^-24)", [Words(units), Decimals(4)], |r| r.1.rounding.relative.percentile_99;
+        "relative worst (2^-24)", [Words(units), Decimals(4)], |r| r.1.rounding.relative.worst;
+        "normwise median (2^-24)", [Words(units), Decimals(4)], |r| r.1.rounding.normwise.median;
+        "normwise 99 % (2^-24)", [Words(units), Decimals(4)], |r| r.1.rounding.normwise.percentile_99;
+        "normwise worst (2^-24)", [Words(units), Decimals(4)], |r| r.1.rounding.normwise.worst;
+        "median became", [All, Hidden], |row| Some(row.1.changes?[0].to_string());
+        "relative median after/before", [Hidden, Decimals(4)], |row| Some(row.1.changes?[0].ratio);
+        "noise", [Hidden, Decimals(4)], |row| Some(row.1.changes?[0].noise);
+        "trend", [Hidden, All], |row| Some(row.1.changes?[0].trend.name());
+        "normwise median after/before", [Hidden, Decimals(4)], |row| Some(row.1.changes?[1].ratio);
+        "noise", [Hidden, Decimals(4)], |row| Some(row.1.changes?[1].noise);
+        "trend", [Hidden, All], |row| Some(row.1.changes?[1].trend.name());
     }
-    row.push(match &step.changes {
-        None => String::new(),
-        Some([relative, _]) => relative.to_string(),
-    });
-    row
-}
-
-fn numbers(quantiles: &Quantiles) -> [f64; 3] {
-    [quantiles.median, quantiles.percentile_99, quantiles.worst]
 }
 
 /// Which passes made the median worse, pass by pass, and the whole pipeline.
@@ -73,11 +78,18 @@ pub fn summary(subjects: &[FunctionAccuracy]) -> String {
         }
     }
     tallies.push(whole);
-    let rows: Vec<Vec<String>> = tallies.iter().map(PassTally::row).collect();
-    let head = "pass | >relative: better | >same | >worse | >normwise: better | >same | >worse | \
-         worse for";
+    let columns = columns! { PassTally<'_>;
+        "pass", [All, Hidden], |tally| tally.pass;
+        "relative: better", [All, Hidden], |tally| tally.counts[0][0];
+        "same", [All, Hidden], |tally| tally.counts[0][1];
+        "worse", [All, Hidden], |tally| tally.counts[0][2];
+        "normwise: better", [All, Hidden], |tally| tally.counts[1][0];
+        "same", [All, Hidden], |tally| tally.counts[1][1];
+        "worse", [All, Hidden], |tally| tally.counts[1][2];
+        "worse for", [All, Hidden], |tally| tally.worse.join(", ");
+    };
     let mut text = format!("The medians of {}:\n", counted(subjects.len(), "function"));
-    text += &text_lines(head, &rows);
+    text += &columns.text(&tallies);
     text
 }
 
@@ -113,54 +125,21 @@ impl PassTally<'_> {
             }
         }
     }
-
-    fn row(&self) -> Vec<String> {
-        let counts = self.counts.iter().flatten().map(ToString::to_string);
-        let mut row = vec![self.pass.to_owned()];
-        row.extend(counts);
-        row.push(self.worse.join(", "));
-        row
-    }
 }
 
 /// The same as a table for programs.
 pub fn table(subjects: &[FunctionAccuracy]) -> DataTable {
-    let line = |subject: &FunctionAccuracy, step: &PassAccuracy| {
-        let mut row = vec![
-            DataCell::text(&subject.name),
-            DataCell::text(&step.pass),
-            DataCell::count(step.operations),
-            DataCell::count(step.path),
-            DataCell::count(step.rounding.states),
-        ];
-        for quantiles in [&step.rounding.relative, &step.rounding.normwise] {
-            row.extend(numbers(quantiles).map(|number| DataCell::number(number, 4)));
-        }
-        for measure in 0..2 {
-            row.extend(match step.changes.map(|changes| changes[measure]) {
-                None => [DataCell::Empty, DataCell::Empty, DataCell::Empty],
-                Some(change) => [
-                    DataCell::number(change.ratio, 4),
-                    DataCell::number(change.noise, 4),
-                    DataCell::text(change.trend.name()),
-                ],
-            });
-        }
-        row
-    };
-    DataTable::new(
+    let rows: Vec<StepRow<'_>> = subjects
+        .iter()
+        .flat_map(|subject| subject.steps.iter().map(move |step| (subject, step)))
+        .collect();
+    columns().table(
         "accuracy",
         "Rounding errors in binary32 after every pass",
         "All outputs in all states as one population, in units of the rounding of \
                   one operation, 2^-24; relative to the element, and to the largest element \
                   of its array. A line without a pass is the function as it was read.",
-        "function | pass | operations | path (cycles) | states | relative median (2^-24) | \
-         relative 99 % (2^-24) | relative worst (2^-24) | normwise median (2^-24) | \
-         normwise 99 % (2^-24) | normwise worst (2^-24) | relative median after/before | \
-         noise | trend | normwise median after/before | noise | trend",
-        subjects
-            .iter()
-            .flat_map(|subject| subject.steps.iter().map(move |step| line(subject, step))),
+        &rows,
     )
 }
 

@@ -1,12 +1,11 @@
 //! Errors as text, JSON and CSV.
 
 use super::heat::{Heat, HotEquation};
-use super::table::{ErrorTable, OutputRow};
+use super::table::{ErrorTable, IntervalRow, OutputRow};
 use robovec_ir::diagnostic::counted;
-use robovec_present::csv::quoted;
 use robovec_present::json::json_text;
 use robovec_present::number::percent;
-use robovec_present::text_lines;
+use robovec_present::{columns, text_lines};
 use std::fmt::Write;
 
 /// The rows of a table for a person; the others are counted.
@@ -237,44 +236,36 @@ pub fn json(tables: &[ErrorTable]) -> String {
 
 /// The rows of all tables as CSV, empty cells where a method was not asked.
 pub fn csv(tables: &[ErrorTable]) -> String {
-    let mut text = String::from(
-        "function,output,exact,computed,error,predicted,bound,sigma,\
-         low,high,window_error,window_operations,ranges,alarm,\
-         share,finite,at_a_state,seen,states,boxes,certified\n",
-    );
-    let number = |number: Option<f64>| number.map_or(String::new(), |number| format!("{number:e}"));
-    for table in tables {
-        for row in &table.outputs {
-            let interval = row.interval.as_ref();
-            let cells = [
-                table.function.clone(),
-                // An element of a matrix has a comma in it.
-                quoted(&row.name),
-                number(Some(row.exact)),
-                number(Some(row.computed)),
-                number(Some(row.error)),
-                number(row.predicted),
-                number(row.bound),
-                number(row.sigma),
-                number(interval.map(|interval| interval.low)),
-                number(interval.map(|interval| interval.high)),
-                number(interval.map(|interval| interval.error)),
-                interval.map_or(String::new(), |interval| interval.operations.to_string()),
-                interval.map_or("", |interval| interval.ranges).to_owned(),
-                interval
-                    .and_then(|interval| interval.alarm)
-                    .unwrap_or("")
-                    .to_owned(),
-                number(interval.map(|interval| interval.share)),
-                number(interval.map(|interval| interval.finite)),
-                number(interval.map(|interval| interval.at_a_state)),
-                number(interval.map(|interval| interval.seen)),
-                interval.map_or(String::new(), |interval| interval.states.to_string()),
-                interval.map_or(String::new(), |interval| interval.boxes.to_string()),
-                row.certified.to_string(),
-            ];
-            let _ = writeln!(text, "{}", cells.join(","));
-        }
+    type Row<'a> = (&'a ErrorTable, &'a OutputRow);
+    let rows: Vec<Row<'_>> = tables
+        .iter()
+        .flat_map(|table| table.outputs.iter().map(move |row| (table, row)))
+        .collect();
+    fn of<'a>(row: &Row<'a>) -> Option<&'a IntervalRow> {
+        row.1.interval.as_ref()
     }
-    text
+    let columns = columns! { Row<'_>;
+        "function", [Hidden, All], |row| row.0.function.as_str();
+        "output", [Hidden, All], |row| row.1.name.as_str();
+        "exact", [Hidden, All], |row| row.1.exact;
+        "computed", [Hidden, All], |row| row.1.computed;
+        "error", [Hidden, All], |row| row.1.error;
+        "predicted", [Hidden, All], |row| row.1.predicted;
+        "bound", [Hidden, All], |row| row.1.bound;
+        "sigma", [Hidden, All], |row| row.1.sigma;
+        "low", [Hidden, All], move |row| of(row).map(|found| found.low);
+        "high", [Hidden, All], move |row| of(row).map(|found| found.high);
+        "window_error", [Hidden, All], move |row| of(row).map(|found| found.error);
+        "window_operations", [Hidden, All], move |row| of(row).map(|found| found.operations);
+        "ranges", [Hidden, All], move |row| of(row).map(|found| found.ranges);
+        "alarm", [Hidden, All], move |row| of(row).and_then(|found| found.alarm);
+        "share", [Hidden, All], move |row| of(row).map(|found| found.share);
+        "finite", [Hidden, All], move |row| of(row).map(|found| found.finite);
+        "at_a_state", [Hidden, All], move |row| of(row).map(|found| found.at_a_state);
+        "seen", [Hidden, All], move |row| of(row).map(|found| found.seen);
+        "states", [Hidden, All], move |row| of(row).map(|found| found.states);
+        "boxes", [Hidden, All], move |row| of(row).map(|found| found.boxes);
+        "certified", [Hidden, All], |row| row.1.certified.to_string();
+    };
+    columns.table("", "", "", &rows).to_csv()
 }

@@ -9,12 +9,12 @@
 use super::{ErrorSpread, Unmeasurable, Yardstick};
 use robovec_ir::diagnostic::counted;
 use robovec_ir::{Format, View};
-use robovec_present::number::exponential;
+use robovec_present::number::{exponential, or_dash, share_percent};
 
-/// Heads of the two columns of errors in a table for the terminal.
-pub const ERROR_HEADS: &str = ">median error | >worst error";
+/// Heads of the two columns of errors.
+pub const ERROR_HEADS: [&str; 2] = ["median error", "worst error"];
 
-/// Heads of the two columns of errors in a table for programs.
+/// The same as text between other heads.
 pub const ERROR_COLUMNS: &str = "median error | worst error";
 
 /// The errors of a program, with all that they depend on.
@@ -79,5 +79,5 @@ impl ErrorAccount {
 
 /// A share of a device in percent, `-` where nothing was placed.
 pub fn share_cell(share: Option<f64>) -> String {
-    robovec_present::number::or_dash(share, |share| format!("{:.2} %", 100.0 * share))
+    or_dash(share, share_percent)
 }

@@ -11,7 +11,7 @@ use robovec_ir::diagnostic::counted;
 use robovec_num::trigonometry::host::TrigonometricUnit;
 use robovec_present::number::exponential;
 use robovec_present::{
-    AxisScale, Curve, DataCell, DataTable, Figure, Mark, Panel, PlotAxis, text_table,
+    AxisScale, Columns, Curve, DataTable, Digits, Figure, Mark, Panel, PlotAxis, columns,
 };
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -52,13 +52,7 @@ pub fn text(
     text += &units(outcome);
     text += &excluded(outcome);
     let front = outcome.front();
-    let rows: Vec<Vec<String>> = front
-        .iter()
-        .take(SHOWN)
-        .map(|&index| row(outcome, index))
-        .collect();
-    let head = " | program | sin, cos | format | elements | >operations | >cycles | >us | \
-         >median error | >worst error | >of tolerance | >of device | >cells";
+    let rows: Vec<usize> = front.iter().copied().take(SHOWN).collect();
     let _ = writeln!(
         text,
         "\nFront of time, error and cost, {}: {} of {} shown; errors are parts of the largest \
@@ -69,35 +63,53 @@ pub fn text(
         },
         rows.len(),
         front.len(),
-        text_table(head, &rows)
+        columns(outcome).text(&rows)
     );
     text
 }
 
-fn row(outcome: &FitOutcome, index: usize) -> Vec<String> {
-    let candidate = &outcome.candidates[index];
-    let program = &outcome.programs[candidate.program];
-    let [add, multi] = candidate.elements;
-    let standing = match (outcome.chosen == Some(index), candidate.meets) {
+/// What a candidate is to the search.
+fn standing(outcome: &FitOutcome, index: usize) -> &'static str {
+    match (
+        outcome.chosen == Some(index),
+        outcome.candidates[index].meets,
+    ) {
         (true, _) => "chosen",
         (false, true) => "meets",
         (false, false) => "",
-    };
-    vec![
-        standing.to_owned(),
-        program.name.clone(),
-        program.treatment.to_string(),
-        candidate.format.clone(),
-        format!("{add}+{multi}"),
-        candidate.operations.to_string(),
-        candidate.cycles.to_string(),
-        format!("{:.3}", candidate.microseconds),
-        exponential(candidate.normwise.median),
-        exponential(candidate.normwise.worst),
-        percent(candidate.used),
-        percent(candidate.share),
-        cells(candidate.cells),
-    ]
+    }
+}
+
+/// The columns of a table of candidates, whose rows are their indices.
+fn columns(outcome: &FitOutcome) -> Columns<'_, usize> {
+    let of = |index: &usize| &outcome.candidates[*index];
+    let program = move |index: &usize| &outcome.programs[of(index).program];
+    let front = outcome.front();
+    let elements =
+        move |index: &usize| format!("{}+{}", of(index).elements[0], of(index).elements[1]);
+    columns! { usize;
+        "standing", [All, Hidden], |index| standing(outcome, *index);
+        "program", [All, All], move |index| program(index).name.as_str();
+        "sin, cos", [All, All], move |index| program(index).treatment.to_string();
+        "format", [All, All], move |index| of(index).format.as_str();
+        "elements", [All, Hidden], elements;
+        "adders", [Hidden, All], move |index| of(index).elements[0];
+        "multipliers", [Hidden, All], move |index| of(index).elements[1];
+        "operations", [All, All], move |index| of(index).operations;
+        "path (cycles)", [Hidden, All], move |index| of(index).path;
+        "cycles", [All, All], move |index| of(index).cycles;
+        "time (us)", [Decimals(3), Decimals(4)], move |index| of(index).microseconds;
+        "relative median", [Hidden, Exponent(3)], move |index| of(index).relative.median;
+        "normwise median", [Exponent(1), Exponent(3)], move |index| of(index).normwise.median;
+        "normwise 99 %", [Hidden, Exponent(3)], move |index| of(index).normwise.percentile_99;
+        "normwise worst", [Exponent(1), Exponent(3)], move |index| of(index).normwise.worst;
+        "of tolerance", [Words(percent), Exponent(3)], move |index| of(index).used;
+        "share of device", [Words(percent), Decimals(4)], move |index| of(index).share;
+        "cells", [Decimals(0), Decimals(0)], move |index| of(index).cells;
+        "standing", [Hidden, All], |index| standing(outcome, *index);
+        "front", [Hidden, All], move |index| if front.contains(index) { "front" } else { "" };
+        "why not", [Hidden, All], move |index| of(index).remark.as_str();
+    }
 }
 
 /// Cells of arithmetic.
@@ -152,27 +164,25 @@ fn excluded(outcome: &FitOutcome) -> String {
             *known = index;
         }
     }
-    let mut rows = Vec::new();
-    for &index in best.values() {
-        let candidate = &outcome.candidates[index];
-        let program = &outcome.programs[candidate.program];
-        rows.push(vec![
-            program.name.clone(),
-            program.treatment.to_string(),
-            candidate.format.clone(),
-            percent(candidate.used),
-            percent(candidate.share),
-            cells(candidate.cells),
-            candidate.remark.clone(),
-        ]);
-    }
     let mut text = String::new();
-    if !rows.is_empty() {
-        let head = "program | sin, cos | format | >of tolerance | >of device | >cells | why";
-        let table = text_table(head, &rows);
+    if !best.is_empty() {
+        let shown = [
+            "program",
+            "sin, cos",
+            "format",
+            "of tolerance",
+            "share of device",
+            "cells",
+        ];
+        let why = |index: &usize| outcome.candidates[*index].remark.as_str();
+        let columns = columns(outcome)
+            .only(&shown)
+            .with("why", Digits::All, Digits::Hidden, why);
+        let rows: Vec<usize> = best.into_values().collect();
         let _ = write!(
             text,
-            "\nWithin the tolerances at the states it was measured at, but not to be chosen\n{table}"
+            "\nWithin the tolerances at the states it was measured at, but not to be chosen\n{}",
+            columns.text(&rows)
         );
     }
     if !outcome.untried.is_empty() {
@@ -417,52 +427,13 @@ fn run(confirmation: &Confirmation) -> String {
 
 /// All candidates as a table for programs.
 pub fn candidates_table(outcome: &FitOutcome) -> DataTable {
-    let front = outcome.front();
-    let rows = (0..outcome.candidates.len()).map(|index| {
-        let candidate = &outcome.candidates[index];
-        let program = &outcome.programs[candidate.program];
-        let standing = match (outcome.chosen == Some(index), candidate.meets) {
-            (true, _) => "chosen",
-            (false, true) => "meets",
-            (false, false) => "",
-        };
-        let on_front = if front.contains(&index) { "front" } else { "" };
-        let mut row = vec![
-            DataCell::text(&program.name),
-            DataCell::text(program.treatment.to_string()),
-            DataCell::text(&candidate.format),
-            DataCell::count(candidate.elements[0]),
-            DataCell::count(candidate.elements[1]),
-            DataCell::count(candidate.operations),
-            DataCell::count(candidate.path),
-            DataCell::count(candidate.cycles),
-            DataCell::number(candidate.microseconds, 4),
-        ];
-        for error in [
-            candidate.relative.median,
-            candidate.normwise.median,
-            candidate.normwise.percentile_99,
-            candidate.normwise.worst,
-            candidate.used,
-        ] {
-            row.push(DataCell::text(format!("{error:.3e}")));
-        }
-        row.push(DataCell::number(candidate.share, 4));
-        row.push(DataCell::number(candidate.cells, 0));
-        row.push(DataCell::text(standing));
-        row.push(DataCell::text(on_front));
-        row.push(DataCell::text(&candidate.remark));
-        row
-    });
-    DataTable::new(
+    let rows: Vec<usize> = (0..outcome.candidates.len()).collect();
+    columns(outcome).table(
         "fit",
         "Candidates",
         "Every program in every format and size that was measured. Errors are those of \
                   the whole program: series, rounding, data. Shares of the device are estimates.",
-        "program | sin, cos | format | adders | multipliers | operations | path (cycles) | \
-         cycles | time (us) | relative median | normwise median | normwise 99 % | \
-         normwise worst | of tolerance | share of device | cells | standing | front | why not",
-        rows,
+        &rows,
     )
 }
 

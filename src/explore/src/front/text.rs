@@ -4,10 +4,10 @@ use super::measure::FrontPoint;
 use super::{Front, FrontVerdict};
 use robovec_error::yardstick::account::{measure_text, random_states};
 use robovec_ir::diagnostic::counted;
-use robovec_present::number::{exponential, or_dash};
+use robovec_present::number::share_percent;
 use robovec_present::{
-    AxisScale, Curve, DataCell, DataTable, Figure, Mark, MarkFill, MarkZone, Panel, PlotAxis,
-    text_table,
+    AxisScale, Columns, Curve, DataTable, Figure, Mark, MarkFill, MarkZone, Panel, PlotAxis,
+    columns,
 };
 use std::fmt::Write;
 
@@ -52,39 +52,14 @@ pub fn text(front: &Front) -> String {
     for (place, count) in front.elements.iter().enumerate() {
         let undominated = front.undominated(place);
         // What another one of ours beats is in the files.
-        let shown = |index: &usize| front.points[*index].thesis || undominated.contains(index);
-        let rows: Vec<Vec<String>> = order(front, place)
+        let rows: Vec<PointRow<'_>> = rows(front, place)
             .into_iter()
-            .filter(shown)
-            .map(|index| {
-                let point = &front.points[index];
-                let cycles = point.cycles[place];
-                vec![
-                    if point.thesis { "thesis" } else { "ours" }.to_owned(),
-                    point.choice.clone(),
-                    point.format.clone(),
-                    point.operations.to_string(),
-                    point.path.to_string(),
-                    or_dash(cycles, |cycles| cycles.to_string()),
-                    or_dash(point.microseconds[place], |time| format!("{time:.2}")),
-                    or_dash(point.cpu_ns, |time| format!("{time:.0}")),
-                    or_dash(point.shares[place], |share| {
-                        format!("{:.2} %", share * 100.0)
-                    }),
-                    exponential(point.relative.median),
-                    exponential(point.relative.percentile_99),
-                    exponential(point.normwise.median),
-                    exponential(point.normwise.worst),
-                    standing(front, index, place, &undominated),
-                ]
-            })
+            .filter(|row| row.point.thesis || undominated.contains(&row.index))
             .collect();
-        let head = "by | choice | format | >operations | >path | >cycles | >us | >CPU ns | >of device | \
-         >relative median | >99 % | >median error | >worst error | ";
         let _ = writeln!(
             text,
             "\n{count}+{count} elements\n{}",
-            text_table(head, &rows)
+            columns().text(&rows)
         );
     }
     let drawn = random_states(front.states as usize, front.seed, front.has_ranges);
@@ -108,6 +83,54 @@ pub fn text(front: &Front) -> String {
     text
 }
 
+/// A point with a number of elements.
+struct PointRow<'a> {
+    front: &'a Front,
+    place: usize,
+    index: usize,
+    point: &'a FrontPoint,
+    standing: String,
+}
+
+/// The rows of a number of elements, the fastest first.
+fn rows(front: &Front, place: usize) -> Vec<PointRow<'_>> {
+    let undominated = front.undominated(place);
+    let row = |index| PointRow {
+        front,
+        place,
+        index,
+        point: &front.points[index],
+        standing: standing(front, index, place, &undominated),
+    };
+    order(front, place).into_iter().map(row).collect()
+}
+
+fn columns<'a>() -> Columns<'a, PointRow<'a>> {
+    let by = |row: &PointRow<'_>| if row.point.thesis { "thesis" } else { "ours" };
+    columns! { PointRow<'_>;
+        "function", [Hidden, All], |row| row.front.name.as_str();
+        "elements per kind", [Hidden, All], |row| row.front.elements[row.place];
+        "by", [All, All], by;
+        "choice", [All, All], |row| row.point.choice.as_str();
+        "format", [All, All], |row| row.point.format.as_str();
+        "operations", [All, All], |row| row.point.operations;
+        "path (cycles)", [All, All], |row| row.point.path;
+        "cycles", [All, All], |row| row.point.cycles[row.place];
+        "time (us)", [Decimals(2), Decimals(3)], |row| row.point.microseconds[row.place];
+        "CPU (ns)", [Decimals(0), Decimals(1)], |row| row.point.cpu_ns;
+        "share of device", [Words(share_percent), Decimals(4)], |row| row.point.shares[row.place];
+        "relative median", [Exponent(1), Exponent(3)], |row| row.point.relative.median;
+        "relative 99 %", [Exponent(1), Exponent(3)], |row| row.point.relative.percentile_99;
+        "relative worst", [Hidden, Exponent(3)], |row| row.point.relative.worst;
+        "normwise median", [Exponent(1), Exponent(3)], |row| row.point.normwise.median;
+        "normwise 99 %", [Hidden, Exponent(3)], |row| row.point.normwise.percentile_99;
+        "normwise worst", [Exponent(1), Exponent(3)], |row| row.point.normwise.worst;
+        "of", [Hidden, All], |row| row.point.worst.0.as_str();
+        "in state", [Hidden, All], |row| row.point.worst.1;
+        "standing", [All, All], |row| row.standing.clone();
+    }
+}
+
 /// Points from the fastest on.
 fn order(front: &Front, elements: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..front.points.len()).collect();
@@ -122,103 +145,78 @@ fn order(front: &Front, elements: usize) -> Vec<usize> {
 
 /// All points of all functions as one table.
 pub fn points_table(fronts: &[Front]) -> DataTable {
-    let mut rows = Vec::new();
-    for front in fronts {
-        for (place, count) in front.elements.iter().enumerate() {
-            let undominated = front.undominated(place);
-            for index in order(front, place) {
-                let point = &front.points[index];
-                let errors = [point.relative, point.normwise];
-                let mut row = vec![
-                    DataCell::text(&front.name),
-                    DataCell::count(*count),
-                    DataCell::text(if point.thesis { "thesis" } else { "ours" }),
-                    DataCell::text(&point.choice),
-                    DataCell::text(&point.format),
-                    DataCell::count(point.operations),
-                    DataCell::count(point.path),
-                    point.cycles[place].map_or(DataCell::Empty, DataCell::count),
-                    point.microseconds[place]
-                        .map_or(DataCell::Empty, |time| DataCell::number(time, 3)),
-                    point
-                        .cpu_ns
-                        .map_or(DataCell::Empty, |time| DataCell::number(time, 1)),
-                    point.shares[place].map_or(DataCell::Empty, |share| DataCell::number(share, 4)),
-                ];
-                for spread in errors {
-                    for error in [spread.median, spread.percentile_99, spread.worst] {
-                        row.push(DataCell::text(format!("{error:.3e}")));
-                    }
-                }
-                row.push(DataCell::text(&point.worst.0));
-                row.push(DataCell::count(point.worst.1));
-                row.push(DataCell::text(standing(front, index, place, &undominated)));
-                rows.push(row);
-            }
-        }
-    }
-    DataTable::new(
+    let rows: Vec<PointRow<'_>> = fronts
+        .iter()
+        .flat_map(|front| (0..front.elements.len()).flat_map(|place| rows(front, place)))
+        .collect();
+    columns().table(
         "front",
         "Speed against error",
         "Every choice in every format. Errors are those of the whole program against \
                   double-double: series, rounding, data. A choice is beaten when another one is \
                   nowhere worse and somewhere better in cycles, in the median of the relative \
                   errors, in the worst normwise error and in the share of the device.",
-        "function | elements per kind | by | choice | format | operations | path (cycles) | \
-         cycles | time (us) | CPU (ns) | share of device | relative median | relative 99 % | relative worst | \
-         normwise median | normwise 99 % | normwise worst | of | in state | standing",
-        rows,
+        &rows,
     )
 }
 
-/// Columns of the table of verdicts.
-const VERDICT_CELLS: usize = 12;
+/// A choice of the thesis with what of ours is nowhere worse, and what of ours
+/// in the same format.
+struct VerdictRow<'a> {
+    front: &'a Front,
+    place: usize,
+    old: &'a FrontPoint,
+    new: Option<&'a FrontPoint>,
+    alike: Option<&'a FrontPoint>,
+}
 
 /// What the thesis could choose, and what of ours is nowhere worse.
 pub fn verdicts_table(fronts: &[Front]) -> DataTable {
     let mut rows = Vec::new();
     for front in fronts {
-        for verdict in &front.verdicts {
-            let (place, old) = (verdict.elements, &front.points[verdict.point]);
-            let cycles =
-                |point: &FrontPoint| point.cycles[place].map_or(DataCell::Empty, DataCell::count);
-            let error = |point: &FrontPoint| DataCell::text(exponential(point.normwise.worst));
-            let mut row = vec![
-                DataCell::text(&front.name),
-                DataCell::count(front.elements[place]),
-                DataCell::text(&old.choice),
-                cycles(old),
-                error(old),
-            ];
-            let Some(new) = verdict.by.map(|by| &front.points[by]) else {
-                row.push(DataCell::text("not dominated"));
-                row.resize(VERDICT_CELLS, DataCell::Empty);
-                rows.push(row);
-                continue;
-            };
-            let faster = old.cycles[place].zip(new.cycles[place]);
-            let faster = faster.map(|(old, new)| f64::from(old) / f64::from(new.max(1)));
-            let in_its_format = verdict.in_its_format.map(|by| &front.points[by]);
-            row.extend([
-                DataCell::text(format!("{}, {}", new.choice, new.format)),
-                cycles(new),
-                error(new),
-                faster.map_or(DataCell::Empty, |faster| DataCell::number(faster, 2)),
-                DataCell::number(old.normwise.worst / new.normwise.worst, 1),
-                in_its_format.map_or(DataCell::Empty, |point| DataCell::text(&point.choice)),
-                in_its_format.map_or(DataCell::Empty, cycles),
-            ]);
-            rows.push(row);
-        }
+        rows.extend(front.verdicts.iter().map(|verdict| {
+            VerdictRow {
+                front,
+                place: verdict.elements,
+                old: &front.points[verdict.point],
+                new: verdict.by.map(|by| &front.points[by]),
+                alike: verdict
+                    .by
+                    .and(verdict.in_its_format)
+                    .map(|by| &front.points[by]),
+            }
+        }));
     }
-    DataTable::new(
+    let cycles = |row: &VerdictRow<'_>, point: &FrontPoint| point.cycles[row.place];
+    let faster = move |row: &VerdictRow<'_>| {
+        let (old, new) = (cycles(row, row.old)?, cycles(row, row.new?)?);
+        Some(f64::from(old) / f64::from(new.max(1)))
+    };
+    let ours = |row: &VerdictRow<'_>| match row.new {
+        Some(new) => format!("{}, {}", new.choice, new.format),
+        None => "not dominated".to_owned(),
+    };
+    let accurate = |row: &VerdictRow<'_>| Some(row.old.normwise.worst / row.new?.normwise.worst);
+    let columns = columns! { VerdictRow<'_>;
+        "function", [Hidden, All], |row| row.front.name.as_str();
+        "elements per kind", [Hidden, All], |row| row.front.elements[row.place];
+        "thesis", [Hidden, All], |row| row.old.choice.as_str();
+        "cycles", [Hidden, All], move |row| cycles(row, row.old);
+        "worst error", [Hidden, Exponent(1)], |row| row.old.normwise.worst;
+        "ours", [Hidden, All], ours;
+        "cycles", [Hidden, All], move |row| cycles(row, row.new?);
+        "worst error", [Hidden, Exponent(1)], |row| Some(row.new?.normwise.worst);
+        "times faster", [Hidden, Decimals(2)], faster;
+        "times more accurate", [Hidden, Decimals(1)], accurate;
+        "ours in its format", [Hidden, All], |row| Some(row.alike?.choice.as_str());
+        "cycles", [Hidden, All], move |row| cycles(row, row.alike?);
+    };
+    columns.table(
         "verdicts",
         "What the thesis could choose, and what dominates it",
         "The fastest of ours that is nowhere worse in cycles, median and worst error, \
                   and share of the device; in the last columns the same with the number format of the thesis.",
-        "function | elements per kind | thesis | cycles | worst error | ours | cycles | \
-         worst error | times faster | times more accurate | ours in its format | cycles",
-        rows,
+        &rows,
     )
 }
 

@@ -1,9 +1,12 @@
 //! What was tried, as a table for the terminal, a file and a figure.
 
 use super::{OptimisationPoint, Optimised};
-use robovec_error::yardstick::account::{ERROR_COLUMNS, ERROR_HEADS, measure_text, share_cell};
-use robovec_present::{AxisScale, Curve, Mark, Paint, Panel, PlotAxis, Stroke};
-use robovec_present::{DataCell, DataTable, Figure, text_table};
+use robovec_error::yardstick::account::{ERROR_HEADS, measure_text};
+use robovec_present::number::share_percent;
+use robovec_present::{
+    AxisScale, Columns, Curve, DataTable, Digits, Figure, Mark, Paint, Panel, PlotAxis, Stroke,
+    columns,
+};
 use std::fmt::Write;
 
 /// The rows of a table from the best on: measured ones, then the others.
@@ -29,9 +32,30 @@ fn name(point: &OptimisationPoint) -> String {
     }
 }
 
-fn error(point: &OptimisationPoint, place: usize) -> String {
-    let error = point.errors.map(|errors| errors[place]);
-    error.map_or("-".to_owned(), |error| format!("{error:.1e}"))
+/// The columns of a table of points; those of speed and cost on the terminal
+/// are a processor's where programs were timed, else a machine's.
+fn columns<'a>(is_timed: bool) -> Columns<'a, &'a OptimisationPoint> {
+    let timed = |digits| if is_timed { digits } else { Digits::Hidden };
+    let placed = |digits| if is_timed { Digits::Hidden } else { digits };
+    let error =
+        |place: usize| move |point: &&OptimisationPoint| point.errors.map(|errors| errors[place]);
+    let [median, worst] = ERROR_HEADS;
+    columns! { &OptimisationPoint;
+        "program", [All, All], |point| name(point);
+        "starts from", [Hidden, All], |point| point.start.as_str();
+        "passes", [Hidden, All], |point| point.passes.as_str();
+        "operations", [All, All], |point| point.operations;
+        "path (cycles)", [timed(All), All], |point| point.path;
+        "bound (cycles)", [placed(All), All], |point| point.bound;
+        "cycles", [placed(All), All], |point| point.cycles;
+        "time (us)", [Hidden, Decimals(3)], |point| point.microseconds;
+        "C (ns per state)", [timed(Decimals(1)), Decimals(1)], |point| point.nanoseconds;
+        "share of device", [placed(Words(share_percent)), Decimals(4)], |point| point.share;
+        "code (bytes)", [timed(All), All], |point| point.code_bytes;
+        median, [Exponent(1), Exponent(3)], error(0);
+        worst, [Exponent(1), Exponent(3)], error(1);
+        "standing", [All, All], |point| if point.taken { "taken" } else { &point.remark };
+    }
 }
 
 /// Programs in the table for the terminal.
@@ -40,47 +64,13 @@ const SHOWN: usize = 10;
 /// The table for the terminal, of the best programs.
 pub fn table(found: &Optimised) -> String {
     let is_timed = found.points.iter().any(|point| point.nanoseconds.is_some());
-    let or_dash = |number: Option<String>| number.unwrap_or_else(|| "-".to_owned());
     let order = order(&found.points);
-    let rows: Vec<Vec<String>> = order
+    let best: Vec<_> = order
         .iter()
         .take(SHOWN)
-        .map(|&index| {
-            let point = &found.points[index];
-            let time = match is_timed {
-                true => point.nanoseconds.map(|time| format!("{time:.1}")),
-                false => point.cycles.map(|cycles| cycles.to_string()),
-            };
-            let second = match is_timed {
-                true => point.path.to_string(),
-                false => or_dash(point.bound.map(|bound| bound.to_string())),
-            };
-            let kilobytes = point.code_bytes.map(|bytes| bytes as f64 * 1e-3);
-            let cost = match is_timed {
-                true => or_dash(kilobytes.map(|size| format!("{size:.1}"))),
-                false => share_cell(point.share),
-            };
-            vec![
-                name(point),
-                point.operations.to_string(),
-                second,
-                or_dash(time),
-                cost,
-                error(point, 0),
-                error(point, 1),
-                match point.taken {
-                    true => "taken".to_owned(),
-                    false => point.remark.clone(),
-                },
-            ]
-        })
+        .map(|&index| &found.points[index])
         .collect();
-    let speed_and_cost = match is_timed {
-        true => ">path | >ns/state | >code kB",
-        false => ">bound | >cycles | >of device",
-    };
-    let head = format!("program | >operations | {speed_and_cost} | {ERROR_HEADS} | ");
-    let mut text = text_table(&head, &rows);
+    let mut text = columns(is_timed).text(&best);
     // Writing to a string cannot fail, here and below.
     let _ = write!(
         text,
@@ -112,49 +102,18 @@ pub fn table(found: &Optimised) -> String {
 
 /// All that was tried, for a file.
 pub fn points_table(found: &Optimised) -> DataTable {
-    let rows = order(&found.points).into_iter().map(|index| {
-        let point = &found.points[index];
-        let number = |number: Option<f64>, decimals| {
-            number.map_or(DataCell::Empty, |number| DataCell::number(number, decimals))
-        };
-        let count = |count: Option<u64>| count.map_or(DataCell::Empty, DataCell::count);
-        let error = |place: usize| match point.errors {
-            Some(errors) => DataCell::text(format!("{:.3e}", errors[place])),
-            None => DataCell::Empty,
-        };
-        vec![
-            DataCell::text(name(point)),
-            DataCell::text(&point.start),
-            DataCell::text(&point.passes),
-            DataCell::count(point.operations),
-            DataCell::count(point.path),
-            count(point.bound.map(u64::from)),
-            count(point.cycles.map(u64::from)),
-            number(point.microseconds, 3),
-            number(point.nanoseconds, 1),
-            number(point.share, 4),
-            count(point.code_bytes),
-            error(0),
-            error(1),
-            DataCell::text(match point.taken {
-                true => "taken",
-                false => &point.remark,
-            }),
-        ]
-    });
-    let rows: Vec<Vec<DataCell>> = rows.collect();
-    DataTable::new(
+    let rows: Vec<_> = order(&found.points)
+        .into_iter()
+        .map(|index| &found.points[index])
+        .collect();
+    columns(true).table(
         "optimise",
         "What was tried",
         "Every program that was made: operations, the longest path, the proved bound of its \
          schedules, what was measured, the share of the device that the machine takes for it, and \
          the errors of its results in the number format of the target, in parts of the largest \
          element of an array, against double-double arithmetic.",
-        &format!(
-            "program | starts from | passes | operations | path (cycles) | bound (cycles) | \
-             cycles | time (us) | C (ns per state) | share of device | code (bytes) | {ERROR_COLUMNS} | standing"
-        ),
-        rows,
+        &rows,
     )
 }
 

@@ -1,24 +1,20 @@
 //! A sweep as aligned text, as a table for programs, and as a figure.
 
-use super::{FunctionSweep, SweepPoint};
-use robovec_error::yardstick::account::{ERROR_COLUMNS, ERROR_HEADS, measure_text};
+use super::{FunctionSweep, SweepPoint, SweptProgram};
+use robovec_error::yardstick::account::{ERROR_HEADS, measure_text};
 use robovec_ir::diagnostic::counted;
 use robovec_ir::machine::MemoryStyle;
-use robovec_present::number::{exponential, or_dash};
 use robovec_present::text::distinct;
 use robovec_present::{
-    AxisScale, Curve, DataCell, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, text_table,
+    AxisScale, Columns, Curve, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, columns,
 };
 
 /// The front with the processor's time beside it, and what did not work.
 pub fn text(sweep: &FunctionSweep) -> String {
-    let head = ">share % | >tables | >memories | >multipliers | add+multi | stages | >estimated MHz | memory | buffer | \
-         >instances | interconnect | >cycles | >bound | >latency us | >us/evaluation | \
-         >uJ/evaluation | >CPU/FPGA | >program";
-    let rows: Vec<Vec<String>> = sweep
+    let rows: Vec<DesignRow<'_>> = sweep
         .front()
         .into_iter()
-        .map(|point| row(point, sweep.cpu_us))
+        .map(|point| (sweep, point))
         .collect();
     let mut text = format!(
         "{}: {} on {}, {} on the front\n\n{}\n{}\n",
@@ -26,8 +22,8 @@ pub fn text(sweep: &FunctionSweep) -> String {
         counted(sweep.points.len(), "design"),
         sweep.device,
         rows.len(),
-        text_table(&programs_head(), &programs(sweep)),
-        text_table(head, &rows)
+        programs(sweep),
+        design_columns().text(&rows)
     );
     text += &format!(
         "errors of the programs in {}, in parts {}\n",
@@ -46,52 +42,68 @@ pub fn text(sweep: &FunctionSweep) -> String {
     text
 }
 
-/// Heads of the table of programs.
-fn programs_head() -> String {
-    format!(">program | >operations | >longest chain | {ERROR_HEADS} | made by")
+/// The table of programs.
+fn programs(sweep: &FunctionSweep) -> String {
+    type Row<'a> = (usize, &'a SweptProgram);
+    let [median, worst] = ERROR_HEADS;
+    let rows: Vec<Row<'_>> = sweep.programs.iter().enumerate().collect();
+    let columns = columns! { Row<'_>;
+        "program", [All, Hidden], |row| row.0 + 1;
+        "operations", [All, Hidden], |row| row.1.operations;
+        "longest chain", [All, Hidden], |row| row.1.path;
+        median, [Exponent(1), Hidden], |row| row.1.normwise.median;
+        worst, [Exponent(1), Hidden], |row| row.1.normwise.worst;
+        "made by", [All, Hidden], |row| row.1.name.as_str();
+    };
+    columns.text(&rows)
 }
 
-/// The programs: number, operations, longest chain on the thesis' machine,
-/// the median and the worst error, and what made them.
-fn programs(sweep: &FunctionSweep) -> Vec<Vec<String>> {
-    let programs = sweep.programs.iter().enumerate();
-    let rows = programs.map(|(index, program)| {
-        vec![
-            (index + 1).to_string(),
-            program.operations.to_string(),
-            program.path.to_string(),
-            exponential(program.normwise.median),
-            exponential(program.normwise.worst),
-            program.name.clone(),
-        ]
-    });
-    rows.collect()
-}
+/// A design of a function.
+type DesignRow<'a> = (&'a FunctionSweep, &'a SweepPoint);
 
-fn row(point: &SweepPoint, cpu_us: Option<f64>) -> Vec<String> {
-    let design = &point.design;
-    vec![
-        format!("{:.1}", 100.0 * point.share),
-        format!("{:.0}", point.resources.look_up_tables),
-        format!("{:.0}", point.resources.memory_blocks),
-        format!("{:.0}", point.resources.multiplier_blocks),
-        format!("{}+{}", design.adders, design.multipliers),
-        format!("{}, {}", design.stages[0], design.stages[1]),
-        format!("{:.0}", point.clock.mhz),
-        memory_name(design.memory).to_owned(),
-        buffer_name(design.buffer),
-        design.instances.to_string(),
-        design.interconnect.name().to_owned(),
-        point.cycles.to_string(),
-        point.lower_bound.to_string(),
-        format!("{:.2}", point.latency_us),
-        format!("{:.3}", point.us_per_evaluation),
-        or_dash(point.energy_uj, |energy| format!("{energy:.3}")),
-        or_dash(cpu_us, |cpu| {
-            format!("{:.2}", cpu / point.us_per_evaluation)
-        }),
-        (point.program + 1).to_string(),
-    ]
+fn design_columns<'a>() -> Columns<'a, DesignRow<'a>> {
+    let [median, worst] = ERROR_HEADS;
+    let error = |row: &DesignRow<'_>| row.0.programs[row.1.program].normwise;
+    let elements =
+        |row: &DesignRow<'_>| format!("{}+{}", row.1.design.adders, row.1.design.multipliers);
+    let stages = |row: &DesignRow<'_>| {
+        row.1
+            .design
+            .stages
+            .map(|count| count.to_string())
+            .join(", ")
+    };
+    columns! { DesignRow<'_>;
+        "function", [Hidden, All], |row| row.0.name.as_str();
+        "share %", [Decimals(1), Hidden], |row| 100.0 * row.1.share;
+        "add+multi", [All, Hidden], elements;
+        "adders", [Hidden, All], |row| row.1.design.adders;
+        "multipliers", [Hidden, All], |row| row.1.design.multipliers;
+        "stages", [All, Hidden], stages;
+        "adder stages", [Hidden, All], |row| row.1.design.stages[0];
+        "multiplier stages", [Hidden, All], |row| row.1.design.stages[1];
+        "estimated clock (MHz)", [Decimals(0), Decimals(1)], |row| row.1.clock.mhz;
+        "memory", [All, All], |row| memory_name(row.1.design.memory);
+        "buffer words", [All, All], |row| buffer_name(row.1.design.buffer);
+        "instances", [All, All], |row| row.1.design.instances;
+        "interconnect", [All, All], |row| row.1.design.interconnect.name();
+        "program", [All, Hidden], |row| row.1.program + 1;
+        "program", [Hidden, All], |row| row.0.programs[row.1.program].name.as_str();
+        "cycles", [All, All], |row| row.1.cycles;
+        "lower bound", [All, All], |row| row.1.lower_bound;
+        "latency (us)", [Decimals(2), Decimals(4)], |row| row.1.latency_us;
+        "us per evaluation", [Decimals(3), Decimals(4)], |row| row.1.us_per_evaluation;
+        "energy (uJ)", [Decimals(3), Decimals(4)], |row| row.1.energy_uj;
+        "look-up tables", [Decimals(0), Decimals(0)], |row| row.1.resources.look_up_tables;
+        "memory blocks", [Decimals(0), Decimals(0)], |row| row.1.resources.memory_blocks;
+        "multiplier blocks", [Decimals(0), Decimals(0)], |row| row.1.resources.multiplier_blocks;
+        "share", [Hidden, Decimals(4)], |row| row.1.share;
+        "CPU (us)", [Hidden, Decimals(4)], |row| row.0.cpu_us;
+        "CPU/FPGA", [Decimals(2), Hidden], |row| Some(row.0.cpu_us? / row.1.us_per_evaluation);
+        median, [Hidden, Exponent(1)], move |row| error(row).median;
+        worst, [Hidden, Exponent(1)], move |row| error(row).worst;
+        "on front", [Hidden, All], |row| if row.1.on_front { "yes" } else { "" };
+    }
 }
 
 /// Which wins, in a sentence.
@@ -150,41 +162,11 @@ fn buffer_name(buffer: Option<u32>) -> String {
 
 /// All points of all functions as one table.
 pub fn points_table(sweeps: &[FunctionSweep]) -> DataTable {
-    let rows = sweeps.iter().flat_map(|sweep| {
-        sweep.points.iter().map(|point| {
-            let design = &point.design;
-            let taken = &point.resources;
-            vec![
-                DataCell::text(&sweep.name),
-                DataCell::count(design.adders),
-                DataCell::count(design.multipliers),
-                DataCell::count(design.stages[0]),
-                DataCell::count(design.stages[1]),
-                DataCell::number(point.clock.mhz, 1),
-                DataCell::text(memory_name(design.memory)),
-                DataCell::text(buffer_name(design.buffer)),
-                DataCell::count(design.instances),
-                DataCell::text(design.interconnect.name()),
-                DataCell::text(&sweep.programs[point.program].name),
-                DataCell::count(point.cycles),
-                DataCell::count(point.lower_bound),
-                DataCell::number(point.latency_us, 4),
-                DataCell::number(point.us_per_evaluation, 4),
-                (point.energy_uj).map_or(DataCell::Empty, |energy| DataCell::number(energy, 4)),
-                DataCell::number(taken.look_up_tables, 0),
-                DataCell::number(taken.memory_blocks, 0),
-                DataCell::number(taken.multiplier_blocks, 0),
-                DataCell::number(point.share, 4),
-                sweep
-                    .cpu_us
-                    .map_or(DataCell::Empty, |time| DataCell::number(time, 4)),
-                DataCell::text(exponential(sweep.programs[point.program].normwise.median)),
-                DataCell::text(exponential(sweep.programs[point.program].normwise.worst)),
-                DataCell::text(if point.on_front { "yes" } else { "" }),
-            ]
-        })
-    });
-    DataTable::new(
+    let rows: Vec<DesignRow<'_>> = sweeps
+        .iter()
+        .flat_map(|sweep| sweep.points.iter().map(move |point| (sweep, point)))
+        .collect();
+    design_columns().table(
         "sweep",
         "Resources against time",
         format!(
@@ -196,12 +178,7 @@ pub fn points_table(sweeps: &[FunctionSweep]) -> DataTable {
             devices(sweeps),
             distinct(sweeps.iter().map(|sweep| sweep.number.as_str())),
         ),
-        &format!(
-            "function | adders | multipliers | adder stages | multiplier stages | estimated clock (MHz) | \
-         memory | buffer words | instances | interconnect | program | cycles | lower bound | \
-         latency (us) | us per evaluation | energy (uJ) | look-up tables | memory blocks | multiplier blocks | share | CPU (us) | {ERROR_COLUMNS} | on front"
-        ),
-        rows,
+        &rows,
     )
 }
 
