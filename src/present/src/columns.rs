@@ -1,4 +1,4 @@
-//! Columns: one declaration of head, cell and digits, from which aligned text,
+//! ColumnList: one declaration of head, cell and digits, from which aligned text,
 //! CSV, JSON and HTML follow.
 
 use super::number::exponential;
@@ -96,13 +96,13 @@ struct Column<'a, R> {
 }
 
 /// The columns of tables whose rows are values of the type `R`.
-pub struct Columns<'a, R>(Vec<Column<'a, R>>);
+pub struct ColumnList<'a, R>(Vec<Column<'a, R>>);
 
-impl<'a, R> Columns<'a, R> {
+impl<'a, R> ColumnList<'a, R> {
     /// No column.
     #[expect(clippy::new_without_default, reason = "a table has columns")]
-    pub fn new() -> Columns<'a, R> {
-        Columns(Vec::new())
+    pub fn new() -> ColumnList<'a, R> {
+        ColumnList(Vec::new())
     }
 
     /// One more column: its head with the unit, its digits on the terminal and
@@ -114,7 +114,7 @@ impl<'a, R> Columns<'a, R> {
         shown: Digits,
         stored: Digits,
         cell: impl Fn(&R) -> C + 'a,
-    ) -> Columns<'a, R> {
+    ) -> ColumnList<'a, R> {
         self.0.push(Column {
             head: head.into(),
             shown,
@@ -126,7 +126,7 @@ impl<'a, R> Columns<'a, R> {
 
     /// The columns of some heads.
     #[must_use]
-    pub fn only(mut self, heads: &[&str]) -> Columns<'a, R> {
+    pub fn only(mut self, heads: &[&str]) -> ColumnList<'a, R> {
         self.0
             .retain(|column| heads.contains(&column.head.as_str()));
         self
@@ -185,7 +185,7 @@ impl<'a, R> Columns<'a, R> {
     }
 }
 
-/// [`Columns`] as a list, a line for each: head, digits on the terminal and in
+/// [`ColumnList`] as a list, a line for each: head, digits on the terminal and in
 /// files, cell.
 ///
 /// ```
@@ -202,7 +202,7 @@ macro_rules! columns {
     ($row:ty; $($head:expr, [$shown:expr, $stored:expr], $cell:expr;)*) => {{
         #[allow(unused_imports, reason = "a table needs some kinds of digits")]
         use $crate::Digits::{All, Decimals, Exponent, Hidden, Words};
-        $crate::Columns::<$row>::new()$(.with($head, $shown, $stored, $cell))*
+        $crate::ColumnList::<$row>::new()$(.with($head, $shown, $stored, $cell))*
     }};
 }
 

@@ -14,7 +14,7 @@ pub mod plot;
 mod table;
 pub mod text;
 
-pub use self::columns::{CellValue, Columns, Digits};
+pub use self::columns::{CellValue, ColumnList, Digits};
 pub use figure::{
     AxisScale, Curve, Figure, Mark, MarkFill, MarkZone, Paint, Panel, PanelContent, PlotAxis,
     Stroke, TileMap,

@@ -5,7 +5,7 @@ use robovec_analysis::rounding::{MedianChange, Trend};
 use robovec_ir::diagnostic::counted;
 use robovec_present::number::units;
 use robovec_present::{
-    AxisScale, Columns, Curve, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, columns,
+    AxisScale, ColumnList, Curve, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, columns,
 };
 use std::fmt::Write;
 
@@ -28,7 +28,7 @@ pub fn text(subject: &FunctionAccuracy) -> String {
 /// A function after a pass.
 type StepRow<'a> = (&'a FunctionAccuracy, &'a PassAccuracy);
 
-fn columns<'a>() -> Columns<'a, StepRow<'a>> {
+fn columns<'a>() -> ColumnList<'a, StepRow<'a>> {
     let shown = |row: &StepRow<'a>| match row.1.pass.as_str() {
         "" => "(as read)",
         pass => pass,

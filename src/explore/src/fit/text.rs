@@ -11,7 +11,7 @@ use robovec_ir::diagnostic::counted;
 use robovec_num::trigonometry::host::TrigonometricUnit;
 use robovec_present::number::exponential;
 use robovec_present::{
-    AxisScale, Columns, Curve, DataTable, Digits, Figure, Mark, Panel, PlotAxis, columns,
+    AxisScale, ColumnList, Curve, DataTable, Digits, Figure, Mark, Panel, PlotAxis, columns,
 };
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -81,7 +81,7 @@ fn standing(outcome: &FitOutcome, index: usize) -> &'static str {
 }
 
 /// The columns of a table of candidates, whose rows are their indices.
-fn columns(outcome: &FitOutcome) -> Columns<'_, usize> {
+fn columns(outcome: &FitOutcome) -> ColumnList<'_, usize> {
     let of = |index: &usize| &outcome.candidates[*index];
     let program = move |index: &usize| &outcome.programs[of(index).program];
     let front = outcome.front();

@@ -6,7 +6,7 @@ use robovec_error::yardstick::account::{measure_text, random_states};
 use robovec_ir::diagnostic::counted;
 use robovec_present::number::share_percent;
 use robovec_present::{
-    AxisScale, Columns, Curve, DataTable, Figure, Mark, MarkFill, MarkZone, Panel, PlotAxis,
+    AxisScale, ColumnList, Curve, DataTable, Figure, Mark, MarkFill, MarkZone, Panel, PlotAxis,
     columns,
 };
 use std::fmt::Write;
@@ -105,7 +105,7 @@ fn rows(front: &Front, place: usize) -> Vec<PointRow<'_>> {
     order(front, place).into_iter().map(row).collect()
 }
 
-fn columns<'a>() -> Columns<'a, PointRow<'a>> {
+fn columns<'a>() -> ColumnList<'a, PointRow<'a>> {
     let by = |row: &PointRow<'_>| if row.point.thesis { "thesis" } else { "ours" };
     columns! { PointRow<'_>;
         "function", [Hidden, All], |row| row.front.name.as_str();

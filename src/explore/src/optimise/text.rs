@@ -4,7 +4,7 @@ use super::{OptimisationPoint, Optimised};
 use robovec_error::yardstick::account::{ERROR_HEADS, measure_text};
 use robovec_present::number::share_percent;
 use robovec_present::{
-    AxisScale, Columns, Curve, DataTable, Digits, Figure, Mark, Paint, Panel, PlotAxis, Stroke,
+    AxisScale, ColumnList, Curve, DataTable, Digits, Figure, Mark, Paint, Panel, PlotAxis, Stroke,
     columns,
 };
 use std::fmt::Write;
@@ -34,7 +34,7 @@ fn name(point: &OptimisationPoint) -> String {
 
 /// The columns of a table of points; those of speed and cost on the terminal
 /// are a processor's where programs were timed, else a machine's.
-fn columns<'a>(is_timed: bool) -> Columns<'a, &'a OptimisationPoint> {
+fn columns<'a>(is_timed: bool) -> ColumnList<'a, &'a OptimisationPoint> {
     let timed = |digits| if is_timed { digits } else { Digits::Hidden };
     let placed = |digits| if is_timed { Digits::Hidden } else { digits };
     let error =

@@ -6,7 +6,7 @@ use robovec_ir::diagnostic::counted;
 use robovec_ir::machine::MemoryStyle;
 use robovec_present::text::distinct;
 use robovec_present::{
-    AxisScale, Columns, Curve, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, columns,
+    AxisScale, ColumnList, Curve, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, columns,
 };
 
 /// The front with the processor's time beside it, and what did not work.
@@ -61,7 +61,7 @@ fn programs(sweep: &FunctionSweep) -> String {
 /// A design of a function.
 type DesignRow<'a> = (&'a FunctionSweep, &'a SweepPoint);
 
-fn design_columns<'a>() -> Columns<'a, DesignRow<'a>> {
+fn design_columns<'a>() -> ColumnList<'a, DesignRow<'a>> {
     let [median, worst] = ERROR_HEADS;
     let error = |row: &DesignRow<'_>| row.0.programs[row.1.program].normwise;
     let elements =
