@@ -6,6 +6,7 @@ use robovec::explore::program::{transformed_by, view};
 use robovec::generate::{GenerationRequest, generate};
 use robovec::model::Model;
 use robovec::model::build::{BASE, ModelBuilder};
+use robovec::model::family::built_in;
 use robovec::model::mbs::{read_mbs, write_mbs};
 use robovec::model::{Axis, JointKind};
 use robovec::motion::Laws;
@@ -243,7 +244,7 @@ fn small_difference(model: &Model, angle: f64) -> f64 {
 /// Small angles leave out what is of second order.
 #[test]
 fn small_angles_err_by_their_square() {
-    let model = robovec::model::systems::double_pendulum();
+    let model = built_in("double-pendulum").expect("a family");
     let ratio = small_difference(&model, 0.02) / small_difference(&model, 0.01);
     assert!((ratio - 4.0).abs() < 0.1, "{ratio}");
 }

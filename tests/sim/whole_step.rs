@@ -2,7 +2,7 @@
 //! kept closed in other ways.
 
 use super::models::{double_pendulum, four_bar, runge_kutta, spring_mechanism};
-use robovec::model::systems::slider_crank;
+use robovec::model::family::built_in;
 use robovec::model::{Model, Nature};
 use robovec::motion::{
     EVENT_TOLERANCE, EquationSetting, IntegrationMethod, Laws, LoopKeeping, MotionError,
@@ -52,7 +52,7 @@ fn models() -> [Model; 4] {
     [
         double_pendulum(),
         four_bar(),
-        slider_crank(),
+        built_in("slider-crank").expect("a family"),
         spring_mechanism().0,
     ]
 }
@@ -90,7 +90,7 @@ fn the_whole_step_in_binary32_errs_by_its_rounding() {
         format: Format::BINARY32,
         ..WHOLE
     };
-    for model in [four_bar(), slider_crank()] {
+    for model in [four_bar(), built_in("slider-crank").expect("a family")] {
         let wide = run(&model, &WHOLE, LoopKeeping::Project);
         let found = run(&model, &narrow, LoopKeeping::Project);
         let moved = distance(&wide, &found, &model);
@@ -125,7 +125,7 @@ fn loops_that_are_not_projected_open() {
 /// A slider-crank that the slider drives: at the dead centres it does not tell
 /// which way the crank goes. The crank turns round in 0.19 s.
 fn driven_by_the_slider() -> Model {
-    let mut model = slider_crank();
+    let mut model = built_in("slider-crank").expect("a family");
     model.joints[0].nature = Nature::Dependent;
     model.joints[1].nature = Nature::Independent;
     model.joints[1].initial[1] = 2.0;

@@ -1,4 +1,5 @@
-//! Families of models for studies and tests: chains, trees, random trees.
+//! Families of models for studies and tests: chains, trees, random trees, and
+//! machines that exist, whose files are those of `examples/models`.
 //!
 //! **The frozen serial model** (the one that reproduces the operation counts
 //! of the thesis, Table 3.1): revolute joints about the first and second axis
@@ -13,8 +14,9 @@
 use robovec_num::limits::NumberLimit;
 
 use super::build::{BASE, BodyPlace, BodyRef, ModelBuilder};
+use super::mbs::read_mbs;
 use super::random::{ParameterRandom, four_digits};
-use super::{Axis, JointKind, Model, systems};
+use super::{Axis, JointKind, Model};
 use robovec_robotran::conventions::JOINT_LIMIT;
 
 /// The joints a family is made with.
@@ -25,135 +27,112 @@ pub const JOINTS: NumberLimit = NumberLimit::whole(
 );
 
 /// A kind of model that can be asked for by name.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum ModelFamily {
-    /// A chain: the frozen serial model.
-    Serial,
-    /// A trunk with a few long branches.
-    SemiSerial,
-    /// Many branches.
-    Parallel,
-    /// A tree like the 70-dof system of the thesis.
-    Thesis70,
-    /// A random tree with joints of all six types.
+#[derive(Clone, Copy, Debug)]
+pub struct ModelFamily {
+    name: &'static str,
+    joints: Option<usize>,
+    members: Members,
+}
+
+/// Members of a family.
+#[derive(Clone, Copy, Debug)]
+enum Members {
+    /// Models of the frozen kind, on the tree for a number of joints.
+    Trees(fn(usize) -> TrunkTree),
+    /// Random trees with joints of all six types.
     Random,
-    /// A railway bogie.
-    Bogie,
-    /// A rail car of 70 joints.
-    Train,
-    /// Two rods.
-    DoublePendulum,
-    /// A planar loop closed by a ball.
-    FourBar,
-    /// A planar loop closed by a rod.
-    SliderCrank,
-    /// A quarter of a car on double wishbones.
-    QuarterCar,
-    /// A car on four trailing arms.
-    Car,
-    /// A car on double wishbones, with ten loops.
-    WishboneCar,
-    /// The leg of a humanoid robot.
-    Leg,
+    /// The one model of a file, of a machine that exists.
+    File(&'static [u8]),
+}
+
+/// The family of the one model of a file.
+macro_rules! machine {
+    ($name:literal, $joints:literal) => {
+        ModelFamily {
+            name: $name,
+            joints: Some($joints),
+            members: Members::File(include_bytes!(concat!("models/", $name, ".mbs"))),
+        }
+    };
 }
 
 impl ModelFamily {
     /// All families.
     pub const ALL: [ModelFamily; 14] = [
-        ModelFamily::Serial,
-        ModelFamily::SemiSerial,
-        ModelFamily::Parallel,
-        ModelFamily::Thesis70,
-        ModelFamily::Random,
-        ModelFamily::Bogie,
-        ModelFamily::Train,
-        ModelFamily::DoublePendulum,
-        ModelFamily::FourBar,
-        ModelFamily::SliderCrank,
-        ModelFamily::QuarterCar,
-        ModelFamily::Car,
-        ModelFamily::WishboneCar,
-        ModelFamily::Leg,
+        ModelFamily::trees("serial", None, TrunkTree::serial),
+        ModelFamily::trees("semi-serial", None, TrunkTree::semi_serial),
+        ModelFamily::trees("parallel", None, TrunkTree::parallel),
+        ModelFamily::trees("thesis-70", Some(70), |_| TrunkTree::thesis_70()),
+        ModelFamily {
+            name: "random",
+            joints: None,
+            members: Members::Random,
+        },
+        machine!("bogie", 23),
+        machine!("train", 70),
+        machine!("double-pendulum", 2),
+        machine!("four-bar", 3),
+        machine!("slider-crank", 2),
+        machine!("quarter-car", 5),
+        machine!("car", 18),
+        machine!("wishbone-car", 45),
+        machine!("leg", 9),
     ];
+
+    const fn trees(
+        name: &'static str,
+        joints: Option<usize>,
+        tree: fn(usize) -> TrunkTree,
+    ) -> ModelFamily {
+        ModelFamily {
+            name,
+            joints,
+            members: Members::Trees(tree),
+        }
+    }
 
     /// The family's name.
     pub fn name(self) -> &'static str {
-        match self {
-            ModelFamily::Serial => "serial",
-            ModelFamily::SemiSerial => "semi-serial",
-            ModelFamily::Parallel => "parallel",
-            ModelFamily::Thesis70 => "thesis-70",
-            ModelFamily::Random => "random",
-            ModelFamily::Bogie => "bogie",
-            ModelFamily::Train => "train",
-            ModelFamily::DoublePendulum => "double-pendulum",
-            ModelFamily::FourBar => "four-bar",
-            ModelFamily::SliderCrank => "slider-crank",
-            ModelFamily::QuarterCar => "quarter-car",
-            ModelFamily::Car => "car",
-            ModelFamily::WishboneCar => "wishbone-car",
-            ModelFamily::Leg => "leg",
-        }
+        self.name
     }
 
     /// The family with this name.
     pub fn from_name(name: &str) -> Option<ModelFamily> {
         ModelFamily::ALL
             .into_iter()
-            .find(|family| family.name() == name)
+            .find(|family| family.name == name)
     }
 
     /// The number of joints, where the family has only one.
     pub fn joints(self) -> Option<usize> {
-        match self {
-            ModelFamily::Serial
-            | ModelFamily::SemiSerial
-            | ModelFamily::Parallel
-            | ModelFamily::Random => None,
-            ModelFamily::Thesis70 | ModelFamily::Train => Some(70),
-            ModelFamily::Bogie => Some(23),
-            ModelFamily::DoublePendulum | ModelFamily::SliderCrank => Some(2),
-            ModelFamily::FourBar => Some(3),
-            ModelFamily::QuarterCar => Some(5),
-            ModelFamily::Car => Some(18),
-            ModelFamily::WishboneCar => Some(45),
-            ModelFamily::Leg => Some(9),
-        }
+        self.joints
     }
 
     /// True when the seed decides the parameters.
     pub fn is_seeded(self) -> bool {
-        self.joints().is_none() || self == ModelFamily::Thesis70
+        !matches!(self.members, Members::File(_))
     }
 
     /// The model of the family with this number of joints, which families of
-    /// one size do not look at.
+    /// one size ignore.
     ///
     /// # Panics
     ///
     /// When `joints` is 0 where it matters.
     pub fn build(self, joints: usize, seed: u64) -> Model {
-        match self {
-            ModelFamily::Serial => serial(joints, seed),
-            ModelFamily::SemiSerial => {
-                let name = format!("semi_serial_{joints}");
-                tree(&name, &TrunkTree::semi_serial(joints), seed)
+        match self.members {
+            Members::Trees(topology) => {
+                let mut name = self.name.replace('-', "_");
+                if self.joints.is_none() {
+                    name += &format!("_{joints}");
+                }
+                tree(&name, &topology(joints), seed)
             }
-            ModelFamily::Parallel => {
-                let name = format!("parallel_{joints}");
-                tree(&name, &TrunkTree::parallel(joints), seed)
+            Members::Random => random_tree(seed, joints),
+            Members::File(file) => {
+                let read = read_mbs(self.name, file);
+                read.expect("files of the program are sound").model
             }
-            ModelFamily::Thesis70 => tree("thesis_70", &TrunkTree::thesis_70(), seed),
-            ModelFamily::Random => random_tree(seed, joints),
-            ModelFamily::Bogie => systems::bogie(),
-            ModelFamily::Train => systems::train(),
-            ModelFamily::DoublePendulum => systems::double_pendulum(),
-            ModelFamily::FourBar => systems::four_bar(),
-            ModelFamily::SliderCrank => systems::slider_crank(),
-            ModelFamily::QuarterCar => systems::quarter_car(),
-            ModelFamily::Car => systems::car(),
-            ModelFamily::WishboneCar => systems::wishbone_car(),
-            ModelFamily::Leg => systems::leg(),
         }
     }
 }

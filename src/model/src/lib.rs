@@ -21,7 +21,6 @@ mod physics;
 mod random;
 mod rotation;
 pub mod summary;
-pub mod systems;
 pub mod urdf;
 mod xml;
 

@@ -267,11 +267,11 @@ fn loop_joints(model: &Model, cut: &Cut) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::systems;
+    use crate::family::built_in;
 
     #[test]
     fn a_loop_is_drawn_with_its_branches() {
-        let text = summarise(&systems::quarter_car());
+        let text = summarise(&built_in("quarter-car").expect("a family"));
         let shown = "\
 base
 Chassis: joint 1 T3, 320 kg

@@ -125,11 +125,11 @@ fn exponent<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use robovec_model::family::ModelFamily;
+    use robovec_model::family::built_in;
 
     #[test]
     fn units_are_exact_and_bring_the_model_to_one() {
-        let mut model = ModelFamily::DoublePendulum.build(2, 1);
+        let mut model = built_in("double-pendulum").expect("a family");
         for point in &mut model.points {
             point.coordinates = point.coordinates.map(|x| x * 1e-9);
         }

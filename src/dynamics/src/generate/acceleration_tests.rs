@@ -4,7 +4,8 @@ use super::formulation_tests::{at_point, make, point_field, tree};
 use super::tests::serial;
 use super::*;
 use robovec_ir::count::Counts;
-use robovec_model::{JointKind, Nature, systems};
+use robovec_model::family::built_in;
+use robovec_model::{JointKind, Nature};
 use robovec_num::arithmetic::Arithmetic;
 
 /// A random tree without what makes a mass matrix singular: bodies without
@@ -95,7 +96,7 @@ fn what_cannot_be_given_says_what_can() {
     );
     assert!(refused.contains("composite-base"), "{refused}");
     request.function = FunctionKind::Accelred;
-    let refused = refusal(&systems::four_bar(), &request);
+    let refused = refusal(&built_in("four-bar").expect("a family"), &request);
     assert!(refused.contains("knows no constraints"), "{refused}");
     request.options.true_angles = false;
     let refused = refusal(&serial(3), &request);

@@ -236,11 +236,11 @@ impl<'m> EnergyMonitor<'m> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use robovec_model::family::ModelFamily;
+    use robovec_model::family::built_in;
     use robovec_num::arithmetic::{Binary32, Binary64};
 
     fn pendulum(compensated: bool, short: bool) -> Drift {
-        let model = ModelFamily::DoublePendulum.build(2, 1);
+        let model = built_in("double-pendulum").expect("a family");
         let motion = FreeMotion::new(&model, Formulation::Recursive).expect("it has equations");
         let stepping = Stepping {
             how: TimeStep {

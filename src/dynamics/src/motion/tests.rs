@@ -6,7 +6,8 @@ use crate::kinematics::linear::{DenseMatrix, solve_square};
 use crate::kinematics::{InputSources, MotionState};
 use robovec_ir::View;
 use robovec_ir::evaluate::evaluate;
-use robovec_model::{Model, systems};
+use robovec_model::Model;
+use robovec_model::family::built_in;
 use robovec_num::arithmetic::Binary64;
 use robovec_robotran::FunctionKind;
 
@@ -40,7 +41,8 @@ fn some_state(model: &Model) -> MotionState {
 
 #[test]
 fn accelerations_satisfy_loops() {
-    for model in [systems::four_bar(), systems::slider_crank()] {
+    for name in ["four-bar", "slider-crank"] {
+        let model = built_in(name).expect("a family");
         let state = some_state(&model);
         let equations =
             MotionEquations::new(&model, &EquationSetting::default()).expect("it generates");

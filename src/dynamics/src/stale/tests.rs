@@ -1,7 +1,7 @@
 use super::*;
 use crate::generate::generate_into;
-use robovec_model::family::random_tree;
-use robovec_model::{JointKind, systems};
+use robovec_model::JointKind;
+use robovec_model::family::{built_in, random_tree};
 
 fn equations(model: &Model, kinds: &[FunctionKind]) -> Module {
     let mut module = Module::new();
@@ -32,9 +32,9 @@ fn messages(comparison: &Comparison) -> String {
 fn equations_of_the_model_itself_are_fresh() {
     let trees = (0..10).map(|seed| random_tree(seed, 8));
     let systems = [
-        systems::quarter_car(),
-        systems::four_bar(),
-        systems::slider_crank(),
+        built_in("quarter-car").expect("a family"),
+        built_in("four-bar").expect("a family"),
+        built_in("slider-crank").expect("a family"),
     ];
     for model in trees.chain(systems) {
         let kinds: Vec<FunctionKind> = KINDS
@@ -52,7 +52,7 @@ fn equations_of_the_model_itself_are_fresh() {
 
 #[test]
 fn a_zero_that_was_filled_in_is_named() {
-    let model = systems::quarter_car();
+    let model = built_in("quarter-car").expect("a family");
     let module = equations(&model, &[FunctionKind::Dirdyna]);
     let mut changed = model.clone();
     changed.points[3].coordinates[2] = 0.02;
@@ -67,10 +67,10 @@ fn a_zero_that_was_filled_in_is_named() {
 
 #[test]
 fn a_value_that_became_zero_is_only_a_remark() {
-    let mut model = systems::quarter_car();
+    let mut model = built_in("quarter-car").expect("a family");
     model.bodies[1].center[2] = 0.01;
     let module = equations(&model, &[FunctionKind::Dirdyna]);
-    let comparison = compare(&systems::quarter_car(), &module);
+    let comparison = compare(&built_in("quarter-car").expect("a family"), &module);
     let said = messages(&comparison);
     assert!(!comparison.is_stale(), "{said}");
     assert!(
@@ -81,8 +81,8 @@ fn a_value_that_became_zero_is_only_a_remark() {
 
 #[test]
 fn other_values_are_no_reason() {
-    let module = equations(&systems::quarter_car(), &KINDS);
-    let mut changed = systems::quarter_car();
+    let module = equations(&built_in("quarter-car").expect("a family"), &KINDS);
+    let mut changed = built_in("quarter-car").expect("a family");
     changed.bodies[0].mass = 400.0;
     changed.points[0].coordinates[1] = 0.31;
     assert_eq!(messages(&compare(&changed, &module)), "");
@@ -90,7 +90,7 @@ fn other_values_are_no_reason() {
 
 #[test]
 fn changes_of_the_tree_are_found() {
-    let model = systems::quarter_car();
+    let model = built_in("quarter-car").expect("a family");
     let module = equations(&model, &[FunctionKind::Dirdyna]);
     let mut turned = model.clone();
     turned.joints[4].kind = JointKind::ALL[3];
@@ -107,7 +107,7 @@ fn changes_of_the_tree_are_found() {
             .equal
             .contains(&"cons_hJ".to_owned())
     );
-    let said = messages(&compare(&systems::four_bar(), &module));
+    let said = messages(&compare(&built_in("four-bar").expect("a family"), &module));
     assert!(
         said.contains("true: the file is for 5 joints, the model has 3"),
         "{said}"
@@ -120,7 +120,7 @@ fn changes_of_the_tree_are_found() {
 
 #[test]
 fn ids_beyond_the_model_and_lost_sensors_are_found() {
-    let model = systems::quarter_car();
+    let model = built_in("quarter-car").expect("a family");
     let mut fewer = model.clone();
     fewer.points.pop();
     fewer.sensors.pop();

@@ -1,4 +1,6 @@
 use super::*;
+use crate::mbs::write_mbs;
+use crate::{Anchor, CutKind};
 use rustc_hash::FxHashSet;
 
 /// Moments that are positive and of which none exceeds the sum of the others,
@@ -97,5 +99,74 @@ fn random_trees_are_sound_and_have_all_types() {
                 .collect();
             assert_eq!(kinds.len(), body.joints.len());
         }
+    }
+}
+
+/// Where an anchor is in the base frame at the initial position of a planar or
+/// any other model: the joints' motions one by one, from the anchor to the base.
+fn position(model: &Model, anchor: Anchor) -> [f64; 3] {
+    let mut at = anchor
+        .point
+        .map_or([0.0; 3], |point| model.points[point].coordinates);
+    for joint in model.path(model.last_joint(anchor.body)) {
+        let joint = &model.joints[joint];
+        let axis = joint.kind.axis().index();
+        let (q, next, last) = (joint.initial[0], (axis + 1) % 3, (axis + 2) % 3);
+        if joint.kind.is_revolute() {
+            let (y, z) = (at[next], at[last]);
+            at[next] = q.cos() * y - q.sin() * z;
+            at[last] = q.sin() * y + q.cos() * z;
+        } else {
+            at[axis] += q;
+        }
+        if let Some(point) = joint.point {
+            for (to, by) in at.iter_mut().zip(model.points[point].coordinates) {
+                *to += by;
+            }
+        }
+    }
+    at
+}
+
+#[test]
+fn loops_are_closed_at_the_initial_positions() {
+    for name in ["four-bar", "slider-crank", "quarter-car", "wishbone-car"] {
+        let model = built_in(name).expect("a family");
+        for cut in &model.cuts {
+            let [a, b] = cut.ends.map(|end| position(&model, end));
+            let square: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
+            let distance = match cut.kind {
+                CutKind::Rod(length) => square.sqrt() - length,
+                _ => square.sqrt(),
+            };
+            assert!(distance.abs() < 2e-6, "{}: {distance}", model.name);
+        }
+    }
+}
+
+#[test]
+fn systems_have_their_joints_and_survive_their_files() {
+    for family in ModelFamily::ALL {
+        let joints = family.joints().unwrap_or(12);
+        let model = family.build(joints, 5);
+        assert_eq!(model.joints.len(), joints, "{}", model.name);
+        let read = read_mbs("m.mbs", write_mbs(&model).as_bytes()).expect("ours");
+        assert_eq!(read.model, model);
+        assert_eq!(read.warnings.render_plain(), "");
+        let named = ModelFamily::from_name(family.name()).expect("a family");
+        assert_eq!(named.name(), family.name());
+    }
+}
+
+#[test]
+fn the_wheels_of_the_bogie_stand_on_the_rails() {
+    let model = built_in("bogie").expect("a family");
+    assert_eq!(model.forces.len(), 4);
+    for force in &model.forces {
+        let place = Anchor {
+            body: model.points[force.point].body,
+            point: Some(force.point),
+        };
+        assert!((position(&model, place)[2] - 0.45).abs() < 1e-12);
     }
 }

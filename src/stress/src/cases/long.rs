@@ -6,7 +6,8 @@ use super::super::verdict::StressVerdict;
 use super::models::{random, sphere};
 use robovec_dynamics::kinematics::MotionState;
 use robovec_model::build::{BASE, ModelBuilder};
-use robovec_model::{Axis, JointKind, Model, systems};
+use robovec_model::family::built_in;
+use robovec_model::{Axis, JointKind, Model};
 
 pub(super) fn cases() -> Vec<StressCase> {
     let mut cases = Vec::new();
@@ -16,7 +17,7 @@ pub(super) fn cases() -> Vec<StressCase> {
         (4, 100.0, StressVerdict::Fine),
         (5, 60.0, StressVerdict::BadCode),
     ] {
-        let model = systems::double_pendulum();
+        let model = built_in("double-pendulum").expect("a family");
         let initial = MotionState::initial(&model);
         let step = 10f64.powi(-power);
         let subject = Long::new(model, initial, Kept::Energy, [duration, step]);
