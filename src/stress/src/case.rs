@@ -4,102 +4,67 @@ use super::{ProgramTreatment, StressError, StressVerdict};
 use robovec_ir::Format;
 
 /// What a case makes hard.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum CaseClass {
-    /// Nothing: what the others are compared with.
-    Base,
-    /// Long chains of bodies.
-    Chain,
-    /// Masses, inertias and lengths of very different sizes.
-    Ratio,
-    /// Large terms of velocity and gravity beside small inertias.
-    Swamped,
-    /// Sizes at the ends of what a format holds.
-    Scale,
-    /// Poses near a singular one.
-    Pose,
-    /// Sums whose terms cancel.
-    Cancellation,
-    /// Springs so stiff that their stretch is lost in lengths.
-    Spring,
-    /// Penetrations and slips that are differences of large numbers.
-    Contact,
-    /// Sensors far from the origin.
-    Far,
-    /// Closed loops near dead points, and with redundant constraints.
-    Loop,
-    /// Series in place of sine and cosine.
-    Series,
-    /// Long simulations.
-    Motion,
-    /// Closed loops in time, which open.
-    Drift,
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct CaseClass {
+    name: &'static str,
+    description: &'static str,
+}
+
+const fn class(name: &'static str, description: &'static str) -> CaseClass {
+    CaseClass { name, description }
 }
 
 impl CaseClass {
-    /// All classes, in the order of reports.
+    /// All classes, in the order of reports; with the first one the others are
+    /// compared.
     pub const ALL: [CaseClass; 14] = [
-        CaseClass::Base,
-        CaseClass::Chain,
-        CaseClass::Ratio,
-        CaseClass::Swamped,
-        CaseClass::Scale,
-        CaseClass::Pose,
-        CaseClass::Cancellation,
-        CaseClass::Spring,
-        CaseClass::Contact,
-        CaseClass::Far,
-        CaseClass::Loop,
-        CaseClass::Series,
-        CaseClass::Motion,
-        CaseClass::Drift,
+        class(
+            "base",
+            "nothing in particular: what the others are compared with",
+        ),
+        class(
+            "chain",
+            "long chains, whose mass matrix loses its small eigenvalues",
+        ),
+        class(
+            "ratio",
+            "masses, inertias and lengths of very different sizes",
+        ),
+        class(
+            "swamped",
+            "velocity and gravity terms that swamp what inertia does",
+        ),
+        class("scale", "sizes at the ends of the range of a format"),
+        class("pose", "poses near a singular one"),
+        class("cancellation", "sums whose terms cancel"),
+        class("spring", "springs so stiff that lengths hide their stretch"),
+        class(
+            "contact",
+            "penetrations and slips: small differences of large numbers",
+        ),
+        class("far", "sensors far from the origin"),
+        class(
+            "loop",
+            "closed loops near dead points, and with redundant constraints",
+        ),
+        class("series", "series in place of sine and cosine"),
+        class("motion", "long simulations, step after step in one format"),
+        class("drift", "closed loops in time, which open step by step"),
     ];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            CaseClass::Base => "base",
-            CaseClass::Chain => "chain",
-            CaseClass::Ratio => "ratio",
-            CaseClass::Swamped => "swamped",
-            CaseClass::Scale => "scale",
-            CaseClass::Pose => "pose",
-            CaseClass::Cancellation => "cancellation",
-            CaseClass::Spring => "spring",
-            CaseClass::Contact => "contact",
-            CaseClass::Far => "far",
-            CaseClass::Loop => "loop",
-            CaseClass::Series => "series",
-            CaseClass::Motion => "motion",
-            CaseClass::Drift => "drift",
-        }
+        self.name
     }
 
     /// The class of a name.
     pub fn from_name(name: &str) -> Option<CaseClass> {
-        CaseClass::ALL
-            .into_iter()
-            .find(|class| class.name() == name)
+        CaseClass::ALL.into_iter().find(|class| class.name == name)
     }
 
     /// What its cases make hard, in one line.
     pub fn description(self) -> &'static str {
-        match self {
-            CaseClass::Base => "nothing in particular: what the others are compared with",
-            CaseClass::Chain => "long chains, whose mass matrix loses its small eigenvalues",
-            CaseClass::Ratio => "masses, inertias and lengths of very different sizes",
-            CaseClass::Swamped => "velocity and gravity terms that swamp what inertia does",
-            CaseClass::Scale => "sizes at the ends of the range of a format",
-            CaseClass::Pose => "poses near a singular one",
-            CaseClass::Cancellation => "sums whose terms cancel",
-            CaseClass::Spring => "springs so stiff that lengths hide their stretch",
-            CaseClass::Contact => "penetrations and slips: small differences of large numbers",
-            CaseClass::Far => "sensors far from the origin",
-            CaseClass::Loop => "closed loops near dead points, and with redundant constraints",
-            CaseClass::Series => "series in place of sine and cosine",
-            CaseClass::Motion => "long simulations, step after step in one format",
-            CaseClass::Drift => "closed loops in time, which open step by step",
-        }
+        self.description
     }
 }
 
@@ -112,7 +77,7 @@ pub struct StressCase {
     /// How it is built, in a few words.
     pub construction: String,
     /// What it breaks.
-    pub breaks: &'static str,
+    pub breaks: String,
     /// The verdict on the untreated program in binary32. Anything else than
     /// this makes `robovec stress` fail.
     pub expected: StressVerdict,
@@ -120,29 +85,6 @@ pub struct StressCase {
     pub long: bool,
     /// What is measured.
     pub(super) subject: Box<dyn StressSubject>,
-}
-
-impl CaseClass {
-    /// A case of the class that does not take long: its name, how it is built
-    /// and what it breaks.
-    pub(super) fn case(
-        self,
-        name: impl Into<String>,
-        construction: impl Into<String>,
-        breaks: &'static str,
-        expected: StressVerdict,
-        subject: impl StressSubject + 'static,
-    ) -> StressCase {
-        StressCase {
-            name: name.into(),
-            class: self,
-            construction: construction.into(),
-            breaks,
-            expected,
-            long: false,
-            subject: Box::new(subject),
-        }
-    }
 }
 
 /// Something that can be computed with more or less error.

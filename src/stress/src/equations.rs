@@ -24,14 +24,14 @@ pub(super) struct EquationsSubject {
 
 impl EquationsSubject {
     /// Equations with inputs that binary32 holds.
-    pub(super) fn new(text: String, inputs: Vec<Vec<f64>>) -> EquationsSubject {
+    pub(super) fn new(text: impl Into<String>, inputs: Vec<Vec<f64>>) -> EquationsSubject {
         let share = |inputs: Vec<f64>| inputs.into_iter().map(shared).collect();
         EquationsSubject::of_host(text, inputs.into_iter().map(share).collect())
     }
 
     /// Equations with inputs that the host has in binary64: rounding them to
     /// a format is part of the error.
-    pub(super) fn of_host(text: String, inputs: Vec<Vec<f64>>) -> EquationsSubject {
+    pub(super) fn of_host(text: impl Into<String>, inputs: Vec<Vec<f64>>) -> EquationsSubject {
         EquationsSubject {
             forms: TextForms::new(text, inputs),
             result: "sum",
@@ -45,7 +45,7 @@ impl EquationsSubject {
     }
 
     /// The same with another way to write the equations, for the same inputs.
-    pub(super) fn or(mut self, name: &'static str, text: String) -> EquationsSubject {
+    pub(super) fn or(mut self, name: &'static str, text: &str) -> EquationsSubject {
         let inputs = self.forms.plain.numbers.clone();
         self.forms.push(TextForm::given(name, text, inputs));
         self
@@ -55,7 +55,7 @@ impl EquationsSubject {
     pub(super) fn or_prepared(
         mut self,
         name: &'static str,
-        text: String,
+        text: &str,
         inputs: Vec<Vec<f64>>,
     ) -> EquationsSubject {
         self.forms.push(TextForm::prepared(name, text, inputs));

@@ -16,17 +16,17 @@ pub(super) struct TextForm<N> {
 
 impl<N> TextForm<N> {
     /// Equations that compute with the numbers of the case.
-    pub(super) fn given(name: &'static str, text: String, numbers: N) -> TextForm<N> {
+    pub(super) fn given(name: &'static str, text: impl Into<String>, numbers: N) -> TextForm<N> {
         TextForm {
             name,
-            text,
+            text: text.into(),
             numbers,
             prepared: false,
         }
     }
 
     /// Equations in numbers that the host prepares.
-    pub(super) fn prepared(name: &'static str, text: String, numbers: N) -> TextForm<N> {
+    pub(super) fn prepared(name: &'static str, text: impl Into<String>, numbers: N) -> TextForm<N> {
         TextForm {
             prepared: true,
             ..TextForm::given(name, text, numbers)
@@ -43,7 +43,7 @@ pub(super) struct TextForms<N> {
 }
 
 impl<N> TextForms<N> {
-    pub(super) fn new(text: String, numbers: N) -> TextForms<N> {
+    pub(super) fn new(text: impl Into<String>, numbers: N) -> TextForms<N> {
         TextForms {
             plain: TextForm::given("", text, numbers),
             others: Vec::new(),

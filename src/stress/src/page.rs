@@ -132,7 +132,7 @@ fn section(text: &mut String, (case, found): &CaseFinding<'_>) {
             trial.cost
         )),
         EscapedContent(&case.construction),
-        EscapedContent(case.breaks),
+        EscapedContent(&case.breaks),
         short(found.condition),
         short(found.floor),
     );

@@ -49,7 +49,7 @@ const SAMPLES: u64 = 50;
 impl StepsSubject {
     /// The motion of the equations, in so many steps (s).
     pub(super) fn new(
-        text: String,
+        text: &str,
         mut start: MotionStart,
         (step, steps): (f64, u64),
     ) -> StepsSubject {

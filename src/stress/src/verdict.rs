@@ -2,10 +2,12 @@
 
 use super::Measured;
 use robovec_ir::Format;
+use serde::Deserialize;
 use std::fmt;
 
 /// Whose fault an error is.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum StressVerdict {
     /// At least half of the format's digits are right.
     Fine,

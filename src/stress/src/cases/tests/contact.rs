@@ -1,8 +1,9 @@
 //! The figures of contact by other means: whole numbers, closed forms of the
 //! steps, and the laws written in plain binary32.
 
-use super::*;
+use super::super::equations::{bounce, rolling, slip, wheel};
 use crate::case::StressSubject;
+use crate::draw::Draw;
 
 /// A binary32 number in units of 2^-60.
 fn whole(x: f64) -> i128 {
