@@ -6,7 +6,7 @@
 
 use super::graph::{Datum, DependenceGraph};
 use super::locations::{Entry, Memory, StoredDatum};
-use super::sweep::ScheduleDraft;
+use super::state::ScheduleDraft;
 use robovec_ir::placement::{Address, BufferWord};
 
 /// An address for each entry, and how many each memory uses.

@@ -20,32 +20,13 @@
 //! is not issued yet; ports of later cycles are always free, so this never
 //! gets stuck, whatever the machine.
 
+use super::choice::{IssueDecision, IssuePlan};
 use super::graph::{Datum, DependenceGraph};
-use super::locations::{Entry, Memory, Travel, WriteBack};
-use super::plan::{IssueDecision, IssuePlan};
+use super::locations::{Memory, Travel, WriteBack};
 use super::ports::{PLANNED, WordTransfer};
-use super::sweep::{IssueOutcome, Manner, Sweep};
+use super::seats::{Ahead, Seat};
+use super::state::{IssueOutcome, Manner, Sweep};
 use robovec_ir::Operand;
-use robovec_ir::placement::Element;
-
-/// Elements of operations that are not issued yet.
-#[derive(Clone, Debug)]
-pub(super) struct Ahead {
-    /// The seat that each node is bound to.
-    bound: Vec<Option<Seat>>,
-    /// Operations bound to each element and not issued yet.
-    load: Vec<u32>,
-    /// For each entry, the operations that have a claim on it.
-    claims: Vec<u32>,
-    banks: usize,
-}
-
-/// An operation's element: its number, and whether the operands change sides.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Seat {
-    pub(super) element: Element,
-    pub(super) swapped: bool,
-}
 
 /// A word that must be written for a seat.
 #[derive(Clone, Copy, Debug)]
@@ -65,59 +46,6 @@ struct Booking {
     needs: Vec<WordNeed>,
     /// Readers with the seat they had.
     seats: Vec<(u32, Option<Seat>)>,
-}
-
-impl Ahead {
-    /// Nothing bound.
-    pub(super) fn new(nodes: usize, elements: usize, banks: usize) -> Ahead {
-        Ahead {
-            bound: vec![None; nodes],
-            load: vec![0; elements],
-            claims: Vec::new(),
-            banks,
-        }
-    }
-
-    /// The seat a node is bound to.
-    fn seat(&self, node: usize) -> Option<Seat> {
-        self.bound[node]
-    }
-
-    /// Binds a node, or unbinds it.
-    fn bind(&mut self, node: usize, seat: Option<Seat>) {
-        if let Some(old) = self.seat(node) {
-            self.load[old.element.index()] -= 1;
-        }
-        if let Some(new) = seat {
-            self.load[new.element.index()] += 1;
-        }
-        self.bound[node] = seat;
-    }
-
-    /// The memory in which a node at a seat reads an operand.
-    fn memory(&self, seat: Seat, operand: usize) -> Memory {
-        let side = match operand {
-            2 => 2,
-            _ => operand ^ usize::from(seat.swapped),
-        };
-        // Machines with a memory per side have no third operand.
-        let memory = seat.element.index() * self.banks + side.min(self.banks - 1);
-        Memory::new(memory as u32)
-    }
-
-    fn claim(&mut self, entry: Entry, more: bool) -> u32 {
-        let index = entry.index();
-        if self.claims.len() <= index {
-            self.claims.resize(index + 1, 0);
-        }
-        let claims = &mut self.claims[index];
-        *claims = if more {
-            *claims + 1
-        } else {
-            claims.saturating_sub(1)
-        };
-        *claims
-    }
 }
 
 impl Sweep<'_> {

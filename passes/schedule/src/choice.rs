@@ -9,9 +9,9 @@
 
 use super::graph::Datum;
 use super::locations::{Entry, Locations, Memory, WriteBack};
-use super::plan::Beside;
 use super::ports::{PLANNED, Ports, WordTransfer};
 use robovec_framework::option_words;
+use robovec_ir::Operand;
 use robovec_ir::placement::Element;
 
 option_words! {
@@ -193,6 +193,101 @@ impl Others {
         self.iter()
             .any(|other| other.source.datum == datum && other.reads_buffer(cycle, element))
     }
+}
+
+/// The plan of one operation: element, memories, routes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct IssuePlan {
+    /// The element.
+    pub(super) element: Element,
+    /// The operands change sides.
+    pub(super) swapped: bool,
+    /// The memory each operand, as written in the program, is read from.
+    pub(super) memories: [Memory; Operand::MAX_COUNT],
+    /// The route of each operand; `None` for no operand or not planned yet.
+    pub(super) routes: [Option<Route>; Operand::MAX_COUNT],
+}
+
+/// The operands of an operation as data flow; `None` behind the last one.
+pub(super) type OperandSources = [Option<OperandSource>; Operand::MAX_COUNT];
+
+/// The route of an earlier operand that is the same datum in the same memory:
+/// one transfer, not two that compete.
+#[inline]
+pub(super) fn shared(sources: &OperandSources, plan: &IssuePlan, operand: usize) -> Option<Route> {
+    let same = |&before: &usize| is_same(sources, plan, before, operand);
+    (0..operand)
+        .find(same)
+        .and_then(|before| plan.routes[before])
+}
+
+/// True for two operands that are one word: the same datum, read from the same
+/// memory.
+#[inline]
+fn is_same(sources: &OperandSources, plan: &IssuePlan, one: usize, other: usize) -> bool {
+    let datum = |operand: usize| sources[operand].map(|source| source.datum);
+    datum(one) == datum(other) && plan.memories[one] == plan.memories[other]
+}
+
+/// The transfers that a plan has for the operands other than one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Beside<'a> {
+    pub(super) sources: &'a OperandSources,
+    pub(super) plan: &'a IssuePlan,
+    pub(super) operand: usize,
+}
+
+impl Beside<'_> {
+    /// The transfer of another word for an operand; what is there takes none.
+    #[inline]
+    fn transfer(&self, other: usize) -> Option<(OperandSource, Route)> {
+        let route = self.plan.routes[other].filter(|route| route.moves())?;
+        let is_own = is_same(self.sources, self.plan, other, self.operand);
+        let source = self.sources[other].filter(|_| !is_own)?;
+        Some((source, route))
+    }
+
+    /// Words they write into a memory in a cycle: what [`Others::writes`]
+    /// counts, for a look that needs nothing else about them.
+    #[inline]
+    pub(super) fn writes(&self, cycle: u32, memory: Memory) -> u8 {
+        let (mut count, mut first) = (0, None);
+        for other in 0..Operand::MAX_COUNT {
+            let route = self.plan.routes[other];
+            if route.is_some_and(|route| route.writes_in(cycle))
+                && self.plan.memories[other] == memory
+                && let Some((source, _)) = self.transfer(other)
+                && first != Some(source.datum)
+            {
+                first = Some(source.datum);
+                count += 1;
+            }
+        }
+        count
+    }
+
+    /// All about them.
+    pub(super) fn others(&self, ports: &Ports) -> Others {
+        let mut others = Others::default();
+        for other in 0..Operand::MAX_COUNT {
+            if let Some((source, route)) = self.transfer(other) {
+                let memory = self.plan.memories[other];
+                others.add(Planned::new(ports, source, memory, route));
+            }
+        }
+        others
+    }
+}
+
+/// The decision about an operation in a cycle.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum IssueDecision {
+    /// Issue it so, its operands being these.
+    Issue(IssuePlan, OperandSources),
+    /// An element that is taken in this cycle could do without a buffer.
+    Wait,
+    /// No free element can take it.
+    Fail,
 }
 
 /// The memory in which a datum is wanted, and when.

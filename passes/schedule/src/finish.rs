@@ -5,7 +5,7 @@ use super::error::PlaceError;
 use super::graph::{Datum, DependenceGraph, HOST};
 use super::locations::Entry;
 use super::ports::{Ports, banks};
-use super::sweep::ScheduleDraft;
+use super::state::ScheduleDraft;
 use robovec_ir::placement::{
     Bank, BufferWord, Element, ElementKind, Placement, Preload, Schedule, Slot, Word, Write,
 };

@@ -1,10 +1,11 @@
 //! Words for the outputs: every result that is an output stays readable.
 
 use super::choice::OperandSource;
+use super::commit::reserve_indirect;
 use super::graph::{Datum, DependenceGraph};
 use super::locations::{Entry, Memory, Travel};
 use super::ports::{PLANNED, WordTransfer};
-use super::sweep::{ScheduleDraft, Stuck, reserve_indirect};
+use super::state::{ScheduleDraft, Stuck};
 use robovec_ir::Function;
 
 /// Gives each assignment whose operand the machine computes the entry that

@@ -7,8 +7,9 @@
 //! - `bound`: a length no schedule can beat;
 //! - `order`, `list`: priorities, and how short a schedule they give without
 //!   memories;
-//! - `sweep`, with `ready`, `plan`, `choice`, `ports` and `locations`: the
-//!   placement itself, cycle by cycle; `ahead` does without buffers;
+//! - `sweep`, with `state`, `ready`, `plan`, `choice`, `commit`, `ports` and
+//!   `locations`: the placement itself, cycle by cycle; `ahead`, with `seats`,
+//!   does without buffers;
 //! - `search`: which orders are tried, and what is kept;
 //! - `homes`: words that keep the outputs to the end;
 //! - `addresses`, `finish`: addresses by lifetime, and the result.
@@ -22,6 +23,7 @@ mod addresses;
 mod ahead;
 mod bound;
 mod choice;
+mod commit;
 mod error;
 mod finish;
 mod graph;
@@ -37,6 +39,8 @@ mod ready;
 #[cfg(test)]
 mod rules;
 mod search;
+mod seats;
+mod state;
 mod statistics;
 mod sweep;
 #[cfg(test)]
@@ -57,7 +61,7 @@ use graph::DependenceGraph;
 use order::SchedulingOrder;
 use robovec_ir::{Function, Machine};
 use search::PlacementSearch;
-use sweep::Task;
+use state::Task;
 
 /// The most entries the table of write ports may have: one per memory and
 /// cycle, in bytes.

@@ -2,13 +2,12 @@
 //! there; then the best of them.
 
 use super::choice::{
-    ADDEND_RANKS, ElementChoice, OperandSource, Others, Planned, RANKS, Route, Wanted,
-    indirect_route, plain_route,
+    ADDEND_RANKS, Beside, ElementChoice, IssueDecision, IssuePlan, OperandSource, OperandSources,
+    RANKS, Route, Wanted, indirect_route, plain_route, shared,
 };
 use super::graph::Datum;
 use super::locations::{Entry, Memory};
-use super::ports::Ports;
-use super::sweep::Sweep;
+use super::state::Sweep;
 use robovec_ir::Operand;
 use robovec_ir::placement::Element;
 
@@ -20,90 +19,6 @@ const MARGIN: u32 = 4;
 /// has elements of a kind, so that only machines of thousands of elements,
 /// asked for what the longest chain allows, are searched in part.
 const MAX_COMPARED: usize = 128;
-
-/// The plan of one operation: element, memories, routes.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct IssuePlan {
-    /// The element.
-    pub(super) element: Element,
-    /// The operands change sides.
-    pub(super) swapped: bool,
-    /// The memory each operand, as written in the program, is read from.
-    pub(super) memories: [Memory; Operand::MAX_COUNT],
-    /// The route of each operand; `None` for no operand or not planned yet.
-    pub(super) routes: [Option<Route>; Operand::MAX_COUNT],
-}
-
-/// The operands of an operation as data flow; `None` behind the last one.
-pub(super) type OperandSources = [Option<OperandSource>; Operand::MAX_COUNT];
-
-/// The route of an earlier operand that is the same datum in the same memory:
-/// one transfer, not two that compete.
-#[inline]
-fn shared(sources: &OperandSources, plan: &IssuePlan, operand: usize) -> Option<Route> {
-    let same = |&before: &usize| is_same(sources, plan, before, operand);
-    (0..operand)
-        .find(same)
-        .and_then(|before| plan.routes[before])
-}
-
-/// True for two operands that are one word: the same datum, read from the same
-/// memory.
-#[inline]
-fn is_same(sources: &OperandSources, plan: &IssuePlan, one: usize, other: usize) -> bool {
-    let datum = |operand: usize| sources[operand].map(|source| source.datum);
-    datum(one) == datum(other) && plan.memories[one] == plan.memories[other]
-}
-
-/// The transfers that a plan has for the operands other than one.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Beside<'a> {
-    sources: &'a OperandSources,
-    plan: &'a IssuePlan,
-    operand: usize,
-}
-
-impl Beside<'_> {
-    /// The transfer of another word for an operand; what is there takes none.
-    #[inline]
-    fn transfer(&self, other: usize) -> Option<(OperandSource, Route)> {
-        let route = self.plan.routes[other].filter(|route| route.moves())?;
-        let is_own = is_same(self.sources, self.plan, other, self.operand);
-        let source = self.sources[other].filter(|_| !is_own)?;
-        Some((source, route))
-    }
-
-    /// Words they write into a memory in a cycle: what [`Others::writes`]
-    /// counts, for a look that needs nothing else about them.
-    #[inline]
-    pub(super) fn writes(&self, cycle: u32, memory: Memory) -> u8 {
-        let (mut count, mut first) = (0, None);
-        for other in 0..Operand::MAX_COUNT {
-            let route = self.plan.routes[other];
-            if route.is_some_and(|route| route.writes_in(cycle))
-                && self.plan.memories[other] == memory
-                && let Some((source, _)) = self.transfer(other)
-                && first != Some(source.datum)
-            {
-                first = Some(source.datum);
-                count += 1;
-            }
-        }
-        count
-    }
-
-    /// All about them.
-    pub(super) fn others(&self, ports: &Ports) -> Others {
-        let mut others = Others::default();
-        for other in 0..Operand::MAX_COUNT {
-            if let Some((source, route)) = self.transfer(other) {
-                let memory = self.plan.memories[other];
-                others.add(Planned::new(ports, source, memory, route));
-            }
-        }
-        others
-    }
-}
 
 /// The cost that [`ElementChoice::Preferential`] minimises: the rank, the
 /// cycles results stay in buffers, the way through the network, new words of
@@ -120,17 +35,6 @@ fn rank(statuses: [usize; Operand::MAX_COUNT], swapped: bool) -> u8 {
         false => RANKS[left][right],
     };
     factors + ADDEND_RANKS[addend]
-}
-
-/// The decision about an operation in a cycle.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum IssueDecision {
-    /// Issue it so, its operands being these.
-    Issue(IssuePlan, OperandSources),
-    /// An element that is taken in this cycle could do without a buffer.
-    Wait,
-    /// No free element can take it.
-    Fail,
 }
 
 impl Sweep<'_> {

@@ -4,7 +4,8 @@
 use super::choice::ElementChoice;
 use super::locations::Entry;
 use super::order::SchedulingOrder;
-use super::sweep::{Manner, ScheduleDraft, Stuck, Task, sweep};
+use super::state::{Manner, ScheduleDraft, Stuck, Task};
+use super::sweep::sweep;
 use super::{addresses, homes, list};
 use robovec_ir::machine::Interconnect;
 use robovec_ir::placement::BufferWord;
