@@ -6,11 +6,10 @@ use super::hex::HexWriter;
 use super::layout::{Sizes, WordLayout};
 use super::manifest::{self, Manifest};
 use super::mif::MifWriter;
-use super::rtl::Hardware;
 use super::traffic::Traffic;
 use super::words::NonzeroWords;
 use robovec_ir::placement::{Bank, Element, Preload};
-use robovec_ir::{Format, Machine, Value, View};
+use robovec_ir::{Format, Machine, View};
 use robovec_num::fnv::Fnv;
 use robovec_num::soft_float::FormatArithmetic;
 use robovec_num::trigonometry::host::KEY;
@@ -82,6 +81,16 @@ pub fn write_images(
     write_traffic(&traffic, inputs, None, artifacts)
 }
 
+/// The hardware that images are made for.
+pub(super) struct ImageHardware {
+    /// The sizes that lay out the instruction words.
+    pub(super) sizes: Sizes,
+    /// Words of the instruction memories as built.
+    pub(super) instruction_depth: u32,
+    /// The addresses at which the host finds everything.
+    pub(super) window: manifest::AddressMap,
+}
+
 /// The images of a program whose traffic is sorted; with hardware, those
 /// that this hardware takes: its sizes instead of the program's, a `.hex`
 /// file beside every `.mif` file, and the addresses of the host's window in
@@ -89,7 +98,7 @@ pub fn write_images(
 pub(super) fn write_traffic(
     traffic: &Traffic<'_>,
     inputs: Option<&[f64]>,
-    hardware: Option<&Hardware>,
+    hardware: Option<&ImageHardware>,
     artifacts: &mut dyn Artifacts,
 ) -> Result<(), ImageError> {
     let (view, machine) = (traffic.view, traffic.machine);
@@ -104,7 +113,7 @@ pub(super) fn write_traffic(
     let loaded = binding.loaded(&arithmetic, inputs)?;
     let writer = ImageWriter {
         sizes: match hardware {
-            Some(hardware) => hardware.sizes(),
+            Some(hardware) => hardware.sizes.clone(),
             None => Sizes::new(machine, &traffic.usage),
         },
         traffic,
@@ -142,7 +151,7 @@ pub(super) fn write_traffic(
         host: binding.host()?,
         trigonometry: view.function.metadata(KEY).map(str::to_owned),
         outputs: binding.outputs()?,
-        window: hardware.map(|hardware| hardware.window().manifest(hardware)),
+        window: hardware.map(|hardware| hardware.window.clone()),
     };
     let artifacts = artifacts.artifacts;
     artifacts.file(&writer.file_name("manifest.json"), &mut |target| {
@@ -274,21 +283,6 @@ fn write_manifest(target: &mut dyn io::Write, manifest: &Manifest) -> io::Result
     writeln!(target, "}}")
 }
 
-/// The crossbar's code for a value in a cycle: its producer's result, or the
-/// read port of the producer's buffer that shows it.
-pub(super) fn select(traffic: &Traffic<'_>, value: u32, cycle: u32) -> u32 {
-    let element = traffic.schedule.slot(Value(value)).element;
-    if u64::from(cycle) == traffic.ready(value) {
-        return element.number();
-    }
-    let reads = &traffic.buffer_reads;
-    let word = traffic.placement.buffers[value as usize];
-    let word = word.expect("traffic has checked that late writes have a buffer word");
-    let first = reads.partition_point(|&(e, c, _)| (e, c) < (element, cycle));
-    let port = reads.partition_point(|&read| read < (element, cycle, word)) - first;
-    traffic.usage.elements * (1 + port as u32) + element.number()
-}
-
 /// The window, one memory per line.
 fn write_window(target: &mut dyn io::Write, window: &manifest::AddressMap) -> io::Result<()> {
     let head = serde_json::to_string(&manifest::AddressMap {
@@ -305,14 +299,14 @@ fn write_window(target: &mut dyn io::Write, window: &manifest::AddressMap) -> io
     writeln!(target, "\n  ]}},")
 }
 
-pub(super) struct ImageWriter<'a> {
-    pub(super) traffic: &'a Traffic<'a>,
-    pub(super) sizes: Sizes,
+struct ImageWriter<'a> {
+    traffic: &'a Traffic<'a>,
+    sizes: Sizes,
     /// Bits of a data word.
     width: u32,
     /// The hardware the images are made for; absent when the machine file alone
     /// says it.
-    hardware: Option<&'a Hardware>,
+    hardware: Option<&'a ImageHardware>,
 }
 
 impl ImageWriter<'_> {
@@ -332,11 +326,6 @@ impl ImageWriter<'_> {
 
     fn data_file(&self, memory: &str) -> String {
         self.file_name(&format!("{memory}.data.mif"))
-    }
-
-    pub(super) fn operations(&self, element: Element) -> &[String] {
-        let kind = self.traffic.kinds[element.index()];
-        &self.traffic.machine.elements[kind].operations
     }
 
     fn layout(&self, element: Element) -> WordLayout {
@@ -381,7 +370,7 @@ impl ImageWriter<'_> {
         let file = self.instruction_file(&name);
         artifacts.file(&file, &mut |target| {
             let mut mif = MifWriter::new(target, hash, &title, layout.width(), self.depth())?;
-            let mut words = NonzeroWords::new(self, element, layout);
+            let mut words = NonzeroWords::new(self.traffic, element, layout);
             let mut next = 0;
             while let Some(cycle) = words.advance() {
                 if cycle > next {
@@ -397,7 +386,7 @@ impl ImageWriter<'_> {
             Ok(())
         })?;
         if let Some(hardware) = self.hardware {
-            self.instruction_hex(element, layout, hardware, artifacts)?;
+            self.instruction_hex(element, layout, hardware.instruction_depth, artifacts)?;
         }
         Ok(after)
     }
@@ -407,7 +396,7 @@ impl ImageWriter<'_> {
         &self,
         element: Element,
         layout: &WordLayout,
-        hardware: &Hardware,
+        depth: u32,
         artifacts: &mut dyn Artifacts,
     ) -> Result<(), ImageError> {
         let name = self.traffic.element_name(element);
@@ -415,14 +404,14 @@ impl ImageWriter<'_> {
         let file = hex_name(&self.instruction_file(&name));
         artifacts.file(&file, &mut |target| {
             let mut hex = HexWriter::new(target, &title, layout.width())?;
-            let mut words = NonzeroWords::new(self, element, layout);
+            let mut words = NonzeroWords::new(self.traffic, element, layout);
             let mut next = 0;
             while let Some(cycle) = words.advance() {
                 hex.zeros(cycle - next)?;
                 hex.word(words.word())?;
                 next = cycle + 1;
             }
-            hex.zeros(hardware.instruction_depth() - next)?;
+            hex.zeros(depth - next)?;
             hex.finish()
         })?;
         Ok(())
@@ -495,7 +484,7 @@ impl ImageWriter<'_> {
         let fields = layout.fields().iter().filter(|field| field.width > 0);
         manifest::ProcessingElement {
             kind: self.traffic.machine.elements[kind].kind.clone(),
-            operations: self.operations(element).to_vec(),
+            operations: self.traffic.operations(element).to_vec(),
             instructions: manifest::Instructions {
                 file: self.instruction_file(&name),
                 width: layout.width(),

@@ -2,7 +2,6 @@
 //! after can index with it.
 
 use super::ImageError;
-use super::traffic::malformed;
 use robovec_ir::machine::MemoryStyle;
 use robovec_ir::placement::{Bank, Placement, Schedule};
 use robovec_ir::{Machine, Value, View};
@@ -124,4 +123,12 @@ pub(super) fn value_name(view: View<'_>, value: Value) -> String {
         return format!("node {}", value.0);
     }
     name.display(&view.tables.symbols)
+}
+
+/// The error of a placement that does not fit its function.
+pub(super) fn malformed(view: View<'_>, what: String) -> ImageError {
+    ImageError::Malformed {
+        function: view.function.name.clone(),
+        what,
+    }
 }

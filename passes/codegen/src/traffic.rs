@@ -7,7 +7,7 @@
 //! operation.
 
 use super::ImageError;
-use super::shape::{check_shape, element_kinds, value_name};
+use super::shape::{check_shape, element_kinds, malformed, value_name};
 use robovec_ir::machine::Interconnect;
 use robovec_ir::placement::{Bank, BufferWord, Element, Placement, Schedule, Word, Write};
 use robovec_ir::{Machine, Value, View};
@@ -163,11 +163,31 @@ impl<'a> Traffic<'a> {
         (0..self.kinds.len() as u32).map(Element::new)
     }
 
+    /// The operations that an element performs, in order of their codes.
+    pub(super) fn operations(&self, element: Element) -> &[String] {
+        &self.machine.elements[self.kinds[element.index()]].operations
+    }
+
     /// The cycle in which a value's result is on the crossbar.
     pub(super) fn ready(&self, value: u32) -> u64 {
         let slot = self.schedule.slot(Value(value));
         let kind = self.kinds[slot.element.index()];
         u64::from(slot.cycle) + u64::from(self.machine.elements[kind].stages) + 1
+    }
+
+    /// The crossbar's code for a value in a cycle: its producer's result, or the
+    /// read port of the producer's buffer that shows it.
+    pub(super) fn select(&self, value: u32, cycle: u32) -> u32 {
+        let element = self.schedule.slot(Value(value)).element;
+        if u64::from(cycle) == self.ready(value) {
+            return element.number();
+        }
+        let reads = &self.buffer_reads;
+        let word = self.placement.buffers[value as usize];
+        let word = word.expect("traffic has checked that late writes have a buffer word");
+        let first = reads.partition_point(|&(e, c, _)| (e, c) < (element, cycle));
+        let port = reads.partition_point(|&read| read < (element, cycle, word)) - first;
+        self.usage.elements * (1 + port as u32) + element.number()
     }
 
     /// Kind and number of an element, as in the placed text.
@@ -296,12 +316,5 @@ impl<'a> Traffic<'a> {
             .rev()
             .find(|write| write.word == word)
             .copied()
-    }
-}
-
-pub(super) fn malformed(view: View<'_>, what: String) -> ImageError {
-    ImageError::Malformed {
-        function: view.function.name.clone(),
-        what,
     }
 }

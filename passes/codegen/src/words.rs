@@ -3,10 +3,9 @@
 //! Issues, buffer writes, memory writes and buffer reads each come in order
 //! of cycle; the words are their merge, made one at a time.
 
-use super::images::{ImageWriter, select};
 use super::layout::{ISSUE, OPERATION, READ, WordLayout};
 use super::manifest::InstructionField;
-use super::traffic::BufferRead;
+use super::traffic::{BufferRead, Traffic};
 use robovec_ir::Value;
 use robovec_ir::placement::{Bank, Element};
 use std::iter::Peekable;
@@ -15,7 +14,7 @@ type PeekableGroups<'a, T> = Peekable<Box<dyn Iterator<Item = &'a [T]> + 'a>>;
 
 /// An iterator over the words that are not zero.
 pub(super) struct NonzeroWords<'a> {
-    writer: &'a ImageWriter<'a>,
+    traffic: &'a Traffic<'a>,
     layout: &'a WordLayout,
     element: Element,
     issues: &'a [u32],
@@ -29,17 +28,16 @@ pub(super) struct NonzeroWords<'a> {
 
 impl<'a> NonzeroWords<'a> {
     pub(super) fn new(
-        writer: &'a ImageWriter<'a>,
+        traffic: &'a Traffic<'a>,
         element: Element,
         layout: &'a WordLayout,
     ) -> NonzeroWords<'a> {
-        let issues = writer.traffic.issues.of(element);
-        let writes: Box<dyn Iterator<Item = &'a [u32]>> =
-            Box::new(writer.traffic.write_groups(element));
+        let issues = traffic.issues.of(element);
+        let writes: Box<dyn Iterator<Item = &'a [u32]>> = Box::new(traffic.write_groups(element));
         let reads: Box<dyn Iterator<Item = &'a [BufferRead]>> =
-            Box::new(writer.traffic.buffer_groups(element));
+            Box::new(traffic.buffer_groups(element));
         NonzeroWords {
-            writer,
+            traffic,
             layout,
             element,
             issues,
@@ -57,7 +55,7 @@ impl<'a> NonzeroWords<'a> {
 
     /// Makes the next word that is not zero; its cycle.
     pub(super) fn advance(&mut self) -> Option<u32> {
-        let traffic = self.writer.traffic;
+        let traffic = self.traffic;
         while let Some((&first, rest)) = self.buffered.split_first()
             && traffic.placement.buffers[first as usize].is_none()
         {
@@ -89,16 +87,16 @@ impl<'a> NonzeroWords<'a> {
     }
 
     fn issue_cycle(&self, value: u32) -> u32 {
-        self.writer.traffic.schedule.slot(Value(value)).cycle
+        self.traffic.schedule.slot(Value(value)).cycle
     }
 
     fn issue(&mut self) {
         let issued = self.issues.split_first();
         let (&value, rest) = issued.expect("a value is issued in this cycle");
         self.issues = rest;
-        let traffic = self.writer.traffic;
+        let traffic = self.traffic;
         let operation = traffic.view.function.node(Value(value)).operation;
-        let mut codes = self.writer.operations(self.element).iter();
+        let mut codes = traffic.operations(self.element).iter();
         let code = codes.position(|name| name == operation.name());
         self.set(ISSUE, 1);
         let code = code.expect("traffic has checked that the element performs the operation");
@@ -114,7 +112,7 @@ impl<'a> NonzeroWords<'a> {
         let entering = self.buffered.split_first();
         let (&value, rest) = entering.expect("a value enters the buffer in this cycle");
         self.buffered = rest;
-        let word = self.writer.traffic.placement.buffers[value as usize];
+        let word = self.traffic.placement.buffers[value as usize];
         let field = self.layout.buffer_write();
         self.set(field, 1);
         let word = word.expect("only values with a word enter the buffer");
@@ -123,7 +121,7 @@ impl<'a> NonzeroWords<'a> {
 
     /// All writes of a cycle, each through the next free port of its memory.
     fn memory_writes(&mut self, cycle: u32) {
-        let traffic = self.writer.traffic;
+        let traffic = self.traffic;
         let writes = &traffic.placement.writes;
         let now = |group: &&[u32]| writes[group[0] as usize].cycle == cycle;
         while let Some(group) = self.writes.next_if(now) {
@@ -134,7 +132,7 @@ impl<'a> NonzeroWords<'a> {
                 let value = traffic.owners[index as usize];
                 self.set(field, 1);
                 self.set(field + 1, word.address.number());
-                self.set(field + 2, select(traffic, value, cycle));
+                self.set(field + 2, traffic.select(value, cycle));
             }
         }
     }

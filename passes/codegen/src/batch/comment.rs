@@ -1,6 +1,6 @@
 //! The comments of generated files about themselves.
 
-use super::text::BatchWriter;
+use super::writer::BatchWriter;
 use crate::emit::frame;
 use std::fmt::Write;
 

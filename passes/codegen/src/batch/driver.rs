@@ -1,9 +1,9 @@
 //! The functions that callers call.
 
-use super::text::{BatchWriter, List, shared_type};
 use super::turn::{TurnedPlaces, has_blocks, turned_block};
+use super::writer::{BatchWriter, List};
 use crate::emit::arrays::{extent, place};
-use robovec_ir::{Array, OperandKind};
+use robovec_ir::{Array, OperandKind, Shape};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -83,6 +83,14 @@ fn item(list: List, declared: &str, name: &str) -> String {
     match list {
         List::Parameters => format!("{declared}{name}"),
         List::Arguments => name.to_owned(),
+    }
+}
+
+/// The type of a parameter that all states share.
+fn shared_type(array: &Array, real: &str) -> String {
+    match array.shape {
+        Shape::Scalar => format!("{real} "),
+        Shape::Vector(_) | Shape::Matrix(..) => format!("const {real} *"),
     }
 }
 

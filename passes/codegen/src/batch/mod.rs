@@ -28,6 +28,7 @@ mod plan;
 mod prepared;
 mod text;
 mod turn;
+mod writer;
 
 use super::emit::Real;
 use robovec_ir::View;
@@ -85,7 +86,7 @@ impl Default for Options {
 pub fn batch_files(view: View<'_>, options: &Options) -> [(String, String); 2] {
     let mut plan = plan::BatchPlan::new(view, options);
     let prepared = prepared::Prepared::new(view.function, &mut plan, options.part);
-    let writer = text::BatchWriter::new(view, options, &plan, &prepared);
+    let writer = writer::BatchWriter::new(view, options, &plan, &prepared);
     let name = writer.names.function.clone();
     [
         (format!("{name}_batch.c"), writer.source()),

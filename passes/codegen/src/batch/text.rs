@@ -1,60 +1,16 @@
 //! The source and the header.
 
-use super::names::BatchNames;
-use super::plan::{AngleGroup, BatchItem, BatchPlan, OperandPlace};
-use super::prepared::Prepared;
-use super::{Options, comment, driver};
+use super::plan::{AngleGroup, BatchItem, OperandPlace};
+use super::writer::{BatchWriter, List};
+use super::{comment, driver};
 use crate::emit::arrays::{extent, place};
 use crate::emit::expression::{BoundText, Operands, apply, lane_literal};
 use crate::emit::frame::{self, APART};
 use crate::emit::order::CodeStep;
-use crate::sincos::SineKernel;
-use robovec_ir::{Array, Function, Operand, Operation, Shape, Value, View};
+use robovec_ir::{Operand, Operation, Value};
 use std::fmt::Write;
 
-/// Writes the files of one function.
-pub(super) struct BatchWriter<'a> {
-    pub(super) view: View<'a>,
-    pub(super) options: &'a Options,
-    pub(super) plan: &'a BatchPlan,
-    pub(super) prepared: &'a Prepared,
-    pub(super) names: BatchNames,
-    kernel: SineKernel,
-}
-
-/// The form of a list of arrays.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum List {
-    /// With types, as parameters.
-    Parameters,
-    /// Names only, as arguments.
-    Arguments,
-}
-
-impl<'a> BatchWriter<'a> {
-    pub(super) fn new(
-        view: View<'a>,
-        options: &'a Options,
-        plan: &'a BatchPlan,
-        prepared: &'a Prepared,
-    ) -> BatchWriter<'a> {
-        BatchWriter {
-            names: BatchNames::new(view, plan),
-            kernel: SineKernel {
-                real: options.real,
-                lanes: options.lanes,
-            },
-            view,
-            options,
-            plan,
-            prepared,
-        }
-    }
-
-    pub(super) fn function(&self) -> &'a Function {
-        self.view.function
-    }
-
+impl BatchWriter<'_> {
     /// The header.
     pub(super) fn header(&self) -> String {
         let name = &self.names.function;
@@ -153,16 +109,6 @@ impl<'a> BatchWriter<'a> {
             );
         }
         *text += "}\n\n";
-    }
-
-    /// The line behind which vectors are there.
-    pub(super) fn guard(&self) -> String {
-        format!("#if {}\n", self.width())
-    }
-
-    /// The macro that says how many lanes a vector has; 0 without vectors.
-    pub(super) fn width(&self) -> String {
-        format!("ROBOVEC_{}", self.kernel.suffix().to_ascii_uppercase())
     }
 
     /// Parameters or arguments of the parts: inputs that differ, outputs, and
@@ -361,13 +307,5 @@ impl<'a> BatchWriter<'a> {
              {}({count}, {from}, places, {stride}, sines + {first}, cosines + {first});\n    }}",
             self.kernel.runs_name()
         );
-    }
-}
-
-/// The type of a parameter that all states share.
-pub(super) fn shared_type(array: &Array, real: &str) -> String {
-    match array.shape {
-        Shape::Scalar => format!("{real} "),
-        Shape::Vector(_) | Shape::Matrix(..) => format!("const {real} *"),
     }
 }

@@ -4,8 +4,8 @@
 //! every pass of its loop, and always in the same array. Otherwise the output
 //! becomes a copy, made when everything is computed.
 
-use super::layout::coordinates;
 use super::nest::Nest;
+use super::program::coordinates;
 use super::statements::{StatementTarget, Statements};
 use robovec_ir::{Function, Output, Value};
 

@@ -20,8 +20,6 @@ use hashbrown::{HashMap, HashSet};
 use robovec_ir::{Function, Operand, Value};
 use rustc_hash::FxBuildHasher;
 
-pub(super) use places::coordinates;
-
 type Map<K, V> = HashMap<K, V, FxBuildHasher>;
 
 /// Free words around every array, for what turns out to belong there.

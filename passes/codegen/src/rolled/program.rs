@@ -5,6 +5,7 @@
 
 use super::nest::BodyElement;
 use super::statements::Template;
+use robovec_ir::{Array, Shape};
 
 /// A space in which numbers are kept.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -127,4 +128,13 @@ pub(super) struct RolledProgram {
     pub(super) work: u32,
     pub(super) constants: Vec<f64>,
     pub(super) tables: Vec<Vec<u32>>,
+}
+
+/// The indices of an element as row and column.
+pub(super) fn coordinates(array: &Array, indices: [u32; 2]) -> [i64; 2] {
+    match array.shape {
+        Shape::Scalar => [0, 0],
+        Shape::Vector(_) => [0, i64::from(indices[0])],
+        Shape::Matrix(..) => indices.map(i64::from),
+    }
 }

@@ -45,14 +45,6 @@ fn legs_of(hardware: &Hardware) -> Vec<Vec<u32>> {
     legs
 }
 
-/// The number of source and port pairs that are built, and of all.
-pub(super) fn pairs(hardware: &Hardware) -> (u64, u64) {
-    let sizes = hardware.sizes();
-    let legs = legs_of(hardware);
-    let built = legs.iter().map(|codes| codes.len() as u64).sum();
-    (built, legs.len() as u64 * u64::from(sizes.sources()))
-}
-
 /// The text of the crossbar.
 pub(super) fn text(hardware: &Hardware) -> String {
     let legs = legs_of(hardware);
@@ -60,7 +52,7 @@ pub(super) fn text(hardware: &Hardware) -> String {
     let full = hardware.crossbar == Crossbar::Full;
     let (width, select) = (hardware.width(), bits(sizes.sources()));
     let ports = legs.len() as u32;
-    let (built, all) = pairs(hardware);
+    let (built, all) = hardware.crossbar_pairs();
     let mut text = heading(&[
         format!(
             "The crossbar: {} sources, {ports} write ports, {built} of {all} pairs.",

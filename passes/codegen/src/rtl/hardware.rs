@@ -6,10 +6,10 @@
 //! fits when its traffic stays within.
 
 use super::error::RtlError;
-use super::window::AddressBlocks;
+use super::window::{AddressBlocks, Block};
 use super::{legs, unit};
 use crate::layout::{Sizes, WordLayout, bits};
-use crate::manifest::{Buffer, FileHash};
+use crate::manifest::{AddressMap, Buffer, FileHash, MappedMemory};
 use crate::traffic::Traffic;
 use robovec_framework::option_words;
 use robovec_ir::machine::{ElementDescription, Interconnect, MemoryStyle};
@@ -20,6 +20,8 @@ use serde::{Deserialize, Serialize};
 
 /// The version of the description, raised at every incompatible change.
 const FORMAT: u32 = 2;
+/// The version of the host's map, in register 7.
+const MAP_VERSION: u32 = 1;
 /// Bits of the host's address at most: 4 GiB of bytes.
 const MAX_ADDRESS_BITS: u32 = 30;
 /// Words of an instruction or operand memory at most.
@@ -223,7 +225,7 @@ impl Hardware {
         }
         match &self.crossbar {
             Crossbar::Full => Ok(()),
-            Crossbar::Pruned(legs) => legs::validate(legs, self),
+            Crossbar::Pruned(legs) => legs::validate(legs, &self.sizes()),
         }
     }
 
@@ -327,13 +329,71 @@ impl Hardware {
 
     /// The addresses at which the host finds everything.
     pub(crate) fn window(&self) -> AddressBlocks {
-        AddressBlocks::new(self)
+        let elements = self.element_count();
+        AddressBlocks::new(
+            Block::new(
+                self.instruction_width(),
+                self.instruction_address(),
+                elements,
+            ),
+            Block::new(
+                self.width(),
+                self.operand_address(),
+                elements * self.memories(),
+            ),
+        )
+    }
+
+    /// The description of the window in the manifest.
+    pub(super) fn address_map(&self) -> AddressMap {
+        let window = self.window();
+        let mut units = Vec::new();
+        for (index, (name, group)) in (0u32..).zip(self.names()) {
+            units.push(MappedMemory {
+                name: format!("{name}.instructions"),
+                address: window.instructions.address(index),
+                words: self.instruction_depth(),
+                limbs: self.layout(group).width().div_ceil(32),
+                stride: 1 << window.instructions.limb_bits,
+                readable: false,
+            });
+        }
+        for (index, (name, _)) in (0u32..).zip(self.names()) {
+            for (memory, suffix) in (0u32..).zip(self.memory_suffixes()) {
+                units.push(MappedMemory {
+                    name: format!("{name}{suffix}"),
+                    address: window.operands.address(index * self.memories() + memory),
+                    words: 1 << self.operand_address(),
+                    limbs: window.operands.limbs,
+                    stride: 1 << window.operands.limb_bits,
+                    readable: true,
+                });
+            }
+        }
+        AddressMap {
+            version: MAP_VERSION,
+            address_bits: window.address_bits,
+            machine_hash: self.hash(),
+            control: 0,
+            status: 1,
+            cycles: 2,
+            schedule: 3,
+            machine: 5,
+            units,
+        }
     }
 
     /// Pairs of source and write port that the crossbar has, and that a full
     /// one would have.
     pub fn crossbar_pairs(&self) -> (u64, u64) {
-        super::crossbar::pairs(self)
+        let sizes = self.sizes();
+        let ports = sizes.elements * sizes.memories * sizes.write_ports;
+        let all = u64::from(ports) * u64::from(sizes.sources());
+        let built = match &self.crossbar {
+            Crossbar::Full => all,
+            Crossbar::Pruned(legs) => legs.iter().map(|codes| codes.len() as u64).sum(),
+        };
+        (built, all)
     }
 
     /// The content of the machine's hash register: 64-bit FNV-1a, as sixteen

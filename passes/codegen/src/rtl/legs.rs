@@ -1,8 +1,6 @@
 //! The legs of a crossbar: which source reaches which write port.
 
 use super::error::RtlError;
-use super::hardware::Hardware;
-use crate::images::select;
 use crate::layout::Sizes;
 use crate::traffic::Traffic;
 use robovec_ir::placement::Bank;
@@ -21,7 +19,7 @@ pub(super) fn used(traffic: &Traffic<'_>, sizes: &Sizes) -> Vec<Vec<u32>> {
                 let memory = u32::from(write.word.bank == Bank::Right);
                 let place = (element.number() * sizes.memories + memory) * sizes.write_ports + port;
                 let value = traffic.owners[index as usize];
-                legs[place as usize].insert(select(traffic, value, write.cycle));
+                legs[place as usize].insert(traffic.select(value, write.cycle));
             }
         }
     }
@@ -31,8 +29,7 @@ pub(super) fn used(traffic: &Traffic<'_>, sizes: &Sizes) -> Vec<Vec<u32>> {
 }
 
 /// A list per port, of sources that exist, in order.
-pub(super) fn validate(legs: &[Vec<u32>], hardware: &Hardware) -> Result<(), RtlError> {
-    let sizes = hardware.sizes();
+pub(super) fn validate(legs: &[Vec<u32>], sizes: &Sizes) -> Result<(), RtlError> {
     let ports = sizes.elements * sizes.memories * sizes.write_ports;
     let sound = |codes: &Vec<u32>| {
         codes.windows(2).all(|pair| pair[0] < pair[1])

@@ -27,7 +27,7 @@ pub use error::RtlError;
 pub use fits::{HardwareDemand, HardwareFit, fits};
 pub use hardware::{Crossbar, CrossbarChoice, ElementGroup, Hardware};
 
-use super::images::write_traffic;
+use super::images::{ImageHardware, write_traffic};
 use super::manifest::{FileHash, Manifest};
 use super::traffic::Traffic;
 use super::{Artifacts, ImageError};
@@ -170,7 +170,12 @@ fn write_images_on(
         artifacts,
         manifest: Vec::new(),
     };
-    write_traffic(traffic, None, Some(hardware), &mut folder)?;
+    let target = ImageHardware {
+        sizes: hardware.sizes(),
+        instruction_depth: hardware.instruction_depth(),
+        window: hardware.address_map(),
+    };
+    write_traffic(traffic, None, Some(&target), &mut folder)?;
     let manifest = serde_json::from_slice(&folder.manifest).map_err(io::Error::from)?;
     Ok(manifest)
 }

@@ -6,12 +6,6 @@
 //! that block, memory, word and limb are fields of the address and nothing
 //! has to be subtracted.
 
-use super::hardware::Hardware;
-use crate::manifest;
-
-/// The version of the map, in register 7.
-const VERSION: u32 = 1;
-
 /// Memories of one sort.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Block {
@@ -28,7 +22,8 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    fn new(width: u32, word_bits: u32, units: u32) -> Block {
+    /// The block of a number of memories, at no address yet.
+    pub(super) fn new(width: u32, word_bits: u32, units: u32) -> Block {
         let limbs = width.div_ceil(32);
         Block {
             base: 0,
@@ -49,7 +44,8 @@ impl Block {
         self.limb_bits + self.word_bits
     }
 
-    fn address(&self, unit: u32) -> u32 {
+    /// The first address of a memory.
+    pub(super) fn address(&self, unit: u32) -> u32 {
         debug_assert!(unit >> self.unit_bits == 0, "the block has the memory");
         self.base + (unit << self.unit_low())
     }
@@ -72,18 +68,8 @@ pub(crate) struct AddressBlocks {
 }
 
 impl AddressBlocks {
-    pub(super) fn new(hardware: &Hardware) -> AddressBlocks {
-        let elements = hardware.element_count();
-        let mut instructions = Block::new(
-            hardware.instruction_width(),
-            hardware.instruction_address(),
-            elements,
-        );
-        let mut operands = Block::new(
-            hardware.width(),
-            hardware.operand_address(),
-            elements * hardware.memories(),
-        );
+    /// The map of two blocks.
+    pub(super) fn new(mut instructions: Block, mut operands: Block) -> AddressBlocks {
         let (small, large) = if instructions.bits() < operands.bits() {
             (&mut instructions, &mut operands)
         } else {
@@ -98,44 +84,6 @@ impl AddressBlocks {
             address_bits,
             instructions,
             operands,
-        }
-    }
-
-    /// Its description in the manifest.
-    pub(crate) fn manifest(&self, hardware: &Hardware) -> manifest::AddressMap {
-        let mut units = Vec::new();
-        for (index, (name, group)) in (0u32..).zip(hardware.names()) {
-            units.push(manifest::MappedMemory {
-                name: format!("{name}.instructions"),
-                address: self.instructions.address(index),
-                words: hardware.instruction_depth(),
-                limbs: hardware.layout(group).width().div_ceil(32),
-                stride: 1 << self.instructions.limb_bits,
-                readable: false,
-            });
-        }
-        for (index, (name, _)) in (0u32..).zip(hardware.names()) {
-            for (memory, suffix) in (0u32..).zip(hardware.memory_suffixes()) {
-                units.push(manifest::MappedMemory {
-                    name: format!("{name}{suffix}"),
-                    address: self.operands.address(index * hardware.memories() + memory),
-                    words: 1 << hardware.operand_address(),
-                    limbs: self.operands.limbs,
-                    stride: 1 << self.operands.limb_bits,
-                    readable: true,
-                });
-            }
-        }
-        manifest::AddressMap {
-            version: VERSION,
-            address_bits: self.address_bits,
-            machine_hash: hardware.hash(),
-            control: 0,
-            status: 1,
-            cycles: 2,
-            schedule: 3,
-            machine: 5,
-            units,
         }
     }
 }

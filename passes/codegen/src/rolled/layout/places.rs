@@ -2,11 +2,11 @@
 //! affine addresses and tables.
 
 use super::super::fit::{AffineFit, exact, fit};
-use super::super::program::{Copy, Index, SpaceElement, StorageSpace};
+use super::super::program::{Copy, Index, SpaceElement, StorageSpace, coordinates};
 use super::super::resolve::MemoryRead;
 use super::super::statements::StatementTarget;
 use super::{INTERLEAVED, JUNK, MARGIN, RolledLayout};
-use robovec_ir::{Array, Operand, OperandKind, Shape};
+use robovec_ir::{Operand, OperandKind};
 
 impl RolledLayout<'_> {
     /// The output array that holds all that a copy reads.
@@ -316,14 +316,5 @@ fn affine(around: &[usize], line: &AffineFit) -> Index {
         base: line.base,
         factors: factors.filter(|&(_, factor)| factor != 0).collect(),
         table: None,
-    }
-}
-
-/// The indices of an element as row and column.
-pub(in super::super) fn coordinates(array: &Array, indices: [u32; 2]) -> [i64; 2] {
-    match array.shape {
-        Shape::Scalar => [0, 0],
-        Shape::Vector(_) => [0, i64::from(indices[0])],
-        Shape::Matrix(..) => indices.map(i64::from),
     }
 }
