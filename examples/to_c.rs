@@ -4,7 +4,7 @@
 //!     cargo run --example to_c -- examples/suspension/mbs_dirdyna_suspension.m /tmp
 
 use robovec::sources;
-use robovec_codegen::c::{Real, c_files};
+use robovec_cgen::c::{Real, c_files};
 use robovec_framework::manager::{Config, run};
 use robovec_ir::{Machine, View};
 use robovec_passes::registry::REGISTRY;

@@ -1,7 +1,7 @@
 //! One machine on one device has one clock, whichever command tells it.
 
 use crate::support::programs::{opt_in, robovec_in, said};
-use robovec_codegen::hardware;
+use robovec_fpga::hardware;
 use robovec_ir::Machine;
 use serde_json::Value;
 use std::fs;

@@ -1,7 +1,7 @@
 //! Generated C, compiled, against the evaluator, bit for bit.
 
 use crate::simulate::naive;
-use robovec_codegen::c::{Options, Real, TrialState, c_files, trial_main};
+use robovec_cgen::c::{Options, Real, TrialState, c_files, trial_main};
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{
     Assignment, Constant, Function, Input, Level, Machine, Module, Name, Node, Operand, Operation,

@@ -5,7 +5,7 @@ use crate::compiled::has_gcc;
 use robovec::generate::{GenerationRequest, generate};
 use robovec::model::mbs::read_mbs;
 use robovec::robotran::FunctionKind;
-use robovec_codegen::c::{
+use robovec_cgen::c::{
     Options, Real, Signature, Sines, StatementOrder, TrialState, files, function_name,
     minimal_data, trial_main,
 };

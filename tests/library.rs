@@ -28,7 +28,8 @@ fn examples() -> Vec<PathBuf> {
         "passes/rules/examples",
         "passes/framework/examples",
         "passes/schedule/examples",
-        "passes/codegen/examples",
+        "passes/cgen/examples",
+        "passes/fpga/examples",
         "passes/examples",
     ];
     let of = |folder: &str| {

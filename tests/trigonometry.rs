@@ -10,8 +10,8 @@ use robovec::simulate::mif::Image;
 use robovec::trigonometry::{
     TrigonometryEffect, TrigonometrySetting, figure, measure, table, text,
 };
-use robovec_codegen::manifest::Manifest;
-use robovec_codegen::{images, write_images};
+use robovec_fpga::manifest::Manifest;
+use robovec_fpga::{images, write_images};
 use robovec_framework::manager::{self, Config, RunOutcome};
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;

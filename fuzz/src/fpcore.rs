@@ -5,8 +5,8 @@
 use crate::robotran::text_of_pieces;
 use arbitrary::{Result, Unstructured};
 use robovec::fpcore::{names, read};
-use robovec_codegen::c::Real;
-use robovec_codegen::fpcore::fpcore;
+use robovec_cgen::c::Real;
+use robovec_cgen::fpcore::fpcore;
 use robovec_ir::View;
 use robovec_ir::parse::parse_module;
 use robovec_ir::print::print_module;

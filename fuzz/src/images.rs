@@ -3,7 +3,7 @@
 use arbitrary::{Result, Unstructured};
 use robovec::simulate::LoadedProgram;
 use robovec::simulate::mif::Image;
-use robovec_codegen::images;
+use robovec_fpga::images;
 use robovec_ir::{
     Assignment, Function, Input, Level, Machine, Module, Name, Node, Operand, Operation, Output,
     Shape, SourceSet, View,

@@ -5,7 +5,7 @@
 //! in a loop of multiplications. This is the one account of it: the pass
 //! `mixed` chooses formats by it, and stress tests compare treatments. What a
 //! machine takes of a device is counted by parts instead
-//! (`robovec_codegen::hardware`), whose blocks come in whole numbers.
+//! (`robovec_fpga::hardware`), whose blocks come in whole numbers.
 
 use crate::function::Function;
 use robovec_num::format::Format;

@@ -1,7 +1,7 @@
 //! The passes of robovec.
 //!
-//! Each is one file or folder of this crate, save those that place and those
-//! that write programs, which are crates of their own; [`registry::REGISTRY`]
+//! Each is one file or folder of this crate, save the one that places, which is
+//! a crate of its own; [`registry::REGISTRY`]
 //! lists all of them. `sums` is what the passes on sums and products share,
 //! `choice` and `reassociate` what some of them do. This crate reads and writes no files.
 
@@ -11,6 +11,7 @@ pub mod atomise;
 pub mod balance;
 pub mod cancellation;
 mod choice;
+pub mod codegen;
 pub mod composite;
 pub mod cse;
 pub mod dce;

@@ -2,11 +2,10 @@
 //! are listed.
 
 use crate::{
-    accurate, asap_alap, atomise, balance, cancellation, composite, cse, dce, differentiate, eqsat,
-    factor, fma, fold, inline, interleave, lookahead, meet, mixed, optimise, recurrence,
-    specialise, swap, trigonometry, zero_removal,
+    accurate, asap_alap, atomise, balance, cancellation, codegen, composite, cse, dce,
+    differentiate, eqsat, factor, fma, fold, inline, interleave, lookahead, meet, mixed, optimise,
+    recurrence, specialise, swap, trigonometry, zero_removal,
 };
-use robovec_codegen::Codegen;
 use robovec_framework::pass::{PassInfo, Preset, Registry};
 use robovec_schedule::Place;
 
@@ -45,7 +44,7 @@ const PASSES: &[PassInfo] = &[
     asap_alap::AsapAlap::INFO,
     optimise::Optimise::INFO,
     Place::INFO,
-    Codegen::INFO,
+    codegen::Codegen::INFO,
 ];
 
 /// All presets.

@@ -1,7 +1,7 @@
 //! What is built, what fits it, and what is refused.
 
-use robovec_codegen::manifest::Manifest;
-use robovec_codegen::rtl::*;
+use robovec_fpga::manifest::Manifest;
+use robovec_fpga::rtl::*;
 use robovec_framework::manager::{self, Config};
 use robovec_ir::parse::parse_module;
 use robovec_ir::{Format, Machine, Module, View};
@@ -180,7 +180,7 @@ fn everything_that_is_lacking_is_named() {
     let (hardware, _) = built(PRODUCTS, &deep, CrossbarChoice::Pruned);
     let roomy = Hardware {
         words: 64,
-        buffer: Some(robovec_codegen::manifest::Buffer {
+        buffer: Some(robovec_fpga::manifest::Buffer {
             words: 16,
             read_ports: 1,
         }),

@@ -5,8 +5,8 @@ use super::write::{CFloat, GenerationName, OutputLanguage, save, write_files};
 use super::{CommandFailure, input, names, output, telling};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
-use robovec_codegen::c::{self, Real};
-use robovec_codegen::kind::Generation;
+use robovec_cgen::c::{self, Real};
+use robovec_cgen::kind::Generation;
 use robovec_dynamics::generate::{
     Formulation, GenerateError, GenerationRequest, Options, ParameterBinding, TermOrder,
     contenders, cuts_of_rows, generate_into, redundant_rows, refuse_empty,

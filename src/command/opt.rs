@@ -11,7 +11,7 @@ use super::{
 };
 use clap::FromArgMatches;
 use clap_complete::env::{CompleteEnv, Shells};
-use robovec_codegen::rtl::DESCRIPTION;
+use robovec_fpga::rtl::DESCRIPTION;
 use robovec_framework::manager::{
     self, Config, PassFilter, PrintChanged, RunError, RunOutcome, usage,
 };

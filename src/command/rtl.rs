@@ -6,15 +6,15 @@ use super::rtl_bench::{self, RtlBenchArguments};
 use super::{CommandFailure, input, output, placed, telling};
 use clap::{Args, ValueEnum};
 use robovec_analysis::rounding::usual_states;
-use robovec_codegen::hardware::{self, MachineShape};
-use robovec_codegen::manifest::FileHash;
-use robovec_codegen::rtl::{
-    self, Crossbar, CrossbarChoice, DESCRIPTION, Hardware, HardwareFit, RtlError,
-};
-use robovec_codegen::{Artifacts, quartus};
 use robovec_error::yardstick::Yardstick;
 use robovec_error::yardstick::account::{ErrorAccount, random_states};
 use robovec_explore::device;
+use robovec_fpga::hardware::{self, MachineShape};
+use robovec_fpga::manifest::FileHash;
+use robovec_fpga::rtl::{
+    self, Crossbar, CrossbarChoice, DESCRIPTION, Hardware, HardwareFit, RtlError,
+};
+use robovec_fpga::{Artifacts, quartus};
 use robovec_framework::manager::{self, Config};
 use robovec_framework::scene::Scene;
 use robovec_io::files::sealed::check_folder;

@@ -2,8 +2,8 @@
 
 use super::{CommandFailure, input};
 use clap::Args;
-use robovec_codegen::hardware;
 use robovec_explore::scene::{SceneEffect, SceneFile, SceneSubject, effects};
+use robovec_fpga::hardware;
 use robovec_framework::scene::{Hold, Scene};
 use robovec_ir::diagnostic::counted;
 use robovec_ir::{Input, Machine, Module, View};

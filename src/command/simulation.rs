@@ -1,7 +1,7 @@
 //! `--simulate`: the placed program against the equations.
 
 use super::CommandFailure;
-use robovec_codegen::write_images;
+use robovec_fpga::write_images;
 use robovec_ir::diagnostic::counted;
 use robovec_ir::evaluate::evaluate_mixed;
 use robovec_ir::print::print_output;

@@ -9,11 +9,11 @@
 
 use super::arguments::OptimiserArguments;
 use robovec_analysis::critical_path::critical_path;
-use robovec_codegen::hardware;
 use robovec_error::yardstick::Yardstick;
 use robovec_error::yardstick::account::{ErrorAccount, random_states};
 use robovec_explore::device;
 use robovec_explore::placing::scheduled_machine;
+use robovec_fpga::hardware;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::{PassStep, Pipeline, PipelineStep};
 use robovec_ir::count::Counts;

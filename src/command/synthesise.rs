@@ -3,11 +3,11 @@
 use super::CommandFailure;
 use super::flags::whole;
 use clap::Args;
-use robovec_codegen::hardware::{MachineShape, estimate_of};
-use robovec_codegen::rtl::cores::OperatorCore;
 use robovec_error::yardstick::account::{measure_text, share_cell};
 use robovec_explore::device;
 use robovec_explore::operators::{ADDERS, MULTIPLIERS, Operator};
+use robovec_fpga::hardware::{MachineShape, estimate_of};
+use robovec_fpga::rtl::cores::OperatorCore;
 use robovec_hardware::synthesis::cores::{self, Mapped};
 use robovec_hardware::synthesis::rounding::operator_error;
 use robovec_hardware::synthesis::timing::Path;

@@ -3,8 +3,8 @@
 use super::arguments::InputLanguage;
 use super::{CommandFailure, input, output, telling};
 use clap::{Args, ValueEnum};
-use robovec_codegen::c::{Options, Real};
-use robovec_codegen::kind::Generation;
+use robovec_cgen::c::{Options, Real};
+use robovec_cgen::kind::Generation;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
 use robovec_io::files::Replace;

@@ -1,7 +1,7 @@
 //! What the tests of hardware share: tools, and images to be edited.
 
 use robovec::rtl::HardwareSimulator;
-use robovec_codegen::manifest::Manifest;
+use robovec_fpga::manifest::Manifest;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;

@@ -12,8 +12,8 @@
 
 use robovec::simulate::mif::Image;
 use robovec::simulate::{Hazard, LoadError, LoadedProgram};
-use robovec_codegen::images;
-use robovec_codegen::manifest::Manifest;
+use robovec_fpga::images;
+use robovec_fpga::manifest::Manifest;
 use robovec_ir::placement::{
     Address, Bank, BufferWord, Element, ElementKind, Placement, Preload, Schedule, Slot, Word,
     Write,

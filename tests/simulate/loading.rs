@@ -4,7 +4,7 @@ use super::float;
 use super::hand::{Edited, mif};
 use robovec::simulate::mif::Image;
 use robovec::simulate::{LoadError, LoadedProgram};
-use robovec_codegen::manifest::{HostElement, ValueReference};
+use robovec_fpga::manifest::{HostElement, ValueReference};
 use robovec_ir::Machine;
 use robovec_ir::machine::{BufferDescription, MemoryStyle};
 use robovec_num::fnv::Fnv;

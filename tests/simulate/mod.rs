@@ -10,7 +10,7 @@ mod rooms;
 mod trace;
 
 use robovec::simulate::LoadedProgram;
-use robovec_codegen::images;
+use robovec_fpga::images;
 use robovec_framework::manager::{self, Config};
 use robovec_ir::evaluate::evaluate_mixed;
 use robovec_ir::machine::Interconnect;

@@ -4,8 +4,8 @@
 use super::hand::{self, ADD0, MULTI0, word};
 use super::{float, view};
 use robovec::simulate::mif::Image;
-use robovec_codegen::manifest::Manifest;
-use robovec_codegen::{ImageError, images};
+use robovec_fpga::manifest::Manifest;
+use robovec_fpga::{ImageError, images};
 use robovec_ir::machine::BufferDescription;
 use robovec_ir::placement::{Bank, BufferWord, Element, Placement, Preload, Schedule, Slot, Write};
 use robovec_ir::{Function, Input, Level, Machine, Operand, Operation, Shape, Value};

@@ -3,7 +3,7 @@
 
 use super::{check, random_placed, view};
 use robovec::simulate::LoadedProgram;
-use robovec_codegen::images;
+use robovec_fpga::images;
 use robovec_ir::machine::BufferDescription;
 use robovec_ir::parse::parse_module;
 use robovec_ir::{Machine, Module};
@@ -29,7 +29,7 @@ fn fields_across_limbs_arrive_whole() {
             check(&module, &machine, &inputs);
             let files = images(view(&module), &machine, None).expect("it has images");
             let (_, manifest) = files.last().expect("the manifest");
-            let manifest: robovec_codegen::manifest::Manifest =
+            let manifest: robovec_fpga::manifest::Manifest =
                 serde_json::from_str(manifest).expect("it is JSON");
             let fields = manifest
                 .elements

@@ -2,7 +2,7 @@
 
 use super::{hand, naive, random_placed, view};
 use robovec::simulate::{LoadedProgram, TracedResult};
-use robovec_codegen::images;
+use robovec_fpga::images;
 use robovec_ir::Machine;
 use robovec_ir::evaluate::evaluate_nodes;
 use robovec_ir::machine::Interconnect;

@@ -8,7 +8,7 @@ use robovec::generate::{GenerationRequest, generate};
 use robovec::model::mbs::read_mbs;
 use robovec::robotran::write::{WriteOptions, write};
 use robovec::robotran::{FunctionKind, Language, read};
-use robovec_codegen::c::{Options, Real, Signature as CSignature, Sines, files as c_files};
+use robovec_cgen::c::{Options, Real, Signature as CSignature, Sines, files as c_files};
 use robovec_ir::View;
 use robovec_ir::parse::parse_module;
 use std::path::Path;

@@ -6,7 +6,7 @@
 //! sets, in order of its assignments.
 
 use super::functions::is_varying;
-use robovec_codegen::c::Real;
+use robovec_cgen::c::Real;
 use robovec_ir::{Array, Shape, View};
 use std::fmt::Write;
 

@@ -5,9 +5,9 @@ use super::contestant::{Contestant, ContestantFamily};
 use super::functions::{inputs, outputs};
 use super::harness::{self, Callee, CallingConvention};
 use super::tools::{BuildStep, Compiler};
-use robovec_codegen::batch;
-use robovec_codegen::c::{self, Real, c_files};
-use robovec_codegen::rolled::rolled_files;
+use robovec_cgen::batch;
+use robovec_cgen::c::{self, Real, c_files};
+use robovec_cgen::rolled::rolled_files;
 use robovec_ir::View;
 use robovec_ir::count::Counts;
 

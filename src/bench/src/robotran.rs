@@ -11,7 +11,7 @@ use super::functions::outputs;
 use super::harness::{self, Callee, CallingConvention, Parameter};
 use super::own::ContestantPlan;
 use super::tools::{BuildStep, Compiler};
-use robovec_codegen::c::{self, Real};
+use robovec_cgen::c::{self, Real};
 use robovec_ir::{Module, View};
 use robovec_robotran::Language;
 use robovec_robotran::write::{WriteOptions, write};

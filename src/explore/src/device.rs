@@ -1,10 +1,10 @@
 //! What a machine takes of a device, by number format: an estimate.
 //!
-//! The formulas are those of [`robovec_codegen::hardware`], for the
+//! The formulas are those of [`robovec_fpga::hardware`], for the
 //! hardware that `robovec rtl` writes. Nothing is synthesised.
 
 use super::placing::{placed, words_of_a_side};
-use robovec_codegen::hardware::{self, MachineShape, ResourceUse};
+use robovec_fpga::hardware::{self, MachineShape, ResourceUse};
 use robovec_ir::machine::Device;
 use robovec_ir::{Format, Function, Machine, Module};
 use robovec_schedule::{PlaceOptions, most_memory_words};

@@ -10,7 +10,7 @@
 use robovec_bench::contestant::{Contestant, ContestantFamily};
 use robovec_bench::task::BenchTask;
 use robovec_bench::{BenchOutcome, BenchQuestion, Compiler, bench, own};
-use robovec_codegen::c::Real;
+use robovec_cgen::c::Real;
 use robovec_io::files::TemporaryFolder;
 use robovec_ir::View;
 use robovec_ir::count::Counts;

@@ -2,7 +2,7 @@
 //!
 //! [`write()`] gives a file as Robotran would have written
 //! it: one function, which reads back. Here the same function is written for
-//! compilers and processors (`robovec_codegen::c`): in bounded parts,
+//! compilers and processors (`robovec_cgen::c`): in bounded parts,
 //! in an order that keeps values in registers, with all sines in one loop.
 //! Functions that have no such form (sensors, and those that call user
 //! functions in the middle) are written in one piece, so that every module
@@ -10,7 +10,7 @@
 
 use super::Language;
 use super::write::{RobotranWriteError, WriteOptions, write};
-use robovec_codegen::c::{
+use robovec_cgen::c::{
     Options, Real, SignatureError, TrialState, files, function_name, minimal_data, trial_main,
 };
 use robovec_ir::states::States;

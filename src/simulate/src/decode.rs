@@ -2,7 +2,7 @@
 
 use super::error::LoadError;
 use super::mif::Image;
-use robovec_codegen::manifest;
+use robovec_fpga::manifest;
 use std::collections::BTreeMap;
 
 /// Bits of a word; a field without bits always reads 0.

@@ -2,7 +2,7 @@
 
 use super::error::LoadError;
 use super::load::Loader;
-use robovec_codegen::manifest;
+use robovec_fpga::manifest;
 use robovec_num::fnv::Fnv;
 
 /// Most elements.

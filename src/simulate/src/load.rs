@@ -4,7 +4,7 @@ use super::decode::{DecodedSteps, WordFields};
 use super::error::LoadError;
 use super::mif::Image;
 use super::program::{ElementUnit, HostStep, LoadedProgram, MemoryUnit, OutputPlace, OutputUnit};
-use robovec_codegen::manifest::{self, Manifest, OutputValue, ValueReference, WordAddress};
+use robovec_fpga::manifest::{self, Manifest, OutputValue, ValueReference, WordAddress};
 use robovec_ir::{Machine, Operation};
 use robovec_num::soft_float::FormatArithmetic;
 use robovec_num::trigonometry::host::TrigonometricUnit;

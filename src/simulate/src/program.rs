@@ -1,7 +1,7 @@
 //! A program as loaded from its images.
 
 use super::decode::DecodedSteps;
-use robovec_codegen::manifest::ValueReference;
+use robovec_fpga::manifest::ValueReference;
 use robovec_ir::Operation;
 use robovec_num::soft_float::FormatArithmetic;
 use robovec_num::trigonometry::host::TrigonometricUnit;

@@ -9,7 +9,7 @@ use super::decode::{BufferWrite, Issue, MemoryWrite};
 use super::error::Hazard;
 use super::program::{LoadedProgram, OutputPlace};
 use super::trace::{Observer, Silent};
-use robovec_codegen::manifest::ValueReference;
+use robovec_fpga::manifest::ValueReference;
 use robovec_num::arithmetic::Arithmetic;
 
 /// What a run gives.

@@ -3,7 +3,7 @@
 //! names between `@` for what a model decides.
 
 use super::{StepFunction, StepPlan};
-use robovec_codegen::kind::{Generation, ProjectStructure, file_stem};
+use robovec_cgen::kind::{Generation, ProjectStructure, file_stem};
 
 /// What both functions consist of.
 const STEP: &str = include_str!("step.c");

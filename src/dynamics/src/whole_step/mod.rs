@@ -28,8 +28,8 @@ use crate::generate::{
     Formulation, GenerateError, GenerationRequest, Options, cuts_of_rows, generate_into,
     independent_joints,
 };
-use robovec_codegen::c::{self, Real, SignatureError};
-use robovec_codegen::kind::{Generation, file_stem};
+use robovec_cgen::c::{self, Real, SignatureError};
+use robovec_cgen::kind::{Generation, file_stem};
 use robovec_ir::{Function, Module, View};
 use robovec_model::{Model, Nature};
 use robovec_robotran::FunctionKind;

@@ -9,8 +9,8 @@
 use super::{Challenge, FitCandidate, FitError, FitProgram, FitTask, size, tolerance};
 use crate::placing::placed;
 use crate::program::{ExplorationError, view};
-use robovec_codegen::write_images;
 use robovec_error::yardstick::{Yardstick, results};
+use robovec_fpga::write_images;
 use robovec_ir::{Machine, Module, View};
 use robovec_schedule::PlaceOptions;
 use serde::Serialize;

@@ -3,7 +3,7 @@
 use super::confirm::Confirmation;
 use super::text::{candidates_table, figure, text};
 use super::{FitOutcome, FitTask};
-use robovec_codegen::hardware;
+use robovec_fpga::hardware;
 use robovec_present::escape::Escaped;
 use robovec_present::json::json_script;
 use robovec_present::page::{self, PointsPage};

@@ -3,7 +3,7 @@
 use super::{FitProgram, FitTask};
 use crate::device::{DeviceShare, taken};
 use crate::placing::{placed, with_counts};
-use robovec_codegen::hardware::{self, MachineClock};
+use robovec_fpga::hardware::{self, MachineClock};
 use robovec_ir::count::Counts;
 use robovec_ir::{Format, Machine, Operation};
 use robovec_schedule::{PlaceError, PlaceOptions, schedule_bound};

@@ -2,7 +2,7 @@
 
 use super::Front;
 use super::text::{figure, points_table, verdicts_table};
-use robovec_codegen::hardware;
+use robovec_fpga::hardware;
 use robovec_ir::Machine;
 use robovec_present::json::json_script;
 use robovec_present::page::{self, PointsPage};

@@ -1,7 +1,7 @@
 //! What a bench expects, from the simulator.
 
-use robovec_codegen::manifest::Manifest;
-use robovec_codegen::rtl::bench::{BenchError, BenchRun, BusResult, Load, TestBench};
+use robovec_fpga::manifest::Manifest;
+use robovec_fpga::rtl::bench::{BenchError, BenchRun, BusResult, Load, TestBench};
 use robovec_ir::{Machine, View};
 use robovec_simulate::mif::{Image, MifError};
 use robovec_simulate::{Hazard, LoadError, LoadedProgram, Trace};

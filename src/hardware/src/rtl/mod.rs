@@ -1,7 +1,7 @@
 //! Hardware on disk: benches with what the simulator expects, and the tools
 //! that run them.
 //!
-//! `passes/codegen/src/rtl` writes text and knows no numbers; here the
+//! `passes/fpga/src/rtl` writes text and knows no numbers; here the
 //! cycle-accurate simulator gives the benches what every operation must
 //! result in, and the simulators of hardware are called. **Invariant.** What
 //! a bench expects comes from the images alone, through the simulator, which

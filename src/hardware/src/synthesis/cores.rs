@@ -5,8 +5,8 @@
 
 use super::timing::{FAST_NET, NetlistTiming, Path, PathSelection, SLOW_NET};
 use super::{SynthesisDesign, SynthesisError, Yosys, count};
-use robovec_codegen::hardware::{ResourceUse, operator};
-use robovec_codegen::rtl::cores::{OperatorCore, SOURCES, cuts};
+use robovec_fpga::hardware::{ResourceUse, operator};
+use robovec_fpga::rtl::cores::{OperatorCore, SOURCES, cuts};
 use robovec_ir::Format;
 use robovec_ir::machine::DeviceFamily;
 use robovec_num::NumberFormat;
@@ -116,7 +116,7 @@ fn delays(timing: &NetlistTiming<'_>, net: u32) -> Delays {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use robovec_codegen::hardware::operator_period;
+    use robovec_fpga::hardware::operator_period;
 
     /// Needs an installed yosys; some seconds per operator.
     #[test]

@@ -10,7 +10,7 @@
 use super::SynthesisError;
 use super::delays::TRUE_DUAL_PORT;
 use super::netlist::{Bit, Netlist, NetlistCell, NetlistModule, readable};
-use robovec_codegen::hardware::{ResourceUse, true_dual_port_blocks};
+use robovec_fpga::hardware::{ResourceUse, true_dual_port_blocks};
 use robovec_ir::machine::DeviceFamily;
 use std::collections::{BTreeMap, BTreeSet};
 

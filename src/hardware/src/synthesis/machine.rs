@@ -8,8 +8,8 @@
 use super::netlist::{Netlist, readable};
 use super::timing::{FAST_NET, NetlistTiming, Path, PathSelection, SLOW_NET};
 use super::{SynthesisDesign, SynthesisError, Yosys, count};
-use robovec_codegen::hardware::{MachinePart, MachineShape, PartKind, ResourceUse, parts};
-use robovec_codegen::rtl::cores::OperatorCore;
+use robovec_fpga::hardware::{MachinePart, MachineShape, PartKind, ResourceUse, parts};
+use robovec_fpga::rtl::cores::OperatorCore;
 use std::collections::BTreeMap;
 
 /// The top of every machine.

@@ -6,7 +6,7 @@
 //! ([`tool`], [`script`]), the netlist is counted module by module
 //! ([`count`]), and its longest path found with published delays
 //! ([`timing`]). Formulas for the same figures without any tool stand in
-//! [`robovec_codegen::hardware`]; the mapping is what they are
+//! [`robovec_fpga::hardware`]; the mapping is what they are
 //! checked against. On an ECP5 open tools also place and route ([`place`]).
 
 pub mod cores;

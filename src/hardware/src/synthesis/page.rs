@@ -3,7 +3,7 @@
 use super::Yosys;
 use super::machine::MappedMachine;
 use super::timing::{FAST_NET, Path, SLOW_NET};
-use robovec_codegen::hardware::{PartKind, ResourceUse};
+use robovec_fpga::hardware::{PartKind, ResourceUse};
 use robovec_present::text_table;
 use std::fmt::Write;
 

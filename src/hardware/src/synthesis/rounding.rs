@@ -1,8 +1,8 @@
 //! The error of an operator on its own, measured as that of every program.
 
-use robovec_codegen::rtl::cores::OperatorCore;
 use robovec_error::yardstick::account::{ErrorAccount, random_states};
 use robovec_error::yardstick::{Unmeasurable, Yardstick};
+use robovec_fpga::rtl::cores::OperatorCore;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::States;
 use robovec_ir::{Format, View};

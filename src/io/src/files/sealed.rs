@@ -7,8 +7,8 @@
 
 use super::own::Replace;
 use super::write::{FileWriteError, make_folder, refuse_foreign, write_whole};
-use robovec_codegen::manifest::FileHash;
-use robovec_codegen::rtl::DESCRIPTION;
+use robovec_fpga::manifest::FileHash;
+use robovec_fpga::rtl::DESCRIPTION;
 use robovec_num::fnv::Fnv;
 use std::fs;
 use std::io;

@@ -88,7 +88,7 @@ pub enum RobotranWriteError {
     },
     /// A function in parts has no signature of Robotran's.
     #[error(transparent)]
-    Signature(#[from] robovec_codegen::c::SignatureError),
+    Signature(#[from] robovec_cgen::c::SignatureError),
     /// A case that is no sensor number.
     #[error("'{function}' is no numbered sensor: its name should end in _1, _2, …")]
     Case {

@@ -12,8 +12,8 @@ use super::text::{FileText, comment_mark};
 use super::{Member, WriteOptions, extents};
 use crate::Language;
 use hashbrown::HashMap;
-use robovec_codegen::c::SignatureError;
-use robovec_codegen::kind::{Generation, file_stem};
+use robovec_cgen::c::SignatureError;
+use robovec_cgen::kind::{Generation, file_stem};
 use robovec_ir::{Function, Input, Module, Shape, Symbols};
 use rustc_hash::FxBuildHasher;
 

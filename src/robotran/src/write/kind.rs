@@ -1,12 +1,12 @@
 //! The files Robotran writes, in all its languages.
 //!
-//! The C ones are [`robovec_codegen::kind`]'s; the Matlab ones are
+//! The C ones are [`robovec_cgen::kind`]'s; the Matlab ones are
 //! those of generator 6.6, the only one that writes Matlab. Where Robotran has
 //! no such file in a language (`accelred` in Matlab and Python) the signature
 //! is the natural counterpart.
 
 use crate::Language;
-pub(super) use robovec_codegen::kind::EquationKind;
+pub(super) use robovec_cgen::kind::EquationKind;
 
 /// What the function of a kind is called in Matlab or Python; in C the names of
 /// a project have a prefix.

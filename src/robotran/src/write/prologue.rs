@@ -4,7 +4,7 @@ use super::arrays::{ArrayRole, FileArray, FileArrays};
 use super::kind::{EquationKind, function_name};
 use super::text::FileText;
 use crate::Language;
-use robovec_codegen::kind::{Generation, ProjectStructure};
+use robovec_cgen::kind::{Generation, ProjectStructure};
 use robovec_ir::{Function, Shape};
 
 /// What a prologue is written from.

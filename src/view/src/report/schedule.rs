@@ -1,6 +1,6 @@
 //! What a schedule costs, and how well it uses its machine.
 
-use robovec_codegen::hardware::{self, MachineClock};
+use robovec_fpga::hardware::{self, MachineClock};
 use robovec_ir::placement::{ElementKind, Schedule};
 use robovec_ir::{Format, Function, Machine, Operation};
 use robovec_schedule::{ElementSpread, KindStatistics, PlacementStatistics, placement_statistics};

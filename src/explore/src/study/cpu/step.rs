@@ -6,7 +6,7 @@ use super::super::step::{PARTS, StudyStep, placed, steps};
 use super::super::tables::whole_step::{counted, step_share};
 use super::CpuTime;
 use super::table::winner;
-use robovec_codegen::hardware::{clock, estimated_clock_mhz};
+use robovec_fpga::hardware::{clock, estimated_clock_mhz};
 use robovec_present::{DataCell, DataTable};
 
 /// For every step and machine the fastest placement, one core's time, and

@@ -5,7 +5,7 @@ use super::super::knee::{Split, knee};
 use super::super::plan::StudyPlan;
 use super::super::results::Results;
 use super::CpuTime;
-use robovec_codegen::hardware::{Estimate, estimated_clock_mhz};
+use robovec_fpga::hardware::{Estimate, estimated_clock_mhz};
 use robovec_ir::Machine;
 use robovec_present::{DataCell, DataTable};
 

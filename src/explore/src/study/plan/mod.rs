@@ -9,7 +9,7 @@ mod file;
 mod resolve;
 mod sweeps;
 
-use robovec_codegen::hardware::{self, MachineClock};
+use robovec_fpga::hardware::{self, MachineClock};
 use robovec_framework::pipeline::Pipeline;
 use robovec_ir::Machine;
 use robovec_num::limits::NumberLimit;

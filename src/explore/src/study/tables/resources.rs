@@ -1,7 +1,7 @@
 //! Table 1.4: what a machine of 4 adders and 4 multipliers takes on a
 //! Cyclone V, from the words and cycles of its placement.
 //!
-//! The figures are those of [`robovec_codegen::hardware`] for the
+//! The figures are those of [`robovec_fpga::hardware`] for the
 //! hardware that `robovec rtl` writes, beside the ones the thesis prints for
 //! the machine it built. Parts do not match one to one: our instruction word
 //! has the selects of the crossbar and the addresses of the buffer too.
@@ -9,7 +9,7 @@
 use super::super::cost::shape;
 use super::super::printed::SystemTopology;
 use super::super::results::Results;
-use robovec_codegen::hardware::{MachinePart, MachineShape, PartKind, ResourceUse, parts};
+use robovec_fpga::hardware::{MachinePart, MachineShape, PartKind, ResourceUse, parts};
 use robovec_present::{DataCell, DataTable};
 
 /// What the thesis built: adders, multipliers.

@@ -4,7 +4,7 @@ use super::super::cost;
 use super::super::results::Results;
 use super::super::step::{PARTS, PlacedStep, ROUNDS, placed, steps};
 use super::super::variants;
-use robovec_codegen::hardware::clock;
+use robovec_fpga::hardware::clock;
 use robovec_present::{DataCell, DataTable};
 
 /// How a step is counted, for captions.

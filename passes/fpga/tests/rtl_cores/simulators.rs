@@ -1,7 +1,7 @@
 //! Benches: a core, a stream of vectors and a simulator.
 
 use super::vectors::Vector;
-use robovec_codegen::rtl::cores::{Cuts, OperatorCore, SOURCES, SourceFile, cuts};
+use robovec_fpga::rtl::cores::{Cuts, OperatorCore, SOURCES, SourceFile, cuts};
 use robovec_ir::machine::Device;
 use robovec_num::NumberFormat;
 use std::fmt::Write;

@@ -1,8 +1,8 @@
 //! Writes C for the first function of a .rvir file.
 //!
-//!     cargo run -p robovec-codegen --example write_c -- tests/passes/specialise/alone.rvir
+//!     cargo run -p robovec-cgen --example write_c -- tests/passes/specialise/alone.rvir
 
-use robovec_codegen::c::{Real, c_files};
+use robovec_cgen::c::{Real, c_files};
 use robovec_ir::diagnostic::Report;
 use robovec_ir::{View, parse};
 use std::error::Error;

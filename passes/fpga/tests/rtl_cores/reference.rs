@@ -7,7 +7,7 @@
 //! subnormal numbers have their rule put on top here: small operands count as
 //! zero, and a result is too small when it is so rounded towards zero.
 
-use robovec_codegen::rtl::cores::OperatorCore;
+use robovec_fpga::rtl::cores::OperatorCore;
 use robovec_ir::{Format, Operation};
 use robovec_num::NumberFormat;
 use robovec_num::arithmetic::Arithmetic;

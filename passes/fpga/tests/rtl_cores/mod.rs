@@ -18,7 +18,7 @@ mod reference;
 mod simulators;
 mod vectors;
 
-use robovec_codegen::rtl::cores::OperatorCore;
+use robovec_fpga::rtl::cores::OperatorCore;
 use robovec_ir::machine::{Device, DeviceFamily};
 use robovec_num::NumberFormat;
 use simulators::{Bench, Simulator};

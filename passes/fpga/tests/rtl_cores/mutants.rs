@@ -3,7 +3,7 @@
 
 use super::simulators::{Bench, Simulator};
 use super::{BINARY32, BINARY32_FLUSHED, vectors};
-use robovec_codegen::rtl::cores::{OperatorCore, SOURCES};
+use robovec_fpga::rtl::cores::{OperatorCore, SOURCES};
 use robovec_ir::machine::DeviceFamily;
 
 /// A fault.

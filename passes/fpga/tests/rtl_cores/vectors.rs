@@ -1,7 +1,7 @@
 //! Operands where floating-point operators go wrong, and what must come out.
 
 use super::reference::Reference;
-use robovec_codegen::rtl::cores::OperatorCore;
+use robovec_fpga::rtl::cores::OperatorCore;
 use robovec_num::NumberFormat;
 use robovec_num::arithmetic::Arithmetic;
 

@@ -1,12 +1,11 @@
 //! Code generation as a pass.
 
-use super::batch::{self, batch_files};
-use super::c::{self, Options, Real, Signature, SignatureError, Sines, StatementOrder};
-use super::fpcore::fpcore;
-use super::images::foreign_format;
-use super::rolled::{self, RolledCircular, rolled_files};
-use super::rtl::{self, CrossbarChoice, RtlError, write_rtl};
-use super::{Artifacts, ImageError, write_images};
+use robovec_cgen::batch::{self, batch_files};
+use robovec_cgen::c::{self, Options, Real, Signature, SignatureError, Sines, StatementOrder};
+use robovec_cgen::fpcore::fpcore;
+use robovec_cgen::rolled::{self, RolledCircular, rolled_files};
+use robovec_fpga::rtl::{self, CrossbarChoice, RtlError, write_rtl};
+use robovec_fpga::{Artifacts, ImageError, foreign_format, write_images};
 use robovec_framework::pass::{Artifact, Context, Gives, Pass, PassError};
 use robovec_framework::{declare_pass, option_words};
 use robovec_ir::states::Ranges;
@@ -133,23 +132,6 @@ declare_pass! {
     requires: [],
     sets: [],
     destroys: [],
-}
-
-impl Artifacts for Vec<Artifact> {
-    fn file(
-        &mut self,
-        name: &str,
-        content: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
-    ) -> io::Result<()> {
-        let mut files: Vec<(String, String)> = Vec::new();
-        files.file(name, content)?;
-        self.extend(
-            files
-                .into_iter()
-                .map(|(name, text)| Artifact { name, text }),
-        );
-        Ok(())
-    }
 }
 
 impl Pass for Codegen {

@@ -8,6 +8,7 @@ use super::manifest::{self, Manifest};
 use super::mif::MifWriter;
 use super::traffic::Traffic;
 use super::words::NonzeroWords;
+use robovec_framework::pass::Artifact;
 use robovec_ir::placement::{Bank, Element, Preload};
 use robovec_ir::{Format, Machine, View};
 use robovec_num::fnv::Fnv;
@@ -41,6 +42,24 @@ impl Artifacts for Vec<(String, String)> {
         content(&mut bytes)?;
         let text = String::from_utf8(bytes).map_err(io::Error::other)?;
         self.push((name.to_owned(), text));
+        Ok(())
+    }
+}
+
+/// What a pass gives.
+impl Artifacts for Vec<Artifact> {
+    fn file(
+        &mut self,
+        name: &str,
+        content: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        let mut files: Vec<(String, String)> = Vec::new();
+        files.file(name, content)?;
+        self.extend(
+            files
+                .into_iter()
+                .map(|(name, text)| Artifact { name, text }),
+        );
         Ok(())
     }
 }
@@ -221,7 +240,7 @@ fn check_formats(view: View<'_>, machine: &Machine) -> Result<(), ImageError> {
 }
 
 /// The first value with another format than `own`, and that format.
-pub(super) fn foreign_format(view: View<'_>, own: Format) -> Option<(String, Format)> {
+pub fn foreign_format(view: View<'_>, own: Format) -> Option<(String, Format)> {
     let formats = view.function.formats.as_ref()?;
     let mut values = view.function.values();
     values.find_map(|(value, node)| {

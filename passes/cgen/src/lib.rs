@@ -1,0 +1,16 @@
+//! Code generation for processors.
+//!
+//! [`c`] writes a C99 function, [`batch`] one that evaluates many states at
+//! once, [`rolled`] one with loops; [`emit`] and [`sincos`] serve all of them.
+//! [`fpcore`] writes for tools that bound rounding errors, and [`kind`] holds
+//! the signatures of Robotran's functions.
+
+pub mod batch;
+pub mod c;
+pub mod emit;
+pub mod fpcore;
+pub mod kind;
+pub mod rolled;
+pub mod sincos;
+#[cfg(test)]
+mod testing;
