@@ -3,8 +3,8 @@
 //! [`pass`] says what a pass and a registry of passes are, [`options`] what it
 //! can be told, [`pipeline`] reads what the user wants to run, [`manager`]
 //! runs it with its instruments, [`check`] compares functions, [`trail`] tells
-//! where values come from, [`reduce`] finds what a pass breaks. This crate
-//! reads and writes no files.
+//! where values come from, [`reduce`] finds what a pass breaks, [`template`]
+//! fills generated files. This crate reads and writes no files.
 
 pub mod check;
 pub mod differentiation;
@@ -19,6 +19,7 @@ pub mod reduce;
 pub mod rewrite;
 pub mod rewrite_limit;
 pub mod scene;
+pub mod template;
 pub mod trail;
 
 /// What passes declare of their numbers; [`declare_pass!`] names it.

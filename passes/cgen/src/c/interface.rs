@@ -353,10 +353,7 @@ impl<'a> Interface<'a> {
 
     /// The result type of the function.
     pub(super) fn result(&self) -> &'static str {
-        match self.kind {
-            Some(kind) if kind.has_status() => "int",
-            Some(_) | None => "void",
-        }
+        result(self.kind)
     }
 
     pub(super) fn name(&self) -> &str {
@@ -387,6 +384,14 @@ impl<'a> Interface<'a> {
     /// The parameters of its parts, but for the work array.
     pub(super) fn inner(&self) -> &[(String, String)] {
         &self.inner
+    }
+}
+
+/// The result type of a function of a kind.
+pub(super) fn result(kind: Option<EquationKind>) -> &'static str {
+    match kind {
+        Some(kind) if kind.has_status() => "int",
+        Some(_) | None => "void",
     }
 }
 

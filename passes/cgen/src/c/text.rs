@@ -106,8 +106,8 @@ impl<'a> PlainWriter<'a> {
         self.includes(&mut text);
         let has_sines = !self.plan.slots.angles().is_empty();
         if has_sines {
-            let kernel = self.plan.slots.source(&self.sines, self.real.name());
-            text.push_str(&kernel);
+            text.push('\n');
+            text += &self.plan.slots.source(&self.sines, self.real.name());
         }
         if !self.plan.is_flat {
             for (number, part) in self.plan.parts.iter().enumerate() {

@@ -11,11 +11,13 @@
 //! expected number of its array: elements that nearly cancel have no digits
 //! of their own to agree in.
 
+use super::interface::result;
 use super::{Options, Real, Signature};
 use crate::emit::arrays::{Rows, dimensions, parameter, rank};
 use crate::emit::frame::parameters;
 use crate::emit::names::is_word_letter;
 use crate::kind::{EquationKind, ProjectStructure};
+use robovec_framework::template::fill;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{Array, Input, View};
 use robovec_num::arithmetic::Binary64;
@@ -63,10 +65,10 @@ pub fn trial_main(
             Signature::Robotran => EquationKind::of(view.function).map(|(kind, _)| kind),
             Signature::Plain => None,
         },
-        contestants,
+        data: ProjectStructure::of(view.function),
         trial,
     };
-    main.text()
+    main.text(contestants)
 }
 
 /// A `mbs_data.h` that declares what functions reach in MBsysC's structure and
@@ -126,34 +128,68 @@ struct Stored {
     rank: usize,
 }
 
+impl Stored {
+    /// The address of an element.
+    fn place(&self, indices: [u32; 2], rank: usize) -> String {
+        let [row, column] = indices;
+        match rank {
+            0 => format!("&{}[0]", self.storage),
+            1 => format!("&{}[{row}]", self.storage),
+            _ => format!("&{}[{row}][{column}]", self.storage),
+        }
+    }
+}
+
+/// What a main program is written from.
 struct Main<'a> {
     view: View<'a>,
     real: Real,
     kind: Option<EquationKind>,
-    contestants: &'a [&'a str],
+    /// The names of the project, for functions of a kind.
+    data: ProjectStructure,
     trial: &'a TrialState,
 }
 
 impl Main<'_> {
-    fn text(&self) -> String {
+    fn text(&self, contestants: &[&str]) -> String {
         let (stored, inputs, outputs) = self.storage();
-        let mut text = String::from(
-            "#define _POSIX_C_SOURCE 199309L\n#include <math.h>\n#include <stdio.h>\n\
-             #include <string.h>\n#include <time.h>\n",
-        );
-        if self.kind.is_some() {
-            let _ = writeln!(
-                text,
-                "#include \"{}\"",
-                ProjectStructure::of(self.view.function).header
-            );
-        }
-        text.push('\n');
-        self.declarations(&mut text, &stored);
-        self.tables(&mut text, &stored, &inputs, &outputs);
-        self.calls(&mut text, &stored);
-        text.push_str(&DRIVER.replace("REAL", self.real.name()));
-        text
+        let (parameters, arguments) = (self.parameters(), self.arguments(&stored));
+        let result = result(self.kind);
+        let include = match self.kind {
+            Some(_) => format!("#include \"{}\"\n", self.data.header),
+            None => String::new(),
+        };
+        let declared = |name: &&str| format!("{result} {name}({parameters});\n");
+        let clear = |Stored { storage, .. }: &Stored| {
+            format!("    memset({storage}, 0, sizeof {storage});\n")
+        };
+        let call = |(number, name): (usize, &&str)| {
+            format!("    case {number}: {name}({arguments}); break;\n")
+        };
+        let names: Vec<String> = contestants.iter().map(|n| format!("\"{n}\"")).collect();
+        fill(
+            include_str!("trial.c"),
+            &[
+                ("real", &self.real.name()),
+                ("include", &include),
+                ("storage", &self.declarations(&stored)),
+                (
+                    "contestants",
+                    &contestants.iter().map(declared).collect::<String>(),
+                ),
+                ("given", &self.given(&stored, &inputs)),
+                ("expected", &self.expected(&stored, &outputs)),
+                ("tolerance", &format!("{:e}", self.trial.tolerance)),
+                ("set_up", &self.set_up(&stored)),
+                ("clear", &stored.iter().map(clear).collect::<String>()),
+                (
+                    "calls",
+                    &contestants.iter().enumerate().map(call).collect::<String>(),
+                ),
+                ("count", &contestants.len()),
+                ("names", &names.join(", ")),
+            ],
+        )
     }
 
     /// The arrays, and for every input and output array its storage.
@@ -209,36 +245,24 @@ impl Main<'_> {
         (stored, inputs, outputs)
     }
 
-    fn declarations(&self, text: &mut String, stored: &[Stored]) {
+    fn declarations(&self, stored: &[Stored]) -> String {
         let real = self.real.name();
+        let mut text = String::new();
         for array in stored {
             let (storage, rows, columns) = (&array.storage, array.rows, array.columns);
-            let extent = match (array.rank, self.kind) {
-                (2, _) => format!("[{rows}][{columns}]"),
-                (_, _) => format!("[{columns}]"),
+            let rows_of = match array.rank {
+                2 => format!("[{rows}]"),
+                _ => String::new(),
             };
-            let _ = writeln!(text, "static {real} {storage}{extent};");
+            let _ = writeln!(text, "static {real} {storage}{rows_of}[{columns}];");
             if array.rank == 2 && self.kind.is_some() {
                 let _ = writeln!(text, "static double *rows_of_{}[{rows}];", array.name);
             }
         }
         if self.kind.is_some() {
-            let _ = writeln!(
-                text,
-                "static {} data;",
-                ProjectStructure::of(self.view.function).name
-            );
+            let _ = writeln!(text, "static {} data;", self.data.name);
         }
-        text.push('\n');
-        for name in self.contestants {
-            let parameters = self.parameters();
-            let result = match self.kind {
-                Some(kind) if kind.has_status() => "int",
-                Some(_) | None => "void",
-            };
-            let _ = writeln!(text, "{result} {name}({parameters});");
-        }
-        text.push('\n');
+        text
     }
 
     fn parameters(&self) -> String {
@@ -247,8 +271,7 @@ impl Main<'_> {
             let mut list: Vec<String> = outputs
                 .map(|(name, rank)| format!("double {}{name}", "*".repeat(*rank)))
                 .collect();
-            let data = ProjectStructure::of(self.view.function).name;
-            list.extend([format!("{data} *s"), "double tsim".to_owned()]);
+            list.extend([format!("{} *s", self.data.name), "double tsim".to_owned()]);
             return list.join(", ");
         }
         let function = self.view.function;
@@ -261,54 +284,34 @@ impl Main<'_> {
         parameters(list)
     }
 
-    /// The state, what is expected, and where both are.
-    fn tables(&self, text: &mut String, stored: &[Stored], inputs: &[usize], outputs: &[usize]) {
+    /// The state, and where it is.
+    fn given(&self, stored: &[Stored], inputs: &[usize]) -> String {
         let function = self.view.function;
-        let place = |array: &Array, number: usize, offset: u32| {
-            let (indices, rank) = array.shape.indices(offset);
-            match rank {
-                0 => format!("&{}[0]", stored[number].storage),
-                1 => format!("&{}[{}]", stored[number].storage, indices[0]),
-                _ => format!(
-                    "&{}[{}][{}]",
-                    stored[number].storage, indices[0], indices[1]
-                ),
-            }
-        };
-        let real = self.real.name();
-        text.push_str("/* The state. */\n");
-        let _ = writeln!(
-            text,
-            "static const struct {{ {real} *place; double number; }} given[] = {{"
-        );
-        for (index, number) in (0u32..).zip(&self.trial.inputs) {
+        let line = |(index, number): (u32, &f64)| {
             let at = function.input_array(Input(index));
-            let (array, _, _) = function.input_element(Input(index));
-            let place = place(array, inputs[at], index - array.offset);
-            let _ = writeln!(text, "    {{{place}, {}}},", literal(*number));
-        }
-        text.push_str("    {0, 0}\n};\n\n/* What comes of it. */\n");
-        let _ = writeln!(
-            text,
-            "static const struct {{ {real} *place; double number, norm; const char *name; }} expected[] = {{"
-        );
+            let (_, indices, rank) = function.input_element(Input(index));
+            let place = stored[inputs[at]].place(indices, rank);
+            format!("    {{{place}, {}}},\n", literal(*number))
+        };
+        (0u32..).zip(&self.trial.inputs).map(line).collect()
+    }
+
+    /// What is expected, and where it is.
+    fn expected(&self, stored: &[Stored], outputs: &[usize]) -> String {
+        let function = self.view.function;
         let norms = self.norms();
+        let mut text = String::new();
         for (assignment, number) in function.assignments.iter().zip(&self.trial.expected) {
             let at = function.output_array(assignment.output);
             let (array, indices, rank) = function.output_element(assignment.output);
-            let place = place(array, outputs[at], assignment.output.0 - array.offset);
-            let mut name = self.view.tables.symbols.text(array.name).to_owned();
-            for index in &indices[..rank] {
-                let _ = write!(name, "[{index}]");
-            }
+            let place = stored[outputs[at]].place(indices, rank);
+            let name = self.view.tables.symbols.text(array.name);
+            let indices = indices[..rank].iter().map(|index| format!("[{index}]"));
+            let name = name.to_owned() + &indices.collect::<String>();
             let (number, norm) = (literal(*number), literal(norms[at]));
             let _ = writeln!(text, "    {{{place}, {number}, {norm}, \"{name}\"}},");
         }
-        let tolerance = self.trial.tolerance;
-        let _ = writeln!(
-            text,
-            "    {{0, 0, 1, 0}}\n}};\n\nstatic const double tolerance = {tolerance:e};\n"
-        );
+        text
     }
 
     /// For each output array the largest expected number, 1 when all are 0.
@@ -325,54 +328,32 @@ impl Main<'_> {
             .collect()
     }
 
-    /// Functions that point the structure at the arrays, clear the outputs,
-    /// and call a contestant.
-    fn calls(&self, text: &mut String, stored: &[Stored]) {
-        text.push_str("static void set_up(void)\n{\n");
-        if let Some(kind) = self.kind {
-            for array in stored {
-                let (name, storage) = (&array.name, &array.storage);
-                let is_member = kind.outputs.iter().all(|(known, _)| known != name)
-                    || matches!(name.as_str(), "frc" | "trq");
-                if array.rank == 2 {
-                    let rows = array.rows;
-                    let _ = writeln!(
-                        text,
-                        "    for (int i = 0; i < {rows}; i++) rows_of_{name}[i] = {storage}[i];"
-                    );
-                    if is_member {
-                        let _ = writeln!(text, "    data.{name} = rows_of_{name};");
-                    }
-                } else if is_member && name != "tsim" {
-                    let value = if array.rank == 0 {
-                        format!("{storage}[0]")
-                    } else {
-                        storage.clone()
-                    };
-                    let _ = writeln!(text, "    data.{name} = {value};");
-                }
+    /// The lines that point the structure at the arrays.
+    fn set_up(&self, stored: &[Stored]) -> String {
+        let Some(kind) = self.kind else {
+            return String::new();
+        };
+        let mut text = String::new();
+        for array in stored {
+            let (name, storage, rows) = (&array.name, &array.storage, array.rows);
+            let is_member = kind.outputs.iter().all(|(known, _)| known != name)
+                || matches!(name.as_str(), "frc" | "trq");
+            let value = match array.rank {
+                0 => format!("{storage}[0]"),
+                1 => storage.clone(),
+                _ => format!("rows_of_{name}"),
+            };
+            if array.rank == 2 {
+                let _ = writeln!(
+                    text,
+                    "    for (int i = 0; i < {rows}; i++) {value}[i] = {storage}[i];"
+                );
+            }
+            if is_member && name != "tsim" {
+                let _ = writeln!(text, "    data.{name} = {value};");
             }
         }
-        text.push_str("}\n\nstatic void clear(void)\n{\n");
-        for array in stored {
-            let _ = writeln!(text, "    memset({0}, 0, sizeof {0});", array.storage);
-        }
-        text.push_str("}\n\nstatic void call(int contestant)\n{\n    switch (contestant) {\n");
-        let arguments = self.arguments(stored);
-        for (number, name) in self.contestants.iter().enumerate() {
-            let _ = writeln!(text, "    case {number}: {name}({arguments}); break;");
-        }
-        let names: Vec<String> = self
-            .contestants
-            .iter()
-            .map(|name| format!("\"{name}\""))
-            .collect();
-        let _ = write!(
-            text,
-            "    }}\n}}\n\nenum {{ CONTESTANTS = {} }};\nstatic const char *const names[] = {{{}}};\n",
-            self.contestants.len(),
-            names.join(", ")
-        );
+        text
     }
 
     fn arguments(&self, stored: &[Stored]) -> String {
@@ -423,79 +404,3 @@ fn literal(number: f64) -> String {
     }
     format!("{number:e}")
 }
-
-/// The part that does not depend on the function.
-const DRIVER: &str = r#"
-static void fill(void)
-{
-    clear();
-    for (int i = 0; given[i].place; i++)
-        *given[i].place = (REAL)given[i].number;
-}
-
-static double now(void)
-{
-    struct timespec time;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return (double)time.tv_sec * 1e9 + (double)time.tv_nsec;
-}
-
-/* Processor time of a call, in nanoseconds: the least of many windows. */
-static void measure(double *best)
-{
-    long calls[CONTESTANTS];
-    for (int k = 0; k < CONTESTANTS; k++) {
-        calls[k] = 1;
-        best[k] = INFINITY;
-        for (;;) {
-            const double start = now();
-            for (long i = 0; i < calls[k]; i++) call(k);
-            if (now() - start > 3e5) break;
-            calls[k] *= 2;
-        }
-    }
-    for (int window = 0; window < 200; window++)
-        for (int k = 0; k < CONTESTANTS; k++) {
-            const double start = now();
-            for (long i = 0; i < calls[k]; i++) call(k);
-            const double time = (now() - start) / (double)calls[k];
-            if (time < best[k]) best[k] = time;
-        }
-}
-
-int main(int count, char **arguments)
-{
-    const int prints = count > 1 && !strcmp(arguments[1], "print");
-    const int times = count > 1 && !strcmp(arguments[1], "time");
-    int differs = 0;
-    set_up();
-    for (int k = 0; k < CONTESTANTS; k++) {
-        double worst = 0;
-        const char *where = "";
-        fill();
-        set_up();
-        call(k);
-        for (int i = 0; expected[i].place; i++) {
-            const double off = fabs((double)*expected[i].place - expected[i].number) / expected[i].norm;
-            if (prints) printf("%s %s %.17g %.17g\n", names[k], expected[i].name,
-                (double)*expected[i].place, expected[i].number);
-            /* A NaN stays the worst. */
-            if (worst == worst && !(off <= worst)) {
-                worst = off;
-                where = expected[i].name;
-            }
-        }
-        printf("%s off by %.2e %s\n", names[k], worst, where);
-        if (!(worst <= tolerance)) differs = 1;
-    }
-    if (times) {
-        double best[CONTESTANTS];
-        fill();
-        set_up();
-        measure(best);
-        for (int k = 0; k < CONTESTANTS; k++)
-            printf("%s ns %.1f ratio %.3f\n", names[k], best[k], best[0] / best[k]);
-    }
-    return differs;
-}
-"#;

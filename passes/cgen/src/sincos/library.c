@@ -1,0 +1,6 @@
+{
+    for (long i = 0; i < count; i++) {
+        sines[i] = @sine@;
+        cosines[i] = @cosine@;
+    }
+}
