@@ -1,97 +1,27 @@
 //! The functions that callers call.
 
-use super::turn::{TurnedPlaces, has_blocks, turned_block};
-use super::writer::{BatchWriter, List};
+use super::writer::BatchWriter;
+use crate::emit::Real;
 use crate::emit::arrays::{extent, place};
-use robovec_ir::{Array, OperandKind, Shape};
+use crate::emit::frame::ParameterList;
+use robovec_ir::{Array, OperandKind};
 use std::collections::BTreeSet;
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 
 /// The declarations of the header: what is returned, name, parameters.
 pub(super) fn signatures(writer: &BatchWriter<'_>) -> [(&'static str, String, String); 4] {
-    let name = &writer.names.function;
-    let all = all_list(writer, List::Parameters);
-    let many = match all.is_empty() {
-        true => "long states".to_owned(),
-        false => format!("long states, {all}"),
-    };
+    let own = |own: &str| format!("{}_{own}", writer.names.function);
+    let mut all = ParameterList::default();
+    all.add("long ", "states");
+    writer.add_inputs(&mut all, &[true, false], "");
+    writer.add_outputs(&mut all, "");
+    let all = all.declared();
     [
-        (
-            "void",
-            format!("{name}_prepare"),
-            prepare_list(writer, List::Parameters),
-        ),
-        (
-            "void",
-            format!("{name}_batch"),
-            batch_list(writer, List::Parameters),
-        ),
-        ("int", format!("{name}_many"), many.clone()),
-        ("int", format!("{name}_states"), many),
+        ("void", own("prepare"), writer.prepare_list().declared()),
+        ("void", own("batch"), writer.batch_list().declared()),
+        ("int", own("many"), all.clone()),
+        ("int", own("states"), all),
     ]
-}
-
-/// The shared inputs and what is prepared from them.
-pub(super) fn prepare_list(writer: &BatchWriter<'_>, list: List) -> String {
-    let real = writer.options.real.name();
-    let mut items = Vec::new();
-    for (index, name) in writer.names.inputs.iter().enumerate() {
-        if writer.plan.shared[index] {
-            let array = &writer.function().inputs()[index];
-            items.push(item(list, &shared_type(array, real), name));
-        }
-    }
-    items.push(item(list, &format!("{real} *"), "prepared"));
-    items.join(", ")
-}
-
-/// The other inputs, what was prepared, and the outputs.
-pub(super) fn batch_list(writer: &BatchWriter<'_>, list: List) -> String {
-    let real = writer.options.real.name();
-    let mut items = Vec::new();
-    for (name, shared) in writer.names.inputs.iter().zip(&writer.plan.shared) {
-        if !shared {
-            items.push(item(list, &format!("const {real} *"), name));
-        }
-    }
-    items.push(item(list, &format!("const {real} *"), "prepared"));
-    for name in &writer.names.outputs {
-        items.push(item(list, &format!("{real} *"), name));
-    }
-    items.join(", ")
-}
-
-/// All arrays in order of declaration.
-fn all_list(writer: &BatchWriter<'_>, list: List) -> String {
-    let real = writer.options.real.name();
-    let mut items = Vec::new();
-    for (index, name) in writer.names.inputs.iter().enumerate() {
-        let array = &writer.function().inputs()[index];
-        let declared = match writer.plan.shared[index] {
-            true => shared_type(array, real),
-            false => format!("const {real} *"),
-        };
-        items.push(item(list, &declared, name));
-    }
-    for name in &writer.names.outputs {
-        items.push(item(list, &format!("{real} *"), name));
-    }
-    items.join(", ")
-}
-
-fn item(list: List, declared: &str, name: &str) -> String {
-    match list {
-        List::Parameters => format!("{declared}{name}"),
-        List::Arguments => name.to_owned(),
-    }
-}
-
-/// The type of a parameter that all states share.
-fn shared_type(array: &Array, real: &str) -> String {
-    match array.shape {
-        Shape::Scalar => format!("{real} "),
-        Shape::Vector(_) | Shape::Matrix(..) => format!("const {real} *"),
-    }
 }
 
 /// An array that differs from state to state.
@@ -112,9 +42,7 @@ pub(super) fn functions(writer: &BatchWriter<'_>) -> String {
     if !arrays.is_empty() {
         copies(&mut text, writer, &arrays);
     }
-    many(&mut text, writer, &arrays);
-    states(&mut text, writer, &arrays);
-    text
+    text + &many(writer, &arrays) + &states(writer, &arrays)
 }
 
 /// The arrays of states, with the elements that the function touches.
@@ -173,142 +101,151 @@ fn spans(numbers: &BTreeSet<u64>) -> Vec<(u64, u64)> {
 
 /// One batch in place.
 fn batch(writer: &BatchWriter<'_>) -> String {
-    let name = &writer.names.function;
-    let parameters = batch_list(writer, List::Parameters);
-    let whole = batch_list(writer, List::Arguments);
-    if writer.options.lanes == 1 {
-        return format!("void {name}_batch({parameters})\n{{\n    {name}_lanes({whole});\n}}\n\n");
-    }
-    let moved: Vec<String> = whole
-        .split(", ")
-        .map(|word| match word {
-            "prepared" => word.to_owned(),
-            _ => format!("{word} + lane"),
-        })
-        .collect();
-    format!(
-        "void {name}_batch({parameters})\n{{\n#if {width} == {lanes}\n    {name}_lanes({whole});\n\
-         #else\n    for (int lane = 0; lane < {lanes}; lane += {width} + !{width})\n        \
-         {name}_lanes({moved});\n#endif\n}}\n\n",
-        width = writer.width(),
-        lanes = writer.options.lanes,
-        moved = moved.join(", "),
+    let list = writer.batch_list();
+    let lane = |name| match name {
+        "prepared" => name.to_owned(),
+        _ => format!("{name} + lane"),
+    };
+    let moved: Vec<String> = list.names().map(lane).collect();
+    let body = match writer.options.lanes {
+        1 => "    @name@_lanes(@whole@);\n",
+        _ => {
+            "\
+#if @width@ == @lanes@
+    @name@_lanes(@whole@);
+#else
+    for (int lane = 0; lane < @lanes@; lane += @width@ + !@width@)
+        @name@_lanes(@moved@);
+#endif
+"
+        }
+    };
+    writer.fill(
+        &format!("void @name@_batch(@parameters@)\n{{\n{body}}}\n\n"),
+        &[
+            ("parameters", &list.declared()),
+            ("whole", &list.arguments()),
+            ("moved", &moved.join(", ")),
+        ],
     )
 }
 
-/// The function that makes runs of states.
-fn gather(name: &str, real: &str, lanes: u32) -> String {
-    let places = TurnedPlaces {
-        from: ("lane * next + i".to_owned(), "next".to_owned()),
-        to: (format!("i * {lanes} + lane"), lanes.to_string()),
+/// The function that makes runs of states, or states of runs. A full batch
+/// whose elements stand side by side is copied in blocks: a number at a time
+/// takes a load and a store for each, a block of registers takes one of both
+/// for a row, and shuffles between them.
+fn copy(writer: &BatchWriter<'_>, is_gather: bool) -> String {
+    let lanes = writer.options.lanes;
+    // Place of element `i` of state `lane`, and the distance of rows.
+    let states = ("lane * next + i".to_owned(), "next".to_owned());
+    let runs = (format!("i * {lanes} + lane"), lanes.to_string());
+    let (template, (from, next), (to, step)) = match is_gather {
+        true => (include_str!("gather.c"), states, runs),
+        false => (include_str!("scatter.c"), runs, states),
     };
-    let blocks = places.lines(name, lanes);
-    format!(
-        "/* Some elements of the first states, `step` numbers from element to element and
-   `next` from state to state, into runs; missing lanes repeat the last state. */
-static void {name}_gather(long count, const {real} *from, long step, long next,
-    const int (*spans)[2], long number, {real} *to)
-{{
-{blocks}    for (long lane = 0; lane < {lanes}; lane++) {{
-        const {real} *own = from + (lane < count ? lane : count - 1) * next;
-        for (long span = 0; span < number; span++)
-            for (long i = spans[span][0]; i < spans[span][0] + spans[span][1]; i++)
-                to[i * {lanes} + lane] = own[i * step];
-    }}
-}}
-
-"
-    )
+    let blocks = match has_blocks(lanes) {
+        true => writer.fill(
+            include_str!("blocks.c"),
+            &[
+                ("from", &from),
+                ("next", &next),
+                ("to", &to),
+                ("step", &step),
+            ],
+        ),
+        false => String::new(),
+    };
+    writer.fill(template, &[("blocks", &blocks)]) + "\n"
 }
 
-/// The function that makes states of runs.
-fn scatter(name: &str, real: &str, lanes: u32) -> String {
-    let places = TurnedPlaces {
-        from: (format!("i * {lanes} + lane"), lanes.to_string()),
-        to: ("lane * next + i".to_owned(), "next".to_owned()),
-    };
-    let blocks = places.lines(name, lanes);
-    format!(
-        "/* Runs into some elements of the first states, without the missing lanes. */
-static void {name}_scatter(long count, {real} *to, long step, long next,
-    const int (*spans)[2], long number, const {real} *from)
-{{
-{blocks}    for (long lane = 0; lane < count; lane++) {{
-        {real} *own = to + lane * next;
-        for (long span = 0; span < number; span++)
-            for (long i = spans[span][0]; i < spans[span][0] + spans[span][1]; i++)
-                own[i * step] = from[i * {lanes} + lane];
-    }}
-}}
+/// True when a batch of so many lanes can be turned in blocks.
+fn has_blocks(lanes: u32) -> bool {
+    lanes.is_multiple_of(4)
+}
 
-"
-    )
+/// The function that turns one square block of `ROBOVEC_BLOCK` rows, which is
+/// 0 where compilers know no vectors.
+fn turned_block(writer: &BatchWriter<'_>) -> String {
+    let (wide, integer, condition) = match writer.options.real {
+        Real::Double => (2, "long long", "defined(__AVX__)"),
+        Real::Float => (4, "int", "1"),
+    };
+    let words: [(&str, &dyn Display); 3] = [
+        ("wide", &wide),
+        ("integer", &integer),
+        ("condition", &condition),
+    ];
+    writer.fill(include_str!("turn.c"), &words) + "\n"
 }
 
 /// Copies of a batch whose lanes are not together, or not all there.
 fn copies(text: &mut String, writer: &BatchWriter<'_>, arrays: &[Varying<'_>]) {
     let name = &writer.names.function;
-    let real = writer.options.real.name();
-    let lanes = writer.options.lanes;
+    let lanes = u64::from(writer.options.lanes);
     let touched = |input: bool| {
         let mut arrays = arrays.iter();
         arrays.any(|array| array.input == input && !array.spans.is_empty())
     };
-    if has_blocks(lanes) && (touched(true) || touched(false)) {
-        text.push_str(&turned_block(name, writer.options.real));
+    let (gathers, scatters) = (touched(true), touched(false));
+    if has_blocks(writer.options.lanes) && (gathers || scatters) {
+        *text += &turned_block(writer);
     }
-    if touched(true) {
-        text.push_str(&gather(name, real, lanes));
+    if gathers {
+        *text += &copy(writer, true);
     }
-    if touched(false) {
-        text.push_str(&scatter(name, real, lanes));
+    if scatters {
+        *text += &copy(writer, false);
     }
-    let _ = write!(
-        text,
-        "/* A batch of `count` states that is copied: of arrays of runs, or of states. */
-static void {name}_copied(long count, int runs, {real} *memory, {})
-{{
-",
-        batch_list(writer, List::Parameters)
-    );
-    if !touched(true) && !touched(false) {
-        *text += "    (void)count;\n    (void)runs;\n";
+    let (mut lists, mut inputs, mut outputs) = (String::new(), String::new(), String::new());
+    if !gathers && !scatters {
+        lists += "    (void)count;\n    (void)runs;\n";
     }
     for (index, array) in arrays.iter().enumerate() {
-        if !array.spans.is_empty() {
-            let list = array.spans.iter();
-            let list: Vec<String> = list.map(|(a, b)| format!("{{{a}, {b}}}")).collect();
-            let list = list.join(", ");
-            let _ = writeln!(
-                text,
-                "    static const int spans_{index}[][2] = {{{list}}};"
-            );
+        let Varying {
+            name: own,
+            input,
+            extent,
+            ref spans,
+            offset,
+        } = *array;
+        let (way, copied) = match input {
+            true => ("gather", &mut inputs),
+            false => ("scatter", &mut outputs),
+        };
+        if spans.is_empty() {
+            let _ = writeln!(copied, "    (void){own};");
+            continue;
         }
+        let list: Vec<String> = spans.iter().map(|(a, b)| format!("{{{a}, {b}}}")).collect();
+        let list = list.join(", ");
+        let _ = writeln!(
+            lists,
+            "    static const int spans_{index}[][2] = {{{list}}};"
+        );
+        let (number, place) = (spans.len(), offset * lanes);
+        let _ = writeln!(
+            copied,
+            "    {name}_{way}(count, {own}, runs ? {lanes} : 1, runs ? 1 : {extent}, \
+             spans_{index}, {number}, memory + {place});",
+        );
     }
-    for input in [true, false] {
-        for (index, array) in arrays.iter().enumerate() {
-            let Varying { name: own, .. } = array;
-            if array.spans.is_empty() && array.input == input {
-                let _ = writeln!(text, "    (void){own};");
-            } else if array.input == input {
-                let way = if input { "gather" } else { "scatter" };
-                let _ = writeln!(
-                    text,
-                    "    {name}_{way}(count, {own}, runs ? {lanes} : 1, runs ? 1 : {}, spans_{index}, {}, memory + {});",
-                    array.extent,
-                    array.spans.len(),
-                    array.offset * u64::from(lanes)
-                );
-            }
-        }
-        if input {
-            let arguments = arguments(arrays, |array| {
-                format!("memory + {}", array.offset * u64::from(lanes))
-            });
-            let _ = writeln!(text, "    {name}_batch({arguments});");
-        }
-    }
-    *text += "}\n\n";
+    let arguments = arguments(arrays, |array| format!("memory + {}", array.offset * lanes));
+    *text += &writer.fill(
+        "/* A batch of `count` states that is copied: of arrays of runs, or of states. */
+static void @name@_copied(long count, int runs, @real@ *memory, @parameters@)
+{
+@lists@@inputs@    @name@_batch(@arguments@);
+@outputs@}
+
+",
+        &[
+            ("parameters", &writer.batch_list().declared()),
+            ("lists", &lists),
+            ("inputs", &inputs),
+            ("arguments", &arguments),
+            ("outputs", &outputs),
+        ],
+    );
 }
 
 /// Arguments of a batch.
@@ -320,95 +257,78 @@ fn arguments(arrays: &[Varying<'_>], argument: impl Fn(&Varying<'_>) -> String) 
     all.join(", ")
 }
 
-/// The head that both drivers share.
-fn head(text: &mut String, writer: &BatchWriter<'_>, own: &str, parameters: &str) {
-    let name = &writer.names.function;
-    let real = writer.options.real.name();
-    let _ = write!(
-        text,
-        "int {own}({parameters})\n{{\n    {real} prepared[{name}_PREPARED];\n    {name}_prepare({});\n",
-        prepare_list(writer, List::Arguments)
+/// A driver: what both have in common, and its own lines.
+fn driver(
+    writer: &BatchWriter<'_>,
+    (returns, own, parameters): &(&str, String, String),
+    lines: &str,
+    words: &[(&str, &dyn Display)],
+) -> String {
+    let head = format!(
+        "{returns} {own}({parameters})\n{{\n    @real@ prepared[@name@_PREPARED];\n    \
+         @name@_prepare({});\n{lines}",
+        writer.prepare_list().arguments()
     );
+    writer.fill(&head, words)
 }
 
 /// Many states in arrays of runs.
-fn many(text: &mut String, writer: &BatchWriter<'_>, arrays: &[Varying<'_>]) {
-    let [_, _, (_, own, parameters), _] = signatures(writer);
-    let name = &writer.names.function;
-    let lanes = writer.options.lanes;
-    head(text, writer, &own, &parameters);
-    let whole = arguments(arrays, |array| {
-        format!(
-            "{} + batch * {}",
-            array.name,
-            array.extent * u64::from(lanes)
-        )
-    });
-    let _ = write!(
-        text,
-        "    const long batches = states / {lanes};\n#ifdef _OPENMP\n#pragma omp parallel for\n#endif\n    \
-         for (long batch = 0; batch < batches; batch++)\n        {name}_batch({whole});\n"
-    );
-    if lanes > 1 && !arrays.is_empty() {
-        let rest = arguments(arrays, |array| {
-            format!(
-                "{} + batches * {}",
-                array.name,
-                array.extent * u64::from(lanes)
-            )
-        });
-        let _ = write!(
-            text,
-            "    const long rest = states - batches * {lanes};\n    if (rest > 0) {{\n        \
-             {real} *memory = malloc({size} * sizeof({real}));\n        if (!memory)\n            return -1;\n        \
-             {name}_copied(rest, 1, memory, {rest});\n        free(memory);\n    }}\n",
-            real = writer.options.real.name(),
-            size = memory(arrays) * u64::from(lanes),
-        );
+fn many(writer: &BatchWriter<'_>, arrays: &[Varying<'_>]) -> String {
+    let lanes = u64::from(writer.options.lanes);
+    let moved = |by: &str| {
+        arguments(arrays, |array| {
+            format!("{} + {by} * {}", array.name, array.extent * lanes)
+        })
+    };
+    let rest = match lanes > 1 && !arrays.is_empty() {
+        true => {
+            "    const long rest = states - batches * @lanes@;
+    if (rest > 0) {
+        @real@ *memory = malloc(@size@ * sizeof(@real@));
+        if (!memory)
+            return -1;
+        @name@_copied(rest, 1, memory, @last@);
+        free(memory);
     }
-    *text += "    return 0;\n}\n\n";
+"
+        }
+        false => "",
+    };
+    let lines = "    const long batches = states / @lanes@;
+#ifdef _OPENMP
+#pragma omp parallel for
+#endif
+    for (long batch = 0; batch < batches; batch++)
+        @name@_batch(@whole@);
+";
+    driver(
+        writer,
+        &signatures(writer)[2],
+        &format!("{lines}{rest}    return 0;\n}}\n\n"),
+        &[
+            ("whole", &moved("batch")),
+            ("last", &moved("batches")),
+            ("size", &(memory(arrays) * lanes)),
+        ],
+    )
 }
 
 /// Many states one after the other.
-fn states(text: &mut String, writer: &BatchWriter<'_>, arrays: &[Varying<'_>]) {
-    let [_, _, _, (_, own, parameters)] = signatures(writer);
-    let name = &writer.names.function;
-    let (lanes, real) = (writer.options.lanes, writer.options.real.name());
-    head(text, writer, &own, &parameters);
-    if arrays.is_empty() {
-        *text += "    (void)states;\n    return 0;\n}\n";
-        return;
-    }
+fn states(writer: &BatchWriter<'_>, arrays: &[Varying<'_>]) -> String {
+    let lines = match arrays.is_empty() {
+        true => "    (void)states;\n    return 0;\n}\n",
+        false => include_str!("states.c"),
+    };
     let scattered = arguments(arrays, |array| {
         format!("{} + first * {}", array.name, array.extent)
     });
-    let _ = write!(
-        text,
-        "    const long batches = (states + {lanes} - 1) / {lanes};
-    int failed = 0;
-#ifdef _OPENMP
-#pragma omp parallel reduction(| : failed)
-#endif
-    {{
-        /* Room to begin at a multiple of 64 bytes. */
-        char *memory = malloc({size} * sizeof({real}) + 64);
-        failed |= !memory;
-#ifdef _OPENMP
-#pragma omp for
-#endif
-        for (long batch = 0; batch < batches; batch++) {{
-            const long first = batch * {lanes};
-            const long count = states - first < {lanes} ? states - first : {lanes};
-            if (memory)
-                {name}_copied(count, 0, ({real} *)(memory + (64 - (size_t)memory % 64)), {scattered});
-        }}
-        free(memory);
-    }}
-    return failed ? -1 : 0;
-}}
-",
-        size = memory(arrays) * u64::from(lanes),
-    );
+    let size = memory(arrays) * u64::from(writer.options.lanes);
+    driver(
+        writer,
+        &signatures(writer)[3],
+        lines,
+        &[("scattered", &scattered), ("size", &size)],
+    )
 }
 
 /// The runs of all arrays.

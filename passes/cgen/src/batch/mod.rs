@@ -21,13 +21,12 @@
 //! Nothing but the order of operations differs from the function: results are
 //! the evaluator's up to sines, cosines and what the compiler contracts.
 
-mod comment;
 mod driver;
 mod names;
 mod plan;
 mod prepared;
+mod shared;
 mod text;
-mod turn;
 mod writer;
 
 use super::emit::Real;

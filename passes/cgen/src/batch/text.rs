@@ -1,63 +1,99 @@
 //! The source and the header.
 
+use super::driver;
 use super::plan::{AngleGroup, BatchItem, OperandPlace};
-use super::writer::{BatchWriter, List};
-use super::{comment, driver};
+use super::writer::BatchWriter;
+use crate::emit::Real;
 use crate::emit::arrays::{extent, place};
 use crate::emit::expression::{BoundText, Operands, apply, lane_literal};
-use crate::emit::frame::{self, APART};
+use crate::emit::frame::{self, APART, ParameterList};
 use crate::emit::order::CodeStep;
 use robovec_ir::{Operand, Operation, Value};
 use std::fmt::Write;
 
+/// The first lines of the source.
+const HEAD: &str = include_str!("head.c");
+
+/// The function for square roots of all lanes.
+const ROOT: &str = "\
+static inline void robovec_root(const @vector@ *of, @vector@ *root)
+{
+#if @width@
+    for (int lane = 0; lane < @width@; lane++)
+        (*root)[lane] = @root@((*of)[lane]);
+#else
+    *root = @root@(*of);
+#endif
+}
+
+";
+
+/// The same for one lane.
+const ROOT_OF_ONE: &str = "\
+static inline void robovec_root(const @vector@ *of, @vector@ *root)
+{
+    *root = @root@(*of);
+}
+
+";
+
 impl BatchWriter<'_> {
-    /// The header.
+    /// The header, with the contract.
     pub(super) fn header(&self) -> String {
         let name = &self.names.function;
-        let upper = name.to_ascii_uppercase();
-        let mut text = comment::header(self);
-        let _ = write!(
-            text,
-            "#ifndef ROBOVEC_{upper}_BATCH_H\n#define ROBOVEC_{upper}_BATCH_H\n\n\
-             /* States of a batch, and numbers that are prepared for all. */\n\
-             #define {name}_LANES {}\n#define {name}_PREPARED {}\n\n\
-             /* Runs of a batch, or numbers of a state, in each array. */\n",
-            self.options.lanes,
-            self.plan.prepared.len().max(1)
-        );
+        let shared = self.names.inputs.iter().zip(&self.plan.shared);
+        let shared: Vec<&str> = shared
+            .filter(|(_, shared)| **shared)
+            .map(|(name, _)| name.as_str())
+            .collect();
+        let shared = match shared.is_empty() {
+            true => format!(
+                "\n   {name}_prepare fills numbers that are the same for all states, once.\n"
+            ),
+            false => format!(
+                "\n   The same for all states, one number per element: {}.
+   {name}_prepare computes what depends on nothing else, once; _many and _states call it.\n",
+                shared.join(", ")
+            ),
+        };
         let inputs = self.function().inputs().iter().zip(&self.names.inputs);
         let outputs = self.function().outputs().iter().zip(&self.names.outputs);
-        for (array, own) in inputs.chain(outputs) {
-            let _ = writeln!(text, "#define {name}_SIZE_{own} {}", extent(array));
-        }
-        text += "\n#ifdef __cplusplus\nextern \"C\" {\n#endif\n\n";
-        for (returns, own, parameters) in driver::signatures(self) {
-            let _ = write!(text, "{returns} {own}({parameters});\n\n");
-        }
-        text + "#ifdef __cplusplus\n}\n#endif\n\n#endif\n"
+        let size = |(array, own)| format!("#define {name}_SIZE_{own} {}\n", extent(array));
+        let declaration = |(returns, own, list)| format!("{returns} {own}({list});\n\n");
+        let declarations = driver::signatures(self).into_iter().map(declaration);
+        self.fill(
+            include_str!("batch.h"),
+            &[
+                ("shared", &shared),
+                ("boundaries", &frame::boundaries(self.function())),
+                ("upper", &name.to_ascii_uppercase()),
+                ("prepared", &self.plan.prepared.len().max(1)),
+                (
+                    "sizes",
+                    &inputs.chain(outputs).map(size).collect::<String>(),
+                ),
+                ("declarations", &declarations.collect::<String>()),
+            ],
+        )
     }
 
     /// The source.
     pub(super) fn source(&self) -> String {
-        let mut text = comment::source(self);
-        let name = &self.names.function;
-        let _ = write!(text, "#include \"{name}_batch.h\"\n#include <stdlib.h>\n");
-        text += &self.kernel.types();
-        if self.plan.angles > 0 {
-            text += "\n";
-            text += &self.kernel.runs();
-        }
-        text += "\n";
-        self.macros(&mut text);
-        self.root(&mut text);
-        text += &self.prepared.write(
-            self.function(),
-            self.plan,
-            &self.names,
-            self.options,
-            &driver::prepare_list(self, List::Parameters),
-            &driver::prepare_list(self, List::Arguments),
+        let runs = match self.plan.angles {
+            0 => String::new(),
+            _ => format!("\n{}", self.kernel.runs()),
+        };
+        let mut text = self.fill(
+            HEAD,
+            &[
+                ("types", &self.kernel.types()),
+                ("runs", &runs),
+                ("unaligned", &self.kernel.unaligned()),
+                ("apart", &APART),
+                ("root_function", &self.root()),
+            ],
         );
+        text += &self.prepare();
         for number in 0..self.plan.parts.len() {
             self.part(&mut text, number);
         }
@@ -66,109 +102,72 @@ impl BatchWriter<'_> {
         text
     }
 
-    fn macros(&self, text: &mut String) {
-        let (lanes, unaligned) = (self.options.lanes, self.kernel.unaligned());
-        let _ = write!(
-            text,
-            "/* The lanes of an element of an array, whose address may be any. */\n\
-             #define IN(array, element) (*(const {unaligned} *)((array) + (element) * {lanes}))\n\
-             #define OUT(array, element) (*({unaligned} *)((array) + (element) * {lanes}))\n\n\
-             /* Parts stay apart: compilers are fast for short functions only. */\n\
-             {APART}\n"
-        );
-    }
-
     /// Square roots of all lanes, where there are any.
-    fn root(&self, text: &mut String) {
+    fn root(&self) -> String {
         let roots = self.function().values().any(|(value, node)| {
             node.operation == Operation::Sqrt && !self.plan.uniform[value.index()]
         });
-        if !roots {
-            return;
-        }
-        let vector = self.kernel.vector();
         let root = match self.options.real {
-            super::Real::Double => "sqrt",
-            super::Real::Float => "sqrtf",
+            Real::Double => "sqrt",
+            Real::Float => "sqrtf",
         };
-        let _ = write!(
-            text,
-            "static inline void robovec_root(const {vector} *of, {vector} *root)\n{{\n"
-        );
-        let lanes = self.options.lanes;
-        let plain = format!("    *root = {root}(*of);\n");
-        if lanes == 1 {
-            *text += &plain;
-        } else {
-            let _ = write!(
-                text,
-                "{guard}    for (int lane = 0; lane < {width}; lane++)\n        \
-                 (*root)[lane] = {root}((*of)[lane]);\n#else\n{plain}#endif\n",
-                guard = self.guard(),
-                width = self.width()
-            );
+        match (roots, self.options.lanes) {
+            (false, _) => String::new(),
+            (true, 1) => self.fill(ROOT_OF_ONE, &[("root", &root)]),
+            (true, _) => self.fill(ROOT, &[("root", &root)]),
         }
-        *text += "}\n\n";
     }
 
-    /// Parameters or arguments of the parts: inputs that differ, outputs, and
-    /// the arrays between parts.
-    fn part_list(&self, list: List) -> String {
+    /// The parameters of the parts: inputs that differ, outputs, and the
+    /// arrays between parts.
+    fn part_list(&self) -> ParameterList {
         let real = self.options.real.name();
         let vector = self.kernel.vector();
-        let mut items = Vec::new();
-        let mut add = |declared: String, name: &str| {
-            items.push(match list {
-                List::Parameters => format!("{declared}{name}"),
-                List::Arguments => name.to_owned(),
-            });
-        };
-        for (name, shared) in self.names.inputs.iter().zip(&self.plan.shared) {
-            if !shared {
-                add(format!("const {real} *restrict "), name);
-            }
-        }
-        for name in &self.names.outputs {
-            add(format!("{real} *restrict "), name);
-        }
+        let [numbers, reads, writes] = [
+            format!("const {real} *restrict "),
+            format!("const {vector} *restrict "),
+            format!("{vector} *restrict "),
+        ];
+        let mut list = ParameterList::default();
+        self.add_inputs(&mut list, &[false], "restrict ");
+        self.add_outputs(&mut list, "restrict ");
         if !self.plan.prepared.is_empty() {
-            add(format!("const {real} *restrict "), "prepared");
+            list.add(&numbers, "prepared");
         }
         if self.plan.angles > 0 {
-            add(format!("const {vector} *restrict "), "sines");
-            add(format!("const {vector} *restrict "), "cosines");
+            list.add(&reads, "sines");
+            list.add(&reads, "cosines");
         }
         if self.plan.has_computed_angles() {
-            add(format!("{vector} *restrict "), "angles");
+            list.add(&writes, "angles");
         }
-        add(format!("{vector} *restrict "), "work");
-        items.join(", ")
+        list.add(&writes, "work");
+        list
     }
 
     fn part(&self, text: &mut String, number: usize) {
         let vector = self.kernel.vector();
-        let parameters = self.part_list(List::Parameters);
-        let name = format!("{}_part_{}", self.names.function, number + 1);
-        let _ = write!(text, "static ROBOVEC_APART void {name}({parameters})\n{{\n");
-        let body = text.len();
         let crossing = &self.plan.crossing;
+        let mut body = String::new();
         for &value in &crossing.loads[number] {
-            let word = crossing
-                .word(value)
-                .expect("a value that is loaded has a word");
+            let word = crossing.word(value);
+            let word = word.expect("a value that is loaded has a word");
             let name = &self.names.values[value.index()];
-            let _ = writeln!(text, "    const {vector} {name} = work[{word}];");
+            let _ = writeln!(body, "    const {vector} {name} = work[{word}];");
         }
         for &step in &self.plan.parts[number] {
             match step {
-                CodeStep::Define(value) => self.define(text, value),
-                CodeStep::Assign(index) => self.assign(text, index),
+                CodeStep::Define(value) => self.define(&mut body, value),
+                CodeStep::Assign(index) => self.assign(&mut body, index),
             }
         }
-        let list = self.part_list(List::Arguments);
-        let unused = frame::unused(list.split(", "), &[&text[body..]]);
-        text.insert_str(body, &unused);
-        *text += "}\n\n";
+        let number = number + 1;
+        let head = format!(
+            "static ROBOVEC_APART void {}_part_{number}",
+            self.names.function
+        );
+        *text += &self.part_list().definition(&head, &body);
+        text.push('\n');
     }
 
     fn define(&self, text: &mut String, value: Value) {
@@ -237,24 +236,21 @@ impl BatchWriter<'_> {
     fn lanes(&self, text: &mut String) {
         let name = &self.names.function;
         let vector = self.kernel.vector();
-        let parameters = driver::batch_list(self, List::Parameters);
+        let parameters = self.batch_list().declared();
         let _ = write!(text, "static void {name}_lanes({parameters})\n{{\n");
         if self.plan.prepared.is_empty() {
             *text += "    (void)prepared;\n";
         }
-        if self.plan.angles > 0 {
-            let count = self.plan.angles;
+        let (count, words) = (self.plan.angles, self.plan.crossing.length.max(1));
+        if count > 0 {
             let _ = writeln!(text, "    {vector} sines[{count}], cosines[{count}];");
         }
         if self.plan.has_computed_angles() {
-            let _ = writeln!(text, "    {vector} angles[{}];", self.plan.angles);
+            let _ = writeln!(text, "    {vector} angles[{count}];");
         }
-        let _ = writeln!(
-            text,
-            "    {vector} work[{}];",
-            self.plan.crossing.length.max(1)
-        );
-        let arguments = self.part_list(List::Arguments);
+        let _ = writeln!(text, "    {vector} work[{words}];");
+        let list = self.part_list();
+        let arguments = list.arguments();
         for item in &self.plan.items {
             match item {
                 BatchItem::Part(number) => {
@@ -264,9 +260,8 @@ impl BatchWriter<'_> {
             }
         }
         if self.plan.parts.is_empty() {
-            let names = arguments.split(", ");
             let own = ["prepared", "sines", "cosines", "angles"];
-            *text += &frame::unused(names.filter(|name| !own.contains(name)), &[]);
+            *text += &frame::unused(list.names().filter(|name| !own.contains(name)), "");
         }
         *text += "}\n\n";
     }

@@ -5,8 +5,11 @@ use super::Options;
 use super::names::BatchNames;
 use super::plan::BatchPlan;
 use super::prepared::Prepared;
+use crate::emit::frame::ParameterList;
 use crate::sincos::SineKernel;
-use robovec_ir::{Function, View};
+use robovec_framework::template::fill;
+use robovec_ir::{Function, Shape, View};
+use std::fmt::Display;
 
 /// Writes the files of one function.
 pub(super) struct BatchWriter<'a> {
@@ -16,15 +19,6 @@ pub(super) struct BatchWriter<'a> {
     pub(super) prepared: &'a Prepared,
     pub(super) names: BatchNames,
     pub(super) kernel: SineKernel,
-}
-
-/// The form of a list of arrays.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum List {
-    /// With types, as parameters.
-    Parameters,
-    /// Names only, as arguments.
-    Arguments,
 }
 
 impl<'a> BatchWriter<'a> {
@@ -51,13 +45,62 @@ impl<'a> BatchWriter<'a> {
         self.view.function
     }
 
-    /// The line behind which vectors are there.
-    pub(super) fn guard(&self) -> String {
-        format!("#if {}\n", self.width())
+    /// A template with the words of every file and some of its own.
+    pub(super) fn fill(&self, template: &str, own: &[(&str, &dyn Display)]) -> String {
+        let vector = self.kernel.vector();
+        let width = self.width();
+        let words: [(&str, &dyn Display); 5] = [
+            ("name", &self.names.function),
+            ("real", &self.options.real.name()),
+            ("lanes", &self.options.lanes),
+            ("vector", &vector),
+            ("width", &width),
+        ];
+        fill(template, &[&words, own].concat())
     }
 
     /// The macro that says how many lanes a vector has; 0 without vectors.
-    pub(super) fn width(&self) -> String {
+    fn width(&self) -> String {
         format!("ROBOVEC_{}", self.kernel.suffix().to_ascii_uppercase())
+    }
+
+    /// Appends the input arrays that are shared by all states, or are not.
+    pub(super) fn add_inputs(&self, list: &mut ParameterList, wanted: &[bool], restrict: &str) {
+        let real = self.options.real.name();
+        for (index, array) in self.function().inputs().iter().enumerate() {
+            let shared = self.plan.shared[index];
+            if wanted.contains(&shared) {
+                let kind = match array.shape {
+                    Shape::Scalar if shared => format!("{real} "),
+                    _ => format!("const {real} *{restrict}"),
+                };
+                list.add(&kind, &self.names.inputs[index]);
+            }
+        }
+    }
+
+    /// Appends the output arrays.
+    pub(super) fn add_outputs(&self, list: &mut ParameterList, restrict: &str) {
+        let kind = format!("{} *{restrict}", self.options.real.name());
+        for name in &self.names.outputs {
+            list.add(&kind, name);
+        }
+    }
+
+    /// The shared inputs and what is prepared from them.
+    pub(super) fn prepare_list(&self) -> ParameterList {
+        let mut list = ParameterList::default();
+        self.add_inputs(&mut list, &[true], "");
+        list.add(&format!("{} *", self.options.real.name()), "prepared");
+        list
+    }
+
+    /// The other inputs, what was prepared, and the outputs.
+    pub(super) fn batch_list(&self) -> ParameterList {
+        let mut list = ParameterList::default();
+        self.add_inputs(&mut list, &[false], "");
+        list.add(&format!("const {} *", self.options.real.name()), "prepared");
+        self.add_outputs(&mut list, "");
+        list
     }
 }

@@ -3,6 +3,7 @@
 
 use super::{Options, Real, Signature};
 use crate::emit::arrays::{self, Rows};
+use crate::emit::frame::ParameterList;
 use crate::emit::names::{CNames, is_word_letter};
 use crate::kind::{EquationKind, Generation, ProjectStructure, file_stem};
 use hashbrown::HashMap;
@@ -98,10 +99,10 @@ pub(super) struct Interface<'a> {
     outputs: Vec<ArrayAccess>,
     pub(super) pointers: Vec<Pointer>,
     by_row: HashMap<(bool, usize, u32), usize, FxBuildHasher>,
-    /// Declarations of the parameters, and their names.
-    parameters: Vec<(String, String)>,
-    /// Those that parts are given.
-    inner: Vec<(String, String)>,
+    /// The parameters of the function.
+    pub(super) parameters: ParameterList,
+    /// Those that parts are given, but for the work array.
+    pub(super) inner: ParameterList,
     /// All names in use so far.
     names: CNames,
 }
@@ -117,8 +118,8 @@ impl<'a> Interface<'a> {
             outputs: Vec::new(),
             pointers: Vec::new(),
             by_row: HashMap::default(),
-            parameters: Vec::new(),
-            inner: Vec::new(),
+            parameters: ParameterList::default(),
+            inner: ParameterList::default(),
             names: CNames::new(),
         };
         match options.signature {
@@ -144,7 +145,7 @@ impl<'a> Interface<'a> {
                     Shape::Scalar if is_output => ArrayReach::Target,
                     Shape::Scalar | Shape::Vector(_) | Shape::Matrix(..) => ArrayReach::Parameter,
                 };
-                self.parameters.push((declaration, name.clone()));
+                self.parameters.push(declaration, &name);
                 let access = ArrayAccess {
                     name,
                     reach,
@@ -184,21 +185,19 @@ impl<'a> Interface<'a> {
                 .iter()
                 .chain(function.inputs())
                 .any(|array| robotran_name(view.tables.symbols.text(array.name)) == name);
-            let declaration = format!("double {}{name}", "*".repeat(rank));
+            let kind = format!("double {}", "*".repeat(rank));
             if given {
-                self.inner.push((declaration.clone(), name.to_owned()));
+                self.inner.add(&kind, name);
             }
-            self.parameters.push((declaration, name.to_owned()));
+            self.parameters.add(&kind, name);
         }
-        self.inner
-            .push((format!("const {data} *s"), "s".to_owned()));
-        self.parameters.push((format!("{data} *s"), "s".to_owned()));
-        let time = ("double tsim".to_owned(), "tsim".to_owned());
-        self.parameters.push(time.clone());
+        self.inner.add(&format!("const {data} *"), "s");
+        self.parameters.add(&format!("{data} *"), "s");
+        self.parameters.add("double ", "tsim");
         for array in function.inputs() {
             let access = self.access(view, array, kind, false)?;
             if access.reach == ArrayReach::Parameter {
-                self.inner.push(time.clone());
+                self.inner.add("double ", "tsim");
             }
             self.inputs.push(access);
         }
@@ -374,16 +373,6 @@ impl<'a> Interface<'a> {
     /// The names in use, for those that come.
     pub(super) fn names(&self) -> CNames {
         self.names.clone()
-    }
-
-    /// The parameters of the function.
-    pub(super) fn parameters(&self) -> &[(String, String)] {
-        &self.parameters
-    }
-
-    /// The parameters of its parts, but for the work array.
-    pub(super) fn inner(&self) -> &[(String, String)] {
-        &self.inner
     }
 }
 

@@ -31,8 +31,6 @@ pub(super) struct PlainWriter<'a> {
 struct PartBody {
     text: String,
     pointers: BTreeSet<usize>,
-    /// Names that stand in the text.
-    uses_work: bool,
     /// Values fetched from the work array so far.
     fetched: BTreeSet<Value>,
 }
@@ -87,17 +85,14 @@ impl<'a> PlainWriter<'a> {
 
     /// The header: one declaration.
     pub(super) fn header(&self) -> String {
-        let declared = self.declared();
+        let declared = self.head() + "(" + &self.interface.parameters.declared() + ")";
         let data = self.interface.data_header();
         frame::header(&self.comment(), self.interface.file(), data, &declared)
     }
 
-    /// The declaration: result type, name and parameters.
-    fn declared(&self) -> String {
-        let parameters = self.interface.parameters().iter();
-        let parameters = frame::parameters(parameters.map(|(text, _)| text));
-        let (result, name) = (self.interface.result(), self.interface.name());
-        format!("{result} {name}({parameters})")
+    /// Result type and name.
+    fn head(&self) -> String {
+        format!("{} {}", self.interface.result(), self.interface.name())
     }
 
     /// The source.
@@ -120,12 +115,17 @@ impl<'a> PlainWriter<'a> {
             false => "",
         };
         let linkage = if self.is_local { "static " } else { "" };
-        let _ = write!(text, "\n{clones}{linkage}{}\n{{\n", self.declared());
-        self.main(&mut text);
-        if self.interface.result() == "int" {
-            text.push_str("    return 0;\n");
-        }
-        text.push_str("}\n");
+        let returns = match self.interface.result() {
+            "int" => "    return 0;\n",
+            _ => "",
+        };
+        let (head, parameters) = (self.head(), self.interface.parameters.declared());
+        let (locals, body) = (self.locals(), self.main());
+        let unused = frame::unused(self.interface.parameters.names(), &body);
+        let _ = write!(
+            text,
+            "\n{clones}{linkage}{head}({parameters})\n{{\n{locals}{unused}{body}{returns}}}\n"
+        );
         text
     }
 
@@ -150,74 +150,51 @@ impl<'a> PlainWriter<'a> {
 
     /// A part as a function of its own.
     fn part(&self, text: &mut String, number: usize, part: &CodePart) {
-        let mut parameters: Vec<&str> = self
-            .interface
-            .inner()
-            .iter()
-            .map(|(text, _)| &**text)
-            .collect();
-        let work = format!("{} *restrict {}", self.real.name(), self.work);
-        parameters.push(&work);
-        let name = &self.parts[number];
-        let _ = write!(
-            text,
-            "\nROBOVEC_CLONES ROBOVEC_APART static void {name}({})\n{{\n",
-            parameters.join(", ")
-        );
+        let mut list = self.interface.inner.clone();
+        list.add(&format!("{} *restrict ", self.real.name()), &self.work);
         let mut body = PartBody::default();
         self.statements(&mut body, number, part);
-        self.ignore_unused(text, &body, true);
-        self.pointers(text, &body);
-        text.push_str(&body.text);
-        text.push_str("}\n");
+        let head = format!(
+            "\nROBOVEC_CLONES ROBOVEC_APART static void {}",
+            self.parts[number]
+        );
+        *text += &list.definition(&head, &self.body(&body));
     }
 
-    /// The function itself: everything, or calls of its parts.
-    fn main(&self, text: &mut String) {
-        let has_sines = !self.plan.slots.angles().is_empty();
+    /// The work array, and the words of it that angles leave empty.
+    fn locals(&self) -> String {
+        let mut text = String::new();
         if self.plan.work() > 0 || !self.plan.is_flat {
             let words = self.plan.work().max(1);
             let _ = writeln!(text, "    {} {}[{words}];", self.real.name(), self.work);
         }
-        if has_sines {
-            let angles = self.plan.slots.angle_words();
-            let unused = angles.start + self.plan.slots.angles().len() as u32..angles.end;
-            for word in unused {
-                let _ = writeln!(text, "    {}[{word}] = 0;", self.work);
-            }
+        let slots = &self.plan.slots;
+        let angles = slots.angle_words();
+        for word in angles.start + slots.angles().len() as u32..angles.end {
+            let _ = writeln!(text, "    {}[{word}] = 0;", self.work);
         }
-        let sines = format!("    {}({});\n", self.sines, self.work);
-        if self.plan.is_flat {
-            let mut body = PartBody::default();
-            for (number, part) in self.plan.parts.iter().enumerate() {
-                if has_sines && number == self.plan.head {
-                    body.text.push_str(&sines);
+        text
+    }
+
+    /// The statements of the function itself: everything, or calls of its
+    /// parts.
+    fn main(&self) -> String {
+        let mut list = self.interface.inner.clone();
+        list.add("", &self.work);
+        let arguments = list.arguments();
+        let mut body = PartBody::default();
+        for (number, part) in self.plan.parts.iter().enumerate() {
+            if !self.plan.slots.angles().is_empty() && number == self.plan.head {
+                let _ = writeln!(body.text, "    {}({});", self.sines, self.work);
+            }
+            match self.plan.is_flat {
+                true => self.statements(&mut body, number, part),
+                false => {
+                    let _ = writeln!(body.text, "    {}({arguments});", self.parts[number]);
                 }
-                self.statements(&mut body, number, part);
             }
-            self.ignore_unused(text, &body, false);
-            self.pointers(text, &body);
-            text.push_str(&body.text);
-            return;
         }
-        let mut arguments: Vec<&str> = self
-            .interface
-            .inner()
-            .iter()
-            .map(|(_, name)| &**name)
-            .collect();
-        let parameters = self.interface.parameters().iter();
-        for (_, name) in parameters.filter(|(_, name)| !arguments.contains(&&**name)) {
-            let _ = writeln!(text, "    (void){name};");
-        }
-        arguments.push(&self.work);
-        let arguments = arguments.join(", ");
-        for (number, name) in self.parts.iter().enumerate() {
-            if has_sines && number == self.plan.head {
-                text.push_str(&sines);
-            }
-            let _ = writeln!(text, "    {name}({arguments});");
-        }
+        self.body(&body)
     }
 
     /// The comment about the arrays, and what the user must do about user
@@ -238,26 +215,13 @@ impl<'a> PlainWriter<'a> {
         text + &frame::boundaries(self.function) + "*/\n"
     }
 
-    /// Marks the parameters that a body leaves alone as used, for strict
-    /// compilers.
-    fn ignore_unused(&self, text: &mut String, body: &PartBody, is_part: bool) {
-        let parameters = match is_part {
-            true => self.interface.inner(),
-            false => self.interface.parameters(),
-        };
-        let mut declarations = String::new();
-        self.pointers(&mut declarations, body);
-        let names = parameters.iter().map(|(_, name)| &**name);
-        text.push_str(&frame::unused(names, &[&body.text, &declarations]));
-        if is_part && !body.uses_work {
-            let _ = writeln!(text, "    (void){};", self.work);
-        }
-    }
-
-    fn pointers(&self, text: &mut String, body: &PartBody) {
+    /// A body with the pointers that it uses.
+    fn body(&self, body: &PartBody) -> String {
+        let mut text = String::new();
         for &pointer in &body.pointers {
             let _ = writeln!(text, "    {}", self.interface.pointers[pointer].declaration);
         }
+        text + &body.text
     }
 
     fn statements(&self, body: &mut PartBody, number: usize, part: &CodePart) {
@@ -269,12 +233,10 @@ impl<'a> PlainWriter<'a> {
                     let expression = self.expression(body, number, value).text;
                     let _ = writeln!(body.text, "    const {real} {name} = {expression};");
                     if let Some(word) = self.plan.word(value) {
-                        body.uses_work = true;
                         let _ = writeln!(body.text, "    {}[{word}] = {name};", self.work);
                     }
                 }
                 CodeStatement::Angle(slot) => {
-                    body.uses_work = true;
                     let angle = self.plan.slots.angles()[slot as usize];
                     let word = self.plan.slots.angle_words().start + slot;
                     let operand = self.operand(body, number, angle).text;
@@ -298,7 +260,6 @@ impl<'a> PlainWriter<'a> {
         if let Some(word) = self.plan.load(value, number)
             && body.fetched.insert(value)
         {
-            body.uses_work = true;
             let (real, work) = (self.real.name(), &self.work);
             let _ = writeln!(body.text, "    const {real} {name} = {work}[{word}];");
         }

@@ -14,7 +14,7 @@
 use super::interface::result;
 use super::{Options, Real, Signature};
 use crate::emit::arrays::{Rows, dimensions, parameter, rank};
-use crate::emit::frame::parameters;
+use crate::emit::frame::ParameterList;
 use crate::emit::names::is_word_letter;
 use crate::kind::{EquationKind, ProjectStructure};
 use robovec_framework::template::fill;
@@ -266,22 +266,23 @@ impl Main<'_> {
     }
 
     fn parameters(&self) -> String {
+        let mut list = ParameterList::default();
         if let Some(kind) = self.kind {
-            let outputs = kind.outputs.iter();
-            let mut list: Vec<String> = outputs
-                .map(|(name, rank)| format!("double {}{name}", "*".repeat(*rank)))
-                .collect();
-            list.extend([format!("{} *s", self.data.name), "double tsim".to_owned()]);
-            return list.join(", ");
+            for (name, rank) in kind.outputs {
+                list.add(&format!("double {}", "*".repeat(*rank)), name);
+            }
+            list.add(&format!("{} *", self.data.name), "s");
+            list.add("double ", "tsim");
+            return list.declared();
         }
         let function = self.view.function;
         let inputs = function.inputs().iter().map(|array| (array.shape, false));
         let outputs = function.outputs().iter().map(|array| (array.shape, true));
-        let list = inputs.chain(outputs).map(|(shape, is_output)| {
+        for (shape, is_output) in inputs.chain(outputs) {
             let declared = parameter(self.real, "", shape, is_output, Rows::Brackets);
-            declared.trim_end().to_owned()
-        });
-        parameters(list)
+            list.push(declared.trim_end().to_owned(), "");
+        }
+        list.declared()
     }
 
     /// The state, and where it is.

@@ -45,18 +45,48 @@ pub(crate) fn boundaries(function: &Function) -> String {
     text
 }
 
-/// A list of parameters: C says `void` where there are none.
-pub(crate) fn parameters<T: AsRef<str>>(list: impl IntoIterator<Item = T>) -> String {
-    let mut text = String::new();
-    for parameter in list {
-        if !text.is_empty() {
-            text.push_str(", ");
-        }
-        text.push_str(parameter.as_ref());
+/// The parameters of a function: declaration and name of each.
+#[derive(Clone, Default)]
+pub(crate) struct ParameterList {
+    list: Vec<(String, String)>,
+}
+
+impl ParameterList {
+    /// Appends a parameter by the text of its type, spaces included, and its
+    /// name.
+    pub(crate) fn add(&mut self, kind: &str, name: &str) {
+        self.push(format!("{kind}{name}"), name);
     }
-    match text.is_empty() {
-        true => "void".to_owned(),
-        false => text,
+
+    /// Appends a parameter that is declared by a text with its name in it.
+    pub(crate) fn push(&mut self, declaration: String, name: &str) {
+        self.list.push((declaration, name.to_owned()));
+    }
+
+    /// The names.
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
+        self.list.iter().map(|(_, name)| name.as_str())
+    }
+
+    /// The declarations; C says `void` where there are none.
+    pub(crate) fn declared(&self) -> String {
+        let declarations: Vec<&str> = self.list.iter().map(|(text, _)| text.as_str()).collect();
+        match declarations.is_empty() {
+            true => "void".to_owned(),
+            false => declarations.join(", "),
+        }
+    }
+
+    /// The names as arguments of a call.
+    pub(crate) fn arguments(&self) -> String {
+        self.names().collect::<Vec<&str>>().join(", ")
+    }
+
+    /// The definition of a function with these parameters; those that its body
+    /// leaves alone are marked as used.
+    pub(crate) fn definition(&self, head: &str, body: &str) -> String {
+        let unused = unused(self.names(), body);
+        format!("{head}({})\n{{\n{unused}{body}}}\n", self.declared())
     }
 }
 
@@ -71,11 +101,8 @@ pub(crate) fn header(comment: &str, file: &str, data: Option<&str>, declared: &s
 
 /// Lines that mark the parameters that a body leaves alone as used, for strict
 /// compilers.
-pub(crate) fn unused<'a>(names: impl IntoIterator<Item = &'a str>, bodies: &[&str]) -> String {
-    let words = bodies
-        .iter()
-        .flat_map(|body| body.split(|letter| !is_word_letter(letter)));
-    let words: BTreeSet<&str> = words.collect();
+pub(crate) fn unused<'a>(names: impl IntoIterator<Item = &'a str>, body: &str) -> String {
+    let words: BTreeSet<&str> = body.split(|letter| !is_word_letter(letter)).collect();
     let names = names.into_iter().filter(|name| !words.contains(name));
     names.map(|name| format!("    (void){name};\n")).collect()
 }

@@ -2,10 +2,11 @@
 
 mod expression;
 
+use super::super::emit::Real;
 use super::super::emit::arrays::{Rows, parameter};
 use super::super::emit::expression::literal;
+use super::super::emit::frame::{self, ParameterList};
 use super::super::emit::names::CNames;
-use super::super::emit::{Real, frame};
 use super::super::sincos::SineKernel;
 use super::nest::BodyElement;
 use super::program::{Copy, LeafSource, RolledProgram, SpaceElement, StorageSpace};
@@ -130,7 +131,7 @@ impl<'a> RolledWriter<'a> {
     }
 
     fn declared(&self) -> String {
-        format!("void {}({})", self.name, self.parameters(None))
+        format!("void {}({})", self.name, self.parameters(None).declared())
     }
 
     fn source(&self) -> String {
@@ -154,32 +155,22 @@ impl<'a> RolledWriter<'a> {
             let end = start + parts.partition_point(|&other| other == part);
             let used = self.used(start..end);
             let name = &self.parts[part as usize - 1];
-            let _ = writeln!(
-                text,
-                "\n{} static void {name}({})\n{{",
-                self.apart,
-                self.parameters(Some(&used))
-            );
-            self.part(&mut text, start..end);
-            text.push_str("}\n");
-            let _ = writeln!(calls, "    {name}({});", self.arguments(&used).join(", "));
+            let mut body = String::new();
+            self.part(&mut body, start..end);
+            let list = self.parameters(Some(&used));
+            let head = format!("\n{} static void {name}", self.apart);
+            text += &list.definition(&head, &body);
+            let _ = writeln!(calls, "    {name}({});", list.arguments());
             start = end;
         }
-        let _ = write!(text, "\n{}\n{{\n", self.declared());
-        let names = self.inputs.iter().chain(&self.outputs);
-        text.push_str(&frame::unused(names.map(String::as_str), &[&calls]));
         let everything = self.used(0..self.program.items.len());
+        let mut work = String::new();
         if everything.work {
-            let real = self.real.name();
-            let _ = writeln!(
-                text,
-                "    {} {real} {}[{}];",
-                self.aligned, self.work, self.program.work
-            );
+            let (real, words) = (self.real.name(), self.program.work);
+            let _ = writeln!(work, "    {} {real} {}[{words}];", self.aligned, self.work);
         }
-        text.push_str(&calls);
-        text.push_str("}\n");
-        text
+        let list = self.parameters(None);
+        text + &list.definition(&format!("\nvoid {}", self.name), &(work + &calls))
     }
 
     fn macros(&self, text: &mut String) {
@@ -238,42 +229,33 @@ impl<'a> RolledWriter<'a> {
     /// None of them is `restrict`: with it gcc 12 vectorises some loops into
     /// code that stores wrong numbers (seen on a program of 18,764 operations,
     /// right without optimisation), and independent loops say so themselves.
-    fn parameters(&self, used: Option<&Used>) -> String {
-        let mut list = Vec::new();
-        let inputs = (self.function.inputs().iter().zip(&self.inputs)).enumerate();
-        for (number, (array, name)) in inputs {
-            if used.is_none_or(|used| used.inputs[number]) {
-                list.push(parameter(
-                    self.real,
-                    name,
-                    array.shape,
-                    false,
-                    Rows::Pointer,
-                ));
-            }
-        }
-        let outputs = (self.function.outputs().iter().zip(&self.outputs)).enumerate();
-        for (number, (array, name)) in outputs {
-            if used.is_none_or(|used| used.outputs[number]) {
-                list.push(parameter(self.real, name, array.shape, true, Rows::Pointer));
+    fn parameters(&self, used: Option<&Used>) -> ParameterList {
+        let mut list = ParameterList::default();
+        let function = self.function;
+        for (arrays, names, used, is_output) in [
+            (
+                function.inputs(),
+                &self.inputs,
+                used.map(|used| &used.inputs),
+                false,
+            ),
+            (
+                function.outputs(),
+                &self.outputs,
+                used.map(|used| &used.outputs),
+                true,
+            ),
+        ] {
+            for (number, (array, name)) in arrays.iter().zip(names).enumerate() {
+                if used.is_none_or(|used| used[number]) {
+                    let shape = array.shape;
+                    let declared = parameter(self.real, name, shape, is_output, Rows::Pointer);
+                    list.push(declared, name);
+                }
             }
         }
         if used.is_some_and(|used| used.work) {
-            list.push(format!("{} *{}", self.real.name(), self.work));
-        }
-        frame::parameters(list)
-    }
-
-    fn arguments(&self, used: &Used) -> Vec<&str> {
-        let inputs = self.inputs.iter().zip(&used.inputs);
-        let outputs = self.outputs.iter().zip(&used.outputs);
-        let mut list: Vec<&str> = inputs
-            .chain(outputs)
-            .filter(|(_, used)| **used)
-            .map(|(name, _)| name.as_str())
-            .collect();
-        if used.work {
-            list.push(&self.work);
+            list.add(&format!("{} *", self.real.name()), &self.work);
         }
         list
     }
