@@ -37,11 +37,6 @@ pub fn lab_memories(words: u32, bits: u32) -> u32 {
     words.div_ceil(LAB_WORDS) * bits.div_ceil(LAB_WIDTH)
 }
 
-/// Bits that tell `count` things apart, at least one.
-pub(super) fn bits(count: u32) -> u32 {
-    (u32::BITS - count.saturating_sub(1).leading_zeros()).max(1)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -71,6 +66,5 @@ mod tests {
             [7, 2]
         );
         assert_eq!([lab_memories(16, 32), lab_memories(40, 20)], [2, 2]);
-        assert_eq!([bits(1), bits(16), bits(17), bits(2048)], [1, 4, 5, 11]);
     }
 }

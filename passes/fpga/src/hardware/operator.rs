@@ -9,7 +9,7 @@
 //! bits, which they meet within a tenth.
 
 use super::ResourceUse;
-use super::memory::bits;
+use crate::layout::bits;
 use crate::rtl::cores::{self, OperatorCore};
 use robovec_ir::Format;
 use robovec_ir::machine::Device;

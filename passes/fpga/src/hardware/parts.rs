@@ -7,9 +7,10 @@
 
 use super::ResourceUse;
 use super::interconnect::{Terminals, interconnect};
-use super::memory::{bits, blocks, four_port_blocks, lab_memories, true_dual_port_blocks};
+use super::memory::{blocks, four_port_blocks, lab_memories, true_dual_port_blocks};
 use super::operator::operator;
 use super::shape::{ElementsOfKind, MachineShape};
+use crate::layout::bits;
 use crate::rtl::cores::OperatorCore;
 use robovec_ir::Operation;
 use robovec_ir::machine::{Interconnect, MemoryStyle};

@@ -4,7 +4,7 @@
 //! words as their address bits reach, and no fewer than 64, since a block
 //! memory is larger anyway.
 
-use super::memory::bits;
+use crate::layout::bits;
 use crate::rtl::{Crossbar, Hardware};
 use robovec_ir::machine::{Device, ElementDescription, Interconnect, MemoryStyle};
 use robovec_ir::{Format, Machine};

@@ -1,6 +1,8 @@
 //! The timing constraints of the project.
 
 use crate::hardware::MachineShape;
+use robovec_framework::template::fill;
+use std::fmt::Display;
 
 /// The constraints (Synopsys design constraints) of a machine on the board.
 ///
@@ -8,34 +10,16 @@ use crate::hardware::MachineShape;
 /// only at the end of a cycle has a whole cycle from register to register:
 /// instruction words, operators, operands.
 pub(super) fn constraints(shape: &MachineShape, plain: bool) -> String {
-    let mut text = String::from(
-        "# Written by robovec; Quartus has not been run on it.\n\
-         create_clock -name board_clock -period 20.000 [get_ports {FPGA_CLK1_50}]\n",
-    );
-    if !plain {
-        text += "derive_pll_clocks\n";
+    let pll = match plain {
+        true => "",
+        false => "derive_pll_clocks\n",
+    };
+    let text = fill(include_str!("robovec.sdc"), &[("pll", &pll)]);
+    match shape.phases() {
+        0 | 1 => text,
+        phases => {
+            let words: [(&str, &dyn Display); 2] = [("phases", &phases), ("hold", &(phases - 1))];
+            text + &fill(include_str!("slow.sdc"), &words)
+        }
     }
-    text += "derive_clock_uncertainty\n\n\
-        # The cable's clock and the machine's know nothing of each other.\n\
-        if {[get_collection_size [get_ports -nowarn {altera_reserved_tck}]] > 0} {\n    \
-        create_clock -name cable -period 40.000 [get_ports {altera_reserved_tck}]\n    \
-        set_clock_groups -asynchronous -group [get_clocks {cable}]\n}\n\
-        set_false_path -from [get_ports {KEY[*]}]\n\
-        set_false_path -to [get_ports {LED[*]}]\n";
-    let phases = shape.phases();
-    if phases > 1 {
-        let hold = phases - 1;
-        text += &format!(
-            "\n# A cycle has {phases} clocks. What is named here changes in the last of them only.\n\
-             set slow [get_registers {{\n    \
-             *|instruction_memory:*|word[*]\n    \
-             *|fp_*:*|*\n    \
-             *|entering*\n    \
-             *|leaving*\n    \
-             *|pumped_operand:*|held[*]\n}}]\n\
-             set_multicycle_path -setup -end -from $slow -to $slow {phases}\n\
-             set_multicycle_path -hold -end -from $slow -to $slow {hold}\n"
-        );
-    }
-    text
 }

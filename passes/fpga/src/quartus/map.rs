@@ -11,9 +11,8 @@ pub(super) fn map(manifest: &Manifest) -> String {
          # memories: name {address limbs stride image}; an image that only the host can\n\
          # give is the file with its constants.\n",
     );
-    let Some(window) = &manifest.window else {
-        return text;
-    };
+    let window = manifest.window.as_ref();
+    let window = window.expect("the images of hardware have a window");
     let image = |name: &str| {
         let own = name.strip_suffix(".instructions");
         let elements = manifest.elements.iter();

@@ -18,6 +18,7 @@ use super::manifest::Manifest;
 use crate::hardware::{MachineShape, estimate_of};
 use constraints::constraints;
 use map::map;
+use robovec_framework::template::fill;
 use robovec_ir::Machine;
 
 /// The device of the board.
@@ -119,70 +120,46 @@ const PROJECT: &str = "# DE10-Nano project of a robovec machine.\n\
 
 /// The settings: device, files, pins.
 fn settings(clock: &Clock, sources: &[String], images: &[String]) -> String {
-    let mut text = format!(
-        "# Written by robovec; Quartus has not been run on it.\n\
-         # Clock: {}.\n\
-         set_global_assignment -name FAMILY \"Cyclone V\"\n\
-         set_global_assignment -name DEVICE {DEVICE}\n\
-         set_global_assignment -name TOP_LEVEL_ENTITY de10_nano_top\n\
-         set_global_assignment -name PROJECT_OUTPUT_DIRECTORY output_files\n\
-         set_global_assignment -name VERILOG_INPUT_VERSION VERILOG_2001\n\
-         set_global_assignment -name VERILOG_MACRO \"ROBOVEC_ALTSYNCRAM=1\"\n\
-         set_global_assignment -name OPTIMIZATION_MODE \"HIGH PERFORMANCE EFFORT\"\n\
-         set_global_assignment -name MIN_CORE_JUNCTION_TEMP \"-40\"\n\
-         set_global_assignment -name MAX_CORE_JUNCTION_TEMP 100\n\n",
-        clock.why
-    );
-    let mut line = |kind: &str, path: &str| {
-        text += &format!("set_global_assignment -name {kind} {path}\n");
-    };
-    line("SDC_FILE", "robovec.sdc");
-    line("VERILOG_FILE", "de10_nano_top.v");
-    for (name, _) in BOARD {
-        line("VERILOG_FILE", name);
-    }
-    for name in sources {
-        line("VERILOG_FILE", &format!("../rtl/{name}"));
-    }
-    for name in images {
-        line("MIF_FILE", &format!("../img/{name}"));
-    }
-    text += "\n";
-    for (port, pin) in PINS {
-        // Brackets are quoted: a bare one would be a command of Tcl.
-        text += &format!("set_location_assignment {pin} -to {{{port}}}\n");
-    }
-    for (port, _) in PINS {
-        text +=
-            &format!("set_instance_assignment -name IO_STANDARD \"3.3-V LVTTL\" -to {{{port}}}\n");
-    }
-    text
+    let file =
+        |(kind, path): (&str, String)| format!("set_global_assignment -name {kind} {path}\n");
+    let verilog = ["de10_nano_top.v"]
+        .into_iter()
+        .chain(BOARD.map(|(name, _)| name));
+    let verilog = verilog.map(str::to_owned);
+    let sources = sources.iter().map(|name| format!("../rtl/{name}"));
+    let images = images.iter().map(|name| format!("../img/{name}"));
+    let files = [("SDC_FILE", "robovec.sdc".to_owned())]
+        .into_iter()
+        .chain(verilog.chain(sources).map(|path| ("VERILOG_FILE", path)))
+        .chain(images.map(|path| ("MIF_FILE", path)));
+    // Brackets are quoted: a bare one would be a command of Tcl.
+    let places = PINS.map(|(port, pin)| format!("set_location_assignment {pin} -to {{{port}}}\n"));
+    let standards = PINS.map(|(port, _)| {
+        format!("set_instance_assignment -name IO_STANDARD \"3.3-V LVTTL\" -to {{{port}}}\n")
+    });
+    fill(
+        include_str!("robovec.qsf"),
+        &[
+            ("clock", &clock.why),
+            ("device", &DEVICE),
+            ("files", &files.map(file).collect::<String>()),
+            ("pins", &(places.concat() + &standards.concat())),
+        ],
+    )
 }
 
 /// The top: pins, and the parameters of this machine.
 fn top(clock: &Clock, manifest: &Manifest) -> String {
-    let address = manifest
-        .window
-        .as_ref()
-        .map_or(16, |window| window.address_bits);
-    format!(
-        "// The pins of a DE10-Nano, and the board module with the sizes of this\n\
-         // machine. Clock: {}.\n\
-         module de10_nano_top (\n    \
-             input        FPGA_CLK1_50,\n    \
-             input  [1:0] KEY,\n    \
-             output [7:0] LED\n);\n\n    \
-         de10_nano_board #(\n        \
-             .ADDRESS({address}),\n        \
-             .PLL({}),\n        \
-             .FREQUENCY(\"{:.6} MHz\")\n    \
-         ) board (\n        \
-             .board_clock(FPGA_CLK1_50),\n        \
-             .key(KEY),\n        \
-             .led(LED)\n    );\n\nendmodule\n",
-        clock.why,
-        u32::from(clock.megahertz != BOARD_MHZ),
-        clock.megahertz,
+    let window = manifest.window.as_ref();
+    let window = window.expect("the images of hardware have a window");
+    fill(
+        include_str!("top.v"),
+        &[
+            ("clock", &clock.why),
+            ("address", &window.address_bits),
+            ("pll", &u32::from(clock.megahertz != BOARD_MHZ)),
+            ("frequency", &format!("{:.6}", clock.megahertz)),
+        ],
     )
 }
 
