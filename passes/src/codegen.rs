@@ -5,7 +5,7 @@ use robovec_cgen::c::{self, Options, Real, Signature, SignatureError, Sines, Sta
 use robovec_cgen::fpcore::fpcore;
 use robovec_cgen::rolled::{self, RolledCircular, rolled_files};
 use robovec_fpga::rtl::{self, CrossbarChoice, RtlError, write_rtl};
-use robovec_fpga::{Artifacts, ImageError, foreign_format, write_images};
+use robovec_fpga::{Artifacts, FileContent, ImageError, foreign_format, write_images};
 use robovec_framework::pass::{Artifact, Context, Gives, Pass, PassError};
 use robovec_framework::{declare_pass, option_words};
 use robovec_ir::states::Ranges;
@@ -48,11 +48,7 @@ struct FunctionFolder<'a> {
 }
 
 impl Artifacts for FunctionFolder<'_> {
-    fn file(
-        &mut self,
-        name: &str,
-        content: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
-    ) -> io::Result<()> {
+    fn file(&mut self, name: &str, content: FileContent<'_>) -> io::Result<()> {
         self.artifacts
             .file(&format!("{}/{name}", self.name), content)
     }

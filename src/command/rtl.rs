@@ -14,7 +14,7 @@ use robovec_fpga::manifest::FileHash;
 use robovec_fpga::rtl::{
     self, Crossbar, CrossbarChoice, DESCRIPTION, Hardware, HardwareFit, RtlError,
 };
-use robovec_fpga::{Artifacts, quartus};
+use robovec_fpga::{Artifacts, FileContent, quartus};
 use robovec_framework::manager::{self, Config};
 use robovec_framework::scene::Scene;
 use robovec_io::files::sealed::check_folder;
@@ -320,11 +320,7 @@ fn failure(error: &RtlError) -> CommandFailure {
 struct CollectedFiles(Vec<(String, String)>);
 
 impl Artifacts for CollectedFiles {
-    fn file(
-        &mut self,
-        name: &str,
-        content: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
-    ) -> io::Result<()> {
+    fn file(&mut self, name: &str, content: FileContent<'_>) -> io::Result<()> {
         self.0.file(name, content)
     }
 }

@@ -17,6 +17,9 @@ use robovec_num::trigonometry::host::KEY;
 use serde::Serialize;
 use std::io;
 
+/// A function that writes the content of a file.
+pub type FileContent<'a> = &'a mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>;
+
 /// The receiver of generated files.
 pub trait Artifacts {
     /// Takes one file: its name, and a function that writes its content.
@@ -24,20 +27,12 @@ pub trait Artifacts {
     /// # Errors
     ///
     /// Those of the content and of the place it goes to.
-    fn file(
-        &mut self,
-        name: &str,
-        content: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
-    ) -> io::Result<()>;
+    fn file(&mut self, name: &str, content: FileContent<'_>) -> io::Result<()>;
 }
 
 /// Files kept in memory: name and text.
 impl Artifacts for Vec<(String, String)> {
-    fn file(
-        &mut self,
-        name: &str,
-        content: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
-    ) -> io::Result<()> {
+    fn file(&mut self, name: &str, content: FileContent<'_>) -> io::Result<()> {
         let mut bytes = Vec::new();
         content(&mut bytes)?;
         let text = String::from_utf8(bytes).map_err(io::Error::other)?;
@@ -48,11 +43,7 @@ impl Artifacts for Vec<(String, String)> {
 
 /// What a pass gives.
 impl Artifacts for Vec<Artifact> {
-    fn file(
-        &mut self,
-        name: &str,
-        content: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
-    ) -> io::Result<()> {
+    fn file(&mut self, name: &str, content: FileContent<'_>) -> io::Result<()> {
         let mut files: Vec<(String, String)> = Vec::new();
         files.file(name, content)?;
         self.extend(
@@ -186,11 +177,7 @@ struct Hashed<'a> {
 }
 
 impl Artifacts for Hashed<'_> {
-    fn file(
-        &mut self,
-        name: &str,
-        content: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
-    ) -> io::Result<()> {
+    fn file(&mut self, name: &str, content: FileContent<'_>) -> io::Result<()> {
         let mut hash = Fnv::new();
         self.artifacts.file(name, &mut |target| {
             hash = Fnv::new();

@@ -13,6 +13,16 @@
 //! program is *right* is for the simulator to find out, which sees the images
 //! alone.
 
+/// Files of a folder of `hdl/`: name and text of each.
+macro_rules! hdl {
+    ($folder:literal, $($name:literal),* $(,)?) => {
+        [$((
+            $name,
+            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/hdl/", $folder, "/", $name)),
+        )),*]
+    };
+}
+
 mod binding;
 mod error;
 pub mod hardware;
@@ -29,4 +39,4 @@ mod traffic;
 mod words;
 
 pub use error::ImageError;
-pub use images::{Artifacts, foreign_format, images, write_images};
+pub use images::{Artifacts, FileContent, foreign_format, images, write_images};

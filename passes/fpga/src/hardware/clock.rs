@@ -12,8 +12,9 @@
 
 use super::shape::MachineShape;
 use crate::rtl::cores::{self, OperatorCore, stage_delay};
+use crate::rtl::cores_of;
 use robovec_ir::machine::{ClockOrigin, Device, ElementDescription};
-use robovec_ir::{Format, Machine, Operation};
+use robovec_ir::{Format, Machine};
 use robovec_num::NumberFormat;
 use serde::Serialize;
 
@@ -144,14 +145,10 @@ fn crossbar(shape: &MachineShape, net: u32) -> u32 {
 
 /// The longest path of the operators of an element, ps.
 fn element(element: &ElementDescription, number: Format, device: &Device, net: u32) -> u32 {
-    let performed = Operation::ALL.into_iter();
-    let performed = performed.filter(|operation| element.performs(*operation));
-    let periods = performed
-        .filter_map(OperatorCore::of)
-        .map(|core| match number {
-            Format::Float(format) => operator_period(core, format, element.stages, device, net),
-            Format::Fixed(_) => fixed(core, number.width(), device, net),
-        });
+    let periods = cores_of(element).into_iter().map(|core| match number {
+        Format::Float(format) => operator_period(core, format, element.stages, device, net),
+        Format::Fixed(_) => fixed(core, number.width(), device, net),
+    });
     periods.max().unwrap_or(0)
 }
 

@@ -11,8 +11,7 @@ use super::memory::{blocks, four_port_blocks, lab_memories, true_dual_port_block
 use super::operator::operator;
 use super::shape::{ElementsOfKind, MachineShape};
 use crate::layout::bits;
-use crate::rtl::cores::OperatorCore;
-use robovec_ir::Operation;
+use crate::rtl::cores_of;
 use robovec_ir::machine::{Interconnect, MemoryStyle};
 use serde::Serialize;
 
@@ -103,18 +102,9 @@ pub fn resources(shape: &MachineShape) -> ResourceUse {
     all.map(|part| part.each * f64::from(part.count)).sum()
 }
 
-/// The operators that perform the operations of a kind.
-fn cores_of(kind: &ElementsOfKind) -> Vec<OperatorCore> {
-    let performed = Operation::ALL.into_iter();
-    let performed = performed.filter(|operation| kind.element.performs(*operation));
-    let mut cores: Vec<OperatorCore> = performed.filter_map(OperatorCore::of).collect();
-    cores.sort_unstable();
-    cores.dedup();
-    cores
-}
-
 fn operators(shape: &MachineShape, kind: &ElementsOfKind) -> ResourceUse {
-    let cores = cores_of(kind);
+    let mut cores = cores_of(&kind.element);
+    cores.sort_unstable();
     let stages = kind.element.stages;
     let mut taken: ResourceUse = cores
         .iter()

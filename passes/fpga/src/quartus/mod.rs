@@ -28,16 +28,7 @@ pub const DEVICE: &str = "5CSEBA6U23I7";
 const BOARD_MHZ: f64 = 50.0;
 
 /// Verilog that is written by hand.
-const BOARD: [(&str, &str); 2] = [
-    (
-        "de10_nano_board.v",
-        include_str!("../../hdl/board/de10_nano_board.v"),
-    ),
-    (
-        "virtual_jtag_host.v",
-        include_str!("../../hdl/board/virtual_jtag_host.v"),
-    ),
-];
+const BOARD: [(&str, &str); 2] = hdl!["board", "de10_nano_board.v", "virtual_jtag_host.v"];
 
 /// The script that talks to the host on the cable.
 const HOST: &str = include_str!("../../hdl/board/host.tcl");

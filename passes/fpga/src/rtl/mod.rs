@@ -26,11 +26,12 @@ mod window;
 pub use error::RtlError;
 pub use fits::{HardwareDemand, HardwareFit, fits};
 pub use hardware::{Crossbar, CrossbarChoice, ElementGroup, Hardware};
+pub(crate) use unit::cores as cores_of;
 
 use super::images::{ImageHardware, write_traffic};
 use super::manifest::{FileHash, Manifest};
 use super::traffic::Traffic;
-use super::{Artifacts, ImageError};
+use super::{Artifacts, FileContent, ImageError};
 use cores::OperatorCore;
 use robovec_ir::machine::MemoryStyle;
 use robovec_ir::{Machine, View};
@@ -41,50 +42,25 @@ use std::io;
 pub const DESCRIPTION: &str = "machine.json";
 
 /// The Verilog files of the machine that are written by hand.
-const COMMON: [(&str, &str); 6] = [
-    (
-        "host_window.v",
-        include_str!("../../hdl/machine/host_window.v"),
-    ),
-    (
-        "instruction_memory.v",
-        include_str!("../../hdl/machine/instruction_memory.v"),
-    ),
-    (
-        "multiplexer_4.v",
-        include_str!("../../hdl/machine/multiplexer_4.v"),
-    ),
-    (
-        "result_buffer.v",
-        include_str!("../../hdl/machine/result_buffer.v"),
-    ),
-    ("sequencer.v", include_str!("../../hdl/machine/sequencer.v")),
-    (
-        "simple_dual_port_memory.v",
-        include_str!("../../hdl/machine/simple_dual_port_memory.v"),
-    ),
+const COMMON: [(&str, &str); 6] = hdl![
+    "machine",
+    "host_window.v",
+    "instruction_memory.v",
+    "multiplexer_4.v",
+    "result_buffer.v",
+    "sequencer.v",
+    "simple_dual_port_memory.v",
 ];
 
 /// Those of memories that are split by side.
-const SPLIT: [(&str, &str); 2] = [
-    (
-        "operand_side.v",
-        include_str!("../../hdl/machine/operand_side.v"),
-    ),
-    ("pe_split.v", include_str!("../../hdl/machine/pe_split.v")),
-];
+const SPLIT: [(&str, &str); 2] = hdl!["machine", "operand_side.v", "pe_split.v"];
 
 /// Those of unified memories.
-const PUMPED: [(&str, &str); 3] = [
-    ("pe_pumped.v", include_str!("../../hdl/machine/pe_pumped.v")),
-    (
-        "pumped_operand.v",
-        include_str!("../../hdl/machine/pumped_operand.v"),
-    ),
-    (
-        "true_dual_port_memory.v",
-        include_str!("../../hdl/machine/true_dual_port_memory.v"),
-    ),
+const PUMPED: [(&str, &str); 3] = hdl![
+    "machine",
+    "pe_pumped.v",
+    "pumped_operand.v",
+    "true_dual_port_memory.v",
 ];
 
 /// Builds hardware for a placed function and writes it: `rtl/` with the
@@ -144,11 +120,7 @@ struct ManifestFolder<'a> {
 }
 
 impl Artifacts for ManifestFolder<'_> {
-    fn file(
-        &mut self,
-        name: &str,
-        content: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
-    ) -> io::Result<()> {
+    fn file(&mut self, name: &str, content: FileContent<'_>) -> io::Result<()> {
         let path = format!("{}/{name}", self.name);
         if !name.ends_with(".manifest.json") {
             return self.artifacts.file(&path, content);
@@ -227,26 +199,26 @@ fn write_files(
 /// The files of the cores that the elements instantiate, and of what these
 /// instantiate in turn.
 fn core_files(hardware: &Hardware) -> Vec<(&'static str, &'static str)> {
-    let all = cores::SOURCES;
-    let stem = |file: &cores::SourceFile| file.name.trim_end_matches(".v");
+    let file = |module: &str| {
+        let mut all = cores::SOURCES.into_iter();
+        all.find(|(name, _)| name.trim_end_matches(".v") == module)
+    };
     let mut wanted: Vec<&str> = (hardware.elements.iter())
-        .flat_map(|group| unit::cores(hardware.kind(group)))
+        .flat_map(|group| cores_of(hardware.kind(group)))
         .map(OperatorCore::module)
         .collect();
     let mut files = Vec::new();
     while let Some(module) = wanted.pop() {
-        let file = all.iter().find(|file| stem(file) == module);
-        let file = file.expect("every core has a file");
-        if files.contains(&(file.name, file.text)) {
+        let (name, text) = file(module).expect("every core has a file");
+        if files.contains(&(name, text)) {
             continue;
         }
-        files.push((file.name, file.text));
-        let lines = file.text.lines().map(|line| line.split("//").next());
+        files.push((name, text));
+        let lines = text.lines().map(|line| line.split("//").next());
         let words = lines
             .flatten()
             .flat_map(|line| line.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_')));
-        let known = |word: &&str| all.iter().any(|file| stem(file) == *word);
-        wanted.extend(words.filter(known));
+        wanted.extend(words.filter(|word| file(word).is_some()));
     }
     files
 }

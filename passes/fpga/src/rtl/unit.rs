@@ -49,7 +49,7 @@ fn parts(kind: &ElementDescription) -> Vec<UnitCore> {
 }
 
 /// The cores that a kind of element needs.
-pub(super) fn cores(kind: &ElementDescription) -> Vec<OperatorCore> {
+pub(crate) fn cores(kind: &ElementDescription) -> Vec<OperatorCore> {
     parts(kind).into_iter().map(|part| part.core).collect()
 }
 

@@ -27,8 +27,8 @@ impl Mutant {
         } else {
             BINARY32
         };
-        let source = SOURCES.iter().find(|source| source.name == self.file);
-        let text = source.expect("the file is there").text;
+        let source = SOURCES.iter().find(|(name, _)| *name == self.file);
+        let (_, text) = source.expect("the file is there");
         assert!(text.contains(self.from), "{}: {}", self.file, self.from);
         let text = text.replacen(self.from, self.to, 1);
         let vectors = vectors::vectors(self.core, format, count, 3);

@@ -1,7 +1,7 @@
 //! Benches: a core, a stream of vectors and a simulator.
 
 use super::vectors::Vector;
-use robovec_fpga::rtl::cores::{Cuts, OperatorCore, SOURCES, SourceFile, cuts};
+use robovec_fpga::rtl::cores::{Cuts, OperatorCore, SOURCES, cuts};
 use robovec_ir::machine::Device;
 use robovec_num::NumberFormat;
 use std::fmt::Write;
@@ -48,7 +48,7 @@ pub(crate) struct Bench {
     format: NumberFormat,
     cuts: Cuts,
     device: &'static Device,
-    sources: Vec<SourceFile>,
+    sources: Vec<(&'static str, &'static str)>,
     mutated: Option<(&'static str, String)>,
 }
 
@@ -80,13 +80,13 @@ impl Bench {
         let folder = TempDir::new().expect("a temporary folder");
         let folder = folder.path();
         let mut files = Vec::new();
-        for source in &self.sources {
+        for &(name, source) in &self.sources {
             let text = match &self.mutated {
-                Some((file, text)) if *file == source.name => text,
-                _ => source.text,
+                Some((file, text)) if *file == name => text,
+                _ => source,
             };
-            std::fs::write(folder.join(source.name), text).expect("a source file");
-            files.push(source.name);
+            std::fs::write(folder.join(name), text).expect("a source file");
+            files.push(name);
         }
         std::fs::write(folder.join("top.v"), self.top()).expect("the top");
         files.push("top.v");

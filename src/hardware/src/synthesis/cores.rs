@@ -59,7 +59,7 @@ pub fn design(core: OperatorCore, format: NumberFormat, stages: u32) -> Synthesi
             .map(|(name, value)| (name.to_owned(), value))
             .to_vec(),
         sources: files
-            .map(|file| (file.name.to_owned(), file.text.to_owned()))
+            .map(|(name, text)| ((*name).to_owned(), (*text).to_owned()))
             .collect(),
         closed: Vec::new(),
         others: Vec::new(),

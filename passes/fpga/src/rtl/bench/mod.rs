@@ -30,36 +30,17 @@ use super::super::manifest::{AddressMap, Manifest};
 use robovec_ir::{Machine, View};
 use std::fmt::Write;
 
-/// The files of the benches that are written by hand.
-const STATIC: [(&str, &str); 6] = [
-    (
-        "robovec_avalon.v",
-        include_str!("../../../hdl/host/robovec_avalon.v"),
-    ),
-    (
-        "robovec_axi4lite.v",
-        include_str!("../../../hdl/host/robovec_axi4lite.v"),
-    ),
-    (
-        "robovec_bench_top.v",
-        include_str!("../../../hdl/bench/robovec_bench_top.v"),
-    ),
-    (
-        "robovec_bench.v",
-        include_str!("../../../hdl/bench/robovec_bench.v"),
-    ),
-    (
-        "robovec_bench.cpp",
-        include_str!("../../../hdl/bench/robovec_bench.cpp"),
-    ),
-    (
-        "run_iverilog.sh",
-        include_str!("../../../hdl/bench/run_iverilog.sh"),
-    ),
+/// The files of the benches that are written by hand: the host's bridges, the
+/// benches, and the makefile for Verilator.
+const BRIDGES: [(&str, &str); 2] = hdl!["host", "robovec_avalon.v", "robovec_axi4lite.v"];
+const BENCHES: [(&str, &str); 5] = hdl![
+    "bench",
+    "robovec_bench_top.v",
+    "robovec_bench.v",
+    "robovec_bench.cpp",
+    "run_iverilog.sh",
+    "Makefile",
 ];
-
-/// The makefile for Verilator.
-const MAKEFILE: &str = include_str!("../../../hdl/bench/Makefile");
 
 /// A word that holds a value before the first cycle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -140,18 +121,22 @@ impl TestBench<'_> {
         self.check_runs()?;
         let script = script::write(self, window, false)?;
         let configured = script::write(self, window, true)?;
-        let mut files: Vec<(String, String)> = STATIC
-            .iter()
-            .map(|&(name, text)| (name.to_owned(), text.to_owned()))
+        let fixed = BRIDGES.into_iter().chain(BENCHES);
+        let mut files: Vec<(String, String)> = fixed
+            .map(|(name, text)| (name.to_owned(), text.to_owned()))
             .collect();
         let mut add = |name: &str, text: String| files.push((name.to_owned(), text));
-        add("Makefile", MAKEFILE.to_owned());
         add("places.hex", self.places());
         add("results.hex", self.results());
         add("operations.txt", names::operations(self));
         let sizes = self.sizes(window, &script, &configured)?;
-        add("bench_config.vh", verilog(&sizes, &self.manifest.function));
-        add("bench_config.h", c(&sizes, &self.manifest.function));
+        let function = &self.manifest.function;
+        let verilog = |text: &str| format!("// {text}\n");
+        let config = definitions(&sizes, function, verilog, ["`define", ""]);
+        add("bench_config.vh", config);
+        let c = |text: &str| format!("/* {text} */\n");
+        let config = definitions(&sizes, function, c, ["#define", "u"]);
+        add("bench_config.h", config);
         add("host.hex", script.commands);
         add("configured.hex", configured.commands);
         add("reads.txt", script.reads);
@@ -304,28 +289,18 @@ fn quotable(name: &str) -> String {
     name.chars().filter(good).collect()
 }
 
-fn verilog(sizes: &[Size], function: &str) -> String {
-    let mut text = String::from("// What the benches are compiled with.\n");
+/// The sizes as definitions, each after a comment.
+fn definitions(
+    sizes: &[Size],
+    function: &str,
+    comment: impl Fn(&str) -> String,
+    [define, unsigned]: [&str; 2],
+) -> String {
+    let mut text = comment("What the benches are compiled with.");
     for (what, name, number) in sizes {
-        let _ = writeln!(text, "// {what}\n`define ROBOVEC_{name} {number}");
+        text += &comment(what);
+        let _ = writeln!(text, "{define} ROBOVEC_{name} {number}{unsigned}");
     }
-    let _ = writeln!(
-        text,
-        "// the program\n`define ROBOVEC_NAME \"{}\"",
-        quotable(function)
-    );
-    text
-}
-
-fn c(sizes: &[Size], function: &str) -> String {
-    let mut text = String::from("/* What the benches are compiled with. */\n");
-    for (what, name, number) in sizes {
-        let _ = writeln!(text, "/* {what} */\n#define ROBOVEC_{name} {number}u");
-    }
-    let _ = writeln!(
-        text,
-        "/* the program */\n#define ROBOVEC_NAME \"{}\"",
-        quotable(function)
-    );
-    text
+    let name = quotable(function);
+    text + &comment("the program") + &format!("{define} ROBOVEC_NAME \"{name}\"\n")
 }

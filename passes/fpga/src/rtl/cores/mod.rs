@@ -30,27 +30,11 @@ pub enum OperatorCore {
     Fused,
 }
 
-/// A Verilog file that travels with the compiler.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct SourceFile {
-    /// Its name, that of its only module with `.v` behind.
-    pub name: &'static str,
-    /// Its text.
-    pub text: &'static str,
-}
-
-macro_rules! sources {
-    ($($name:literal),* $(,)?) => {
-        [$(SourceFile {
-            name: $name,
-            text: include_str!(concat!("../../../hdl/cores/", $name)),
-        }),*]
-    };
-}
-
-/// The files of all operators, in alphabetic order. They need no order among
-/// themselves and no file beside them.
-pub const SOURCES: [SourceFile; 12] = sources![
+/// The files of all operators, in alphabetic order, each named as its only
+/// module: name and text. They need no order among themselves and no file
+/// beside them.
+pub const SOURCES: [(&str, &str); 12] = hdl![
+    "cores",
     "fp_add.v",
     "fp_div.v",
     "fp_fma.v",
@@ -311,11 +295,11 @@ mod tests {
 
     #[test]
     fn files_hold_the_module_of_their_name() {
-        assert!(SOURCES.is_sorted_by_key(|file| file.name));
-        for file in SOURCES {
-            let module = file.name.trim_end_matches(".v");
-            assert!(file.text.contains(&format!("\nmodule {module} ")));
-            assert!(file.text.ends_with("endmodule\n"), "{module}");
+        assert!(SOURCES.is_sorted_by_key(|(name, _)| name));
+        for (name, text) in SOURCES {
+            let module = name.trim_end_matches(".v");
+            assert!(text.contains(&format!("\nmodule {module} ")));
+            assert!(text.ends_with("endmodule\n"), "{module}");
         }
     }
 }
