@@ -7,6 +7,7 @@
 
 use super::functions::is_varying;
 use robovec_cgen::c::Real;
+use robovec_framework::template::fill;
 use robovec_ir::{Array, Shape, View};
 use std::fmt::Write;
 
@@ -148,23 +149,27 @@ pub(super) fn main(callee: &Callee<'_>, states: u32) -> String {
     let outputs = view.function.assignments.len();
     let HarnessWriter {
         storage,
-        fill,
+        fill: fill_lines,
         bases,
         ..
     } = writer;
-    let bases = bases.join(", ");
     let place = call.place("output_list[i][1]", "output_list[i][2]");
-    format!(
-        "#define BENCH_LANES {lanes}\n#include \"bench.h\"\n{header}\n\
-         enum {{ STATES = {states}, LANES = {lanes}, INPUTS = {inputs} }};\n{storage}\
-         static void fill(const double *in, int s)\n{{\n    const int g = s / LANES, l = s % LANES;\n    (void)g; (void)l; (void)in;\n{fill}}}\n\
-         static void bench_evaluate(int g)\n{{\n    (void)g;\n{body}}}\n\
-         static void bench_result(int g, int l, double *out)\n{{\n    (void)g; (void)l;\n    {real} *const output_base[] = {{ {bases} }};\n    \
-         for (int i = 0; i < {outputs}; i++) out[i] = *(output_base[output_list[i][0]] + {place});\n}}\n\
-         int main(int count, char **words)\n{{\n    static double in[INPUTS + 1];\n    FILE *file = fopen(\"inputs.bin\", \"rb\");\n    \
-         if (!file) bench_fail(\"there are no states\");\n    \
-         for (int s = 0; s < STATES; s++) {{\n        if (fread(in, sizeof(double), INPUTS, file) != INPUTS) bench_fail(\"states are missing\");\n        fill(in, s);\n    }}\n    \
-         fclose(file);\n{before}    return bench_run(STATES, {outputs}, words[1], count > 2 ? atof(words[2]) : 100.0);\n}}\n"
+    fill(
+        include_str!("harness.c"),
+        &[
+            ("header", &header),
+            ("real", &real),
+            ("lanes", &lanes),
+            ("states", &states),
+            ("inputs", &inputs),
+            ("outputs", &outputs),
+            ("storage", &storage),
+            ("fill", &fill_lines),
+            ("body", &body),
+            ("bases", &bases.join(", ")),
+            ("place", &place),
+            ("before", &before),
+        ],
     )
 }
 

@@ -1,8 +1,7 @@
 //! The names in a file of batch code.
 
-use super::plan::BatchPlan;
 use crate::emit::names::CNames;
-use robovec_ir::{Array, View};
+use robovec_ir::View;
 
 /// The names of generated text, and those that compilers define.
 const OWN: [&str; 26] = [
@@ -24,23 +23,14 @@ pub(super) struct BatchNames {
 }
 
 impl BatchNames {
-    pub(super) fn new(view: View<'_>, plan: &BatchPlan) -> BatchNames {
-        let symbols = &view.tables.symbols;
+    pub(super) fn new(view: View<'_>) -> BatchNames {
         let mut taken = CNames::beside(&OWN);
         let function = taken.take(&view.function.name);
-        let mut arrays = |arrays: &[Array]| -> Vec<String> {
-            let names = arrays.iter().map(|array| symbols.text(array.name));
-            names.map(|name| taken.take(name)).collect()
-        };
-        let inputs = arrays(view.function.inputs());
-        let outputs = arrays(view.function.outputs());
-        let mut values = Vec::with_capacity(plan.uniform.len());
-        for (value, node) in view.function.values() {
-            values.push(match node.name.is_none() {
-                true => taken.take(&format!("inner_{}", value.0)),
-                false => taken.take(&node.name.display(symbols)),
-            });
-        }
+        let inputs = taken.take_arrays(view, view.function.inputs());
+        let outputs = taken.take_arrays(view, view.function.outputs());
+        let values = view.function.values();
+        let values = values.map(|(value, _)| taken.take_value(view, value));
+        let values = values.collect();
         BatchNames {
             function,
             inputs,

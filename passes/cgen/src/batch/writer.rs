@@ -29,7 +29,7 @@ impl<'a> BatchWriter<'a> {
         prepared: &'a Prepared,
     ) -> BatchWriter<'a> {
         BatchWriter {
-            names: BatchNames::new(view, plan),
+            names: BatchNames::new(view),
             kernel: SineKernel {
                 real: options.real,
                 lanes: options.lanes,

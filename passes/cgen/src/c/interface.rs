@@ -266,13 +266,7 @@ impl<'a> Interface<'a> {
         }
         rows.extend(outputs.map(|assignment| (true, self.place(true, assignment.output.0))));
         for (is_output, (number, indices, rank)) in rows {
-            let access = if is_output {
-                &self.outputs
-            } else {
-                &self.inputs
-            };
-            let access = &access[number];
-            let row = if rank == 2 { indices[0] } else { 0 };
+            let (access, row) = self.row(is_output, number, indices, rank);
             let key = (is_output, number, row);
             let needs_none = rank == 0 || (rank == 1 && access.reach != ArrayReach::Member);
             if needs_none || self.by_row.contains_key(&key) {
@@ -302,6 +296,22 @@ impl<'a> Interface<'a> {
         }
     }
 
+    /// How an array is reached, and the row of an element in it.
+    fn row(
+        &self,
+        is_output: bool,
+        number: usize,
+        indices: [u32; 2],
+        rank: usize,
+    ) -> (&ArrayAccess, u32) {
+        let arrays = if is_output {
+            &self.outputs
+        } else {
+            &self.inputs
+        };
+        (&arrays[number], if rank == 2 { indices[0] } else { 0 })
+    }
+
     fn place(&self, is_output: bool, element: u32) -> (usize, [u32; 2], usize) {
         let (input, output) = (Input(element), Output(element));
         let function = self.function;
@@ -318,13 +328,7 @@ impl<'a> Interface<'a> {
     /// The text of an input (or output) element.
     pub(super) fn element(&self, is_output: bool, element: u32) -> ElementExpression {
         let (number, indices, rank) = self.place(is_output, element);
-        let access = if is_output {
-            &self.outputs
-        } else {
-            &self.inputs
-        };
-        let access = &access[number];
-        let row = if rank == 2 { indices[0] } else { 0 };
+        let (access, row) = self.row(is_output, number, indices, rank);
         let pointer = self.by_row.get(&(is_output, number, row)).copied();
         let text = match (pointer, rank) {
             (Some(pointer), _) => {

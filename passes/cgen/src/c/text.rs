@@ -43,7 +43,6 @@ impl<'a> PlainWriter<'a> {
         plan: &'a CodePlan,
     ) -> PlainWriter<'a> {
         let function = view.function;
-        let symbols = &view.tables.symbols;
         let mut names = interface.names();
         let words = [
             "ROBOVEC_APART",
@@ -62,13 +61,10 @@ impl<'a> PlainWriter<'a> {
         let work = names.take("work");
         let values = function
             .values()
-            .map(
-                |(value, node)| match (plan.is_inlined(value), node.name.is_none()) {
-                    (true, _) => String::new(),
-                    (false, true) => names.take(&format!("inner_{}", value.0)),
-                    (false, false) => names.take(&node.name.display(symbols)),
-                },
-            )
+            .map(|(value, _)| match plan.is_inlined(value) {
+                true => String::new(),
+                false => names.take_value(view, value),
+            })
             .collect();
         PlainWriter {
             function,

@@ -1,6 +1,7 @@
 //! Names that C accepts, each for one thing only.
 
 use hashbrown::{HashMap, HashSet};
+use robovec_ir::{Array, Value, View};
 use rustc_hash::FxBuildHasher;
 
 /// Words that C reserves, and functions that generated code calls or the
@@ -78,6 +79,25 @@ impl CNames {
         }
         self.taken.insert(name.clone());
         name
+    }
+}
+
+impl CNames {
+    /// Names of arrays, in order.
+    pub(crate) fn take_arrays(&mut self, view: View<'_>, arrays: &[Array]) -> Vec<String> {
+        let names = arrays
+            .iter()
+            .map(|array| view.tables.symbols.text(array.name));
+        names.map(|name| self.take(name)).collect()
+    }
+
+    /// The name of the variable of a value.
+    pub(crate) fn take_value(&mut self, view: View<'_>, value: Value) -> String {
+        let name = view.function.node(value).name;
+        match name.is_none() {
+            true => self.take(&format!("inner_{}", value.0)),
+            false => self.take(&name.display(&view.tables.symbols)),
+        }
     }
 }
 

@@ -51,7 +51,7 @@ impl Outputs {
         }
         demoted.sort_unstable();
         for (output, value) in demoted {
-            let statement = statements.append(output, value);
+            let statement = statements.append(output, value.into());
             nest.append(statement);
         }
         Outputs { elements }

@@ -102,7 +102,7 @@ impl Statements {
         }
         copies.sort_unstable_by_key(|&(output, _)| output);
         for (output, operand) in copies {
-            builder.copy(output, operand);
+            builder.statements.append(output, operand);
         }
         builder.statements
     }
@@ -128,10 +128,10 @@ impl Statements {
         self.assigned[range].last().copied()
     }
 
-    /// Appends a copy of a value to an output.
-    pub(super) fn append(&mut self, output: Output, value: Value) -> u32 {
+    /// Appends a copy of an operand to an output.
+    pub(super) fn append(&mut self, output: Output, operand: Operand) -> u32 {
         let start = self.leaves.len() as u32;
-        self.leaves.push(value.into());
+        self.leaves.push(operand);
         self.list.push(RolledStatement {
             template: COPY,
             start,
@@ -184,27 +184,13 @@ impl StatementBuilder<'_> {
         self.push(steps, start, StatementTarget::Value(value));
     }
 
-    fn copy(&mut self, output: Output, operand: Operand) {
-        let start = self.statements.leaves.len() as u32;
-        self.statements.leaves.push(operand);
-        self.statements.list.push(RolledStatement {
-            template: COPY,
-            start,
-            target: StatementTarget::Output(output),
-        });
-    }
-
     fn push(&mut self, steps: Vec<TemplateStep>, start: u32, target: StatementTarget) {
         let next = self.statements.templates.len() as u32;
         let template = Template { steps };
-        let number = match self.index.get(&template) {
-            Some(&number) => number,
-            None => {
-                self.index.insert(template.clone(), next);
-                self.statements.templates.push(template);
-                next
-            }
-        };
+        let number = *self.index.entry(template.clone()).or_insert(next);
+        if number == next {
+            self.statements.templates.push(template);
+        }
         self.statements.list.push(RolledStatement {
             template: number,
             start,

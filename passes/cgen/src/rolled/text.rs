@@ -11,7 +11,7 @@ use super::super::sincos::SineKernel;
 use super::nest::BodyElement;
 use super::program::{Copy, LeafSource, RolledProgram, SpaceElement, StorageSpace};
 use super::{Options, RolledCircular};
-use robovec_ir::{Array, Function, View};
+use robovec_ir::{Function, View};
 use std::fmt::Write;
 
 /// The source and the header.
@@ -63,16 +63,10 @@ struct Used {
 impl<'a> RolledWriter<'a> {
     fn new(view: View<'a>, options: Options, program: &'a RolledProgram) -> RolledWriter<'a> {
         let function = view.function;
-        let symbols = &view.tables.symbols;
         let mut names = CNames::new();
         let name = names.take(&function.name);
-        let mut arrays = |arrays: &[Array]| -> Vec<String> {
-            let arrays = arrays.iter();
-            arrays
-                .map(|array| names.take(symbols.text(array.name)))
-                .collect()
-        };
-        let (inputs, outputs) = (arrays(function.inputs()), arrays(function.outputs()));
+        let inputs = names.take_arrays(view, function.inputs());
+        let outputs = names.take_arrays(view, function.outputs());
         let parts = (1..=program.parts.last().map_or(0, |&last| last))
             .map(|number| names.take(&format!("{name}_part_{number}")))
             .collect();

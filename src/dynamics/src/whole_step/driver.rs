@@ -4,6 +4,7 @@
 
 use super::{StepFunction, StepPlan};
 use robovec_cgen::kind::{Generation, ProjectStructure, file_stem};
+use robovec_framework::template::fill;
 
 /// What both functions consist of.
 const STEP: &str = include_str!("step.c");
@@ -38,32 +39,29 @@ pub(super) fn source(step: &StepPlan<'_>, function: StepFunction, generated: &st
         true => "    user_DrivenJoints(s, tsim);\n",
         false => "",
     };
-    let number = |count: usize| count.to_string();
-    let words = [
-        ("NAME", function.name().to_owned()),
-        ("TITLE", title.to_owned()),
-        ("STEM", file_stem(&step.model.name)),
-        ("HEADER", header.to_owned()),
-        ("FUNCTIONS", functions.to_owned()),
-        ("JOINTS", number(step.model.joints.len())),
-        ("INDEPENDENT", number(step.independent.len())),
-        ("LOOP_ROWS", number(step.rows)),
-        ("USER_ROWS", number(step.user_rows)),
-        ("MULTIPLIERS", number(usize::from(step.multipliers))),
-        ("LIST", list),
-        ("LOADS", loads(step)),
-        ("DRIVEN", driven.to_owned()),
-        ("FILLED", filled.to_owned()),
-        ("QDDU", qddu.to_owned()),
-        ("DATA", name.to_owned()),
-        ("PREFIX", prefix.to_owned()),
-        // Last, so that nothing in it is taken for a word.
-        ("GENERATED", generated.to_owned()),
-    ];
-    let text = STEP.to_owned() + own;
-    words.iter().fold(text, |text, (word, value)| {
-        text.replace(&format!("@{word}@"), value)
-    })
+    fill(
+        &(STEP.to_owned() + own),
+        &[
+            ("NAME", &function.name()),
+            ("TITLE", &title),
+            ("STEM", &file_stem(&step.model.name)),
+            ("HEADER", &header),
+            ("FUNCTIONS", &functions),
+            ("JOINTS", &step.model.joints.len()),
+            ("INDEPENDENT", &step.independent.len()),
+            ("LOOP_ROWS", &step.rows),
+            ("USER_ROWS", &step.user_rows),
+            ("MULTIPLIERS", &u8::from(step.multipliers)),
+            ("LIST", &list),
+            ("LOADS", &loads(step)),
+            ("DRIVEN", &driven),
+            ("FILLED", &filled),
+            ("QDDU", &qddu),
+            ("DATA", &name),
+            ("PREFIX", &prefix),
+            ("GENERATED", &generated),
+        ],
+    )
 }
 
 /// Calls of the functions that add loads, those that the model has.
