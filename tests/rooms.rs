@@ -26,7 +26,7 @@ fn sources(folder: &Path) -> Vec<(String, String)> {
             let path = entry.expect("a readable folder").path();
             if path.is_dir() {
                 // Crates lie below `src` and are counted on their own.
-                if !path.join("Cargo.toml").is_file() {
+                if !path.join("Cargo.toml").is_file() && !path.ends_with("tests") {
                     folders.push(path);
                 }
                 continue;

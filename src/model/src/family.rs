@@ -31,12 +31,12 @@ pub const JOINTS: NumberLimit = NumberLimit::whole(
 pub struct ModelFamily {
     name: &'static str,
     joints: Option<usize>,
-    members: Members,
+    members: FamilyMembers,
 }
 
-/// Members of a family.
+/// FamilyMembers of a family.
 #[derive(Clone, Copy, Debug)]
-enum Members {
+enum FamilyMembers {
     /// Models of the frozen kind, on the tree for a number of joints.
     Trees(fn(usize) -> TrunkTree),
     /// Random trees with joints of all six types.
@@ -51,7 +51,7 @@ macro_rules! machine {
         ModelFamily {
             name: $name,
             joints: Some($joints),
-            members: Members::File(include_bytes!(concat!("models/", $name, ".mbs"))),
+            members: FamilyMembers::File(include_bytes!(concat!("models/", $name, ".mbs"))),
         }
     };
 }
@@ -66,7 +66,7 @@ impl ModelFamily {
         ModelFamily {
             name: "random",
             joints: None,
-            members: Members::Random,
+            members: FamilyMembers::Random,
         },
         machine!("bogie", 23),
         machine!("train", 70),
@@ -87,7 +87,7 @@ impl ModelFamily {
         ModelFamily {
             name,
             joints,
-            members: Members::Trees(tree),
+            members: FamilyMembers::Trees(tree),
         }
     }
 
@@ -110,7 +110,7 @@ impl ModelFamily {
 
     /// True when the seed decides the parameters.
     pub fn is_seeded(self) -> bool {
-        !matches!(self.members, Members::File(_))
+        !matches!(self.members, FamilyMembers::File(_))
     }
 
     /// The model of the family with this number of joints, which families of
@@ -121,15 +121,15 @@ impl ModelFamily {
     /// When `joints` is 0 where it matters.
     pub fn build(self, joints: usize, seed: u64) -> Model {
         match self.members {
-            Members::Trees(topology) => {
+            FamilyMembers::Trees(topology) => {
                 let mut name = self.name.replace('-', "_");
                 if self.joints.is_none() {
                     name += &format!("_{joints}");
                 }
                 tree(&name, &topology(joints), seed)
             }
-            Members::Random => random_tree(seed, joints),
-            Members::File(file) => {
+            FamilyMembers::Random => random_tree(seed, joints),
+            FamilyMembers::File(file) => {
                 let read = read_mbs(self.name, file);
                 read.expect("files of the program are sound").model
             }

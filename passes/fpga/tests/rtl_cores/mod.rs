@@ -6,7 +6,7 @@
 //! formats, and through planted mutants, each of which must be noticed. The
 //! long one runs three million per operator and latency through verilator:
 //!
-//!     cargo test --release -p robovec-codegen --features softfloat --test all rtl_cores:: -- --ignored --nocapture --test-threads 1
+//!     cargo test --release -p robovec-fpga --features softfloat --test all rtl_cores:: -- --ignored --nocapture --test-threads 1
 //!
 //! In every run `enable` is low now and then, while other operands stand at
 //! the inputs: a result must come exactly as many enabled clocks after its
