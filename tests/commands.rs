@@ -75,9 +75,10 @@ fn printed(line: &str, folder: &Path) -> Result<String, String> {
     let output = shell(line, folder);
     let [told, warned] =
         [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
-    match output.status.success() {
-        true => Ok(told + &warned),
-        false => Err(format!("{line}\n{warned}")),
+    if output.status.success() {
+        Ok(told + &warned)
+    } else {
+        Err(format!("{line}\n{warned}"))
     }
 }
 
@@ -298,9 +299,10 @@ fn given(command: &str) -> String {
 
 /// A function in robovec's own text; sources may be left out.
 fn function(text: &str) -> Result<(), String> {
-    let text = match text.contains("source 0") {
-        true => text.to_owned(),
-        false => format!("source 0 \"a.m\"\n{text}"),
+    let text = if text.contains("source 0") {
+        text.to_owned()
+    } else {
+        format!("source 0 \"a.m\"\n{text}")
     };
     parse_module("block", &text)
         .map(drop)

@@ -28,9 +28,10 @@ fn model(case: u64) -> Model {
             // A wheel: balanced, and symmetric about one of its axes.
             body.center = [0.0; 3];
             let [xx, _, _, _, _, zz] = body.inertia;
-            body.inertia = match once_in(2) {
-                true => [xx, 0.0, 0.0, zz, 0.0, zz],
-                false => [zz, 0.0, 0.0, xx, 0.0, zz],
+            body.inertia = if once_in(2) {
+                [xx, 0.0, 0.0, zz, 0.0, zz]
+            } else {
+                [zz, 0.0, 0.0, xx, 0.0, zz]
             };
         }
         if style == 4 {

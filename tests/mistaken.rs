@@ -278,9 +278,10 @@ fn refusal(folder: &Path, line: &str) -> Result<String, String> {
         && output.stdout.is_empty()
         && !message.contains("panicked")
         && errors.count() == 1;
-    match is_right {
-        true => Ok(message),
-        false => Err(format!("$ {line}\n{:?}\n{message}", output.status.code())),
+    if is_right {
+        Ok(message)
+    } else {
+        Err(format!("$ {line}\n{:?}\n{message}", output.status.code()))
     }
 }
 
@@ -314,9 +315,10 @@ fn files_that_a_command_cannot_take_are_named() {
                 None => line.replace('@', name),
             };
             let message = refusal(folder, &line)?;
-            match message.contains(name.as_str()) {
-                true => Ok(message),
-                false => Err(format!("$ {line}\nno name of the file\n{message}")),
+            if message.contains(name.as_str()) {
+                Ok(message)
+            } else {
+                Err(format!("$ {line}\nno name of the file\n{message}"))
             }
         })
         .collect();

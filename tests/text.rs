@@ -187,9 +187,10 @@ fn the_examples_of_the_documentation_are_read() {
         .collect();
     assert_eq!(examples.len(), 5);
     for example in examples {
-        let module = match example.contains("source 0") {
-            true => parse("text-format.md", example),
-            false => parse("text-format.md", &format!("source 0 \"a.m\"\n{example}")),
+        let module = if example.contains("source 0") {
+            parse("text-format.md", example)
+        } else {
+            parse("text-format.md", &format!("source 0 \"a.m\"\n{example}"))
         };
         for function in module.functions.iter().filter(|f| f.level == Level::Placed) {
             let schedule = function.schedule.as_ref().expect("it is placed");

@@ -120,9 +120,10 @@ fn generate(folder: &Path, plan: &HostPlan) {
     let (model, output) = model.zip(output).expect("plain paths");
     let generation = if plan.is_old { "6.6" } else { "8.1" };
     let rows = plan.bound.len().to_string();
-    let steps = match plan.has_actuators {
-        true => "accelred,invdynared",
-        false => "accelred",
+    let steps = if plan.has_actuators {
+        "accelred,invdynared"
+    } else {
+        "accelred"
     };
     let common = ["gen", model, "--generation", generation, "-o", output];
     let parts = "dirdyna,cons_hJ,cons_jdqd,link,extforces";
@@ -273,9 +274,10 @@ fn rows_of_the_user_and_actuators_are_served() {
         for (joint, of_model) in model.joints.iter_mut().enumerate() {
             of_model.actuated = false;
             if of_model.nature != Nature::Driven {
-                of_model.nature = match joints.contains(&joint) && !bound.contains(&joint) {
-                    true => Nature::Independent,
-                    false => Nature::Dependent,
+                of_model.nature = if joints.contains(&joint) && !bound.contains(&joint) {
+                    Nature::Independent
+                } else {
+                    Nature::Dependent
                 };
             }
         }

@@ -52,9 +52,10 @@ impl Program {
                 let mut operand = |random: &mut Random| {
                     if random.below(10) < 7 || index < NEAR {
                         let near = random.below(NEAR.min(index + INPUTS));
-                        return match near < index {
-                            true => Operand::Value(index - 1 - near),
-                            false => Operand::Input(1 + near - index),
+                        return if near < index {
+                            Operand::Value(index - 1 - near)
+                        } else {
+                            Operand::Input(1 + near - index)
                         };
                     }
                     while oldest_unused < index && used[oldest_unused] {

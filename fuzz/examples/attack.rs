@@ -153,9 +153,10 @@ fn programs(count: u64, seed: u64, without: &[String]) -> bool {
                     .next()
                     .unwrap_or_default()
                     .to_owned();
-                let accused = match finding.what.contains("the check saw nothing") {
-                    true => "not seen by the check",
-                    false => "seen by the check",
+                let accused = if finding.what.contains("the check saw nothing") {
+                    "not seen by the check"
+                } else {
+                    "seen by the check"
                 };
                 let entry = found
                     .entry(format!("{pass}, {accused}"))

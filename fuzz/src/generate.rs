@@ -175,12 +175,11 @@ impl Generator<'_, '_> {
             arguments.push((*self.bytes.choose(&names)?).to_owned());
         }
         let inputs: Vec<Array> = self.function.inputs().to_vec();
-        let result = match self.bytes.ratio(1, 2)? {
-            true => {
-                let array = self.bytes.choose(&inputs)?;
-                Some(self.tables.symbols.text(array.name).to_owned())
-            }
-            false => None,
+        let result = if self.bytes.ratio(1, 2)? {
+            let array = self.bytes.choose(&inputs)?;
+            Some(self.tables.symbols.text(array.name).to_owned())
+        } else {
+            None
         };
         let sources = self.sources()?;
         self.function.boundaries.push(Boundary {
@@ -330,9 +329,10 @@ impl Generator<'_, '_> {
     }
 
     fn number(&mut self) -> Result<f64> {
-        let number: f64 = match self.bytes.ratio(1, 2)? {
-            true => *self.bytes.choose(&WILD)?,
-            false => f64::from_bits(self.bytes.arbitrary()?),
+        let number: f64 = if self.bytes.ratio(1, 2)? {
+            *self.bytes.choose(&WILD)?
+        } else {
+            f64::from_bits(self.bytes.arbitrary()?)
         };
         Ok(if number.is_finite() { number } else { 2.5 })
     }
@@ -346,9 +346,10 @@ impl Generator<'_, '_> {
                     continue;
                 }
                 self.start = self.function.nodes().len() as u32;
-                let operand = match self.bytes.ratio(1, 3)? {
-                    true => self.expression()?,
-                    false => self.leaf()?,
+                let operand = if self.bytes.ratio(1, 3)? {
+                    self.expression()?
+                } else {
+                    self.leaf()?
                 };
                 let sources = self.set_sources()?;
                 self.function.assignments.push(Assignment {

@@ -106,9 +106,10 @@ pub fn plant(bytes: &mut Unstructured<'_>) -> Result<Mutant> {
         let verdict = holds(class, &commuted(&original));
         assert!(verdict.holds(), "a right rewrite was refused: {verdict}");
     }
-    let shows = match is_hostile {
-        true => referee_sees(&tables, [&original, &mutated], seed),
-        false => differ(&tables, &original, &mutated, seed),
+    let shows = if is_hostile {
+        referee_sees(&tables, [&original, &mutated], seed)
+    } else {
+        differ(&tables, &original, &mutated, seed)
     };
     if !shows {
         return Ok(Mutant::Harmless);

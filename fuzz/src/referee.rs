@@ -253,9 +253,10 @@ fn distinct(ends: &[BigFloat; 2]) -> &[BigFloat] {
 
 fn between(low: BigFloat, high: BigFloat) -> Real {
     let whole = |number: &BigFloat| !number.is_nan() && !number.is_inf();
-    match whole(&low) && whole(&high) {
-        true => Real::Between(Box::new([low, high])),
-        false => Real::Unknown,
+    if whole(&low) && whole(&high) {
+        Real::Between(Box::new([low, high]))
+    } else {
+        Real::Unknown
     }
 }
 
@@ -331,9 +332,10 @@ pub(crate) fn compare(before: &Real, after: &Real) -> Opinion {
                 (Some(width), Some(size)) => size.saturating_sub(width),
                 _ => 0,
             };
-            match places < 40 {
-                true => Opinion::Vague,
-                false => Opinion::Same,
+            if places < 40 {
+                Opinion::Vague
+            } else {
+                Opinion::Same
             }
         }
     }
@@ -385,12 +387,15 @@ pub(crate) fn in_hardware(function: &Function, inputs: &[f64], single: bool) -> 
     let mut values: Vec<Option<f64>> = Vec::with_capacity(function.nodes().len());
     for node in function.nodes() {
         let [a, b, c] = node.operands.map(|operand| number(operand, &values));
-        let result = a.zip(b).zip(c).map(|((a, b), c)| match single {
-            true => f64::from(operate32(
-                node.operation,
-                [a, b, c].map(|number| number as f32),
-            )),
-            false => operate64(node.operation, [a, b, c]),
+        let result = a.zip(b).zip(c).map(|((a, b), c)| {
+            if single {
+                f64::from(operate32(
+                    node.operation,
+                    [a, b, c].map(|number| number as f32),
+                ))
+            } else {
+                operate64(node.operation, [a, b, c])
+            }
         });
         values.push(result.filter(|number| number.is_finite()));
     }

@@ -49,9 +49,10 @@ pub fn false_rules_are_caught(data: &[u8]) {
 
 fn run(bytes: &mut Unstructured<'_>) -> Result<Run> {
     let count = bytes.int_in_range(1..=3)?;
-    let planted = match bytes.arbitrary()? {
-        true => Some(bytes.int_in_range(0..=count - 1)?),
-        false => None,
+    let planted = if bytes.arbitrary()? {
+        Some(bytes.int_in_range(0..=count - 1)?)
+    } else {
+        None
     };
     let mut text = String::new();
     let mut falsehood = None;
@@ -136,9 +137,10 @@ fn differ(left: &Term, right: &Term) -> bool {
 /// The rule check must prove what is true and refute what is false.
 fn judge(rule: &Rule) {
     let verdict = check(rule, TRIALS).verdict;
-    let right = match rule.name.starts_with("true") {
-        true => matches!(verdict, RuleVerdict::Proved(_)),
-        false => matches!(verdict, RuleVerdict::False(_)),
+    let right = if rule.name.starts_with("true") {
+        matches!(verdict, RuleVerdict::Proved(_))
+    } else {
+        matches!(verdict, RuleVerdict::False(_))
     };
     assert!(right, "{}: {verdict:?}\n{rule:?}", rule.name);
 }

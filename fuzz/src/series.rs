@@ -41,9 +41,10 @@ fn run(bytes: &mut Unstructured<'_>) -> Result<()> {
     let fitted: bool = bytes.arbitrary()?;
     let mut polynomial = |of: Circular| -> Result<Polynomial> {
         let order = bytes.int_in_range(1..=13)?;
-        Ok(match fitted {
-            true => Polynomial::minimax(of, order, small, Some(format)),
-            false => Polynomial::taylor(of, order).rounded(format),
+        Ok(if fitted {
+            Polynomial::minimax(of, order, small, Some(format))
+        } else {
+            Polynomial::taylor(of, order).rounded(format)
         })
     };
     let halved = Halved {

@@ -199,16 +199,18 @@ pub fn verify(view: View<'_>) -> Vec<Violation> {
     let function = view.function;
     let level = function.level;
     if function.schedule.is_some() != (level >= Level::Scheduled) {
-        let message = match level >= Level::Scheduled {
-            true => format!("a function of the level {level} needs a schedule"),
-            false => format!("a function of the level {level} has no schedule"),
+        let message = if level >= Level::Scheduled {
+            format!("a function of the level {level} needs a schedule")
+        } else {
+            format!("a function of the level {level} has no schedule")
         };
         collector.add(ViolationSubject::Function, || message);
     }
     if function.placement.is_some() != (level == Level::Placed) {
-        let message = match level == Level::Placed {
-            true => "a placed function needs a placement".to_owned(),
-            false => format!("a function of the level {level} has no placement"),
+        let message = if level == Level::Placed {
+            "a placed function needs a placement".to_owned()
+        } else {
+            format!("a function of the level {level} has no placement")
         };
         collector.add(ViolationSubject::Function, || message);
     }
@@ -258,9 +260,10 @@ impl<'a> ViolationCollector<'a> {
         let view = self.view;
         self.add(ViolationSubject::Assignment(index), || {
             let output = view.function.assignments[index].output;
-            let name = match output.index() < view.function.output_len() {
-                true => print::print_output(view, output),
-                false => format!("output element {}", output.0),
+            let name = if output.index() < view.function.output_len() {
+                print::print_output(view, output)
+            } else {
+                format!("output element {}", output.0)
             };
             format!("{name} {}", message())
         });
@@ -296,9 +299,10 @@ fn describe(view: View<'_>, value: Value) -> String {
     let symbols = &view.tables.symbols;
     let name = |value: Value| {
         let name = view.function.node(value).name;
-        match name.base.index() < symbols.len() {
-            true => format!("%{}", name.display(symbols)),
-            false => format!("node {}", value.0),
+        if name.base.index() < symbols.len() {
+            format!("%{}", name.display(symbols))
+        } else {
+            format!("node {}", value.0)
         }
     };
     if !view.function.node(value).name.is_none() {

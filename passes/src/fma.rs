@@ -272,9 +272,10 @@ impl<'a> Contraction<'a> {
             due -= if saving { WHOLE } else { 0 };
             for (form, gain) in FORMS.into_iter().zip(gains) {
                 let Some(gain) = gain else { continue };
-                let gain = match saving || gain >= ContractionGain::Nothing {
-                    true => gain,
-                    false => ContractionGain::Stays,
+                let gain = if saving || gain >= ContractionGain::Nothing {
+                    gain
+                } else {
+                    ContractionGain::Stays
                 };
                 let (operation, operands) = self.shape(node, form);
                 let arrival = times.finish(operation, &operands);

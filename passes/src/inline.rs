@@ -206,9 +206,10 @@ impl<'a> InliningChoice<'a> {
             }
             let (operation, operands) = shape(self.function, node);
             let operands = operands.map(|operand| rewriter.translate(operand));
-            let name = match self.inner[value.index()] {
-                true => Name::NONE,
-                false => node.name,
+            let name = if self.inner[value.index()] {
+                Name::NONE
+            } else {
+                node.name
             };
             rewriter.keep(Node {
                 name,

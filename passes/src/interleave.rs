@@ -178,9 +178,10 @@ impl<'a> Copier<'a> {
             for (place, array) in old.inputs().iter().enumerate() {
                 let index = place * count as usize + instance as usize - 1;
                 let symbol = self.array_name(array, instance, true);
-                self.inputs[index] = match symbol == array.name && instance > 1 {
-                    true => self.inputs[place * count as usize],
-                    false => self.new.add_input(symbol, array.shape).offset,
+                self.inputs[index] = if symbol == array.name && instance > 1 {
+                    self.inputs[place * count as usize]
+                } else {
+                    self.new.add_input(symbol, array.shape).offset
                 };
             }
             for (place, array) in old.outputs().iter().enumerate() {

@@ -34,9 +34,10 @@ impl OptionValue for Moves {
 
     fn parse(text: &str) -> Result<Moves, String> {
         let moves: Vec<String> = text.split(';').map(|text| text.trim().to_owned()).collect();
-        match moves.len() > MOST {
-            true => Err(format!("there are more than {MOST} moves")),
-            false => Ok(Moves(moves)),
+        if moves.len() > MOST {
+            Err(format!("there are more than {MOST} moves"))
+        } else {
+            Ok(Moves(moves))
         }
     }
 

@@ -90,9 +90,10 @@ fn origin(account: &Account, function: &Function, input: &InputModule) -> String
     let message = format!("{} of '{}' comes from {count}", account.name, function.name);
     let mut diagnostic = Diagnostic::note().with_message(message);
     let is_read = |place: &SourcePlace| sources.files[place.file as usize] == input.name;
-    let text = match places.iter().any(is_read) {
-        true => input.text(),
-        false => None,
+    let text = if places.iter().any(is_read) {
+        input.text()
+    } else {
+        None
     };
     let id = text.map(|text| report.add_file(&input.name, text));
     for (number, place) in places.iter().enumerate() {
@@ -234,9 +235,12 @@ fn print_readers(view: View<'_>, item: trail::TrackedItem, text: &mut String) {
     let symbols = &view.tables.symbols;
     let nodes = function.nodes().iter();
     let nodes = nodes.filter(|node| node.operands().iter().any(reads));
-    let nodes = nodes.map(|node| match node.name.is_none() {
-        true => "an expression".to_owned(),
-        false => format!("%{}", node.name.display(symbols)),
+    let nodes = nodes.map(|node| {
+        if node.name.is_none() {
+            "an expression".to_owned()
+        } else {
+            format!("%{}", node.name.display(symbols))
+        }
     });
     let outputs = function.assignments.iter();
     let outputs = outputs.filter(|assignment| reads(&assignment.operand));

@@ -265,9 +265,10 @@ pub(crate) fn usual_machine(function: &Function) -> Result<&'static str, Command
     let mut nodes = function.nodes().iter();
     let divides = nodes.any(|node| node.operation == Operation::Div);
     let lacks_divider = || Ok(machine(USUAL_MACHINE)?.kind_of(Operation::Div).is_none());
-    match divides && lacks_divider()? {
-        true => Ok(WITH_DIVIDER),
-        false => Ok(USUAL_MACHINE),
+    if divides && lacks_divider()? {
+        Ok(WITH_DIVIDER)
+    } else {
+        Ok(USUAL_MACHINE)
     }
 }
 

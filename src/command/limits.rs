@@ -175,9 +175,10 @@ mod tests {
                 let Ok(number) = usual.parse::<f64>() else {
                     continue;
                 };
-                let amount = match row.limit.is_whole() {
-                    true => limits::Amount::Whole(number as u64),
-                    false => limits::Amount::Real(number),
+                let amount = if row.limit.is_whole() {
+                    limits::Amount::Whole(number as u64)
+                } else {
+                    limits::Amount::Real(number)
                 };
                 assert!(
                     row.limit.admits(amount),

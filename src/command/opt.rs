@@ -41,9 +41,10 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     };
     telling::set(arguments.telling);
     set_force(arguments.force);
-    let result = match arguments.run_reproducer {
-        true => reproduced(&arguments, &words).and_then(|arguments| run(&arguments)),
-        false => run(&arguments),
+    let result = if arguments.run_reproducer {
+        reproduced(&arguments, &words).and_then(|arguments| run(&arguments))
+    } else {
+        run(&arguments)
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -169,9 +170,10 @@ fn run(arguments: &OptimiserArguments) -> Result<(), CommandFailure> {
         placed::check(&input, &machine)?;
     }
     let is_reported = arguments.report.is_some();
-    let read = match is_reported {
-        true => ReadCounts::of(&input.module),
-        false => Vec::new(),
+    let read = if is_reported {
+        ReadCounts::of(&input.module)
+    } else {
+        Vec::new()
     };
     let mut trail = arguments.explain.is_some().then(Trail::new);
     let target = (&machine, &rules, scene);
@@ -321,9 +323,10 @@ pub(super) fn select(module: &mut Module, name: &str) -> Result<(), CommandFailu
         .functions
         .retain(|function| function.name == name || case(function).is_some());
     if module.functions.is_empty() {
-        let notes = match names.is_empty() {
-            true => vec!["the model has nothing of this kind".to_owned()],
-            false => vec![format!("functions: {}", names.join(", "))],
+        let notes = if names.is_empty() {
+            vec!["the model has nothing of this kind".to_owned()]
+        } else {
+            vec![format!("functions: {}", names.join(", "))]
         };
         return Err(CommandFailure::advised(
             format!("there is no function '{name}'"),
@@ -556,9 +559,10 @@ fn write_result(
                 .collect();
             // Most files of hardware are the same for every machine and bear
             // no mark.
-            let usual = match files.iter().any(|(name, _)| name.ends_with(DESCRIPTION)) {
-                true => Replace::Anything,
-                false => Replace::Results,
+            let usual = if files.iter().any(|(name, _)| name.ends_with(DESCRIPTION)) {
+                Replace::Anything
+            } else {
+                Replace::Results
             };
             output::write_folder(folder, &files, usual)
         }

@@ -68,9 +68,12 @@ pub(crate) fn refuse_foreign(
     replace: Replace,
 ) -> Result<(), CommandFailure> {
     let paths = folder.into_iter().flat_map(|folder| {
-        let join = |name: &&str| match name.is_empty() {
-            true => folder.to_owned(),
-            false => folder.join(name),
+        let join = |name: &&str| {
+            if name.is_empty() {
+                folder.to_owned()
+            } else {
+                folder.join(name)
+            }
         };
         names.iter().map(join)
     });

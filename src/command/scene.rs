@@ -209,9 +209,10 @@ fn worth(effects: &[SceneEffect], machine: &Machine, scene: &Scene) -> String {
             None => "the longest chain",
         };
         let time = hardware::clock(machine).microseconds(cycles);
-        let verdict = match time <= deadline {
-            true => "within the deadline of",
-            false => "beyond the deadline of",
+        let verdict = if time <= deadline {
+            "within the deadline of"
+        } else {
+            "beyond the deadline of"
         };
         let _ = writeln!(
             text,

@@ -203,9 +203,12 @@ fn modal_text(
     let mut rows = Vec::new();
     for (index, mode) in found.iter().enumerate() {
         let oscillates = mode.eigenvalue.im > 0.0;
-        let number = |number: f64, shown: bool| match shown {
-            true => format!("{number:.6}"),
-            false => String::new(),
+        let number = |number: f64, shown: bool| {
+            if shown {
+                format!("{number:.6}")
+            } else {
+                String::new()
+            }
         };
         rows.push(vec![
             (index + 1).to_string(),

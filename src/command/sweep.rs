@@ -152,9 +152,10 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> 
             );
             continue;
         }
-        let compiled = match arguments.cpu {
-            true => Some(made("$cpu")?),
-            false => None,
+        let compiled = if arguments.cpu {
+            Some(made("$cpu")?)
+        } else {
+            None
         };
         let drawn = random_states(yardstick.len(), STATE_SEED, has_ranges);
         let compiled = compiled.as_ref().map(view);

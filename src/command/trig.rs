@@ -95,9 +95,10 @@ pub(super) fn run(arguments: &TrigArguments) -> Result<String, CommandFailure> {
         if let Some(wanted) = function {
             super::opt::select(&mut module, wanted)?;
         }
-        let model = match sources::is_model_path(path) {
-            true => Some(input::model(path)?.model),
-            false => None,
+        let model = if sources::is_model_path(path) {
+            Some(input::model(path)?.model)
+        } else {
+            None
         };
         let measured = trigonometry::measure(
             &input::stem(path),

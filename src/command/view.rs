@@ -118,9 +118,10 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<String, CommandFailure> {
 /// The text of the equations with its name. Equations of a model have none:
 /// they are printed, and take their places from what is printed.
 fn equations(read: &mut InputModule, arguments: &ViewArguments) -> Vec<(String, String)> {
-    let name = match sources::is_model_path(&arguments.file) {
-        true => format!("equations of {}", read.name),
-        false => read.name.clone(),
+    let name = if sources::is_model_path(&arguments.file) {
+        format!("equations of {}", read.name)
+    } else {
+        read.name.clone()
     };
     let text = robovec_view::place_lines(&mut read.module, &name);
     let text = text.or_else(|| read.text());
@@ -142,9 +143,10 @@ fn model(arguments: &ViewArguments) -> Result<Option<ModelText>, CommandFailure>
     Ok(Some(ModelText {
         name: sources::display_name(path),
         // A model that is built in has no file.
-        text: match path.exists() {
-            true => input::text(path, &limited::MODEL)?,
-            false => String::new(),
+        text: if path.exists() {
+            input::text(path, &limited::MODEL)?
+        } else {
+            String::new()
         },
         joints: joints.map(|joint| joint.name.clone()).collect(),
     }))

@@ -141,9 +141,10 @@ pub(crate) fn run(arguments: &WriteArguments) -> Result<String, CommandFailure> 
             let functions = module.functions.iter_mut();
             functions.for_each(|function| Generation::from(generation).mark(function));
         }
-        let written = match arguments.bounded {
-            true => drop_in(&module, &bounded(arguments, &options)?),
-            false => write(&module, arguments.language.into(), &options),
+        let written = if arguments.bounded {
+            drop_in(&module, &bounded(arguments, &options)?)
+        } else {
+            write(&module, arguments.language.into(), &options)
         };
         let written = written
             .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;

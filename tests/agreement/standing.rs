@@ -231,9 +231,10 @@ fn check_motions(standing: &Standing<'_>, state: &State<Double>, motions: &Small
         for (by_velocity, matrix) in [(false, &mut stiffness), (true, &mut damping)] {
             let left = |step: f64| {
                 let mut moved = state.clone();
-                let numbers = match by_velocity {
-                    true => &mut moved.qd,
-                    false => &mut moved.q,
+                let numbers = if by_velocity {
+                    &mut moved.qd
+                } else {
+                    &mut moved.q
                 };
                 numbers[joint] = numbers[joint] + number(step);
                 standing.residual(&moved)

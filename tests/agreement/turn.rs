@@ -23,9 +23,10 @@ fn led_by(leader: usize) -> Model {
     let bytes = std::fs::read(model("four-bar.mbs")).expect("the model is there");
     let mut model = read_mbs("four-bar", &bytes).expect("a good model").model;
     for (index, joint) in model.joints.iter_mut().enumerate() {
-        joint.nature = match index == leader {
-            true => Nature::Independent,
-            false => Nature::Dependent,
+        joint.nature = if index == leader {
+            Nature::Independent
+        } else {
+            Nature::Dependent
         };
     }
     model

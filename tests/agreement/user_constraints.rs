@@ -51,9 +51,10 @@ impl Bound {
         let dependent: Vec<usize> = loops.assigned("q").map(|(joint, _)| joint).collect();
         for (joint, of_model) in case.model.joints.iter_mut().enumerate() {
             if of_model.nature != Nature::Driven {
-                of_model.nature = match dependent.contains(&joint) {
-                    true => Nature::Dependent,
-                    false => Nature::Independent,
+                of_model.nature = if dependent.contains(&joint) {
+                    Nature::Dependent
+                } else {
+                    Nature::Independent
                 };
             }
         }

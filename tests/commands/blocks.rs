@@ -49,9 +49,12 @@ pub(crate) fn blocks(document: &str) -> Result<Vec<CodeBlock>, String> {
 /// The commands of a block for the shell, without what stands behind ` # `.
 pub(crate) fn commands(text: &str) -> Vec<String> {
     let joined = text.replace("\\\n", " ");
-    let lines = joined.lines().map(|line| match line.starts_with('#') {
-        true => "",
-        false => line.split(" # ").next().unwrap_or_default().trim(),
+    let lines = joined.lines().map(|line| {
+        if line.starts_with('#') {
+            ""
+        } else {
+            line.split(" # ").next().unwrap_or_default().trim()
+        }
     });
     lines
         .filter(|line| !line.is_empty())

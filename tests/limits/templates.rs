@@ -201,13 +201,19 @@ fn word(row: &LimitRow, value: &str) -> Invocation {
 }
 
 fn machine(row: &LimitRow, value: &str, folder: &Path) -> Vec<Invocation> {
-    let of = |name: &str, usual: &str| match row.name == name {
-        true => value.to_owned(),
-        false => usual.to_owned(),
+    let of = |name: &str, usual: &str| {
+        if row.name == name {
+            value.to_owned()
+        } else {
+            usual.to_owned()
+        }
     };
-    let optional = |name: &str| match row.name == name {
-        true => format!("{} = {value}\n", name.rsplit('.').next().unwrap_or(name)),
-        false => String::new(),
+    let optional = |name: &str| {
+        if row.name == name {
+            format!("{} = {value}\n", name.rsplit('.').next().unwrap_or(name))
+        } else {
+            String::new()
+        }
     };
     let network = match row.name.strip_prefix("interconnect.") {
         Some(field) => format!("interconnect = {{kind = \"mesh\", {field} = {value}}}\n"),
@@ -397,9 +403,12 @@ fn robotran(row: &LimitRow, value: &str, folder: &Path) -> Vec<Invocation> {
 }
 
 fn text(row: &LimitRow, value: &str, folder: &Path) -> Vec<Invocation> {
-    let of = |name: &str, usual: &str| match row.name == name {
-        true => value.to_owned(),
-        false => usual.to_owned(),
+    let of = |name: &str, usual: &str| {
+        if row.name == name {
+            value.to_owned()
+        } else {
+            usual.to_owned()
+        }
     };
     let name = row.name.as_str();
     if name.starts_with("elements of all") {

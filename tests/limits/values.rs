@@ -4,11 +4,12 @@ use robovec_num::limits::{Amount, NumberLimit};
 
 /// Numbers that are allowed, the extremes first.
 pub(crate) fn inside(limit: &NumberLimit) -> Vec<String> {
-    let middle = match limit.is_whole() {
-        true => vec![Amount::Whole(0), Amount::Whole(1), Amount::Whole(2)],
-        false => [0.0, f64::MIN_POSITIVE / 2.0, 1e-30, -1.0, 1.0]
+    let middle = if limit.is_whole() {
+        vec![Amount::Whole(0), Amount::Whole(1), Amount::Whole(2)]
+    } else {
+        [0.0, f64::MIN_POSITIVE / 2.0, 1e-30, -1.0, 1.0]
             .map(Amount::Real)
-            .to_vec(),
+            .to_vec()
     };
     let mut values = vec![limit.most().to_string(), limit.least().to_string()];
     for amount in middle {

@@ -126,9 +126,10 @@ fn add_body(random: &mut Random, recipe: &Recipe, model: &mut Model, index: usiz
             has_acceleration: has_velocity,
             actuated: false,
             initial: [0.0; 3],
-            mounting: match recipe.placed {
-                true => mounting(random, place == 0),
-                false => JointMounting::default(),
+            mounting: if recipe.placed {
+                mounting(random, place == 0)
+            } else {
+                JointMounting::default()
             },
             limits: None,
             losses: Default::default(),
@@ -162,9 +163,10 @@ fn mounting(random: &mut Random, first: bool) -> JointMounting {
     const QUARTER: f64 = std::f64::consts::FRAC_PI_2;
     let turns = (0..random.below(4)).map(|_| ConstantTurn {
         axis: Axis::ALL[random.below(3)],
-        angle: match first && random.chance(0.5) {
-            true => QUARTER * [-2.0, -1.0, 1.0, 2.0][random.below(4)],
-            false => 3.1 * random.signed(),
+        angle: if first && random.chance(0.5) {
+            QUARTER * [-2.0, -1.0, 1.0, 2.0][random.below(4)]
+        } else {
+            3.1 * random.signed()
         },
     });
     JointMounting {

@@ -223,9 +223,10 @@ impl Account {
     /// The account of a robot in a state, on a fixed or a free base.
     pub(super) fn new(robot: &DrawnRobot, free: bool, motion: &dyn Fn(&str) -> Motion) -> Account {
         let base = WorldFrame::base();
-        let mut frames = vec![match free {
-            true => base.freed("base", motion),
-            false => base,
+        let mut frames = vec![if free {
+            base.freed("base", motion)
+        } else {
+            base
         }];
         let mut account = Account::default();
         account.weigh(&robot.links[0], &frames[0]);

@@ -114,9 +114,10 @@ impl DrawnRobot {
         let mut joints: Vec<DrawnJoint> = Vec::new();
         for index in 0..count {
             // Half of the links continue the chain.
-            let parent = match random.chance(0.5) {
-                true => index,
-                false => random.below(index + 1),
+            let parent = if random.chance(0.5) {
+                index
+            } else {
+                random.below(index + 1)
             };
             let kind = KINDS[random.below(KINDS.len())];
             let leaders: Vec<usize> = (0..index)

@@ -131,9 +131,12 @@ fn a_model_shows_its_equations_and_its_joints() {
         "--trace",
         "events.json",
     ];
-    let words = words.map(|word| match word.contains('.') && !word.starts_with("--") {
-        true => folder.path().join(word).display().to_string(),
-        false => word.to_owned(),
+    let words = words.map(|word| {
+        if word.contains('.') && !word.starts_with("--") {
+            folder.path().join(word).display().to_string()
+        } else {
+            word.to_owned()
+        }
     });
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
     let data = data(&shown(&model("bogie.mbs"), &words, folder.path()));

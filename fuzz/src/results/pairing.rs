@@ -162,9 +162,10 @@ impl Pairing<'_> {
                     state = mix(state ^ u64::from(byte));
                 }
                 let number = hostile::input(mix(state));
-                inputs.push(match number.abs() <= self.promise.range {
-                    true => number,
-                    false => self.promise.range * (number / (1.0 + number.abs())),
+                inputs.push(if number.abs() <= self.promise.range {
+                    number
+                } else {
+                    self.promise.range * (number / (1.0 + number.abs()))
                 });
             }
         }

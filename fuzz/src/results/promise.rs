@@ -35,14 +35,16 @@ impl Promise {
                         .any(|(option, value)| option == "inexact" && value == "true"),
                     _ => false,
                 },
-                circular: match series {
-                    true => option("error").unwrap_or(0.0),
-                    false => 0.0,
+                circular: if series {
+                    option("error").unwrap_or(0.0)
+                } else {
+                    0.0
                 },
             },
-            range: match series {
-                true => option("range").unwrap_or(f64::INFINITY),
-                false => f64::INFINITY,
+            range: if series {
+                option("range").unwrap_or(f64::INFINITY)
+            } else {
+                f64::INFINITY
             },
         }
     }

@@ -26,9 +26,10 @@ enum Side {
 }
 
 fn exponent(number: &BigFloat) -> i64 {
-    match number.is_zero() {
-        true => i64::MIN / 4,
-        false => number.exponent().map_or(i64::MAX / 4, i64::from),
+    if number.is_zero() {
+        i64::MIN / 4
+    } else {
+        number.exponent().map_or(i64::MAX / 4, i64::from)
     }
 }
 
@@ -114,10 +115,7 @@ fn place(rule: &Rule, number: usize) -> Vec<f64> {
             let holds = rule
                 .requirements(variable)
                 .all(|needed| needed.holds_for(value));
-            match holds {
-                true => value,
-                false => value.abs() + 1.5,
-            }
+            if holds { value } else { value.abs() + 1.5 }
         })
         .collect()
 }

@@ -79,9 +79,10 @@ impl Double {
         // What sinks below the range by this is nothing beside such numbers.
         let number = self.scaled(0.0625).near_sum(other.scaled(0.0625));
         let number = number.scaled(16.0);
-        match number.low.is_finite() {
-            true => number,
-            false => Double::from(number.high),
+        if number.low.is_finite() {
+            number
+        } else {
+            Double::from(number.high)
         }
     }
 
@@ -143,9 +144,10 @@ impl std::ops::Add for Double {
     #[inline]
     fn add(self, other: Double) -> Double {
         let number = self.near_sum(other);
-        match number.low.is_finite() {
-            true => number,
-            false => self.far_sum(other),
+        if number.low.is_finite() {
+            number
+        } else {
+            self.far_sum(other)
         }
     }
 }

@@ -173,16 +173,17 @@ impl std::ops::Add for Interval {
         );
         // Finite ends whose sum overflows leave the line open on that side;
         // opposite infinities, both.
-        match low.is_nan() || high.is_nan() {
-            true => Interval::WHOLE,
-            false => Interval {
+        if low.is_nan() || high.is_nan() {
+            Interval::WHOLE
+        } else {
+            Interval {
                 low: if low == f64::INFINITY { f64::MAX } else { low },
                 high: if high == f64::NEG_INFINITY {
                     f64::MIN
                 } else {
                     high
                 },
-            },
+            }
         }
     }
 }

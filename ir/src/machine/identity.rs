@@ -92,9 +92,10 @@ impl Schedule {
     pub fn check_machine(&self, machine: &Machine) -> Result<(), MachineMismatch> {
         let (own, other) = (self.machine.clone(), machine.name.clone());
         let Some(own_hash) = self.machine_hash else {
-            return match own == other {
-                true => Ok(()),
-                false => Err(MachineMismatch::Name { own, other }),
+            return if own == other {
+                Ok(())
+            } else {
+                Err(MachineMismatch::Name { own, other })
             };
         };
         let other_hash = machine.content_hash();

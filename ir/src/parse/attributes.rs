@@ -317,9 +317,10 @@ fn scan_place(bytes: &[u8]) -> Option<SourcePlace> {
         file |= byte == b'/';
         lines += u32::from(byte == b':');
     }
-    let (file, rest) = match file {
-        true => (numbers[0], &numbers[1..]),
-        false => (0, &numbers[..4]),
+    let (file, rest) = if file {
+        (numbers[0], &numbers[1..])
+    } else {
+        (0, &numbers[..4])
     };
     let (line, column) = (rest[0], rest[1]);
     let (end_line, end_column) = match lines {

@@ -140,11 +140,10 @@ impl ModuleBuilder<'_> {
                 arguments(operation.arity() as u32),
                 given.count
             );
-            let help = match operation.is_fused() {
-                true => {
-                    "fma(a, b, c) is a*b + c, fms(a, b, c) is a*b - c, fnma(a, b, c) is c - a*b"
-                }
-                false => "an angle or a number stands in the parentheses",
+            let help = if operation.is_fused() {
+                "fma(a, b, c) is a*b + c, fms(a, b, c) is a*b - c, fnma(a, b, c) is c - a*b"
+            } else {
+                "an angle or a number stands in the parentheses"
             };
             self.advise(span, message, help);
             return self.nothing();
@@ -270,9 +269,10 @@ impl ModuleBuilder<'_> {
         if self.is_full() || open.broken.contains_key(text) {
             return;
         }
-        let (arrays, others) = match is_input {
-            true => (open.function.inputs(), &open.outputs),
-            false => (open.function.outputs(), &open.inputs),
+        let (arrays, others) = if is_input {
+            (open.function.inputs(), &open.outputs)
+        } else {
+            (open.function.outputs(), &open.inputs)
         };
         let symbols = &self.module.tables.symbols;
         let names = arrays.iter().map(|array| symbols.text(array.name));

@@ -147,17 +147,21 @@ fn expected_list(expected: &[String]) -> Option<String> {
         // Every fixed word is also a name.
         plain.retain(|name| name.contains(' ') || !name.starts_with(char::is_alphabetic));
     }
-    names.extend(plain.iter().map(|name| match name.contains(' ') {
-        true => (*name).to_owned(),
-        false => format!("'{name}'"),
+    names.extend(plain.iter().map(|name| {
+        if name.contains(' ') {
+            (*name).to_owned()
+        } else {
+            format!("'{name}'")
+        }
     }));
     if names.is_empty() || names.len() > MAX_EXPECTED {
         return None;
     }
     names.sort_by_key(|name| name.starts_with('\''));
     let last = names.pop()?;
-    Some(match names.is_empty() {
-        true => last,
-        false => format!("{} or {last}", names.join(", ")),
+    Some(if names.is_empty() {
+        last
+    } else {
+        format!("{} or {last}", names.join(", "))
     })
 }

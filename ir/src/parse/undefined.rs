@@ -127,12 +127,13 @@ impl ModuleBuilder<'_> {
         let last = symbols.find(base).and_then(|base| self.names.last_of(base));
         if let Some(last) = last {
             let last_name = self.open.function.node(last).name;
-            let note = match last_name.is_none() {
-                true => format!("help: there is %{}", clip(base)),
-                false => format!(
+            let note = if last_name.is_none() {
+                format!("help: there is %{}", clip(base))
+            } else {
+                format!(
                     "help: the last value of that name is %{}",
                     last_name.display(symbols)
-                ),
+                )
             };
             diagnostic = diagnostic.with_note(note);
         } else if self.open.inputs.contains_key(name) {

@@ -174,9 +174,10 @@ impl<'w> Text<'w> {
     #[inline]
     pub(super) fn end_line(&mut self) -> io::Result<()> {
         self.push("\n");
-        match self.length < FLUSH_AT {
-            true => Ok(()),
-            false => self.flush(),
+        if self.length < FLUSH_AT {
+            Ok(())
+        } else {
+            self.flush()
         }
     }
 

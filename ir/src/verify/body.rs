@@ -54,9 +54,12 @@ fn operands(collector: &mut ViolationCollector<'_>) -> bool {
     for (value, node) in collector.view.function.values() {
         let earlier = bounds.with_values(value.index());
         let arity = node.operation.arity();
-        let fits = |place: usize| match place < arity {
-            true => earlier.holds(node.operands[place]),
-            false => node.operands[place].is_none(),
+        let fits = |place: usize| {
+            if place < arity {
+                earlier.holds(node.operands[place])
+            } else {
+                node.operands[place].is_none()
+            }
         };
         if !(0..Operand::MAX_COUNT).all(fits) {
             sound = false;

@@ -92,9 +92,10 @@ fn duplicates(collector: &mut ViolationCollector<'_>) {
         .collect();
     twice.dedup();
     let mut first: Vec<Option<Value>> = vec![None; twice.len()];
-    let all: Vec<(Value, Name)> = match twice.is_empty() {
-        true => return,
-        false => names(collector).collect(),
+    let all: Vec<(Value, Name)> = if twice.is_empty() {
+        return;
+    } else {
+        names(collector).collect()
     };
     for (value, name) in all {
         let Ok(at) = twice.binary_search(&key(name)) else {

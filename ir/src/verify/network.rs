@@ -106,13 +106,11 @@ impl Routes {
 /// The next place along a row or column.
 fn step(at: u32, end: u32, length: u32, ring: bool) -> u32 {
     let ahead = (end + length - at) % length;
-    let up = match ring {
-        true => 2 * ahead <= length,
-        false => end > at,
-    };
-    match up {
-        true => (at + 1) % length,
-        false => (at + length - 1) % length,
+    let up = if ring { 2 * ahead <= length } else { end > at };
+    if up {
+        (at + 1) % length
+    } else {
+        (at + length - 1) % length
     }
 }
 

@@ -42,9 +42,10 @@ struct WordStore<Content> {
 impl<Content: Copy + Default> WordStore<Content> {
     /// Room for the words used, unless they lie far apart.
     fn with(extent: MemoryExtent) -> WordStore<Content> {
-        let dense = match extent.words <= 8 * extent.uses + 64 {
-            true => extent.words as usize,
-            false => 0,
+        let dense = if extent.words <= 8 * extent.uses + 64 {
+            extent.words as usize
+        } else {
+            0
         };
         WordStore {
             dense: vec![Content::default(); dense],

@@ -159,9 +159,10 @@ impl Arithmetic for Binary32Bound {
         Bounded {
             value,
             // The relative error halves, but for what is of second order.
-            magnitude: match known {
-                true => value * (a.magnitude / a.value),
-                false => f64::INFINITY,
+            magnitude: if known {
+                value * (a.magnitude / a.value)
+            } else {
+                f64::INFINITY
             },
             roundings: a.roundings + 1.0,
         }

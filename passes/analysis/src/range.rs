@@ -209,9 +209,10 @@ fn rounded(a: f64, b: f64, outwards: fn(f64) -> f64) -> f64 {
         };
     }
     let part = sum - a;
-    match (a - (sum - part)) + (b - part) == 0.0 {
-        true => sum,
-        false => outwards(sum),
+    if (a - (sum - part)) + (b - part) == 0.0 {
+        sum
+    } else {
+        outwards(sum)
     }
 }
 
@@ -222,9 +223,10 @@ fn product(a: f64, b: f64, outwards: fn(f64) -> f64) -> f64 {
         return 0.0;
     }
     let product = a * b;
-    match product.is_normal() && a.mul_add(b, -product) == 0.0 {
-        true => product,
-        false => outwards(product),
+    if product.is_normal() && a.mul_add(b, -product) == 0.0 {
+        product
+    } else {
+        outwards(product)
     }
 }
 

@@ -109,10 +109,13 @@ impl DifferentiationError {
     /// What the user can do.
     pub fn help(&self) -> String {
         match self {
-            DifferentiationError::NoArray { kind, known, .. } => match known.is_empty() {
-                true => format!("the function has no {kind} arrays"),
-                false => format!("the {kind} arrays are {}", known.join(", ")),
-            },
+            DifferentiationError::NoArray { kind, known, .. } => {
+                if known.is_empty() {
+                    format!("the function has no {kind} arrays")
+                } else {
+                    format!("the {kind} arrays are {}", known.join(", "))
+                }
+            }
             DifferentiationError::Nothing { .. } => {
                 "a derivative needs an output and an input".to_owned()
             }
@@ -229,9 +232,10 @@ fn chosen(
         });
     }
     let found: Vec<Array> = arrays.iter().filter(wanted).copied().collect();
-    match found.iter().all(|array| array.shape.is_empty()) {
-        true => Err(DifferentiationError::Nothing { kind }),
-        false => Ok(found),
+    if found.iter().all(|array| array.shape.is_empty()) {
+        Err(DifferentiationError::Nothing { kind })
+    } else {
+        Ok(found)
     }
 }
 

@@ -25,9 +25,10 @@ pub struct Instances {
 impl Instances {
     /// The name of an array in an instance, counted from 1.
     pub fn array(&self, name: &str, instance: u32, is_input: bool) -> String {
-        match is_input && self.shared.contains(name) {
-            true => name.to_owned(),
-            false => numbered(name, instance),
+        if is_input && self.shared.contains(name) {
+            name.to_owned()
+        } else {
+            numbered(name, instance)
         }
     }
 }
@@ -66,9 +67,10 @@ impl OptionValue for InstanceNames {
         joined_names(text).map(InstanceNames)
     }
     fn print(&self) -> String {
-        match self.0.is_empty() {
-            true => "none".to_owned(),
-            false => self.0.join("+"),
+        if self.0.is_empty() {
+            "none".to_owned()
+        } else {
+            self.0.join("+")
         }
     }
 }

@@ -149,9 +149,12 @@ pub(super) fn are_equal(
         let [one, other] = [0, 1].map(|term| runner.egraph.find(runner.roots[term]));
         one == other
     };
-    let runner = runner(terms, budget).with_hook(move |runner| match merged(runner) {
-        true => Err("equal".to_owned()),
-        false => Ok(()),
+    let runner = runner(terms, budget).with_hook(move |runner| {
+        if merged(runner) {
+            Err("equal".to_owned())
+        } else {
+            Ok(())
+        }
     });
     let grown = run(runner, rewrites);
     grown.graph.find(grown.roots[0]) == grown.graph.find(grown.roots[1])

@@ -85,9 +85,10 @@ impl RuleReader<'_> {
             .iter()
             .filter(|(token, _)| *token == RuleToken::Unknown);
         for (_, span) in unknown {
-            let message = match self.text[span.clone()].starts_with('"') {
-                true => "this text has no closing '\"' on its line",
-                false => "this character has no place in a file of rules",
+            let message = if self.text[span.clone()].starts_with('"') {
+                "this text has no closing '\"' on its line"
+            } else {
+                "this character has no place in a file of rules"
             };
             self.builder.error(span.clone(), message);
         }

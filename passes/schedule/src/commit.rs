@@ -66,9 +66,10 @@ impl Sweep<'_> {
     ) -> Entry {
         let draft = &mut self.draft;
         // Over a crossbar a word takes no link and arrives when it departs.
-        let word = match draft.ports.has_network() {
-            true => word(&draft.ports, source, memory, route),
-            false => None,
+        let word = if draft.ports.has_network() {
+            word(&draft.ports, source, memory, route)
+        } else {
+            None
         };
         let travel = |arrives| Travel {
             departs: word.map_or(arrives, |word| word.departs),
@@ -116,9 +117,10 @@ impl Sweep<'_> {
             waiting.ready = waiting.ready.max(ready);
             waiting.operands -= 1;
             if waiting.operands == 0 {
-                let ready = match self.draft.ports.has_network() {
-                    true => self.first_arrival(user as usize),
-                    false => waiting.ready,
+                let ready = if self.draft.ports.has_network() {
+                    self.first_arrival(user as usize)
+                } else {
+                    waiting.ready
                 };
                 self.calendar.enter(ready.max(cycle + 1), user);
             }

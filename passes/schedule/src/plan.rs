@@ -30,9 +30,10 @@ type IssueCost = (u8, u32, u32, u8, u32);
 fn rank(statuses: [usize; Operand::MAX_COUNT], swapped: bool) -> u8 {
     let [left, right, addend] = statuses;
     // Exchanged, the first operand is the one on the right.
-    let factors = match swapped {
-        true => RANKS[right][left],
-        false => RANKS[left][right],
+    let factors = if swapped {
+        RANKS[right][left]
+    } else {
+        RANKS[left][right]
     };
     factors + ADDEND_RANKS[addend]
 }
@@ -314,9 +315,10 @@ impl Sweep<'_> {
             u8::from(initial.is_some() && !held(operand))
         };
         let rank = rank([status(0), status(1), status(2)], at.swapped);
-        let travels = match self.draft.ports.has_network() {
-            true => self.plain_travels(sources, at),
-            false => 0,
+        let travels = if self.draft.ports.has_network() {
+            self.plain_travels(sources, at)
+        } else {
+            0
         };
         let loads = loads(0) + loads(1) + loads(2);
         (rank, 0, travels, loads, self.words(at))
@@ -358,9 +360,10 @@ impl Sweep<'_> {
                 ports.latency(from.element, plan.memories[operand])
             })
         };
-        let travels: u32 = match ports.has_network() {
-            true => (0..Operand::MAX_COUNT).map(travel).sum(),
-            false => 0,
+        let travels: u32 = if ports.has_network() {
+            (0..Operand::MAX_COUNT).map(travel).sum()
+        } else {
+            0
         };
         let stay = plan.routes.iter().zip(sources).map(|(route, source)| {
             let back = source

@@ -102,9 +102,10 @@ impl Ports {
     /// Cycles from the departure of a word to its arrival in a memory.
     #[inline]
     pub(super) fn latency(&self, from: Element, memory: Memory) -> u32 {
-        match self.has_network() {
-            true => self.travel_time(from, memory),
-            false => 0,
+        if self.has_network() {
+            self.travel_time(from, memory)
+        } else {
+            0
         }
     }
 

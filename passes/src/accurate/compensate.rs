@@ -180,9 +180,10 @@ fn write(
         raised,
     };
     for (value, node) in function.values() {
-        let state = match writer.raised[value.index()] {
-            true => writer.raise(value, node, context),
-            false => writer.plain(node),
+        let state = if writer.raised[value.index()] {
+            writer.raise(value, node, context)
+        } else {
+            writer.plain(node)
         };
         writer.states.push(state);
         writer.rewriter.record(state.absorbed);
@@ -332,9 +333,10 @@ impl CompensationWriter<'_> {
                     continue;
                 };
                 let through = |adjoint: &StateLanes| product(adjoint, &partials[side]);
-                match self.raised[index] {
-                    true => add(&mut lost[read], &through(&reached[side + 1])),
-                    false => add(&mut plain[read], &through(profile.adjoint(index))),
+                if self.raised[index] {
+                    add(&mut lost[read], &through(&reached[side + 1]))
+                } else {
+                    add(&mut plain[read], &through(profile.adjoint(index)))
                 }
             }
         }
@@ -459,9 +461,10 @@ impl CorrectionMaker<'_, '_> {
 
     /// Value and correction in one number, when there is time.
     fn absorb(&mut self, value: Value, main: Operand, correction: Correction) -> Option<Operand> {
-        let operation = match correction.negative {
-            true => Operation::Sub,
-            false => Operation::Add,
+        let operation = if correction.negative {
+            Operation::Sub
+        } else {
+            Operation::Add
         };
         let operands = [main, correction.operand];
         let finish = self.writer.times.finish(operation, &operands);

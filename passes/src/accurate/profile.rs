@@ -177,9 +177,10 @@ impl SensitivityProfile {
         let mut variances: Vec<StateLanes> = Vec::with_capacity(function.nodes().len());
         for (value, node) in function.values() {
             let index = value.index();
-            let mut variance = match is_exact(function, node) {
-                true => [0.0; LANES],
-                false => self.values[index].map(|number| finite(number * number)),
+            let mut variance = if is_exact(function, node) {
+                [0.0; LANES]
+            } else {
+                self.values[index].map(|number| finite(number * number))
             };
             let partials = self.partials(function, index);
             for (operand, partial) in node.operands().iter().zip(&partials) {

@@ -111,9 +111,10 @@ impl RegroupingWriter<'_> {
 
     /// Writes a value, and what was absorbed into it, as they were.
     fn keep(&mut self, root: Value) {
-        let mut absorbed = match self.is_sum(root) {
-            true => self.groups.inner(root).to_vec(),
-            false => Vec::new(),
+        let mut absorbed = if self.is_sum(root) {
+            self.groups.inner(root).to_vec()
+        } else {
+            Vec::new()
         };
         absorbed.sort_unstable();
         for value in absorbed {
@@ -157,9 +158,10 @@ impl RegroupingWriter<'_> {
             let factored = (products >= 2)
                 .then(|| terms::plan(&setting(deadline), &terms, true))
                 .flatten();
-            let plain = match count > 2 {
-                true => terms::plan(&setting(deadline), &terms, false),
-                false => None,
+            let plain = if count > 2 {
+                terms::plan(&setting(deadline), &terms, false)
+            } else {
+                None
             };
             match (factored, plain) {
                 (Some(factored), Some(plain)) if plain.cost < factored.cost => Some((plain, false)),
@@ -169,15 +171,17 @@ impl RegroupingWriter<'_> {
         };
         let required = self.required[index];
         let prompt = best(present.1.min(required));
-        let patient = match required > present.1 {
-            true => best(required),
-            false => None,
+        let patient = if required > present.1 {
+            best(required)
+        } else {
+            None
         };
         let cost =
             |plan: &Option<(SumPlan, bool)>| plan.as_ref().map_or(present.0, |(plan, _)| plan.cost);
-        let chosen = match cost(&prompt) - cost(&patient) > self.worth {
-            true => patient,
-            false => prompt,
+        let chosen = if cost(&prompt) - cost(&patient) > self.worth {
+            patient
+        } else {
+            prompt
         };
         chosen.filter(|(plan, _)| plan.cost < CLEARLY_LESS * present.0)
     }
@@ -292,9 +296,10 @@ impl RegroupingWriter<'_> {
         }
         let result = self.resolve(plan.result, &results);
         self.rewriter.record(result);
-        match factoring {
-            true => self.done.factored += 1,
-            false => self.done.reordered += 1,
+        if factoring {
+            self.done.factored += 1
+        } else {
+            self.done.reordered += 1
         }
     }
 

@@ -47,9 +47,10 @@ impl Difference {
         }
         let before = terms.len();
         cancel(&mut terms, |(operand, minus)| (operand, !minus));
-        match terms.len() < before || literals > 1 {
-            true => Difference { terms, number },
-            false => plain,
+        if terms.len() < before || literals > 1 {
+            Difference { terms, number }
+        } else {
+            plain
         }
     }
 

@@ -56,12 +56,13 @@ pub(super) fn is_positive(function: &Function, operand: Operand) -> bool {
     };
     let window = ConeWindow::new(&tape, slot, USUAL);
     let is_literal = |&leaf: &usize| leaf >= tape.nodes() + tape.inputs();
-    let ranges = window.leaves.iter().map(|leaf| match is_literal(leaf) {
-        true => {
+    let ranges = window.leaves.iter().map(|leaf| {
+        if is_literal(leaf) {
             let constant = tape.constants().get(leaf - tape.nodes() - tape.inputs());
             Interval::point(constant.copied().unwrap_or(0.0))
+        } else {
+            Interval::WHOLE
         }
-        false => Interval::WHOLE,
     });
     let ranges: Vec<Interval> = ranges.collect();
     let leaves = WindowLeaves::anything(&window, Format::BINARY64, ranges);

@@ -275,9 +275,10 @@ impl Composer<'_> {
 
     /// A term as coefficient and variable, the variable being the later one.
     fn split(&self, term: ProductTerm) -> ProductTerm {
-        match self.key(term.a) <= self.key(term.b()) {
-            true => term,
-            false => ProductTerm::new(term.b(), term.a, term.negative()),
+        if self.key(term.a) <= self.key(term.b()) {
+            term
+        } else {
+            ProductTerm::new(term.b(), term.a, term.negative())
         }
     }
 
@@ -288,9 +289,10 @@ impl Composer<'_> {
         if arrival.saturating_add(self.limits.window) <= time || arrival == 0 {
             return TermPlan::Rest;
         }
-        let inner = match arrival > time {
-            true => self.form_of(term.b(), frontier),
-            false => None,
+        let inner = if arrival > time {
+            self.form_of(term.b(), frontier)
+        } else {
+            None
         };
         inner.map_or(TermPlan::Keep, TermPlan::Substitute)
     }
@@ -315,9 +317,10 @@ impl Composer<'_> {
         }
         last.outer = outer;
         last.plan.clone_from(&space.plan);
-        last.made = match self.collect(space) {
-            true => self.add_composed(class, space, keep),
-            false => Composed::Nothing,
+        last.made = if self.collect(space) {
+            self.add_composed(class, space, keep)
+        } else {
+            Composed::Nothing
         };
         last.made
     }
@@ -389,18 +392,20 @@ impl Composer<'_> {
         for (&variable, coefficient) in space.variables.iter().zip(&mut space.coefficients) {
             if let Some(coefficient) = self.network.sum(coefficient) {
                 let term = coefficient.times(variable, false);
-                match self.key(variable) < kept {
-                    true => space.rest.push(term),
-                    false => space.made.push(term),
+                if self.key(variable) < kept {
+                    space.rest.push(term)
+                } else {
+                    space.made.push(term)
                 }
             }
         }
         if let Some(rest) = self.network.sum(&mut space.rest) {
             space.made.push(rest.times(Class::ONE, false));
         }
-        let made = match keep {
-            true => Composed::Kept(self.linear.push(&space.made)),
-            false => Composed::Added,
+        let made = if keep {
+            Composed::Kept(self.linear.push(&space.made))
+        } else {
+            Composed::Added
         };
         self.network.tidy(&mut space.made);
         self.network

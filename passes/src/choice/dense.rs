@@ -240,9 +240,10 @@ impl FormsByClass<'_> {
     /// known.
     #[inline]
     pub(crate) fn refine(&self, arrivals: &[u32], form: u32, (time, exact): (u32, bool)) -> u32 {
-        match exact {
-            true => time,
-            false => self.joined(arrivals, form),
+        if exact {
+            time
+        } else {
+            self.joined(arrivals, form)
         }
     }
 

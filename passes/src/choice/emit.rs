@@ -104,9 +104,10 @@ impl ChoiceWriter<'_> {
     fn naming(&self, class: Class, last: Name, sources: SourceSet) -> ValueNaming {
         let owner = self.network.origin_of(class).0;
         let own = self.sources[class.index()];
-        let sources = match own == SourceSet::EMPTY {
-            true => sources,
-            false => own,
+        let sources = if own == SourceSet::EMPTY {
+            sources
+        } else {
+            own
         };
         ValueNaming::new(last, owner, sources)
     }

@@ -103,9 +103,10 @@ impl Mapper<'_> {
     ) {
         self.postpone(mapping, latest);
         let mut best = (mapping.operations, mapping.chosen.clone());
-        let (flow_rounds, exact_rounds) = match self.is_large() {
-            true => (2 * rounds, 0),
-            false => (rounds, rounds),
+        let (flow_rounds, exact_rounds) = if self.is_large() {
+            (2 * rounds, 0)
+        } else {
+            (rounds, rounds)
         };
         if flow_rounds > 0 {
             self.flow_rounds(mapping, &mut best, (latest, flow_rounds), model);

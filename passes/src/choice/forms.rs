@@ -68,9 +68,10 @@ impl ProductTerm {
     /// The same product, its classes in order and 1 behind.
     pub(crate) fn ordered(self) -> ProductTerm {
         let (a, b) = (self.a, self.b());
-        match a == Class::ONE || b != Class::ONE && b < a {
-            true => ProductTerm::new(b, a, self.negative()),
-            false => self,
+        if a == Class::ONE || b != Class::ONE && b < a {
+            ProductTerm::new(b, a, self.negative())
+        } else {
+            self
         }
     }
 }
@@ -110,9 +111,10 @@ impl FormKind {
     ];
 
     fn of(product: bool) -> FormKind {
-        match product {
-            true => FormKind::Product,
-            false => FormKind::Sum,
+        if product {
+            FormKind::Product
+        } else {
+            FormKind::Sum
         }
     }
 }

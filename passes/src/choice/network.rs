@@ -201,9 +201,10 @@ impl ChoiceNetwork {
         let images = &self.values.images;
         images.sum(terms.iter().map(|term| {
             let a = self.value(term.a);
-            let product = match term.is_product() {
-                true => images.mul(a, self.value(term.b())),
-                false => a,
+            let product = if term.is_product() {
+                images.mul(a, self.value(term.b()))
+            } else {
+                a
             };
             images.negate_if(term.negative(), product)
         }))

@@ -48,9 +48,10 @@ impl Arrivals {
     /// When a term is available.
     fn term(&self, timing: &Weights, term: ProductTerm) -> u32 {
         let ready = self.of(term.a).max(self.of(term.b()));
-        match term.is_product() {
-            true => ready.saturating_add(timing.of(Operation::Mul)),
-            false => ready,
+        if term.is_product() {
+            ready.saturating_add(timing.of(Operation::Mul))
+        } else {
+            ready
         }
     }
 

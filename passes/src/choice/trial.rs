@@ -140,9 +140,10 @@ impl FormTrial {
 
     /// When the form is available, which is not before a bound.
     fn arrival(&self, (bound, is_exact): (u32, bool)) -> u32 {
-        match is_exact || fits(self.times(), self.weight, bound) {
-            true => bound,
-            false => joined(self.times().collect(), self.weight),
+        if is_exact || fits(self.times(), self.weight, bound) {
+            bound
+        } else {
+            joined(self.times().collect(), self.weight)
         }
     }
 
@@ -260,9 +261,10 @@ impl FormTrial {
     /// When each term is needed at the latest for the form to be there by a
     /// time.
     fn limit(&self, required: u32) -> u32 {
-        match self.is_opaque || self.terms.len() > 1 {
-            true => required.saturating_sub(self.weight),
-            false => required,
+        if self.is_opaque || self.terms.len() > 1 {
+            required.saturating_sub(self.weight)
+        } else {
+            required
         }
     }
 
@@ -283,9 +285,10 @@ impl FormTrial {
     /// Hands the time that the form is required at on to its classes.
     pub(super) fn require(&self, time: u32, mut demand: impl FnMut(usize, u32)) {
         let times: SmallVec<[u32; 16]> = self.terms.iter().map(|term| term.time).collect();
-        let levels = match self.is_opaque {
-            true => SmallVec::from_elem(1, times.len()),
-            false => levels(&times, self.weight),
+        let levels = if self.is_opaque {
+            SmallVec::from_elem(1, times.len())
+        } else {
+            levels(&times, self.weight)
         };
         for (term, level) in self.terms.iter().zip(levels) {
             let mut time = time.saturating_sub(level * self.weight);

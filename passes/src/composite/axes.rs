@@ -151,9 +151,12 @@ impl<'a> AlignedFrames<'a> {
             };
             near(own, expected, size) && (0..3).all(told)
         };
-        let kind = |axis: usize| match self.tree.slides[joint] {
-            true => JointAxis::Prismatic(axis),
-            false => JointAxis::Revolute(axis),
+        let kind = |axis: usize| {
+            if self.tree.slides[joint] {
+                JointAxis::Prismatic(axis)
+            } else {
+                JointAxis::Revolute(axis)
+            }
         };
         (0..3).filter(|&axis| fits(axis)).map(kind).collect()
     }
@@ -246,9 +249,10 @@ impl AxisSearch<'_> {
     /// The axis that is chosen for a joint; any, where none is left.
     fn axis(&self, joint: usize) -> JointAxis {
         let domain = &self.domains[joint];
-        let any = match self.frames.tree.slides[joint] {
-            true => JointAxis::Prismatic(0),
-            false => JointAxis::Revolute(0),
+        let any = if self.frames.tree.slides[joint] {
+            JointAxis::Prismatic(0)
+        } else {
+            JointAxis::Revolute(0)
         };
         domain.get(self.chosen[joint]).copied().unwrap_or(any)
     }

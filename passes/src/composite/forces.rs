@@ -134,9 +134,10 @@ fn products<S: MovingSystem>(system: &mut S, terms: &[(bool, S::Number, S::Numbe
     let mut sum = system.zero();
     for &(negative, left, right) in terms {
         let product = system.mul(left, right);
-        sum = match negative {
-            true => system.sub(sum, product),
-            false => system.add(sum, product),
+        sum = if negative {
+            system.sub(sum, product)
+        } else {
+            system.add(sum, product)
         };
     }
     sum

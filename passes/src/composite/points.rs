@@ -34,12 +34,13 @@ pub(super) fn find(
             _ => input.usual(),
         });
         let felt: Vec<f64> = (0..model.len())
-            .map(
-                |joint| match tree.slides[joint] || matrix.is_zero(joint, joint) {
-                    true => 0.0,
-                    false => matrix.at(joint, joint),
-                },
-            )
+            .map(|joint| {
+                if tree.slides[joint] || matrix.is_zero(joint, joint) {
+                    0.0
+                } else {
+                    matrix.at(joint, joint)
+                }
+            })
             .collect();
         if felt.iter().all(|&felt| felt == 0.0) {
             continue;

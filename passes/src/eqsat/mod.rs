@@ -104,9 +104,10 @@ pub struct Kinds {
 
 /// Sorts the rules of a set by what this pass makes of them.
 pub fn kinds(rules: &RuleSet, trig: bool) -> Kinds {
-    let class = match trig {
-        true => NumericClass::RealTrig,
-        false => NumericClass::Real,
+    let class = if trig {
+        NumericClass::RealTrig
+    } else {
+        NumericClass::Real
     };
     let mut kinds = Kinds::default();
     let mut known = Vec::new();
@@ -176,9 +177,10 @@ fn placeable(rules: &RuleSet, machine: &Machine) -> (RuleSet, Vec<String>) {
 
 impl Pass for Eqsat {
     fn class(&self, declared: NumericClass) -> NumericClass {
-        match self.trig {
-            true => NumericClass::RealTrig,
-            false => declared,
+        if self.trig {
+            NumericClass::RealTrig
+        } else {
+            declared
         }
     }
 

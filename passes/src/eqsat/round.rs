@@ -215,9 +215,10 @@ fn rewrite(
     if gain == 0 || growth > room.max(0) {
         return tried(None);
     }
-    let makers = match settings.trail {
-        true => makers(&graph, &alternatives, &cover),
-        false => Vec::new(),
+    let makers = if settings.trail {
+        makers(&graph, &alternatives, &cover)
+    } else {
+        Vec::new()
     };
     tried(Some(Rewriting {
         root,

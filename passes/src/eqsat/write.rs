@@ -78,9 +78,10 @@ impl RewritingWriter<'_> {
             let place = class as usize;
             let index = rewriting.cover.choice[place] as usize;
             let form = &rewriting.alternatives.classes[place][index];
-            let name = match class == rewriting.class {
-                true => root,
-                false => Name::NONE,
+            let name = if class == rewriting.class {
+                root
+            } else {
+                Name::NONE
             };
             let mut naming = ValueNaming::new(name, owner, sources);
             let children: Vec<Operand> = form

@@ -218,9 +218,12 @@ fn rounding(format: Format, number: f64) -> f64 {
                 (false, _) => size * format.unit_roundoff(),
             }
         }
-        Format::Fixed(fixed) => match size * MARGIN >= 2f64.powi(fixed.integer as i32) {
-            true => f64::INFINITY,
-            false => format.unit_roundoff(),
-        },
+        Format::Fixed(fixed) => {
+            if size * MARGIN >= 2f64.powi(fixed.integer as i32) {
+                f64::INFINITY
+            } else {
+                format.unit_roundoff()
+            }
+        }
     }
 }

@@ -75,9 +75,10 @@ fn ratio(exact: Double, computed: f64, allowed: f64) -> f64 {
     if !exact.high.is_finite() {
         return 0.0;
     }
-    let distance = match computed.is_finite() {
-        true => exact.distance(computed),
-        false => f64::INFINITY,
+    let distance = if computed.is_finite() {
+        exact.distance(computed)
+    } else {
+        f64::INFINITY
     };
     if distance == 0.0 {
         0.0

@@ -172,13 +172,12 @@ impl Mixed {
         }
         formats.push(self.wide);
         formats.dedup();
-        match low <= high {
-            true => Ok(formats),
-            false => {
-                let (narrow, wide) = (self.narrow, self.wide);
-                let message = format!("the narrow format {narrow} has more digits than {wide}");
-                Err(PassError::new(message).help("exchange 'narrow' and 'wide'"))
-            }
+        if low <= high {
+            Ok(formats)
+        } else {
+            let (narrow, wide) = (self.narrow, self.wide);
+            let message = format!("the narrow format {narrow} has more digits than {wide}");
+            Err(PassError::new(message).help("exchange 'narrow' and 'wide'"))
         }
     }
 
@@ -247,9 +246,10 @@ impl FormatSearch<'_> {
         while low < high {
             let middle = low + (high - low).div_euclid(2);
             let formats = choices.at(middle).formats(&self.formats);
-            match self.choosing.worst(self.view.function, &formats) <= 1.0 {
-                true => high = middle,
-                false => low = middle + 1,
+            if self.choosing.worst(self.view.function, &formats) <= 1.0 {
+                high = middle
+            } else {
+                low = middle + 1
             }
         }
         high

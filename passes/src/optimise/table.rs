@@ -30,9 +30,10 @@ pub(super) fn rows<P>(outcome: &SearchOutcome<P>) -> Vec<String> {
             trial.path.to_string(),
             or_dash(trial.bound.as_ref().ok().copied()),
             or_dash(trial.cycles),
-            match outcome.best == Some(index) {
-                true => "taken".to_owned(),
-                false => trial.remark.to_owned(),
+            if outcome.best == Some(index) {
+                "taken".to_owned()
+            } else {
+                trial.remark.to_owned()
             },
         ]);
     }

@@ -287,9 +287,10 @@ impl<'a> PartialEvaluator<'a> {
                 && all.all(|term| self.constants.magnitude(term.factor).0 == common)
             {
                 let (negative, operand) = self.group(&form.terms, form.sources, owner);
-                let common = match negative {
-                    true => self.constants.negative(common),
-                    false => common,
+                let common = if negative {
+                    self.constants.negative(common)
+                } else {
+                    common
                 };
                 return (common, operand);
             }
@@ -430,9 +431,10 @@ impl<'a> PartialEvaluator<'a> {
             if place == first {
                 continue;
             }
-            let operation = match negative && lead.is_some() {
-                true => Operation::Sub,
-                false => Operation::Add,
+            let operation = if negative && lead.is_some() {
+                Operation::Sub
+            } else {
+                Operation::Add
             };
             let name = self.helper_name(owner);
             sum = self.shared(operation, [sum, operand], name, sources);

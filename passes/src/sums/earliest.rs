@@ -69,9 +69,10 @@ pub(crate) fn finish(arrivals: impl IntoIterator<Item = u32>, weight: u32) -> u3
         return time;
     }
     let done = two.latest.saturating_add(weight);
-    match fits(times.iter().copied(), weight, done) {
-        true => done,
-        false => joined(times, weight),
+    if fits(times.iter().copied(), weight, done) {
+        done
+    } else {
+        joined(times, weight)
     }
 }
 
@@ -166,9 +167,10 @@ enum OpenTerms {
 impl OpenTerms {
     /// Terms with these arrivals, in the order of their places.
     fn new(arrivals: impl ExactSizeIterator<Item = u32>) -> OpenTerms {
-        match arrivals.len() <= FEW {
-            true => OpenTerms::Few(arrivals.zip(0..).collect()),
-            false => OpenTerms::Many(arrivals.zip(0..).map(Reverse).collect()),
+        if arrivals.len() <= FEW {
+            OpenTerms::Few(arrivals.zip(0..).collect())
+        } else {
+            OpenTerms::Many(arrivals.zip(0..).map(Reverse).collect())
         }
     }
 

@@ -102,9 +102,10 @@ impl OperandGroups {
                 absorbed[inner.index()] = false;
             }
         }
-        match frozen.is_empty() {
-            true => groups,
-            false => OperandGroups::read(function, absorbed, frozen),
+        if frozen.is_empty() {
+            groups
+        } else {
+            OperandGroups::read(function, absorbed, frozen)
         }
     }
 

@@ -227,18 +227,20 @@ impl<'a> Emitter<'a> {
     /// The name of a node of a recipe: inner nodes of equations have none.
     fn inner_name(&mut self, owner: Value, uses: u32) -> Name {
         let equations = self.rewriter.old.level == Level::Equations;
-        match equations && uses <= 1 {
-            true => Name::NONE,
-            false => self.names.fresh(self.owners[owner.index()]),
+        if equations && uses <= 1 {
+            Name::NONE
+        } else {
+            self.names.fresh(self.owners[owner.index()])
         }
     }
 
     /// The name of a sine or cosine: that of the node it replaces.
     fn result_name(&mut self, value: Value, uses: u32) -> Name {
         let name = self.rewriter.old.node(value).name;
-        match name.is_none() {
-            true => self.inner_name(value, uses),
-            false => name,
+        if name.is_none() {
+            self.inner_name(value, uses)
+        } else {
+            name
         }
     }
 }

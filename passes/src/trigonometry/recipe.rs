@@ -75,9 +75,10 @@ impl RecipeBuilder {
     }
 
     pub(super) fn push(&mut self, operation: Operation, a: Operand, b: Operand) -> Operand {
-        let (a, b) = match operation.is_commutative() && b < a {
-            true => (b, a),
-            false => (a, b),
+        let (a, b) = if operation.is_commutative() && b < a {
+            (b, a)
+        } else {
+            (a, b)
         };
         let operands = Operand::list([a, b]);
         let function = &mut self.function;

@@ -36,9 +36,10 @@ impl Recipe {
             };
             let values = self.bound(angle, format);
             for (worst, &result) in worst.iter_mut().zip(&self.results) {
-                let error = match result.is_none() {
-                    true => 0.0,
-                    false => fetch(&self.function, &values, angle, result, format).error,
+                let error = if result.is_none() {
+                    0.0
+                } else {
+                    fetch(&self.function, &values, angle, result, format).error
                 };
                 *worst = worst.max(error);
             }
@@ -125,9 +126,10 @@ fn rounding(operation: Operation, size: f64, format: Format) -> f64 {
         Format::Fixed(_) => format.unit_roundoff(),
         Format::Float(float) => {
             let least = 2f64.powi(float.smallest_exponent());
-            let small = match float.subnormals {
-                true => least * format.unit_roundoff(),
-                false => least,
+            let small = if float.subnormals {
+                least * format.unit_roundoff()
+            } else {
+                least
             };
             // No number is rounded by more than half the spacing of numbers
             // at the largest power of two not above it.

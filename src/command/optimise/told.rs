@@ -107,12 +107,13 @@ fn facts(given: &GivenStarts, question: &OptimisationQuestion<'_>, found: &Optim
                 share_cell(best.share)
             ));
         }
-        line(match cycles == bound {
-            true => "no schedule of these operations on this machine is shorter".to_owned(),
-            false => format!(
+        line(if cycles == bound {
+            "no schedule of these operations on this machine is shorter".to_owned()
+        } else {
+            format!(
                 "the proved bound for these operations on this machine is {bound}: {:.1} % less",
                 100.0 * f64::from(cycles - bound) / f64::from(cycles)
-            ),
+            )
         });
     }
     if let Some(time) = best.nanoseconds {
@@ -151,16 +152,15 @@ fn is_input(arguments: &OptimiseArguments, found: &Optimised) -> bool {
 fn commands(arguments: &OptimiseArguments, given: &GivenStarts, found: &Optimised) -> String {
     let best = &found.points[found.best];
     let mut text = String::new();
-    let input = match is_input(arguments, found) {
-        true => arguments.input.clone(),
-        false => {
-            let recipe = &given.starts[found.start].recipe;
-            if !given.model.is_empty() && !recipe.is_empty() {
-                // Writing to a string cannot fail.
-                let _ = writeln!(text, "robovec gen {} {recipe} -o {START}", given.model);
-            }
-            START.to_owned()
+    let input = if is_input(arguments, found) {
+        arguments.input.clone()
+    } else {
+        let recipe = &given.starts[found.start].recipe;
+        if !given.model.is_empty() && !recipe.is_empty() {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "robovec gen {} {recipe} -o {START}", given.model);
         }
+        START.to_owned()
     };
     let mut words = vec!["robovec-opt".to_owned(), input];
     if let (Some(name), 0) = (&arguments.function, found.start) {

@@ -104,9 +104,10 @@ fn to_text(set: &RuleSet, findings: &[Finding], examples: bool) -> String {
     let mut rows = Vec::new();
     let mut notes = String::new();
     for (rule, finding) in set.rules.iter().zip(findings) {
-        let found = match finding.is_sound() {
-            true => finding.class.name(),
-            false => "-",
+        let found = if finding.is_sound() {
+            finding.class.name()
+        } else {
+            "-"
         };
         let words: Vec<&str> = finding.notes.iter().map(|note| note.kind.word()).collect();
         rows.push(vec![

@@ -101,9 +101,10 @@ pub(super) fn run(arguments: &FindArguments) -> Result<String, CommandFailure> {
         )));
     }
     let machine = input::machine(&arguments.machine)?;
-    let mut names = match arguments.no_default_rules {
-        true => Vec::new(),
-        false => list::shipped(),
+    let mut names = if arguments.no_default_rules {
+        Vec::new()
+    } else {
+        list::shipped()
     };
     names.extend(arguments.rules.iter().cloned());
     let (known, _) = read::read(&names)?.sound();

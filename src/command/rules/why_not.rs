@@ -42,9 +42,10 @@ pub(super) struct WhyNotArguments {
 /// Runs the command.
 pub(super) fn run(arguments: &WhyNotArguments) -> Result<String, CommandFailure> {
     let rules = read::sound(&arguments.rules, !arguments.only)?;
-    let class = match arguments.trig {
-        true => NumericClass::RealTrig,
-        false => NumericClass::Real,
+    let class = if arguments.trig {
+        NumericClass::RealTrig
+    } else {
+        NumericClass::Real
     };
     let text = format!(
         "rule question: {} => {} class={};",
@@ -93,20 +94,22 @@ fn answer(rule: &Rule, found: &Derivation, is_proved: bool, effort: DerivationEf
             complete,
             nodes,
         } => {
-            let equal = match is_proved {
-                true => "The terms are equal",
-                false => "Nothing refutes that the terms are equal",
+            let equal = if is_proved {
+                "The terms are equal"
+            } else {
+                "Nothing refutes that the terms are equal"
             };
-            let reason = match complete {
-                true => format!(
+            let reason = if *complete {
+                format!(
                     "{equal}, but no rule leads there: all of {} were tried.",
                     counted(*nodes, "term")
-                ),
-                false => format!(
+                )
+            } else {
+                format!(
                     "Not reached within {} and {}; --nodes and --iterations allow for more.",
                     counted(effort.nodes, "node"),
                     counted(effort.iterations, "round")
-                ),
+                )
             };
             let nearest = term.to_text(&rule.variables);
             let _ = writeln!(text, "{reason}\nThe nearest that was reached: {nearest}\n");
@@ -125,9 +128,10 @@ fn closing(question: &Rule, nearest: &Pattern) -> String {
         ..question.clone()
     };
     let finding = check::check(&rule, check::TRIALS);
-    let doubt = match finding.is_sound() {
-        true => "",
-        false => ", which is not proved",
+    let doubt = if finding.is_sound() {
+        ""
+    } else {
+        ", which is not proved"
     };
     format!(
         "\nA rule that closes the gap{doubt}:\n  rule new: {} => {}  class={};\n",
@@ -139,9 +143,12 @@ fn closing(question: &Rule, nearest: &Pattern) -> String {
 
 /// The steps, aligned.
 pub(super) fn listing(rule: &Rule, steps: &[DerivationStep]) -> String {
-    let name = |step: &DerivationStep| match step.backwards {
-        true => format!("{} backwards", step.rule),
-        false => step.rule.clone(),
+    let name = |step: &DerivationStep| {
+        if step.backwards {
+            format!("{} backwards", step.rule)
+        } else {
+            step.rule.clone()
+        }
     };
     let width = steps.iter().map(|step| name(step).len()).max().unwrap_or(0);
     let mut text = format!("  {:width$}  {}\n", "", rule.left.to_text(&rule.variables));

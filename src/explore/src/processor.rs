@@ -130,9 +130,10 @@ pub fn contest(regular: View<'_>, shorter: View<'_>) -> Result<ProcessorTimes, S
         unreachable!("every contestant has an outcome");
     };
     let time = |outcome: &BenchOutcome| outcome.nanoseconds.unwrap_or(f64::INFINITY);
-    let faster = match time(rolled) < time(straight) {
-        true => rolled,
-        false => straight,
+    let faster = if time(rolled) < time(straight) {
+        rolled
+    } else {
+        straight
     };
     Ok(ProcessorTimes {
         straight: straight.nanoseconds,

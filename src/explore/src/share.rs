@@ -109,9 +109,10 @@ impl FromStr for WorkShare {
         let (k, n) = text.split_once('/').ok_or_else(wrong)?;
         let read = |text: &str| text.parse::<usize>().map_err(|_| wrong());
         let (k, n) = (read(k)?, read(n)?);
-        match (1..=n).contains(&k) {
-            true => Ok(WorkShare { k, n }),
-            false => Err(wrong()),
+        if (1..=n).contains(&k) {
+            Ok(WorkShare { k, n })
+        } else {
+            Err(wrong())
         }
     }
 }

@@ -72,9 +72,10 @@ pub fn read(file: &str, text: &str, wanted: Option<&str>) -> Result<ReadCore, Re
         return Err(fail(problems.errors));
     }
     module.functions.push(lowered.function);
-    let warnings = match problems.warnings.is_empty() {
-        true => Report::new(),
-        false => fail(problems.warnings),
+    let warnings = if problems.warnings.is_empty() {
+        Report::new()
+    } else {
+        fail(problems.warnings)
     };
     Ok(ReadCore {
         module,

@@ -56,9 +56,10 @@ pub(super) fn literal(atom: &str) -> CoreLiteral {
 }
 
 fn finite(number: f64) -> CoreLiteral {
-    match number.is_finite() {
-        true => CoreLiteral::Number(number),
-        false => CoreLiteral::TooLarge,
+    if number.is_finite() {
+        CoreLiteral::Number(number)
+    } else {
+        CoreLiteral::TooLarge
     }
 }
 

@@ -72,12 +72,11 @@ pub fn equations(
     {
         return Ok(read);
     }
-    let note = match functions.iter().all(|function| function.nodes().is_empty()) {
-        true => "the generator leaves such a stub when the model has nothing for this function",
-        false => {
-            "an equation sets an output when it sets an element of an array, as 'c[1] = …'; other \
+    let note = if functions.iter().all(|function| function.nodes().is_empty()) {
+        "the generator leaves such a stub when the model has nothing for this function"
+    } else {
+        "an equation sets an output when it sets an element of an array, as 'c[1] = …'; other \
              names are temporaries"
-        }
     };
     let message = format!("{} sets no output", read.name);
     Err(Report::error(message, vec![note.to_owned()]))
@@ -179,16 +178,16 @@ pub fn model(path: &Path) -> Result<ReadModel, Report> {
     }
     let bytes = limited::read(path, &limited::MODEL)?;
     let name = display_name(path);
-    let base = match FLOATING.load(Ordering::Relaxed) {
-        true => RobotBase::Floating,
-        false => RobotBase::Fixed,
+    let base = if FLOATING.load(Ordering::Relaxed) {
+        RobotBase::Floating
+    } else {
+        RobotBase::Fixed
     };
-    let read = match is_urdf(&name, &bytes) {
-        true => {
-            let right_angle = f64::from_bits(RIGHT_ANGLE.load(Ordering::Relaxed));
-            read_urdf(&name, &bytes, RobotReading { base, right_angle })
-        }
-        false => read_mbs(&name, &bytes),
+    let read = if is_urdf(&name, &bytes) {
+        let right_angle = f64::from_bits(RIGHT_ANGLE.load(Ordering::Relaxed));
+        read_urdf(&name, &bytes, RobotReading { base, right_angle })
+    } else {
+        read_mbs(&name, &bytes)
     };
     read.map_err(|error| error.report)
 }

@@ -18,9 +18,10 @@ pub(super) const DUST: f64 = 1e-15;
 pub(super) fn to_right_angle(angle: f64, tolerance: f64) -> f64 {
     let quarter = std::f64::consts::FRAC_PI_2;
     let nearest = (angle / quarter).round() * quarter;
-    match (angle - nearest).abs() <= tolerance {
-        true => nearest,
-        false => angle,
+    if (angle - nearest).abs() <= tolerance {
+        nearest
+    } else {
+        angle
     }
 }
 
@@ -140,9 +141,10 @@ impl FramePose {
 
     /// A pose given in this frame, in the frame this one stands on.
     pub(super) fn then(&self, other: &FramePose) -> FramePose {
-        let moved = match self.rotation.is_identity() {
-            true => other.origin,
-            false => clean(self.rotation.apply(other.origin)),
+        let moved = if self.rotation.is_identity() {
+            other.origin
+        } else {
+            clean(self.rotation.apply(other.origin))
         };
         FramePose {
             rotation: self.rotation.then(&other.rotation),

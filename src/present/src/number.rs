@@ -19,9 +19,10 @@ pub(crate) fn trimmed(number: f64) -> String {
 
 /// Two digits and an exponent; a dash for what has no such number.
 pub fn exponential(number: f64) -> String {
-    match number.is_nan() {
-        true => "-".to_owned(),
-        false => format!("{number:.1e}"),
+    if number.is_nan() {
+        "-".to_owned()
+    } else {
+        format!("{number:.1e}")
     }
 }
 

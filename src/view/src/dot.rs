@@ -21,9 +21,10 @@ pub fn dot(view: View<'_>, machine: &Machine, wanted: Option<TrackedItem>) -> St
     let _ = writeln!(text, "digraph \"{}\" {{", function.name);
     let _ = writeln!(text, "  rankdir=LR\n  node [shape=box, fontname=monospace]");
     for (value, node) in function.values().filter(|(value, _)| needed[value.index()]) {
-        let name = match node.name.is_none() {
-            true => String::new(),
-            false => format!("%{}\\n", node.name.display(&view.tables.symbols)),
+        let name = if node.name.is_none() {
+            String::new()
+        } else {
+            format!("%{}\\n", node.name.display(&view.tables.symbols))
         };
         let colour = if critical(value) { ", color=red" } else { "" };
         let _ = writeln!(

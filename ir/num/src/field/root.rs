@@ -157,9 +157,10 @@ impl Arithmetic for RootField {
             return Gaussian::real(self.plain.sin(a.real));
         }
         let drawn = self.drawn(a, DrawRole::Sine);
-        match self.size(a).1 {
-            true => self.neg(drawn),
-            false => drawn,
+        if self.size(a).1 {
+            self.neg(drawn)
+        } else {
+            drawn
         }
     }
 

@@ -285,12 +285,13 @@ pub fn measure(
         count,
         measurement.effort,
         |first, batch, exact| {
-            let floors: Vec<Vec<f64>> = match measurement.sensitivities {
-                false => vec![Vec::new(); exact.len()],
-                true => (first..)
+            let floors: Vec<Vec<f64>> = if measurement.sensitivities {
+                (first..)
                     .zip(&batch[..exact.len()])
                     .map(|(state, inputs)| sensitivities.at(inputs, state))
-                    .collect(),
+                    .collect()
+            } else {
+                vec![Vec::new(); exact.len()]
             };
             for (evaluator, samples) in evaluators.iter_mut().zip(&mut samples) {
                 let computed = evaluator.run(batch);

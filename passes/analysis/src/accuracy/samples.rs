@@ -36,23 +36,26 @@ impl Sample {
     }
 
     fn relative(&self) -> f64 {
-        match self.vanished {
-            true => f64::NAN,
-            false => quotient(self.distance, self.size),
+        if self.vanished {
+            f64::NAN
+        } else {
+            quotient(self.distance, self.size)
         }
     }
 
     fn mixed(&self) -> f64 {
-        match self.vanished {
-            true => f64::NAN,
-            false => quotient(self.distance, self.size + self.floor),
+        if self.vanished {
+            f64::NAN
+        } else {
+            quotient(self.distance, self.size + self.floor)
         }
     }
 
     fn ulps(&self, format: Format) -> f64 {
-        match self.vanished {
-            true => f64::NAN,
-            false => self.distance / ulp(format, self.size),
+        if self.vanished {
+            f64::NAN
+        } else {
+            self.distance / ulp(format, self.size)
         }
     }
 }

@@ -138,9 +138,10 @@ fn secant(
         // The mean of the angles, and sin(d)/d for half their difference.
         let distance = mul(&half, &sub(a[1], a[0]));
         let slope = apply(of, &add(a[0], &distance));
-        match distance.is_zero() {
-            true => slope,
-            false => div(&mul(&slope, &apply(Operation::Sin, &distance)), &distance),
+        if distance.is_zero() {
+            slope
+        } else {
+            div(&mul(&slope, &apply(Operation::Sin, &distance)), &distance)
         }
     };
     match operation {

@@ -54,15 +54,19 @@ fn exact(operation: Operation, [a, b, _]: [Interval; 3], format: Format) -> Exac
     match (operation, sum) {
         _ if sum.is_some() && (zero(a) || zero(b)) => Exactness::Always,
         // Sterbenz: numbers of one sign, neither more than twice the other.
-        (_, Some(b)) if near(a, b) || near(-a, -b) => match float.subnormals {
-            true => Exactness::Always,
-            false => Exactness::Normal,
-        },
+        (_, Some(b)) if near(a, b) || near(-a, -b) => {
+            if float.subnormals {
+                Exactness::Always
+            } else {
+                Exactness::Normal
+            }
+        }
         (Operation::Mul, _) if power_of_two(a).or(power_of_two(b)).is_some() => {
             let larger = power_of_two(a).or(power_of_two(b)) >= Some(1.0);
-            match larger && float.subnormals {
-                true => Exactness::Always,
-                false => Exactness::Normal,
+            if larger && float.subnormals {
+                Exactness::Always
+            } else {
+                Exactness::Normal
             }
         }
         (Operation::Div, _) if power_of_two(b).is_some() => Exactness::Normal,

@@ -192,9 +192,10 @@ impl WindowLeaves {
             }
             (WindowLeafKind::Input, GivenData::Real) => {
                 let lost = half_ulp(self.format, range.low).max(half_ulp(self.format, range.high));
-                match lost.is_finite() {
-                    true => (range, range.widened(lost), lost),
-                    false => (range, Interval::WHOLE, lost),
+                if lost.is_finite() {
+                    (range, range.widened(lost), lost)
+                } else {
+                    (range, Interval::WHOLE, lost)
                 }
             }
             // A literal is rounded once and for all.

@@ -279,9 +279,10 @@ fn certify(value: Double, radius: f64) -> ExactOutput {
     // lower neighbour at half the distance of the upper one.
     let size = value.high.abs();
     let half = (size - size.next_down()) / 2.0;
-    let certain = match value.high == 0.0 {
-        true => radius == 0.0,
-        false => value.low.abs() + radius < half,
+    let certain = if value.high == 0.0 {
+        radius == 0.0
+    } else {
+        value.low.abs() + radius < half
     };
     ExactOutput {
         value,

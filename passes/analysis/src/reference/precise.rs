@@ -147,18 +147,20 @@ fn apply(
         Operation::Div if a.radius == 0.0 && b.radius == 0.0 => 0.0,
         Operation::Div => {
             let nearest = b.size * (1.0 - 1e-12) - b.radius * unit;
-            match nearest > 0.0 {
-                true => (a.radius + size * b.radius) / nearest,
-                false => f64::INFINITY,
+            if nearest > 0.0 {
+                (a.radius + size * b.radius) / nearest
+            } else {
+                f64::INFINITY
             }
         }
         Operation::Sin | Operation::Cos => a.radius.min(2.0 / unit),
         Operation::Sqrt if a.radius == 0.0 => 0.0,
         Operation::Sqrt => {
             let nearest = a.size * (1.0 - 1e-12) - a.radius * unit;
-            match nearest > 0.0 {
-                true => a.radius / nearest.sqrt(),
-                false => f64::INFINITY,
+            if nearest > 0.0 {
+                a.radius / nearest.sqrt()
+            } else {
+                f64::INFINITY
             }
         }
     };

@@ -33,12 +33,13 @@ pub(super) fn compare(witness: &Function, after: View<'_>) -> Result<(), String>
         let mut operands = new.operands.into_iter().zip(old.operands);
         if new.operation != old.operation || !operands.all(|(new, old)| same(new, old)) {
             let name = new.name;
-            return Err(match name.is_none() {
-                true => "an operation is not that of its witness".to_owned(),
-                false => format!(
+            return Err(if name.is_none() {
+                "an operation is not that of its witness".to_owned()
+            } else {
+                format!(
                     "{} is not what it is in its witness",
                     name.display(&after.tables.symbols)
-                ),
+                )
             });
         }
     }

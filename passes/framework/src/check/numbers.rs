@@ -215,9 +215,8 @@ impl<'a> OutputComparison<'a> {
             }
             _ => false,
         };
-        match differs {
-            false => Ok(()),
-            true => Err(Failed {
+        if differs {
+            Err(Failed {
                 pair,
                 values: Values {
                     state,
@@ -226,7 +225,9 @@ impl<'a> OutputComparison<'a> {
                     allowed: old.radius[lane] + new.radius[lane],
                 },
                 inputs: None,
-            }),
+            })
+        } else {
+            Ok(())
         }
     }
 }

@@ -312,9 +312,12 @@ fn owners<'b>(
     instances: &Instances,
     is_input: bool,
 ) -> Result<Vec<(u32, usize)>, Unpaired> {
-    let arrays = |view: View<'b>| match is_input {
-        true => view.function.inputs(),
-        false => view.function.outputs(),
+    let arrays = |view: View<'b>| {
+        if is_input {
+            view.function.inputs()
+        } else {
+            view.function.outputs()
+        }
     };
     let fail = |reason: String| {
         Err(Unpaired {

@@ -176,9 +176,10 @@ impl StateLine {
                 continue;
             }
             left -= 1;
-            let zero = match crosses {
-                true => bisect(size, [grid[window], grid[window + 1]], a),
-                false => smallest(size, [grid[window], grid[window + 2]]),
+            let zero = if crosses {
+                bisect(size, [grid[window], grid[window + 1]], a)
+            } else {
+                smallest(size, [grid[window], grid[window + 2]])
             };
             let most = largest(samples.iter().map(|sample| sample[index]));
             if size(zero).abs() > ZERO * most {

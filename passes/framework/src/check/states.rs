@@ -57,9 +57,10 @@ pub struct StatePlace {
 impl StatePlace {
     /// The usual state of a number.
     pub(super) fn usual(number: u32) -> StatePlace {
-        let scale = match number.is_multiple_of(2) {
-            true => StateScale::Usual,
-            false => StateScale::UsualAgain,
+        let scale = if number.is_multiple_of(2) {
+            StateScale::Usual
+        } else {
+            StateScale::UsualAgain
         };
         StatePlace {
             scale,

@@ -76,9 +76,12 @@ pub fn apply(
     let mut walk = PipelineWalk::new(pipeline);
     // Only groups ask whether something changed.
     let repeats = pipeline.repeats();
-    let fingerprint = |function: &Function| match repeats {
-        true => measure::fingerprint(function),
-        false => 0,
+    let fingerprint = |function: &Function| {
+        if repeats {
+            measure::fingerprint(function)
+        } else {
+            0
+        }
     };
     while let Some(step) = walk.next(fingerprint(function)) {
         let pass = (step.info.build)(&step.options)

@@ -131,9 +131,12 @@ impl fmt::Display for PassStep {
         if !self.options.is_empty() {
             let options = self.options.iter();
             let options: Vec<String> = options
-                .map(|(name, value)| match is_word(value) {
-                    true => format!("{name}={value}"),
-                    false => format!("{name}=\"{value}\""),
+                .map(|(name, value)| {
+                    if is_word(value) {
+                        format!("{name}={value}")
+                    } else {
+                        format!("{name}=\"{value}\"")
+                    }
                 })
                 .collect();
             write!(formatter, "{{{}}}", options.join(" "))?;

@@ -194,9 +194,10 @@ impl EditWriter<'_> {
         }
         for (value, node) in self.old.values() {
             if self.cuts[value.index()].is_some() {
-                let name = match node.name.is_none() {
-                    true => "x".to_owned(),
-                    false => node.name.display(&tables.symbols).replace('.', "_"),
+                let name = if node.name.is_none() {
+                    "x".to_owned()
+                } else {
+                    node.name.display(&tables.symbols).replace('.', "_")
                 };
                 let name = free_name(&name, &mut taken, tables);
                 let new = self.new.add_input(name, Shape::Scalar);

@@ -123,9 +123,10 @@ pub(super) fn single_rewrite(
     Some(Rewrite {
         number: bad,
         of: total,
-        name: match name.is_none() {
-            true => String::new(),
-            false => format!("%{}", name.display(&trial.module.tables.symbols)),
+        name: if name.is_none() {
+            String::new()
+        } else {
+            format!("%{}", name.display(&trial.module.tables.symbols))
         },
         rule,
     })

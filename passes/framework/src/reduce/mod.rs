@@ -182,9 +182,10 @@ impl fmt::Display for Reduction {
             )?,
         }
         let values: usize = self.program.functions.iter().map(|f| f.nodes().len()).sum();
-        let exhausted = match self.effort.exhausted {
-            true => "; the work allowed was used up, a smaller one may exist",
-            false => "",
+        let exhausted = if self.effort.exhausted {
+            "; the work allowed was used up, a smaller one may exist"
+        } else {
+            ""
         };
         writeln!(
             formatter,

@@ -207,9 +207,10 @@ impl Allowed {
             let output = assignment.output;
             let known = scene.map(|scene| scene.tolerances(view, output));
             let known = known.unwrap_or_default();
-            match known.is_empty() {
-                true => vec![usual(&everywhere, output)],
-                false => known.iter().map(|one| usual(one, output)).collect(),
+            if known.is_empty() {
+                vec![usual(&everywhere, output)]
+            } else {
+                known.iter().map(|one| usual(one, output)).collect()
             }
         });
         Allowed {

@@ -60,9 +60,10 @@ impl Follower {
                     .definition(&self.before, DefinitionSubject::Value(old));
                 old == after.definition(function, DefinitionSubject::Value(value))
             });
-            values.push(match same {
-                true => history,
-                false => steps.add(history, notes.rules(node.name)),
+            values.push(if same {
+                history
+            } else {
+                steps.add(history, notes.rules(node.name))
             });
         }
         let mut outputs = Vec::with_capacity(function.assignments.len());
@@ -75,9 +76,10 @@ impl Follower {
             let history = steps.history_of(old);
             let same = self.state.definition(&self.before, old)
                 == after.definition(function, DefinitionSubject::Output(index));
-            outputs.push(match same {
-                true => history,
-                false => steps.add(history, std::iter::empty()),
+            outputs.push(if same {
+                history
+            } else {
+                steps.add(history, std::iter::empty())
             });
         }
         function.histories = Some(steps.histories.with_subjects(values, outputs));

@@ -58,9 +58,12 @@ fn state_after<'a>(tables: &Tables, stage: &'a Stage, after: &'a Function) -> Tr
     let owners = OutputSymbols::of(tables, &stage.before);
     let notes: &'a Notes = &stage.notes;
     let nodes = after.nodes().iter();
-    let value_origins = nodes.map(|node| match node.name.is_none() {
-        true => None,
-        false => origin(&before, &owners, notes, node.name),
+    let value_origins = nodes.map(|node| {
+        if node.name.is_none() {
+            None
+        } else {
+            origin(&before, &owners, notes, node.name)
+        }
     });
     let assignments = after.assignments.iter();
     let output_origins = assignments.map(|assignment| {

@@ -44,9 +44,10 @@ impl ScaledBall {
     /// A finite binary64 number and how far the number meant can be from it.
     pub(super) fn between(number: f64, radius: f64) -> ScaledBall {
         // Subnormals are lifted, so that what follows is exact.
-        let (lift, exponent) = match number.abs().max(radius) < 1.0 {
-            true => (2f64.powi(600), -600),
-            false => (1.0, 0),
+        let (lift, exponent) = if number.abs().max(radius) < 1.0 {
+            (2f64.powi(600), -600)
+        } else {
+            (1.0, 0)
         };
         ScaledBall {
             mantissa: Double::from(number * lift),
@@ -87,9 +88,10 @@ impl ScaledBall {
                 low: scale(self.mantissa.low),
             },
             // A radius that is not zero does not become it.
-            radius: match self.radius > 0.0 {
-                true => scale(self.radius).max(f64::MIN_POSITIVE),
-                false => 0.0,
+            radius: if self.radius > 0.0 {
+                scale(self.radius).max(f64::MIN_POSITIVE)
+            } else {
+                0.0
             },
             exponent: self.exponent - power,
         }
@@ -134,9 +136,10 @@ impl ScaledBall {
         let exponent = self.exponent.max(other.exponent);
         let (a, b) = (self.in_unit(exponent), other.in_unit(exponent));
         let mantissa = a.mantissa + b.mantissa;
-        let error = match self.both_short(other) && a.radius + b.radius == 0.0 {
-            true => 0.0,
-            false => mantissa.high.abs() * SUM,
+        let error = if self.both_short(other) && a.radius + b.radius == 0.0 {
+            0.0
+        } else {
+            mantissa.high.abs() * SUM
         };
         ScaledBall {
             mantissa,
@@ -188,9 +191,10 @@ impl ScaledBall {
             return None;
         }
         let spread = (self.radius + quotient * other.radius) / least;
-        let error = match self.is_exact_zero() {
-            true => 0.0,
-            false => quotient * QUOTIENT + f64::MIN_POSITIVE,
+        let error = if self.is_exact_zero() {
+            0.0
+        } else {
+            quotient * QUOTIENT + f64::MIN_POSITIVE
         };
         Some(
             ScaledBall {
@@ -231,21 +235,23 @@ impl ScaledBall {
         if self.exponent < -FAR {
             // Beside 1 the square of the angle is nothing, and the sine is
             // the angle.
-            return match cosine {
-                true => ScaledBall::between(1.0, 2f64.powi(-FAR as i32)),
-                false => ScaledBall {
+            return if cosine {
+                ScaledBall::between(1.0, 2f64.powi(-FAR as i32))
+            } else {
+                ScaledBall {
                     radius: self.radius + 2f64.powi(-FAR as i32),
                     ..self
-                },
+                }
             };
         }
         let angle = Double {
             high: half(self.mantissa.high),
             low: half(self.mantissa.low),
         };
-        let mantissa = match cosine {
-            true => DoubleDouble.cos(angle),
-            false => DoubleDouble.sin(angle),
+        let mantissa = if cosine {
+            DoubleDouble.cos(angle)
+        } else {
+            DoubleDouble.sin(angle)
         };
         ScaledBall {
             mantissa,
@@ -295,9 +301,10 @@ impl ScaledBall {
 
     /// The binary logarithm of the largest absolute value, rounded up.
     pub(super) fn log_size(self) -> i64 {
-        match self.is_exact_zero() {
-            true => i64::MIN / 4,
-            false => self.exponent + 2,
+        if self.is_exact_zero() {
+            i64::MIN / 4
+        } else {
+            self.exponent + 2
         }
     }
 }
@@ -318,9 +325,12 @@ mod tests {
     /// Ends of a ball; of numbers in the range of binary64.
     fn holds(ball: ScaledBall, exact: &BigFloat, what: &str) {
         let scale = big(2.0).powi(ball.exponent.unsigned_abs() as usize, BITS, NEAREST);
-        let scaled = |number: &BigFloat| match ball.exponent < 0 {
-            true => number.div(&scale, BITS, NEAREST),
-            false => number.mul(&scale, BITS, NEAREST),
+        let scaled = |number: &BigFloat| {
+            if ball.exponent < 0 {
+                number.div(&scale, BITS, NEAREST)
+            } else {
+                number.mul(&scale, BITS, NEAREST)
+            }
         };
         let middle = big(ball.mantissa.high).add(&big(ball.mantissa.low), BITS, NEAREST);
         let distance = scaled(&middle).sub(exact, BITS, NEAREST).abs();

@@ -118,13 +118,14 @@ fn formats() -> [HardFormat; 2] {
 /// many.
 fn number(format: &str, value: f64) -> String {
     let single = format == "binary32";
-    let (most, least, tiny) = match single {
-        true => (
+    let (most, least, tiny) = if single {
+        (
             f32::MAX.into(),
             f32::MIN_POSITIVE.into(),
             f32::from_bits(1).into(),
-        ),
-        false => (f64::MAX, f64::MIN_POSITIVE, f64::from_bits(1)),
+        )
+    } else {
+        (f64::MAX, f64::MIN_POSITIVE, f64::from_bits(1))
     };
     let names = [
         ("max", most),

@@ -135,9 +135,10 @@ impl RuleField {
         let draw = |(index, positive): (usize, &bool)| {
             let value = self.draw(index as u64, RuleDrawRole::Input);
             RuleResidue {
-                value: match positive {
-                    true => self.value.mul(value, value),
-                    false => value,
+                value: if *positive {
+                    self.value.mul(value, value)
+                } else {
+                    value
                 },
                 angle: self.angle.number(mix(self.salt ^ index as u64)),
             }
@@ -279,9 +280,10 @@ impl Arithmetic for RuleField {
         if a.is_undefined() {
             return a;
         }
-        self.with_angle(match self.circle {
-            true => self.circle_point(a.angle)[1],
-            false => self.draw_odd(a.value, RuleDrawRole::Sine),
+        self.with_angle(if self.circle {
+            self.circle_point(a.angle)[1]
+        } else {
+            self.draw_odd(a.value, RuleDrawRole::Sine)
         })
     }
 
@@ -303,9 +305,10 @@ impl Arithmetic for RuleField {
         }
         // A square to the power (p + 1) / 4 is its root that is a square.
         let root = self.value.power(a.value, self.value.modulus().div_ceil(4));
-        match self.value.mul(root, root) == a.value {
-            true => self.with_angle(root),
-            false => RuleResidue::UNDEFINED,
+        if self.value.mul(root, root) == a.value {
+            self.with_angle(root)
+        } else {
+            RuleResidue::UNDEFINED
         }
     }
 

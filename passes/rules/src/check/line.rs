@@ -118,9 +118,10 @@ fn nodes_of_chart(
             PatternNode::Number(number) => Some((constant(field, number), one.clone())),
             PatternNode::Variable(variable) => {
                 let straight = line(modulus, 1, u64::from(variable));
-                match under_root(variable) {
-                    true => product(modulus, &straight, &straight),
-                    false => Some(straight),
+                if under_root(variable) {
+                    product(modulus, &straight, &straight)
+                } else {
+                    Some(straight)
                 }
                 .map(|numerator| (numerator, one.clone()))
             }
@@ -194,9 +195,12 @@ fn rational(
     (r, s): &(ModularPolynomial, ModularPolynomial),
 ) -> Quotient {
     let times = |a: &ModularPolynomial, b: &ModularPolynomial| product(modulus, a, b);
-    let added = |r: &ModularPolynomial| match q == s {
-        true => Some((sum(modulus, p, r), q.clone())),
-        false => Some((sum(modulus, &times(p, s)?, &times(r, q)?), times(q, s)?)),
+    let added = |r: &ModularPolynomial| {
+        if q == s {
+            Some((sum(modulus, p, r), q.clone()))
+        } else {
+            Some((sum(modulus, &times(p, s)?, &times(r, q)?), times(q, s)?))
+        }
     };
     match operation {
         Operation::Copy => Some((p.clone(), q.clone())),

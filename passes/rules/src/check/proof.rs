@@ -189,9 +189,10 @@ fn same_numbers(joined: &Joined<'_>) -> Result<(Vec<Vec<ScaledBall>>, u32, f64),
     let rule = joined.rule;
     let mut states = RulePoints::of(rule, 7);
     let (mut reals, mut seen, mut distance) = (Vec::new(), 0, 0f64);
-    let (wanted, tried) = match rule.variables.is_empty() {
-        true => (1, 1),
-        false => (STATES, MAX_TRIED),
+    let (wanted, tried) = if rule.variables.is_empty() {
+        (1, 1)
+    } else {
+        (STATES, MAX_TRIED)
     };
     for _ in 0..tried {
         let place = RealPoint::exactly(states.next());

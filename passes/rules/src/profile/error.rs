@@ -34,9 +34,10 @@ pub(super) fn transfer(rule: &Rule, points: usize) -> Transfer {
         let values = (0..rule.variables.len()).map(|variable| {
             let drawn = random.log_uniform(-10, 9);
             let mut needed = rule.requirements(variable as u32);
-            match needed.any(|requirement| requirement == Requirement::Positive) {
-                true => drawn.abs(),
-                false => drawn,
+            if needed.any(|requirement| requirement == Requirement::Positive) {
+                drawn.abs()
+            } else {
+                drawn
             }
         });
         // The inputs are numbers of the format: their rounding is not the

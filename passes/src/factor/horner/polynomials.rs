@@ -79,9 +79,10 @@ impl NetworkPolynomials {
         let operands = &network.nodes[node as usize].operands;
         let product = network.nodes[node as usize].kind == FactorKind::Product;
         let taken = self.taken(network, operands, product);
-        let terms = match product {
-            true => self.multiply(network, operands, &taken),
-            false => self.add(network, operands, &taken),
+        let terms = if product {
+            self.multiply(network, operands, &taken)
+        } else {
+            self.add(network, operands, &taken)
         };
         match terms {
             Some(terms) => {
@@ -91,9 +92,10 @@ impl NetworkPolynomials {
                 terms
             }
             // Over its operands as they are it is small.
-            None => match product {
-                true => self.multiply(network, operands, &vec![false; operands.len()]),
-                false => self.add(network, operands, &vec![false; operands.len()]),
+            None => if product {
+                self.multiply(network, operands, &vec![false; operands.len()])
+            } else {
+                self.add(network, operands, &vec![false; operands.len()])
             }
             .expect("a sum or product of variables is a polynomial of its operands"),
         }

@@ -224,9 +224,10 @@ impl SchemeSet {
             let single = end - start == 1;
             let coefficient = polynomial.coefficients[buffers.terms[start].1 as usize];
             let number = record.as_mut().map_or(0, |scheme| {
-                let rest = match single {
-                    true => SchemeRest::Number(coefficient),
-                    false => SchemeRest::Sum([0, 0]),
+                let rest = if single {
+                    SchemeRest::Number(coefficient)
+                } else {
+                    SchemeRest::Sum([0, 0])
                 };
                 scheme.push(first, rest, part.parent)
             });
@@ -421,9 +422,10 @@ impl SchemeBuffers {
         let (mut low, mut high) = (start, end);
         while low < high {
             let middle = low.midpoint(high);
-            match at(middle, column) == lowest {
-                true => low = middle + 1,
-                false => high = middle,
+            if at(middle, column) == lowest {
+                low = middle + 1
+            } else {
+                high = middle
             }
         }
         let (parent, inverse) = from;

@@ -42,9 +42,10 @@ impl OrderTree {
         for place in 0..self.variables {
             let beginning = path[place];
             let is_full = self.beginnings[beginning].next.len() == self.variables - place;
-            let (variable, next) = match is_full {
-                true => self.best(beginning),
-                false => self.grow(beginning, &order[place..], random),
+            let (variable, next) = if is_full {
+                self.best(beginning)
+            } else {
+                self.grow(beginning, &order[place..], random)
             };
             let at = order.iter().position(|&other| other == variable);
             order.swap(

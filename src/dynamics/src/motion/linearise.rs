@@ -97,14 +97,13 @@ impl MultibodySystem<'_> {
                 .sum()
         });
         let right: Vec<f64> = v.iter().map(|&joint| left[joint]).collect();
-        let multipliers = match rows.is_empty() {
-            true => Vec::new(),
-            false => {
-                let square = jacobian.select(rows, v).transposed();
-                let solution =
-                    solve_square(square, column(&right)).ok_or_else(|| undetermined(state))?;
-                (0..rows.len()).map(|row| solution[(row, 0)]).collect()
-            }
+        let multipliers = if rows.is_empty() {
+            Vec::new()
+        } else {
+            let square = jacobian.select(rows, v).transposed();
+            let solution =
+                solve_square(square, column(&right)).ok_or_else(|| undetermined(state))?;
+            (0..rows.len()).map(|row| solution[(row, 0)]).collect()
         };
         let residual = transform.transposed_times(&left);
         let rounding: Vec<f64> = rounding.collect();

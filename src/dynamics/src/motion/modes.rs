@@ -67,9 +67,10 @@ pub fn modes(motions: &SmallMotions) -> Result<Vec<Mode>, MotionError> {
     let mut found: Vec<Mode> = Vec::new();
     for start in problem.eigenvalues()? {
         // Real but for rounding is real.
-        let start = match start.im.abs() <= ROUNDING * start.norm() {
-            true => ComplexNumber::new(start.re, 0.0),
-            false => start,
+        let start = if start.im.abs() <= ROUNDING * start.norm() {
+            ComplexNumber::new(start.re, 0.0)
+        } else {
+            start
         };
         if start.im >= 0.0 {
             found.push(problem.mode(start, motions));

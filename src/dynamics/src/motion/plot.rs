@@ -85,9 +85,10 @@ fn energies(run: &SimulationRun) -> Vec<RunQuantity<'static>> {
 
 fn panel(title: &str, run: &SimulationRun, quantities: &[RunQuantity<'_>]) -> Panel {
     let curves = quantities.iter().enumerate().map(|(index, quantity)| {
-        let stroke = match index < COLOURS {
-            true => Stroke::Plain,
-            false => Stroke::Dashed,
+        let stroke = if index < COLOURS {
+            Stroke::Plain
+        } else {
+            Stroke::Dashed
         };
         let times = run.samples.iter().map(|sample| sample.state.time);
         let marks = times.zip(&quantity.values);

@@ -67,9 +67,10 @@ pub fn step_error(
 
 /// States with closed loops, and random forces.
 fn closed_states(model: &Model) -> Result<Vec<MotionState>, GenerateError> {
-    let constraints = match model.cuts.is_empty() {
-        true => LoopConstraints::none(model, Format::BINARY64),
-        false => loop_constraints(model)?,
+    let constraints = if model.cuts.is_empty() {
+        LoopConstraints::none(model, Format::BINARY64)
+    } else {
+        loop_constraints(model)?
     };
     let loops = LoopClosure {
         model,

@@ -23,9 +23,10 @@ pub(super) fn source(step: &StepPlan<'_>, function: StepFunction, generated: &st
         StepFunction::ActuatorForces => (include_str!("invdynared.c"), "the forces of actuators"),
     };
     let joints: Vec<String> = step.independent.iter().map(usize::to_string).collect();
-    let list = match joints.is_empty() {
-        true => "0".to_owned(),
-        false => joints.join(", "),
+    let list = if joints.is_empty() {
+        "0".to_owned()
+    } else {
+        joints.join(", ")
     };
     let (filled, qddu) = match step.generation {
         Generation::Current => ("", ""),
@@ -35,9 +36,10 @@ pub(super) fn source(step: &StepPlan<'_>, function: StepFunction, generated: &st
             "    for (int i = 1; i <= s->nqu; i++)\n        qddu[i] = s->qdd[s->qu[i]];\n",
         ),
     };
-    let driven = match step.has_driven_joints() {
-        true => "    user_DrivenJoints(s, tsim);\n",
-        false => "",
+    let driven = if step.has_driven_joints() {
+        "    user_DrivenJoints(s, tsim);\n"
+    } else {
+        ""
     };
     fill(
         &(STEP.to_owned() + own),

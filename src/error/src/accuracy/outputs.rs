@@ -120,9 +120,12 @@ pub fn csv(lines: &[OutputLine]) -> String {
 }
 
 fn fields(line: &OutputLine) -> Vec<String> {
-    let number = |number: f64| match number.is_nan() {
-        true => String::new(),
-        false => format!("{number:e}"),
+    let number = |number: f64| {
+        if number.is_nan() {
+            String::new()
+        } else {
+            format!("{number:e}")
+        }
     };
     let optional = |value: Option<f64>| value.map_or_else(String::new, number);
     let mut fields = vec![
@@ -222,9 +225,12 @@ fn arrays(view: View<'_>, format: &FormatAccuracy) -> String {
 
 fn elements(view: View<'_>, format: &FormatAccuracy, most: usize) -> String {
     let mut shown: Vec<&ElementError> = format.elements.iter().collect();
-    let size = |element: &ElementError| match element.mixed.worst.is_nan() {
-        true => -1.0,
-        false => element.mixed.worst,
+    let size = |element: &ElementError| {
+        if element.mixed.worst.is_nan() {
+            -1.0
+        } else {
+            element.mixed.worst
+        }
     };
     shown.sort_by(|a, b| size(b).total_cmp(&size(a)));
     shown.truncate(most);

@@ -286,9 +286,10 @@ impl Yardstick {
 
 /// How far a result is from the exact number; infinite for what is no number.
 fn distance(exact: Double, computed: f64) -> f64 {
-    match computed.is_finite() {
-        true => exact.distance(computed),
-        false => f64::INFINITY,
+    if computed.is_finite() {
+        exact.distance(computed)
+    } else {
+        f64::INFINITY
     }
 }
 

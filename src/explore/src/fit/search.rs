@@ -311,9 +311,10 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         if self.programs[program].mixture.is_some() {
             return self.mix_again(program);
         }
-        let more = match times.is_finite() {
-            true => (times.log2().floor() as u32).max(1),
-            false => 1,
+        let more = if times.is_finite() {
+            (times.log2().floor() as u32).max(1)
+        } else {
+            1
         };
         let least = bits(refused) + more;
         for index in 0..self.programs.len() {

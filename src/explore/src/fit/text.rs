@@ -256,13 +256,14 @@ fn allowed(task: &FitTask<'_>, used: f64) -> String {
     let allowed: Vec<String> = needs
         .filter_map(|need| Some(format!("{} {}", need.pattern, need.tolerance?)))
         .collect();
-    match allowed.is_empty() {
-        true => "none".to_owned(),
-        false => format!(
+    if allowed.is_empty() {
+        "none".to_owned()
+    } else {
+        format!(
             "{} of it at the worst output: {}",
             percent(used),
             allowed.join("; ")
-        ),
+        )
     }
 }
 
@@ -331,9 +332,10 @@ fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> Stri
              for {} of {} outputs, the largest is {}\n",
             bound.proved,
             bound.outputs,
-            match bound.used.is_finite() {
-                true => format!("{} of it", percent(bound.used)),
-                false => "without end".to_owned(),
+            if bound.used.is_finite() {
+                format!("{} of it", percent(bound.used))
+            } else {
+                "without end".to_owned()
             }
         ),
         None => "  not established  for every state: no bound was computed (the program is large, \

@@ -75,9 +75,10 @@ pub fn of_the_thesis() -> Vec<FrontChoice> {
 pub fn ours(operations: usize, formulations: &[Formulation], angle: f64) -> Vec<FrontChoice> {
     let composite = format!("atomise,{}", steps::COMPOSITE);
     let ahead = |growth: u32| format!("lookahead{{growth={growth}}},balance,cse,dce");
-    let growths: &[u32] = match operations > LARGE {
-        true => &[100],
-        false => &[100, 120, 150],
+    let growths: &[u32] = if operations > LARGE {
+        &[100]
+    } else {
+        &[100, 120, 150]
     };
     let mut choices = Vec::new();
     let wide: Vec<Format> = [Format::BINARY32]

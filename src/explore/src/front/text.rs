@@ -267,9 +267,10 @@ fn panel(front: &Front, place: usize) -> Panel {
     let mut groups: Vec<(bool, String)> = Vec::new();
     for index in (0..front.points.len()).filter(placed) {
         let point = &front.points[index];
-        let label = match point.thesis {
-            true => format!("thesis: {}", point.choice),
-            false => format!("ours, {}", point.format),
+        let label = if point.thesis {
+            format!("thesis: {}", point.choice)
+        } else {
+            format!("ours, {}", point.format)
         };
         let group = (point.thesis, label);
         let known = groups.iter().position(|known| *known == group);

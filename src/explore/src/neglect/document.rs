@@ -104,9 +104,10 @@ impl SceneTable {
         let number = (joint + 1).to_string();
         let words: Vec<&str> = names.iter().copied().chain([number.as_str()]).collect();
         self.forget(array, &words);
-        let key = match matrix {
-            true => format!("{array}[*,{number}]"),
-            false => format!("{array}[{number}]"),
+        let key = if matrix {
+            format!("{array}[*,{number}]")
+        } else {
+            format!("{array}[{number}]")
         };
         self.section("bind").insert(key, Value::Float(0.0));
     }

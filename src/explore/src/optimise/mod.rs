@@ -222,9 +222,10 @@ pub fn optimise(
             share: share(trial, question.machine),
             code_bytes: figures.code_bytes,
             errors: figures.errors,
-            remark: match figures.remark.is_empty() {
-                true => trial.remark.to_owned(),
-                false => figures.remark.clone(),
+            remark: if figures.remark.is_empty() {
+                trial.remark.to_owned()
+            } else {
+                figures.remark.clone()
             },
             taken: index == best,
         });

@@ -126,9 +126,10 @@ pub fn figure(found: &Optimised) -> Figure {
             .iter()
             .filter(move |point| point.taken == taken);
         points.filter_map(move |point| {
-            let time = match is_timed {
-                true => point.nanoseconds,
-                false => point.cycles.map(f64::from),
+            let time = if is_timed {
+                point.nanoseconds
+            } else {
+                point.cycles.map(f64::from)
             };
             Some(Mark::at(time?, point.errors?[1]))
         })
@@ -137,9 +138,10 @@ pub fn figure(found: &Optimised) -> Figure {
         Curve::points("tried".to_owned(), 1, marks(false)),
         Curve::new("taken", Paint::Distinct(0), Stroke::Plain, marks(true)),
     ];
-    let axis = match is_timed {
-        true => "C (ns per state)",
-        false => "schedule (cycles)",
+    let axis = if is_timed {
+        "C (ns per state)"
+    } else {
+        "schedule (cycles)"
     };
     let panel = Panel::curves(
         "",

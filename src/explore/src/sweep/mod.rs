@@ -197,13 +197,13 @@ pub fn sweep(
         }
     }
     mark_front(&mut points);
-    let cpu =
-        processor.map(
-            |view| match Counts::of(view.function).operations > processor::LARGEST {
-                true => Err("it is too large for a C compiler".to_owned()),
-                false => processor::contest(view, view),
-            },
-        );
+    let cpu = processor.map(|view| {
+        if Counts::of(view.function).operations > processor::LARGEST {
+            Err("it is too large for a C compiler".to_owned())
+        } else {
+            processor::contest(view, view)
+        }
+    });
     let times = cpu.clone().and_then(Result::ok).unwrap_or_default();
     Ok(FunctionSweep {
         name: name.to_owned(),

@@ -121,9 +121,10 @@ fn verdict(sweep: &FunctionSweep) -> String {
             if let Some(batch) = sweep.cpu_batch_us {
                 text += &format!(" ({batch:.3} us each when it makes eight at once)");
             }
-            let (winner, factor) = match cpu < own {
-                true => ("processor", own / cpu),
-                false => ("design", cpu / own),
+            let (winner, factor) = if cpu < own {
+                ("processor", own / cpu)
+            } else {
+                ("design", cpu / own)
             };
             text += &format!(": the {winner} wins by {factor:.1}");
         }

@@ -92,9 +92,10 @@ pub fn write_whole(
 pub fn refuse_foreign(path: &Path, replace: Replace) -> Result<(), FileWriteError> {
     let is_there = fs::metadata(path).is_ok_and(|there| there.is_file());
     let system = |error: io::Error| FileWriteError::System(path.to_owned(), error);
-    match !is_there || own::may_replace(path, replace).map_err(system)? {
-        true => Ok(()),
-        false => Err(FileWriteError::Foreign(path.to_owned())),
+    if !is_there || own::may_replace(path, replace).map_err(system)? {
+        Ok(())
+    } else {
+        Err(FileWriteError::Foreign(path.to_owned()))
     }
 }
 

@@ -238,9 +238,10 @@ impl ProgramCall {
                 Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => {}
             }
             if ended.is_none() {
-                let status = match read.iter().all(Option::is_some) {
-                    true => running.wait_until(deadline)?,
-                    false => running.child.try_wait()?,
+                let status = if read.iter().all(Option::is_some) {
+                    running.wait_until(deadline)?
+                } else {
+                    running.child.try_wait()?
                 };
                 ended = status.map(|status| (status, Instant::now()));
             }

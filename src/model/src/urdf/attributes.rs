@@ -102,9 +102,10 @@ pub(super) fn number(
         .map_err(|refusal| {
             let message = format!("'{attribute}' of {owner}{}", refusal.message);
             let range = place_of(node, attribute);
-            let help = match text.trim().is_empty() {
-                true => "write a number between the quotes",
-                false => refusal.help,
+            let help = if text.trim().is_empty() {
+                "write a number between the quotes"
+            } else {
+                refusal.help
             };
             messages.error(range, &message, refusal.label, help);
         })

@@ -322,15 +322,17 @@ fn plain(name: String, kind: JointKind, mounting: JointMounting) -> Joint {
 fn upright([x, y, z]: [f64; 3]) -> Rotation3 {
     let aside = x * x + y * y;
     if aside == 0.0 {
-        return match z < 0.0 {
-            true => Rotation3::about(Axis::X, std::f64::consts::PI),
-            false => Rotation3::IDENTITY,
+        return if z < 0.0 {
+            Rotation3::about(Axis::X, std::f64::consts::PI)
+        } else {
+            Rotation3::IDENTITY
         };
     }
     // `1 / (1 + z)`, in the form that does not cancel.
-    let factor = match z < 0.0 {
-        true => (1.0 - z) / aside,
-        false => 1.0 / (1.0 + z),
+    let factor = if z < 0.0 {
+        (1.0 - z) / aside
+    } else {
+        1.0 / (1.0 + z)
     };
     let both = -x * y * factor;
     Rotation3([

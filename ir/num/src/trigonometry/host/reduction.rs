@@ -117,9 +117,10 @@ impl Reduced {
             6 => [-cosine, sine],
             _ => [-sine, cosine],
         };
-        match self.negative {
-            true => [-sine, cosine],
-            false => [sine, cosine],
+        if self.negative {
+            [-sine, cosine]
+        } else {
+            [sine, cosine]
         }
     }
 }

@@ -65,9 +65,10 @@ impl DerivativeEquation {
     ) -> A::Number {
         let terms = self.before.iter().filter_map(|&(factor, place)| {
             let dual = before[place];
-            let number = match self.is_value {
-                true => Some(dual.value),
-                false => dual.slope,
+            let number = if self.is_value {
+                Some(dual.value)
+            } else {
+                dual.slope
             };
             Some(sample.term(arithmetic, factor, number?))
         });

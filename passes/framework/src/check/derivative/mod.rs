@@ -397,9 +397,10 @@ impl<'a> DerivativeCheck<'a> {
                 self.failure(equation, element, kind)
             }
             None => {
-                let kind = match equation.is_value {
-                    true => FailureKind::Numbers(values(sides)),
-                    false => FailureKind::Derivative(values(sides)),
+                let kind = if equation.is_value {
+                    FailureKind::Numbers(values(sides))
+                } else {
+                    FailureKind::Derivative(values(sides))
                 };
                 self.failure(equation, equation.element, kind)
             }

@@ -118,9 +118,10 @@ pub fn mine(
     };
     for (index, &(shape, late)) in chosen.iter().enumerate() {
         progress(index, chosen.len());
-        match late {
-            true => solver.earlier(&gathered.shapes[shape]),
-            false => solver.fewer(&gathered.shapes[shape]),
+        if late {
+            solver.earlier(&gathered.shapes[shape])
+        } else {
+            solver.fewer(&gathered.shapes[shape])
         }
     }
     let mut candidates = solver.candidates;
@@ -232,9 +233,12 @@ impl Gathered {
     fn chosen(&self, most: usize) -> Vec<(usize, bool)> {
         let mut chosen = Vec::new();
         for late in [false, true] {
-            let weight = |shape: &MinedShape| match late {
-                true => (shape.late_places, shape.late_places),
-                false => (shape.places, shape.all_freed),
+            let weight = |shape: &MinedShape| {
+                if late {
+                    (shape.late_places, shape.late_places)
+                } else {
+                    (shape.places, shape.all_freed)
+                }
             };
             let shapes = self.shapes.iter().enumerate();
             let mut ranked: Vec<(u64, usize)> = shapes

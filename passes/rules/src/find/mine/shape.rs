@@ -130,9 +130,10 @@ fn tree(function: &Function, window: &[Value]) -> Option<(Vec<TreeNode>, Vec<u64
         let node = function.node(value);
         nodes.push(TreeNode::Operation(node.operation, [place; 2]));
         for (side, &operand) in node.operands().iter().enumerate() {
-            let turn = match node.operation.is_commutative() {
-                true => 0,
-                false => side as u64,
+            let turn = if node.operation.is_commutative() {
+                0
+            } else {
+                side as u64
             };
             let way = mixed(&[way, node.operation as u64, turn]);
             open.push((operand, way, Some((place, side))));
@@ -188,9 +189,10 @@ fn leaf(function: &Function, operand: Operand) -> ShapeLeaf {
         }
         OperandKind::Value(value) => {
             let node = function.node(value);
-            match node.operation.is_trigonometric() {
-                true => ShapeLeaf::Turn(node.operation, node.operands[0], operand),
-                false => ShapeLeaf::Value(operand),
+            if node.operation.is_trigonometric() {
+                ShapeLeaf::Turn(node.operation, node.operands[0], operand)
+            } else {
+                ShapeLeaf::Value(operand)
             }
         }
         OperandKind::Input(_) | OperandKind::None => ShapeLeaf::Value(operand),

@@ -221,9 +221,10 @@ impl Meeting<'_> {
         let mut whole = terms.written(last);
         for step in self.steps.iter().rev() {
             let part = terms.written(step.term);
-            whole = match step.term_is_first {
-                true => joined(step.operation, &part, &whole),
-                false => joined(step.operation, &whole, &part),
+            whole = if step.term_is_first {
+                joined(step.operation, &part, &whole)
+            } else {
+                joined(step.operation, &whole, &part)
             };
         }
         let angle = self.atoms.variables;

@@ -53,9 +53,10 @@ pub(super) fn each(
     let mut partials = vec![first];
     let mut count = 0;
     while let Some(mut partial) = partials.pop() {
-        let next = match partial.inside.len() < largest {
-            true => partial.open.pop(),
-            false => None,
+        let next = if partial.inside.len() < largest {
+            partial.open.pop()
+        } else {
+            None
         };
         let Some(next) = next else {
             if partial.inside.len() > 1 {
