@@ -69,9 +69,3 @@ pub(super) fn cells(share: Option<f64>, facts: Option<&ProgramFacts>) -> [DataCe
     let share = share.map_or(DataCell::Empty, |share| DataCell::number(100.0 * share, 2));
     [share, error(0), error(1)]
 }
-
-/// How to read the cells.
-pub(super) const CAPTION: &str = "The share of the device is estimated by the formulas in \
-    docs/quartus.md: the largest of those of look-up tables, memory blocks and multiplier blocks. \
-    Errors are those of the program in binary32, in parts of the largest element of an array, at \
-    random states against double-double arithmetic.";

@@ -11,6 +11,7 @@
 //! **Invariant.** Everything but CPU times is a function of plan and programs
 //! alone: no clock, no number of threads, no order of work enters a result.
 
+mod captions;
 mod cost;
 pub mod couples;
 pub mod cpu;

@@ -1,9 +1,10 @@
 //! The whole step on the array of elements and on one core.
 
+use super::super::captions;
 use super::super::cost;
 use super::super::results::Results;
 use super::super::step::{PARTS, StudyStep, placed, steps};
-use super::super::tables::whole_step::{counted, step_share};
+use super::super::tables::whole_step::step_share;
 use super::CpuTime;
 use super::table::winner;
 use robovec_fpga::hardware::{clock, estimated_clock_mhz};
@@ -19,26 +20,7 @@ pub fn table(results: &Results, cpu: &[CpuTime]) -> Option<DataTable> {
             rows.extend(row(results, &step, machine, cpu));
         }
     }
-    (!rows.is_empty()).then(|| {
-        DataTable::new(
-            "whole-step-cpu",
-            "The whole step: FPGA or processor",
-            format!(
-                "{}. Of all pipelines the fastest, on the array and on one core of {}, where each \
-                 function was timed by itself, sines and cosines included. The estimated clock is \
-                 from slow to quick nets. {}",
-                counted(),
-                first.processor,
-                cost::CAPTION
-            ),
-            &format!(
-                "system | machine | pipeline | adders + multipliers | cycles | FPGA (µs) | \
-                 FPGA, estimated (µs) | {} | one core (µs) | who wins",
-                cost::columns()
-            ),
-            rows,
-        )
-    })
+    captions::filled("whole-step-cpu", &[("processor", &first.processor)], rows)
 }
 
 fn row(

@@ -1,5 +1,6 @@
 //! The array of elements and the processor side by side.
 
+use super::super::captions;
 use super::super::cost;
 use super::super::knee::{Split, knee};
 use super::super::plan::StudyPlan;
@@ -28,19 +29,11 @@ pub fn programs(cpu: &[CpuTime]) -> Option<DataTable> {
             DataCell::text(&time.remark),
         ]
     });
-    Some(DataTable::new(
-        "cpu",
-        "The same functions on one core of a processor",
-        format!(
-            "{}, double precision, sines and cosines included, least of many repetitions; {}. A \
-             batch evaluates eight states at once, its time is per state. A measurement, in \
-             cpu.json.",
-            first.processor, first.compiler
-        ),
-        "model | pipeline | operations | straight-line C (µs) | C with loops (µs) | \
-         batch C, per state (µs) | remark",
-        rows,
-    ))
+    let words = [
+        ("processor", first.processor.as_str()),
+        ("compiler", &first.compiler),
+    ];
+    Some(captions::table("cpu", &words, rows))
 }
 
 /// For every model the fastest placed program and the fastest C, and which of
@@ -49,33 +42,14 @@ pub fn winners(results: &Results, cpu: &[CpuTime]) -> Option<DataTable> {
     let first = cpu.first()?;
     let machine = results.main_machine()?;
     let plan = &results.plan;
-    let rows: Vec<Vec<DataCell>> = (0..plan.models.len())
-        .filter_map(|model| row(results, model, machine, cpu))
-        .collect();
-    Some(DataTable::new(
-        "winners",
-        "FPGA or processor",
-        format!(
-            "One evaluation of each function: the fastest program placed on machine '{}' in this \
-             study, at the clock of the machine the thesis built ({BUILT_MHZ} MHz) and at the clock \
-             estimated for so many elements on a Cyclone V, which is an estimate from the delays of \
-             cells and not calibrated; sines and cosines are not in its time, loading and reading \
-             neither. Beside it the fastest C on one core of {}, sines and cosines included, for one \
-             evaluation and per state in batches of eight. Who wins is about one evaluation, the \
-             range from the estimate's; many states at once are the processor's by its batch \
-             column. {}",
-            plan.machines[machine].name,
-            first.processor,
-            cost::CAPTION
-        ),
-        &format!(
-            "model | placed program | elements | cycles | FPGA as built (µs) | \
-             estimated clock (MHz) | FPGA estimated (µs) | {} | C program | one core (µs) | \
-             one core, batch (µs) | who wins",
-            cost::columns()
-        ),
-        rows,
-    ))
+    let models = 0..plan.models.len();
+    let rows = models.filter_map(|model| row(results, model, machine, cpu));
+    let words = [
+        ("machine", plan.machines[machine].name.as_str()),
+        ("built", &BUILT_MHZ.to_string()),
+        ("processor", &first.processor),
+    ];
+    Some(captions::table("winners", &words, rows))
 }
 
 fn row(results: &Results, model: usize, machine: usize, cpu: &[CpuTime]) -> Option<Vec<DataCell>> {

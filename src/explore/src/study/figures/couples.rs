@@ -1,5 +1,6 @@
 //! Figures 1.9 to 1.12: pipelining variants; and all couples of Table 1.3.
 
+use super::super::captions;
 use super::super::results::{Results, StudyPlacement};
 use super::{ladder, pipeline_label};
 use crate::operators::{ADDERS, MEMORY_CAP_MHZ, MULTIPLIERS, couples};
@@ -24,11 +25,10 @@ pub(super) fn operators() -> Option<Figure> {
                 .map(|operator| Mark::at(f64::from(operator.stages), f64::from(operator.mhz))),
         )
     };
-    Some(Figure::new(
+    captions::figure(
         "figure-1.9",
-        "Figure 1.9: highest clock by pipeline stages",
-        "Floating-point operators of the Cyclone V (Tables 1.1 and 1.2).",
-        1,
+        "figure-1.9",
+        &[],
         vec![Panel::curves(
             String::new(),
             PlotAxis::new("pipeline stages", AxisScale::Linear).showing(0.0, 15.0),
@@ -38,7 +38,7 @@ pub(super) fn operators() -> Option<Figure> {
                 curve("multiplier", 1, &MULTIPLIERS),
             ],
         )],
-    ))
+    )
 }
 
 /// Figures 1.10 (cycles), 1.11 (time) and 1.12 (rate).
@@ -93,19 +93,12 @@ pub(super) fn variants(results: &Results) -> Vec<Figure> {
         let panels: Vec<Panel> = (0..results.plan.pipelines.len())
             .filter_map(panel)
             .collect();
-        (!panels.is_empty()).then(|| {
-            Figure::new(
-                format!("figure-{number}"),
-                format!(
-                    "Figure {number}: {what} by number of pipeline stages, {}",
-                    headline(results)
-                ),
-                "Stages of adders + stages of multipliers, at the clock of Table 1.3; two \
-                cycles of transfer come on top.",
-                2,
-                panels,
-            )
-        })
+        let words = [
+            ("number", number),
+            ("what", what),
+            ("headline", captions::headline(results)),
+        ];
+        captions::figure("stages", &format!("figure-{number}"), &words, panels)
     };
     figures.into_iter().filter_map(figure).collect()
 }
@@ -127,23 +120,8 @@ pub(super) fn front(results: &Results) -> Option<Figure> {
             }
         }
     }
-    (!panels.is_empty()).then(|| {
-        Figure::new(
-            "couples",
-            format!(
-                "All couples of Table 1.3: time against elements, {}",
-                headline(results)
-            ),
-            format!(
-                "One thin line per couple, from short pipelines (dark) to long ones (light); the \
-             fastest couple for each number of elements is marked and named. Memories that \
-             serve two accesses per cycle limit the clock to {MEMORY_CAP_MHZ} MHz (thesis 1.3): \
-             under this cap long pipelines only cost cycles."
-            ),
-            2,
-            panels,
-        )
-    })
+    let words = [("headline", captions::headline(results))];
+    captions::figure("couples", "couples", &words, panels)
 }
 
 fn couple_curves(results: &Results, pipeline: usize, cap: Option<u32>) -> Vec<Curve> {
@@ -200,11 +178,6 @@ fn couple_curves(results: &Results, pipeline: usize, cap: Option<u32>) -> Vec<Cu
         rest = &rest[count..];
     }
     curves
-}
-
-fn headline(results: &Results) -> &str {
-    let subject = results.plan.models.get(results.plan.headline);
-    subject.map_or("", |subject| &subject.name)
 }
 
 /// The machine with this many stages.

@@ -1,6 +1,7 @@
 //! Figures 3.4 to 3.8 (cycles) and 3.9 to 3.13 (parallelisation rate)
 //! against the number of elements.
 
+use super::super::captions::{self, Words};
 use super::super::program::ProgramFacts;
 use super::super::results::{Results, StudyPlacement};
 use super::super::variants;
@@ -17,20 +18,21 @@ const NUMBERS: [(u32, &str, &str); 5] = [
     (130, "3.8", "3.13"),
 ];
 
-const CYCLES: &str = "Measured schedules (markers) and the guidance curves of thesis 3.3 \
-    (dashed): operations over elements, and below it the longest chain; they meet at the number \
-    Y. Filled markers: parallelisation zone; tinted: transition; hollow: saturation.";
-
-const RATE: &str = "Operations over elements times cycles. Dashed: the guidance curve, 100 % up \
-    to the number Y and falling as Y over the number of elements behind it. Where additions and \
-    multiplications are not equally many, equal numbers of elements cannot reach 100 %. Markers \
-    are filled as in the figures of cycles.";
-
 /// What a figure shows.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Quantity {
     Cycles,
     Rate,
+}
+
+impl Quantity {
+    /// The name of its figures and their texts.
+    fn name(self) -> &'static str {
+        match self {
+            Quantity::Cycles => "cycles",
+            Quantity::Rate => "rate",
+        }
+    }
 }
 
 pub(super) fn figures(results: &Results) -> Vec<Figure> {
@@ -49,26 +51,23 @@ pub(super) fn figures(results: &Results) -> Vec<Figure> {
             };
             let models: Vec<usize> = (0..results.plan.models.len()).filter(members).collect();
             let subject = format!("the {dof}-dof systems");
-            let name = format!("figure-{number}");
             figures.extend(figure(
                 results,
                 &models,
                 quantity,
-                name,
-                &format!("Figure {number}: "),
-                &subject,
+                &format!("figure-{number}"),
+                &[
+                    ("number", &format!("Figure {number}: ")),
+                    ("subject", &subject),
+                ],
             ));
         }
         for model in 0..results.plan.models.len() {
             if results.system(model).is_none() && !variants::is_variant(results, model) {
                 let label = &results.plan.models[model].name;
-                let kind = if quantity == Quantity::Cycles {
-                    "cycles"
-                } else {
-                    "rate"
-                };
-                let name = format!("{kind}-{label}");
-                figures.extend(figure(results, &[model], quantity, name, "", label));
+                let name = format!("{}-{label}", quantity.name());
+                let words = [("number", ""), ("subject", label.as_str())];
+                figures.extend(figure(results, &[model], quantity, &name, &words));
             }
         }
     }
@@ -79,31 +78,15 @@ fn figure(
     results: &Results,
     models: &[usize],
     quantity: Quantity,
-    name: String,
-    number: &str,
-    subject: &str,
+    name: &str,
+    words: &Words<'_>,
 ) -> Option<Figure> {
     let machine = results.main_machine()?;
     let panels: Vec<Panel> = models
         .iter()
         .filter_map(|&model| panel(results, model, machine, quantity))
         .collect();
-    let what = match quantity {
-        Quantity::Cycles => "cycles",
-        Quantity::Rate => "parallelisation rate",
-    };
-    (!panels.is_empty()).then(|| {
-        Figure::new(
-            name,
-            format!("{number}{what} of {subject} against processing elements"),
-            match quantity {
-                Quantity::Cycles => CYCLES.to_owned(),
-                Quantity::Rate => RATE.to_owned(),
-            },
-            if panels.len() == 1 { 1 } else { 2 },
-            panels,
-        )
-    })
+    captions::figure(quantity.name(), name, words, panels)
 }
 
 fn panel(results: &Results, model: usize, machine: usize, quantity: Quantity) -> Option<Panel> {

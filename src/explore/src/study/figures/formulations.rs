@@ -1,5 +1,6 @@
 //! Formulations of the same system, compared.
 
+use super::super::captions;
 use super::super::results::Results;
 use super::super::variants;
 use super::super::zone::zone;
@@ -34,17 +35,6 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
         )
     };
     let panels: Vec<Panel> = variants::groups(results).iter().map(panel).collect();
-    (!panels.is_empty()).then(|| {
-        Figure::new(
-            "formulations",
-            "Formulations: cycles of the same system by other recursions",
-            format!(
-                "All after the pipeline '{}'. With few elements the number of operations decides, \
-             with many the longest chain. Markers are filled as in the figures of cycles.",
-                results.plan.pipelines[pipeline].name
-            ),
-            panels.len().min(2),
-            panels,
-        )
-    })
+    let words = [("pipeline", results.plan.pipelines[pipeline].name.as_str())];
+    captions::figure("formulations", "formulations", &words, panels)
 }

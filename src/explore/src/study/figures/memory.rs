@@ -1,16 +1,12 @@
 //! Figures 2.4 to 2.7: words of memory and of buffer by the naive and by the
 //! preferential choice of elements.
 
+use super::super::captions::{self, Words};
 use super::super::plan::{ChoiceKey, PriorityKey};
 use super::super::point::KindPoint;
 use super::super::printed::SystemTopology;
 use super::super::results::{Results, StudyPlacement};
 use robovec_present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
-
-const CAPTION: &str = "Words per element: mean (marker), least and most over the elements of a \
-    kind (bar). Naive: the first free element that its operands can reach; preferential: Table \
-    2.1. Both place in ALAP order. With one element of each kind the two differ in when results are \
-    computed only.";
 
 pub(super) fn figures(results: &Results) -> Vec<Figure> {
     let pipeline = results.original();
@@ -33,14 +29,13 @@ pub(super) fn figures(results: &Results) -> Vec<Figure> {
                 ),
                 None => (format!("{what}-{label}"), String::new()),
             };
-            let title = format!("{prefix}words of {what} per element by two choices, {label}");
-            figures.extend(figure(
-                results,
-                [model, pipeline, machine],
-                part,
-                name,
-                title,
-            ));
+            let words = [
+                ("number", prefix.as_str()),
+                ("what", what),
+                ("model", label),
+            ];
+            let subject = [model, pipeline, machine];
+            figures.extend(figure(results, subject, part, &name, &words));
         }
     }
     figures.sort_by(|a, b| a.name.cmp(&b.name));
@@ -51,8 +46,8 @@ fn figure(
     results: &Results,
     [model, pipeline, machine]: [usize; 3],
     part: usize,
-    name: String,
-    title: String,
+    name: &str,
+    words: &Words<'_>,
 ) -> Option<Figure> {
     let points = |choice: ChoiceKey| -> Vec<StudyPlacement<'_>> {
         let placed = results.placed().filter(|placed| {
@@ -102,13 +97,8 @@ fn figure(
             choices.into_iter().enumerate().map(curve),
         )
     };
-    Some(Figure::new(
-        name,
-        title,
-        CAPTION,
-        2,
-        vec![panel(0, "adders"), panel(1, "multipliers")],
-    ))
+    let panels = vec![panel(0, "adders"), panel(1, "multipliers")];
+    captions::figure("memory", name, words, panels)
 }
 
 /// A bar; the two choices stand a little apart.

@@ -1,15 +1,12 @@
 //! Figures 3.15 to 3.38: occupation of the elements over normalised time.
 
+use super::super::captions;
 use super::super::plan::Printed;
 use super::super::printed::{PrintedSystem, SystemTopology};
 use super::super::results::Results;
 use super::super::variants;
 use super::{ladder, pipeline_label};
 use robovec_present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
-
-const CAPTION: &str = "Share of issue slots used, mean over 50 cycles that roll along, against \
-    the share of the run that has passed; one curve per number of elements, labelled with the \
-    number of this kind.";
 
 pub(super) fn figures(results: &Results) -> Vec<Figure> {
     let Some(machine) = results.main_machine() else {
@@ -39,11 +36,6 @@ fn figure(
         return None;
     }
     let number = number(results, model, pipeline);
-    let subject = format!(
-        "{}, {}",
-        results.plan.models[model].name,
-        pipeline_label(results, pipeline)
-    );
     let count_of_curves = placed.len();
     let panel = |kind: usize, title: &str| {
         let curves = placed.iter().enumerate().map(|(index, placed)| {
@@ -72,14 +64,16 @@ fn figure(
             (format!("occupation-{model}-{pipeline}"), String::new())
         }
     };
-    let figure = Figure::new(
-        name,
-        format!("{prefix}occupation of {subject}"),
-        CAPTION,
-        2,
-        vec![panel(0, "adders"), panel(1, "multipliers")],
-    );
-    Some((number, figure))
+    let words = [
+        ("number", prefix.as_str()),
+        ("model", &results.plan.models[model].name),
+        ("pipeline", &pipeline_label(results, pipeline)),
+    ];
+    let panels = vec![panel(0, "adders"), panel(1, "multipliers")];
+    Some((
+        number,
+        captions::figure("occupation", &name, &words, panels)?,
+    ))
 }
 
 /// The number `n` of Figure 3.n that shows this program's counterpart.

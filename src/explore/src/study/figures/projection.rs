@@ -1,5 +1,6 @@
 //! Figure 3.14: the number Y against degrees of freedom, by topology.
 
+use super::super::captions;
 use super::super::plan::Printed;
 use super::super::printed::SystemTopology;
 use super::super::results::Results;
@@ -16,12 +17,6 @@ pub(in super::super) const TOPOLOGIES: [SystemTopology; 3] = [
     SystemTopology::SemiSerial,
     SystemTopology::Parallel,
 ];
-
-const CAPTION: &str = "Operations per cycle of the longest chain. Lines: least squares, drawn on \
-    to 200 degrees of freedom; their slopes, per degree of freedom, stand at their ends. Points \
-    without a line: the figures the thesis prints, without the cells that cannot be right. The \
-    thesis gives slopes of 0.05 for serial and 0.25 for the other systems; its own Table 3.1 says \
-    the opposite (0.21 serial, 0.23 semi-serial, 0.08 parallel).";
 
 /// A line fitted to points by least squares.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -114,15 +109,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
             ));
         }
     }
-    (!panels.is_empty()).then(|| {
-        Figure::new(
-            "figure-3.14",
-            "Figure 3.14: number Y by topology and size",
-            CAPTION,
-            2,
-            panels,
-        )
-    })
+    captions::figure("figure-3.14", "figure-3.14", &[], panels)
 }
 
 fn topology_curves(

@@ -1,6 +1,7 @@
 //! Unequal numbers of adders and multipliers: a map of cycles, and the best
 //! split of every total.
 
+use super::super::captions;
 use super::super::results::{Results, StudyPlacement};
 use super::pipeline_label;
 use robovec_present::{AxisScale, Figure, Panel, PlotAxis, TileMap};
@@ -88,17 +89,6 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
             },
         ));
     }
-    (!panels.is_empty()).then(|| {
-        Figure::new(
-            "split",
-            format!(
-                "Cycles by adders and multipliers, {}",
-                results.plan.models[model].name
-            ),
-            "Light is short. Framed: the best split of each total number of elements, as far \
-            as all its splits were placed.",
-            panels.len().min(2),
-            panels,
-        )
-    })
+    let words = [("headline", captions::headline(results))];
+    captions::figure("split", "split", &words, panels)
 }

@@ -1,5 +1,6 @@
 //! Table 3.1: the study cases beside the figures the thesis prints.
 
+use super::super::captions;
 use super::super::plan::Printed;
 use super::super::printed::{PrintedRow, PrintedSystem};
 use super::super::program::ProgramFacts;
@@ -20,22 +21,7 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
             rows.push(row(results, model, pipeline, facts));
         }
     }
-    (!rows.is_empty()).then(|| {
-        DataTable::new(
-            "table-3.1",
-            "Table 3.1: study cases, computed and as the thesis prints them",
-            "Operations after splitting into two operands; the longest chain in operations \
-            (ASAP) and cycles (ASAPCycle); number Y, operations over ASAPCycle. Ratios are ours \
-            over the thesis'. Struck through: printed figures that cannot be right, which no \
-            ratio uses. The thesis changed its \"modified\" systems by hand and did not count \
-            their operations again; here the compiler changes all of them.",
-            "system | model | pipeline | operations | ASAP | ASAPCycle | Y | \
-         thesis: operations | thesis: ASAP | thesis: ASAPCycle | thesis: Y | \
-         ratio operations | ratio ASAP | ratio ASAPCycle | ratio Y | \
-         reason for the difference",
-            rows,
-        )
-    })
+    captions::filled("table-3.1", &[], rows)
 }
 
 fn row(results: &Results, model: usize, pipeline: usize, facts: &ProgramFacts) -> Vec<DataCell> {

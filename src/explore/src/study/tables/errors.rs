@@ -1,5 +1,6 @@
 //! What the pipelines do to the rounding errors.
 
+use super::super::captions;
 use super::super::results::Results;
 use robovec_analysis::rounding::MedianChange;
 use robovec_present::{DataCell, DataTable};
@@ -8,7 +9,7 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
     let machine = results.main_machine()?;
     let name = &results.plan.machines[machine].name;
     let programs = results.outcome.programs.values();
-    let rows: Vec<Vec<DataCell>> = programs
+    let rows = programs
         .filter(|facts| facts.machine == *name)
         .map(|facts| {
             let [read, now] = &facts.rounding;
@@ -28,20 +29,6 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
                 DataCell::number(change.noise, 3),
                 DataCell::text(change.trend.name()),
             ]
-        })
-        .collect();
-    (!rows.is_empty()).then(|| {
-        DataTable::new(
-            "errors",
-            "Speed against error",
-            "Rounding errors in binary32, all outputs in all states as one population, in \
-            units of the rounding of one operation, 2^-24: relative to the element, and \
-            normwise to the largest element of its array. Better and worse mean that the \
-            relative median changed by more than 2 % and 3.5 times its noise.",
-            "model | pipeline | operations | ASAPCycle | median as read | median | 99 % | \
-         normwise median as read | normwise median | normwise worst | median over as read | \
-         noise | trend",
-            rows,
-        )
-    })
+        });
+    captions::filled("errors", &[], rows)
 }

@@ -1,5 +1,6 @@
 //! Formulations of the same system, compared.
 
+use super::super::captions;
 use super::super::cost;
 use super::super::knee::knee;
 use super::super::results::Results;
@@ -52,23 +53,5 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
             }
         }
     }
-    (!rows.is_empty()).then(|| {
-        DataTable::new(
-            "formulations",
-            "Formulations of the same systems",
-            format!(
-                "Other recursions for the same function. Ratios are to the first formulation of \
-            each system and pipeline. All but the first use that sin^2 + cos^2 = 1, which the \
-            thesis' machine with sin x = x does not keep. Times at {}. {}",
-                clock.text(),
-                cost::CAPTION
-            ),
-            &format!(
-                "system | formulation | pipeline | operations | ASAPCycle | number Y | \
-         ratio operations | ratio ASAPCycle | worth | time there (µs) | {} | time with 1+1 (µs)",
-                cost::columns()
-            ),
-            rows,
-        )
-    })
+    captions::filled("formulations", &[("clock", &clock.text())], rows)
 }

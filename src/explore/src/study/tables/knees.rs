@@ -1,5 +1,6 @@
 //! How many elements each program is worth.
 
+use super::super::captions;
 use super::super::cost;
 use super::super::figures::{best_splits, grid, ladder};
 use super::super::knee::{Split, knee};
@@ -52,28 +53,7 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
             rows.push(row);
         }
     }
-    (!rows.is_empty()).then(|| {
-        DataTable::new(
-            "knee",
-            "How many elements each program is worth",
-            format!(
-                "Adders + multipliers (all). Busy: the largest equal numbers whose scarcer kind \
-            starts an operation in nine of ten cycles. Knee: the smallest equal numbers within \
-            2 % of the longest chain, exact where one of each kind less was placed too. Cheapest: \
-            the fewest elements within 2 %, unequal numbers included where they were placed. Times \
-            at {}. {}",
-                clock.text(),
-                cost::CAPTION
-            ),
-            &format!(
-                "model | pipeline | number Y | busy up to | knee | exact | cheapest | \
-                 cycles there | time there (µs) | {} | parallelisation rate there (%) | \
-                 times as fast as 1+1",
-                cost::columns()
-            ),
-            rows,
-        )
-    })
+    captions::filled("knee", &[("clock", &clock.text())], rows)
 }
 
 /// The best split of each total.
@@ -114,20 +94,7 @@ pub(super) fn splits(results: &Results) -> Option<DataTable> {
             ]);
         }
     }
-    (!rows.is_empty()).then(|| {
-        DataTable::new(
-            "split",
-            format!(
-                "Best split of a number of elements, {}",
-                results.plan.models[model].name
-            ),
-            "For each total the numbers of adders and multipliers with the fewest cycles, \
-            what that takes of the device (estimated), and what equal numbers take.",
-            "pipeline | elements | adders | multipliers | cycles | share of device (%) | \
-         cycles of equal numbers | saved (%)",
-            rows,
-        )
-    })
+    captions::filled("split", &[("headline", captions::headline(results))], rows)
 }
 
 /// All couples of Table 1.3, with and without the cap.
@@ -173,13 +140,9 @@ pub(super) fn couples_table(results: &Results) -> Option<DataTable> {
             rows.push(row);
         }
     }
-    (!rows.is_empty()).then(|| DataTable::new("couples",format!(
-            "All couples of Table 1.3, {}",
-            results.plan.models[model].name
-        ),format!(
-            "The longest chain and the fastest placement tried, at the couple's own clock and at \
-             most at {MEMORY_CAP_MHZ} MHz, which double-pumped memories allow. {}", cost::CAPTION
-        ),&format!("pipeline | stages | clock (MHz) | ASAPCycle | longest chain (µs) | \
-         longest chain, capped (µs) | number Y | fastest | fastest (µs) | \
-         fastest, capped (µs) | {}", cost::columns()),rows))
+    captions::filled(
+        "couples",
+        &[("headline", captions::headline(results))],
+        rows,
+    )
 }

@@ -1,5 +1,6 @@
 //! Table 2.2: cycles by the classical order and with mobility first.
 
+use super::super::captions;
 use super::super::plan::{ChoiceKey, PriorityKey};
 use super::super::printed::thesis;
 use super::super::results::Results;
@@ -56,21 +57,9 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
             ratio,
         ])
     });
-    let rows: Vec<Vec<DataCell>> = rows.collect();
-    (!rows.is_empty()).then(|| {
-        DataTable::new(
-            "table-2.2",
-            format!(
-                "Table 2.2: cycles by order of placement, {}",
-                results.plan.models[model].name
-            ),
-            "Elements count per kind: 4+4 are the thesis' 8 processing elements. No schedule \
-            is shorter than the bound, which is proved. The thesis' saturation, 743 cycles, is \
-            its ASAPCycle of 737 plus 6 cycles of start-up that its text does not explain; ours \
-            is the longest chain itself.",
-            "elements | classical: ALAP, ASAP | mobility first | best of several | lower bound | \
-         thesis, classical | thesis, mobility | classical / thesis",
-            rows,
-        )
-    })
+    captions::filled(
+        "table-2.2",
+        &[("headline", captions::headline(results))],
+        rows,
+    )
 }

@@ -1,10 +1,10 @@
 //! All programs and all placements, as plain tables.
 
+use super::super::captions;
 use super::super::cost;
 use super::super::plan::{ChoiceKey, PriorityKey};
 use super::super::results::{Results, time_us};
 use super::super::zone::zone;
-use robovec_error::yardstick::account::ERROR_COLUMNS;
 use robovec_present::{DataCell, DataTable};
 
 /// Every program.
@@ -27,19 +27,7 @@ pub(super) fn programs(results: &Results) -> DataTable {
         row.extend(cost::cells(None, Some(facts)).into_iter().skip(1));
         row
     });
-    DataTable::new(
-        "programs",
-        "All programs",
-        "One row per model, pipeline and machine; sines and cosines come from the host \
-            and are not counted. Errors are those in binary32, in parts of the largest element \
-            of an array, at random states against double-double arithmetic.",
-        &format!(
-            "model | pipeline | machine | equations | operations | additions | multiplications | \
-             ASAP | ASAPCycle | additions on the chain | multiplications on the chain | \
-             number Y | {ERROR_COLUMNS}"
-        ),
-        rows,
-    )
+    captions::table("programs", &[], rows)
 }
 
 /// Every placement.
@@ -91,20 +79,5 @@ pub(super) fn points(results: &Results) -> DataTable {
         row.splice(11..11, cost::cells(share, facts));
         row
     });
-    DataTable::new(
-        "points",
-        "All placements",
-        format!(
-            "One row per placement; memory and buffer are the most words of an element. {}",
-            cost::CAPTION
-        ),
-        &format!(
-            "model | pipeline | machine | adders | multipliers | order | choice | cycles | \
-         lower bound | clock | time (µs) | {} | parallelisation rate (%) | memory of adders (words) | \
-         memory of multipliers (words) | buffer of adders (words) | \
-         buffer of multipliers (words) | direct writes | indirect writes | zone | failure",
-            cost::columns()
-        ),
-        rows,
-    )
+    captions::table("points", &[], rows)
 }

@@ -1,5 +1,6 @@
 //! Table 2.1: the preference of placement, and how often each rank occurs.
 
+use super::super::captions;
 use super::super::figures::ladder;
 use super::super::results::Results;
 use robovec_present::{DataCell, DataTable};
@@ -21,10 +22,10 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
     let machine = results.main_machine()?;
     let pipeline = results.original();
     let placed = ladder(results, results.plan.headline, pipeline, machine);
-    let mut columns = "rank | left operand | right operand".to_owned();
+    let mut counts = String::new();
     for placed in &placed {
         let (add, multi) = (placed.request.n_add, placed.request.n_multi);
-        columns += &format!(" | {add}+{multi} (% of operations)");
+        counts += &format!(" | {add}+{multi} (% of operations)");
     }
     let share = |counts: &[u32; 9], rank: usize| {
         let total: u32 = counts.iter().sum();
@@ -39,18 +40,9 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
         cells.extend(placed.iter().map(|placed| share(&placed.point.ranks, rank)));
         cells
     });
-    (!placed.is_empty()).then(|| {
-        DataTable::new(
-            "table-2.1",
-            format!(
-                "Table 2.1: preference of placement, and how often each rank occurs, {}",
-                results.plan.models[results.plan.headline].name
-            ),
-            "An operand is in the memory of the element, or is written there in the cycle \
-            in which it appears (direct), or later, through a buffer (indirect). A small rank is \
-            preferred.",
-            &columns,
-            rows,
-        )
-    })
+    let words = [
+        ("headline", captions::headline(results)),
+        ("counts", &counts),
+    ];
+    (!placed.is_empty()).then(|| captions::table("table-2.1", &words, rows))
 }

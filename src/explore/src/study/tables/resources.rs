@@ -6,6 +6,7 @@
 //! the machine it built. Parts do not match one to one: our instruction word
 //! has the selects of the crossbar and the addresses of the buffer too.
 
+use super::super::captions;
 use super::super::cost::shape;
 use super::super::printed::SystemTopology;
 use super::super::results::Results;
@@ -60,21 +61,8 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
         .map(|part| row(part, &shape, is_bogie))
         .collect();
     rows.push(total(&parts, is_bogie));
-    Some(DataTable::new(
-        "table-1.4",
-        format!(
-            "Table 1.4: resources of 4 adders and 4 multipliers, {}",
-            results.plan.models[model].name
-        ),
-        "An estimate from the words and cycles of the placement, by the formulas in \
-            docs/quartus.md; nothing was synthesised. All figures are for one part. \
-            The device of the thesis has 83820 look-up tables, 553 blocks of 10 kbit and 112 \
-            multiplier blocks.",
-        "part | count | memory (words x bits) | look-up tables | registers | \
-         blocks of 10 kbit | multiplier blocks | thesis: look-up tables | thesis: blocks | \
-         thesis: multiplier blocks | remark",
-        rows,
-    ))
+    let words = [("headline", captions::headline(results))];
+    captions::filled("table-1.4", &words, rows)
 }
 
 fn total(parts: &[MachinePart], is_bogie: bool) -> Vec<DataCell> {

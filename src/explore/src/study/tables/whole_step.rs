@@ -1,20 +1,12 @@
 //! The whole step of systems: loops closed, then accelerations.
 
+use super::super::captions;
 use super::super::cost;
 use super::super::results::Results;
-use super::super::step::{PARTS, PlacedStep, ROUNDS, placed, steps};
+use super::super::step::{PARTS, PlacedStep, placed, steps};
 use super::super::variants;
 use robovec_fpga::hardware::clock;
 use robovec_present::{DataCell, DataTable};
-
-/// How a step is counted, for captions.
-pub(in crate::study) fn counted() -> String {
-    format!(
-        "A step closes the loops by {ROUNDS} rounds of Newton's method, which is assumed, calls \
-         the function of positions once more to find them closed, then that of velocities and that \
-         of accelerations, for given forces, one after the other on the same elements"
-    )
-}
 
 /// What the machine of a step takes of its device: that of the function that
 /// takes most.
@@ -62,26 +54,10 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
         }
     }
     let [positions, velocities, accelerations] = PARTS.map(|(kind, _)| kind.name());
-    (!rows.is_empty()).then(|| {
-        DataTable::new(
-            "whole-step",
-            "The whole step",
-            format!(
-                "{}; sines and cosines are given. Dividers are as many as the machine has. Times as \
-                 fast: as the fewest elements. The clock is declared, or estimated for so many \
-                 elements from the delays of cells. Share and errors are those of the function that \
-                 takes most, and of accelerations; random states do not close loops, and may be near \
-                 one where they are singular. {}",
-                counted(),
-                cost::CAPTION
-            ),
-            &format!(
-                "system | formulation | pipeline | machine | adders + multipliers | \
-                 {positions} (cycles) | {velocities} (cycles) | {accelerations} (cycles) | \
-                 whole step (cycles) | times as fast | clock | whole step (µs) | {}",
-                cost::columns()
-            ),
-            rows,
-        )
-    })
+    let words = [
+        ("positions", positions),
+        ("velocities", velocities),
+        ("accelerations", accelerations),
+    ];
+    captions::filled("whole-step", &words, rows)
 }

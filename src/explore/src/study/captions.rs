@@ -1,0 +1,96 @@
+//! Tables and figures with the titles, captions and heads of `captions.toml`.
+
+use super::cost;
+use super::results::Results;
+use super::step::ROUNDS;
+use crate::operators::MEMORY_CAP_MHZ;
+use robovec_error::yardstick::account::ERROR_COLUMNS;
+use robovec_present::{DataCell, DataTable, Figure, Panel};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+/// The file of captions.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Captions {
+    words: BTreeMap<String, String>,
+    tables: BTreeMap<String, Caption>,
+    figures: BTreeMap<String, Caption>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Caption {
+    title: String,
+    caption: String,
+    /// Heads of a table, ` | ` between them.
+    #[serde(default)]
+    columns: String,
+}
+
+static CAPTIONS: LazyLock<Captions> =
+    LazyLock::new(|| toml::from_str(include_str!("captions.toml")).expect("sound captions"));
+
+/// Words that texts refer to, by name.
+pub(super) type Words<'a> = [(&'a str, &'a str)];
+
+fn fill(text: &str, words: &Words<'_>) -> String {
+    let fill =
+        |text: String, (name, word): (&str, &str)| text.replace(&format!("{{{name}}}"), word);
+    let shared = CAPTIONS.words.iter();
+    let shared = shared.map(|(name, word)| (name.as_str(), word.as_str()));
+    let text = shared
+        .chain(words.iter().copied())
+        .fold(text.to_owned(), fill);
+    [
+        ("cap", MEMORY_CAP_MHZ.to_string()),
+        ("rounds", ROUNDS.to_string()),
+        ("cost columns", cost::columns()),
+        ("error columns", ERROR_COLUMNS.to_owned()),
+    ]
+    .iter()
+    .fold(text, |text, (name, word)| fill(text, (name, word)))
+}
+
+/// A table of a name.
+pub(super) fn table(
+    name: &str,
+    words: &Words<'_>,
+    rows: impl IntoIterator<Item = Vec<DataCell>>,
+) -> DataTable {
+    let texts = &CAPTIONS.tables[name];
+    let [title, caption, columns] =
+        [&texts.title, &texts.caption, &texts.columns].map(|text| fill(text, words));
+    DataTable::new(name, title, caption, &columns, rows)
+}
+
+/// A table of a name, if it has rows.
+pub(super) fn filled(
+    name: &str,
+    words: &Words<'_>,
+    rows: impl IntoIterator<Item = Vec<DataCell>>,
+) -> Option<DataTable> {
+    let table = table(name, words, rows);
+    (!table.rows.is_empty()).then_some(table)
+}
+
+/// A figure with panels side by side, two in a row, if there are any; `texts`
+/// is the name of its texts.
+pub(super) fn figure(
+    texts: &str,
+    name: &str,
+    words: &Words<'_>,
+    panels: Vec<Panel>,
+) -> Option<Figure> {
+    let texts = &CAPTIONS.figures[texts];
+    let [title, caption] = [&texts.title, &texts.caption].map(|text| fill(text, words));
+    let columns = panels.len().min(2);
+    (columns > 0).then(|| Figure::new(name, title, caption, columns, panels))
+}
+
+/// The name of the model in the headline.
+pub(super) fn headline(results: &Results) -> &str {
+    let subject = results.plan.models.get(results.plan.headline);
+    subject.map_or("", |subject| &subject.name)
+}
