@@ -114,8 +114,22 @@ impl Sum {
 
     /// A sum of one scalar.
     pub(super) fn of(scalar: Scalar) -> Sum {
+        Sum::product(&[scalar])
+    }
+
+    /// A sum of one product of scalars.
+    pub(super) fn product(scalars: &[Scalar]) -> Sum {
         let mut sum = Sum::new();
-        sum.add(&[scalar]);
+        sum.add(scalars);
+        sum
+    }
+
+    /// The sum of scalars.
+    pub(super) fn total(scalars: &[Scalar]) -> Sum {
+        let mut sum = Sum::new();
+        for &scalar in scalars {
+            sum.add(&[scalar]);
+        }
         sum
     }
 

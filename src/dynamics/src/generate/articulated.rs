@@ -128,8 +128,7 @@ impl Articulated<'_, '_, '_> {
             let mut wrench = self.moved(joint, &wrench, &share, rest);
             // Along the joint the wrench is what its force leaves.
             *component(parameters, joint, &mut wrench) = residual;
-            let mut alone = Sum::new();
-            alone.add(&[rest, inverse]);
+            let alone = Sum::product(&[rest, inverse]);
             shares[joint] = Share {
                 torque: share.torque,
                 force: share.force,
@@ -172,13 +171,7 @@ impl Articulated<'_, '_, '_> {
 
     /// `U / D`.
     fn share(&mut self, joint: usize, unit: &Wrench, inverse: Scalar) -> Wrench {
-        let scaled = |vector: &Vector| {
-            vector.map(|component| {
-                let mut sum = Sum::new();
-                sum.add(&[component, inverse]);
-                sum
-            })
-        };
+        let scaled = |vector: &Vector| vector.map(|component| Sum::product(&[component, inverse]));
         let mut share = SumWrench {
             force: scaled(&unit.force),
             torque: scaled(&unit.torque),

@@ -180,8 +180,7 @@ impl<'a, 'm> Bias<'a, 'm> {
     fn rates(&self, equations: &mut Equations, joint: usize, velocity: &Vector) -> Vector {
         let (b, c) = cyclic(self.parameters.axis(joint));
         let mut rate = |component: usize, axis: usize| {
-            let mut sum = Sum::new();
-            sum.add(&[velocity[axis], self.parameters.qd[joint]]);
+            let sum = Sum::product(&[velocity[axis], self.parameters.qd[joint]]);
             equations.define(QuantityLabel::new("OQ", component, joint + 1), sum)
         };
         [Scalar::ZERO, rate(b + 1, b), rate(c + 1, c)]
@@ -191,8 +190,7 @@ impl<'a, 'm> Bias<'a, 'm> {
     fn doubled(&self, equations: &mut Equations, joint: usize, rates: &Vector) -> Vector {
         let (b, c) = cyclic(self.parameters.axis(joint));
         let mut double = |component: usize, rate: Scalar| {
-            let mut sum = Sum::of(rate);
-            sum.add(&[rate]);
+            let sum = Sum::total(&[rate, rate]);
             equations.define(QuantityLabel::new("PQ", component, joint + 1), sum)
         };
         [
@@ -236,8 +234,7 @@ impl<'a, 'm> Bias<'a, 'm> {
         let (b, c) = cyclic(a);
         let label = QuantityLabel::new("c", 0, joint + 1);
         if !self.parameters.is_revolute(joint) {
-            let mut sum = Sum::new();
-            sum.add(&[composite.mass, motion.linear[a]]);
+            let mut sum = Sum::product(&[composite.mass, motion.linear[a]]);
             for (entry, first) in motion.tilde[a].iter().zip(&composite.first) {
                 sum.add(&[*entry, *first]);
             }
@@ -247,19 +244,16 @@ impl<'a, 'm> Bias<'a, 'm> {
         let moments = &composite.moments;
         let velocity = &motion.velocity;
         let difference = self.difference(equations, joint);
-        let mut product = Sum::new();
-        product.add(&[velocity[b], velocity[c]]);
+        let product = Sum::product(&[velocity[b], velocity[c]]);
         let (low, high) = (b.min(c), b.max(c));
         let product = equations.define(
             QuantityLabel::new("BS", 3 * low + high + 1, joint + 1),
             product,
         );
-        let mut squares = Sum::of(motion.squares[b]);
-        squares.subtract(&[motion.squares[c]]);
+        let squares = Sum::total(&[motion.squares[b], -motion.squares[c]]);
         let squares = equations.define(QuantityLabel::new("BD", 0, joint + 1), squares);
-        let mut sum = Sum::new();
-        sum.add(&[composite.first[b], motion.linear[c]])
-            .subtract(&[composite.first[c], motion.linear[b]])
+        let mut sum = Sum::product(&[composite.first[b], motion.linear[c]]);
+        sum.subtract(&[composite.first[c], motion.linear[b]])
             .add(&[moments[a][a], motion.angular[a]])
             .add(&[difference, product])
             .add(&[moments[b][c], squares])
@@ -273,8 +267,7 @@ impl<'a, 'm> Bias<'a, 'm> {
     fn difference(&self, equations: &mut Equations, joint: usize) -> Scalar {
         let moments = &self.composites[joint].moments;
         let (b, c) = cyclic(self.parameters.axis(joint));
-        let mut sum = Sum::of(moments[c][c]);
-        sum.subtract(&[moments[b][b]]);
+        let sum = Sum::total(&[moments[c][c], -moments[b][b]]);
         equations.define(QuantityLabel::new("JE", 0, joint + 1), sum)
     }
 
@@ -317,8 +310,7 @@ impl<'a, 'm> Bias<'a, 'm> {
         wrench.force[c].subtract(&[square, first[c]]);
         let difference = self.difference(equations, joint);
         let mut with = |component: usize, negative: bool| {
-            let mut sum = Sum::of(moments[a][a]);
-            sum.add(&[difference.negated_if(negative)]);
+            let sum = Sum::total(&[moments[a][a], difference.negated_if(negative)]);
             equations.define(QuantityLabel::new("JS", component + 1, joint + 1), sum)
         };
         let (minus, plus) = (with(b, true), with(c, false));
@@ -342,8 +334,7 @@ impl<'a, 'm> Bias<'a, 'm> {
         before: &Vector,
     ) -> Scalar {
         let a = self.parameters.axis(joint);
-        let mut both = Sum::of(before[a]);
-        both.add(&[motion.velocity[a]]);
+        let both = Sum::total(&[before[a], motion.velocity[a]]);
         let group = equations.group(both);
         let mut sum = Sum::new();
         sum.add_term(group.and_then(|group| group.times(&[self.parameters.qd[joint]])));
@@ -362,8 +353,7 @@ pub(super) fn tilde(
     let mut component = 0;
     let squares = velocity.map(|value| {
         component += 1;
-        let mut square = Sum::new();
-        square.add(&[value, value]);
+        let square = Sum::product(&[value, value]);
         equations.define(QuantityLabel::new("OO", component, joint + 1), square)
     });
     for row in 0..3 {
@@ -375,16 +365,14 @@ pub(super) fn tilde(
             .subtract(&[squares[last]]);
         let label = QuantityLabel::new("BS", entry(row, row), joint + 1);
         tilde[row][row] = equations.define(label, diagonal);
-        let mut product = Sum::new();
-        product.add(&[velocity[next], velocity[last]]);
+        let product = Sum::product(&[velocity[next], velocity[last]]);
         let (low, high) = (next.min(last), next.max(last));
         let product = equations.define(
             QuantityLabel::new("BS", entry(low, high), joint + 1),
             product,
         );
         for (r, c, negative) in [(next, last, true), (last, next, false)] {
-            let mut sum = Sum::of(product);
-            sum.add(&[angular[row].negated_if(negative)]);
+            let sum = Sum::total(&[product, angular[row].negated_if(negative)]);
             let label = QuantityLabel::new("BEF", entry(r, c), joint + 1);
             tilde[r][c] = equations.define(label, sum);
         }

@@ -12,7 +12,8 @@ use super::algebra::{Scalar, Sum};
 use super::equations::{Equations, QuantityLabel};
 use super::parameters::ModelParameters;
 use super::vector::{
-    AxisRotation, Matrix, SumVector, Vector, ZERO, add_cross, cyclic, define_as, sums, unit,
+    AxisRotation, Matrix, SumVector, Vector, ZERO, add_cross, add_vector, cyclic, define_as, sums,
+    unit,
 };
 
 /// One joint of a chain.
@@ -179,9 +180,7 @@ impl Chain {
             arms[place] = arm;
             let step = &self.steps[place];
             let mut sum = step.lever.map(Sum::of);
-            for (component, &value) in sum.iter_mut().zip(&arm) {
-                component.add(&[value]);
-            }
+            add_vector(&mut sum, &arm);
             arm = self.define(equations, "PO", step.joint + 1, 0, sum);
         }
         arms
@@ -193,9 +192,7 @@ impl Chain {
         let arms = self.arms(equations);
         let mut position = self.start.clone();
         if let Some(arm) = arms.first() {
-            for (component, &value) in position.iter_mut().zip(arm) {
-                component.add(&[value]);
-            }
+            add_vector(&mut position, arm);
         }
         position
     }
@@ -277,11 +274,7 @@ impl Chain {
                     "OS",
                     joint + 1,
                     0,
-                    step.axis.map(|component| {
-                        let mut sum = Sum::new();
-                        sum.add(&[component, rate]);
-                        sum
-                    }),
+                    step.axis.map(|component| Sum::product(&[component, rate])),
                 );
                 let mut angular = before.map(Sum::of);
                 let mut second = motion.angular_acceleration.map(Sum::of);
@@ -314,9 +307,7 @@ impl Chain {
         let swing = self.define(equations, "OR", joint, 0, swing);
         let mut velocity = motion.velocity.map(Sum::of);
         let mut acceleration = motion.acceleration.map(Sum::of);
-        for (component, &value) in velocity.iter_mut().zip(&swing) {
-            component.add(&[value]);
-        }
+        add_vector(&mut velocity, &swing);
         add_cross(
             &mut acceleration,
             &motion.angular_acceleration,

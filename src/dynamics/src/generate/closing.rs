@@ -91,8 +91,7 @@ impl<'p, 'm> Closing<'p, 'm> {
         let names = ["Jplu", "Jpl", "Jpi", "Jpx", "dqv"];
         let changes = self.solve(equations, names, |_, row| Sum::of(row.h))?;
         let changed = changes.into_iter().map(|(joint, change)| {
-            let mut sum = Sum::of(equations.input("q", &[joint + 1]));
-            sum.add(&[change]);
+            let sum = Sum::total(&[equations.input("q", &[joint + 1]), change]);
             let label = QuantityLabel::new("qv", 0, joint + 1);
             (joint, equations.define(label, sum))
         });

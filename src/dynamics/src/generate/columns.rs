@@ -131,8 +131,7 @@ impl Columns<'_, '_, '_, '_> {
                 add_cross(&mut torque, &composite.moment, acceleration, false);
                 ("CM", std::mem::take(&mut torque[axis]))
             } else {
-                let mut force = Sum::new();
-                force.add(&[composite.mass, acceleration[axis]]);
+                let force = Sum::product(&[composite.mass, acceleration[axis]]);
                 ("FM", force)
             };
             let label = QuantityLabel::new(name, axis + 1, joint + 1).column(ancestor + 1);

@@ -186,9 +186,8 @@ impl ConstraintWriter<'_, '_, '_> {
         // Symbols of reversed joints have their signs already.
         let [one, ratio] = [(joint, Scalar::ONE), (leader, -factor)]
             .map(|(joint, value)| value.negated_if(frames.is_reversed(joint)));
-        let mut h = Sum::new();
-        h.add(&[one, self.parameters.q[joint]])
-            .add(&[ratio, self.parameters.q[leader]])
+        let mut h = Sum::product(&[one, self.parameters.q[joint]]);
+        h.add(&[ratio, self.parameters.q[leader]])
             .subtract(&[offset]);
         let mut jacobian = vec![(joint, one), (leader, ratio)];
         jacobian.retain(|(_, value)| !value.is_zero());
@@ -208,8 +207,7 @@ impl ConstraintWriter<'_, '_, '_> {
     }
 
     fn difference(&mut self, prefix: &'static str, row: usize, a: Scalar, b: Scalar) -> Scalar {
-        let mut sum = Sum::of(a);
-        sum.add(&[-b]);
+        let sum = Sum::total(&[a, -b]);
         self.equations.define(self.label(prefix, row), sum)
     }
 

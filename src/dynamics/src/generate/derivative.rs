@@ -34,7 +34,8 @@ use super::inertia::{Inertia, SumWrench, Wrench, turn_general};
 use super::parameters::ModelParameters;
 use super::recursive::{JointLoad, Recursion};
 use super::vector::{
-    Matrix, SumVector, Vector, ZERO, add_cross, add_matrix_product, cyclic, define, sums, unit,
+    Matrix, SumVector, Vector, ZERO, add_cross, add_matrix_product, add_sums, add_vector, cyclic,
+    define, sums, unit,
 };
 
 /// An entry of a matrix of joints: the row, the column and the value.
@@ -183,8 +184,7 @@ impl<'e, 'p, 'm> Derivative<'e, 'p, 'm> {
             let mut turning = moments.map(|row| row.map(|entry| -entry));
             for axis in 0..3 {
                 let (next, last) = cyclic(axis);
-                let mut sum = Sum::of(moments[next][next]);
-                sum.add(&[moments[last][last]]);
+                let sum = Sum::total(&[moments[next][next], moments[last][last]]);
                 let label = QuantityLabel::new("VM", axis + 1, joint + 1);
                 turning[axis][axis] = equations.define(label, sum);
             }
@@ -212,11 +212,7 @@ impl<'e, 'p, 'm> Derivative<'e, 'p, 'm> {
             return (momentum, self.turned_second(joint, &own.second));
         }
         let (mass, center) = (parameters.masses[joint], &parameters.centers[joint]);
-        let first = center.map(|length| {
-            let mut product = Sum::new();
-            product.add(&[mass, length]);
-            product
-        });
+        let first = center.map(|length| Sum::product(&[mass, length]));
         let first = define(self.equations(), "ML", joint, 0, first);
         let mut momentum = sums();
         add_cross(&mut momentum, &self.doubled[joint], &first, false);
@@ -268,15 +264,11 @@ impl<'e, 'p, 'm> Derivative<'e, 'p, 'm> {
         let names = ["VD", "VT", "VW", "VV", "VU"];
         let turned = turn_general(equations, names, child, turn, &moved.moments);
         for (row, turned) in moments.iter_mut().zip(&turned) {
-            for (entry, turned) in row.iter_mut().zip(turned) {
-                entry.add_sum(turned);
-            }
+            add_sums(row, turned);
         }
         add_outer(moments, &sum, &offset);
         add_outer(moments, &swing, &first);
-        for (component, &value) in momentum.iter_mut().zip(&sum) {
-            component.add(&[value]);
-        }
+        add_vector(momentum, &sum);
     }
 
     /// The derivatives between a joint and all joints on its path to the base.
@@ -453,9 +445,7 @@ impl<'e, 'p, 'm> Derivative<'e, 'p, 'm> {
 
 /// Twice a scalar.
 fn twice(scalar: Scalar) -> Sum {
-    let mut sum = Sum::of(scalar);
-    sum.add(&[scalar]);
-    sum
+    Sum::total(&[scalar, scalar])
 }
 
 /// A vector times the unit vector of an axis.

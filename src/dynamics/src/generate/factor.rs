@@ -123,8 +123,7 @@ pub(super) fn product(
     one: Scalar,
     other: Scalar,
 ) -> Scalar {
-    let mut sum = Sum::new();
-    sum.add(&[one, other]);
+    let sum = Sum::product(&[one, other]);
     equations.define(label, sum)
 }
 

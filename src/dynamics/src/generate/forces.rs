@@ -57,8 +57,7 @@ pub(super) fn write(
         }
         let center = parameters.centers[joint];
         let lever = [0, 1, 2].map(|k| {
-            let mut sum = Sum::of(place[k]);
-            sum.add(&[-center[k]]);
+            let sum = Sum::total(&[place[k], -center[k]]);
             equations.define(QuantityLabel::new("dxF", k + 1, number), sum)
         });
         loads.add_force(joint, &applied, &lever, false);

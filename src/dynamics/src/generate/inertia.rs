@@ -10,8 +10,8 @@ use super::equations::{Equations, QuantityLabel};
 use super::hub::Twist;
 use super::parameters::ModelParameters;
 use super::vector::{
-    AxisRotation, Matrix, SumVector, Vector, ZERO, add_cross, add_matrix_product, cyclic, define,
-    sums, sums_of,
+    AxisRotation, Matrix, SumVector, Vector, ZERO, add_cross, add_matrix_product, add_sums,
+    add_vector, cyclic, define, sums, sums_of,
 };
 
 /// The inertia of a set of bodies about the origin of a frame and in its axes.
@@ -62,12 +62,8 @@ impl SumWrench {
 
     /// Adds another wrench about the same origin.
     pub(super) fn add(&mut self, other: &SumWrench) {
-        for (component, more) in self.force.iter_mut().zip(&other.force) {
-            component.add_sum(more);
-        }
-        for (component, more) in self.torque.iter_mut().zip(&other.torque) {
-            component.add_sum(more);
-        }
+        add_sums(&mut self.force, &other.force);
+        add_sums(&mut self.torque, &other.torque);
     }
 
     /// Adds a multiple of a wrench about the same origin.
@@ -135,9 +131,7 @@ impl SumInertia {
         };
         let moments = turn_symmetric(equations, ["JD", "JW", "JV"], child, turn, &inertia.moments);
         for (row, turned) in self.moments.iter_mut().zip(moments) {
-            for (entry, turned) in row.iter_mut().zip(turned) {
-                entry.add_sum(&turned);
-            }
+            add_sums(row, &turned);
         }
         self.refer(equations, ("HS", "SS"), child, &turned, offset);
     }
@@ -159,13 +153,10 @@ impl SumInertia {
             component.add(&[inertia.mass, length]);
         }
         let moved = define(equations, first, joint, 0, moved);
-        for (component, &value) in self.first.iter_mut().zip(&moved) {
-            component.add(&[value]);
-        }
+        add_vector(&mut self.first, &moved);
         for axis in 0..3 {
             let (next, last) = cyclic(axis);
-            let mut both = Sum::of(inertia.first[axis]);
-            both.add(&[moved[axis]]);
+            let both = Sum::total(&[inertia.first[axis], moved[axis]]);
             let group = equations.group(both);
             let mut product = Sum::new();
             product.add_term(group.and_then(|group| group.times(&[offset[axis]])));
@@ -201,9 +192,7 @@ impl SumInertia {
     /// Adds an inertia about the same origin.
     pub(super) fn add(&mut self, other: &Inertia) {
         self.mass.add(&[other.mass]);
-        for (component, &value) in self.first.iter_mut().zip(&other.first) {
-            component.add(&[value]);
-        }
+        add_vector(&mut self.first, &other.first);
         for row in 0..3 {
             for column in row..3 {
                 self.moments[row][column].add(&[other.moments[row][column]]);
@@ -383,14 +372,12 @@ pub(super) fn turn_symmetric(
         return turned;
     }
     let twice = twice_cos(equations, joint, turn);
-    let mut sum = Sum::of(bb);
-    sum.subtract(&[cc]);
+    let sum = Sum::total(&[bb, -cc]);
     let difference = equations.define(QuantityLabel::new(difference, 0, joint + 1), sum);
     let mut sum = Sum::new();
     sum.add(&[sin, difference]).add(&[twice, bc]);
     let swing = equations.define(QuantityLabel::new(swing, 0, joint + 1), sum);
-    let mut sum = Sum::new();
-    sum.add(&[sin, swing]);
+    let sum = Sum::product(&[sin, swing]);
     let part = equations.define(QuantityLabel::new(part, 0, joint + 1), sum);
     entry(b, b, &[&[bb], &[-part]]);
     entry(c, c, &[&[cc], &[part]]);
@@ -432,19 +419,15 @@ pub(super) fn turn_general(
     }
     let mut name =
         |which: usize, sum| equations.define(QuantityLabel::new(names[which], 0, joint + 1), sum);
-    let mut difference = Sum::of(matrix[b][b]);
-    difference.subtract(&[matrix[c][c]]);
-    let mut total = Sum::of(matrix[b][c]);
-    total.add(&[matrix[c][b]]);
+    let difference = Sum::total(&[matrix[b][b], -matrix[c][c]]);
+    let total = Sum::total(&[matrix[b][c], matrix[c][b]]);
     let (difference, total) = (name(0, difference), name(1, total));
     let mut swing = Sum::new();
     swing.add(&[sin, difference]).add(&[cos, total]);
     let swing = name(2, swing);
-    let mut part = Sum::new();
-    part.add(&[sin, swing]);
+    let part = Sum::product(&[sin, swing]);
     let part = name(3, part);
-    let mut cross = Sum::new();
-    cross.add(&[cos, swing]);
+    let cross = Sum::product(&[cos, swing]);
     let cross = name(4, cross);
     turned[b][b].subtract(&[part]);
     turned[c][c].add(&[part]);
@@ -457,7 +440,6 @@ pub(super) fn turn_general(
 
 /// `2 C`.
 fn twice_cos(equations: &mut Equations, joint: usize, turn: &AxisRotation) -> Scalar {
-    let mut twice = Sum::of(turn.cos);
-    twice.add(&[turn.cos]);
+    let twice = Sum::total(&[turn.cos, turn.cos]);
     equations.define(QuantityLabel::new("CC", 0, joint + 1), twice)
 }

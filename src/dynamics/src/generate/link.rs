@@ -58,8 +58,7 @@ fn one(
     let rate = equations.named(QuantityLabel::new("Zd", 0, number), "Zv", rate);
     let force = call(equations, number, length, rate);
     let pull: Vector = [0, 1, 2].map(|k| {
-        let mut sum = Sum::new();
-        sum.add(&[force, direction[k]]);
+        let sum = Sum::product(&[force, direction[k]]);
         equations.define(QuantityLabel::new("flnk", k + 1, number), sum)
     });
     for (side, prefix) in [(0, "fPlnk"), (1, "fSlnk")] {
@@ -107,8 +106,7 @@ fn difference(
     b: &Vector,
 ) -> Vector {
     [0, 1, 2].map(|k| {
-        let mut sum = Sum::of(a[k]);
-        sum.add(&[-b[k]]);
+        let sum = Sum::total(&[a[k], -b[k]]);
         equations.define(QuantityLabel::new(prefix, k + 1, number), sum)
     })
 }

@@ -11,7 +11,7 @@ use super::frames::ModelFrames;
 use super::grouping::grouped;
 use super::inertia::Inertia;
 use super::joint_arrays::JointNumbers;
-use super::vector::{AxisRotation, Matrix, SumVector, Vector, ZERO, define_as, sums};
+use super::vector::{AxisRotation, Matrix, SumVector, Vector, ZERO, add_vector, define_as, sums};
 use super::{GenerationRequest, Options, ParameterBinding};
 use robovec_model::Model;
 use robovec_robotran::FunctionKind;
@@ -195,9 +195,7 @@ impl<'m> ModelParameters<'m> {
     /// parent's frame: the attachment and the joint's own translation.
     pub(super) fn offset(&self, joint: usize) -> SumVector {
         let mut offset = sums();
-        for (component, &attachment) in offset.iter_mut().zip(&self.attachments[joint]) {
-            component.add(&[attachment]);
-        }
+        add_vector(&mut offset, &self.attachments[joint]);
         if !self.is_revolute(joint) {
             offset[self.axis(joint)].add(&[self.q[joint]]);
         }

@@ -30,7 +30,9 @@ use super::inertia::{Inertia, SumInertia, Wrench};
 use super::network::{PathBlock, paths, subtrees};
 use super::parameters::ModelParameters;
 use super::turned_body::{euler, turned_moments};
-use super::vector::{Matrix, SumVector, Vector, ZERO, add_cross, add_matrix_product, define, sums};
+use super::vector::{
+    Matrix, SumVector, Vector, ZERO, add_cross, add_matrix_product, add_vector, define, sums,
+};
 
 /// `M` and `c`.
 pub(super) fn dynamics(
@@ -212,11 +214,7 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
             .clone()
             .map(|joint| {
                 let axis = axes[joint][parameters.axis(joint)];
-                let spin = axis.map(|component| {
-                    let mut sum = Sum::new();
-                    sum.add(&[component, parameters.qd[joint]]);
-                    sum
-                });
+                let spin = axis.map(|component| Sum::product(&[component, parameters.qd[joint]]));
                 define(self.equations, "OS", joint, 0, spin)
             })
             .collect();
@@ -420,9 +418,7 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
         }
         let force = define(equations, "FO", joint, 0, force);
         let mut center = pose.origin.map(Sum::of);
-        for (component, &value) in center.iter_mut().zip(&lever) {
-            component.add(&[value]);
-        }
+        add_vector(&mut center, &lever);
         let center = define(equations, "PC", joint, 0, center);
         let moments = turned_moments(equations, joint, &parameters.inertias[joint], pose);
         let mut torque = euler(equations, joint, &moments, motion);

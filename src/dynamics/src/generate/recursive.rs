@@ -13,8 +13,8 @@ use super::algebra::{Scalar, Sum};
 use super::equations::{Equations, QuantityLabel};
 use super::parameters::ModelParameters;
 use super::vector::{
-    Matrix, SumVector, Vector, ZERO, add_cross, add_cross_of_sums, add_matrix_product, cyclic,
-    define, sums,
+    Matrix, SumVector, Vector, ZERO, add_cross, add_cross_of_sums, add_matrix_product, add_sums,
+    add_vector, cyclic, define, sums,
 };
 use super::{Options, TermOrder};
 
@@ -213,9 +213,7 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
                 }
             }
             Some(parent) => {
-                for (component, &value) in before.iter_mut().zip(&self.motions[parent].linear) {
-                    component.add(&[value]);
-                }
+                add_vector(&mut before, &self.motions[parent].linear);
                 add_matrix_product(&mut before, &self.tildes[parent], &self.offsets[joint]);
                 if !parameters.is_revolute(joint) {
                     let (b, c) = cyclic(parameters.axis(joint));
@@ -251,15 +249,13 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
                 QuantityLabel::new("BS", label(row, row), joint + 1),
                 diagonal,
             );
-            let mut product = Sum::new();
-            product.add(&[velocity[next], velocity[last]]);
+            let product = Sum::product(&[velocity[next], velocity[last]]);
             let square = self.equations.define(
                 QuantityLabel::new("BS", label(next.min(last), next.max(last)), joint + 1),
                 product,
             );
             for (r, c, sign) in [(next, last, true), (last, next, false)] {
-                let mut entry = Sum::of(square);
-                entry.add(&[angular[row].negated_if(sign)]);
+                let entry = Sum::total(&[square, angular[row].negated_if(sign)]);
                 tilde[r][c] = self.equations.define(
                     QuantityLabel::new(self.names.tilde, label(r, c), joint + 1),
                     entry,
@@ -383,21 +379,18 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
             let (b, c) = cyclic(a);
             let component = &mut torque[a];
             component.add(&[inertia[a][a], self.motions[joint].angular[a]]);
-            let mut product = Sum::new();
-            product.add(&[velocity[b], velocity[c]]);
+            let product = Sum::product(&[velocity[b], velocity[c]]);
             let product = self.equations.define(
                 QuantityLabel::new("BS", 3 * b.min(c) + b.max(c) + 1, joint + 1),
                 product,
             );
-            let mut difference = Sum::of(inertia[c][c]);
-            difference.add(&[-inertia[b][b]]);
+            let difference = Sum::total(&[inertia[c][c], -inertia[b][b]]);
             let difference = self.equations.group(difference);
             component.add_term(difference.and_then(|group| group.times(&[product])));
             component.subtract(&[inertia[a][b], tilde[c][a]]);
             component.add(&[inertia[a][c], tilde[b][a]]);
             if !inertia[b][c].is_zero() {
-                let mut squares = Sum::of(tilde[b][b]);
-                squares.add(&[-tilde[c][c]]);
+                let squares = Sum::total(&[tilde[b][b], -tilde[c][c]]);
                 let squares = self.equations.group(squares);
                 component.add_term(squares.and_then(|group| group.times(&[inertia[b][c]])));
             }
@@ -427,12 +420,8 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
                 // Force and lever arm both use the turned force.
                 up = define(self.equations, force_turned, child, column, up).map(Sum::of);
             }
-            for (component, up) in force.iter_mut().zip(&up) {
-                component.add_sum(up);
-            }
-            for (component, up) in torque.iter_mut().zip(&turn.up(&loads[child].torque)) {
-                component.add_sum(up);
-            }
+            add_sums(&mut force, &up);
+            add_sums(&mut torque, &turn.up(&loads[child].torque));
             add_cross_of_sums(&mut torque, &self.offsets[child], &up);
         }
         let own_force = own_force.map(Sum::of);
@@ -454,9 +443,7 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
             TermOrder::OwnFirst => (own, children),
             TermOrder::ChildFirst => (children, own),
         };
-        for (component, more) in first.iter_mut().zip(&second) {
-            component.add_sum(more);
-        }
+        add_sums(&mut first, &second);
         define(self.equations, name, joint, column, first)
     }
 

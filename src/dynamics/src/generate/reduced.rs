@@ -42,8 +42,7 @@ pub(super) fn residual_input(
     given: &[(Scalar, Scalar)],
 ) -> Scalar {
     let force = equations.input("Qq", &[joint + 1]);
-    let mut sum = Sum::of(force);
-    sum.subtract(&[bias]);
+    let mut sum = Sum::total(&[force, -bias]);
     for &(mass, acceleration) in given {
         sum.subtract(&[mass, acceleration]);
     }

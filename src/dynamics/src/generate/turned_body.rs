@@ -21,8 +21,7 @@ pub(super) fn turned_moments(
     let first = moments[0][0];
     let mut rest = *moments;
     for axis in 0..3 {
-        let mut sum = Sum::of(moments[axis][axis]);
-        sum.subtract(&[first]);
+        let sum = Sum::total(&[moments[axis][axis], -first]);
         rest[axis][axis] = equations.define(QuantityLabel::new("ID", axis + 1, joint + 1), sum);
     }
     let mut half = [ZERO; 3];
@@ -66,15 +65,12 @@ pub(super) fn euler(
     for a in 0..3 {
         let (b, c) = cyclic(a);
         let (low, high) = (b.min(c), b.max(c));
-        let mut product = Sum::new();
-        product.add(&[motion.velocity[b], motion.velocity[c]]);
+        let product = Sum::product(&[motion.velocity[b], motion.velocity[c]]);
         let label = QuantityLabel::new("BS", 3 * low + high + 1, joint + 1);
         let product = equations.define(label, product);
-        let mut squares = Sum::of(motion.squares[b]);
-        squares.subtract(&[motion.squares[c]]);
+        let squares = Sum::total(&[motion.squares[b], -motion.squares[c]]);
         let squares = equations.define(QuantityLabel::new("BD", a + 1, joint + 1), squares);
-        let mut difference = Sum::of(moments[c][c]);
-        difference.subtract(&[moments[b][b]]);
+        let difference = Sum::total(&[moments[c][c], -moments[b][b]]);
         let difference = equations.define(QuantityLabel::new("JE", a + 1, joint + 1), difference);
         torque[a]
             .add(&[moments[a][a], motion.angular[a]])

@@ -168,8 +168,7 @@ pub(super) fn solve_unknown(equations: &mut Equations, system: &ReducedRows) -> 
     let second = least(equations, matrix, &left, ["uc", "uv", "uw"]);
     let pairs = first.into_iter().zip(second).enumerate();
     let sums = pairs.map(|(place, (one, other))| {
-        let mut sum = Sum::of(one);
-        sum.add(&[other]);
+        let sum = Sum::total(&[one, other]);
         equations.define(QuantityLabel::new("uz", 0, place + 1), sum)
     });
     sums.collect()

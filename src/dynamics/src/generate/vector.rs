@@ -123,6 +123,20 @@ pub(super) fn add_matrix_product(sum: &mut SumVector, matrix: &Matrix, vector: &
     }
 }
 
+/// Adds a vector.
+pub(super) fn add_vector(sum: &mut SumVector, vector: &Vector) {
+    for (component, &value) in sum.iter_mut().zip(vector) {
+        component.add(&[value]);
+    }
+}
+
+/// Adds a vector that is not named yet.
+pub(super) fn add_sums(sum: &mut SumVector, other: &SumVector) {
+    for (component, more) in sum.iter_mut().zip(other) {
+        component.add_sum(more);
+    }
+}
+
 /// The difference of two vectors that are not named yet.
 pub(super) fn subtracted(mut one: SumVector, other: &SumVector) -> SumVector {
     for (component, terms) in one.iter_mut().zip(other) {
