@@ -7,10 +7,10 @@
 
 pub mod batch;
 pub mod c;
-pub mod emit;
+mod emit;
 pub mod fpcore;
 pub mod kind;
 pub mod rolled;
-pub mod sincos;
+mod sincos;
 #[cfg(test)]
 mod testing;

@@ -21,7 +21,7 @@ pub(super) mod expression;
 pub(super) mod frame;
 pub(super) mod inlining;
 pub(super) mod names;
-pub mod order;
+pub(super) mod order;
 
 use robovec_framework::option_words;
 

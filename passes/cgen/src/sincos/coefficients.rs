@@ -6,27 +6,27 @@ use crate::c::Real;
 /// [`robovec_num::trigonometry::Polynomial::minimax_behind`]) and the parts
 /// from the digits of pi.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct KernelConstants {
+pub(crate) struct KernelConstants {
     /// Largest angle in radians that is not left to the library: as many
     /// quarter turns as the first parts leave room for in exact products.
-    pub limit: f64,
+    pub(crate) limit: f64,
     /// Quarter turns per radian.
-    pub turns: f64,
+    pub(crate) turns: f64,
     /// 1.5 times the power of two from which on the last bit counts ones:
     /// added, it rounds to an integer and leaves it in the last bits.
-    pub rounder: f64,
+    pub(crate) rounder: f64,
     /// A quarter turn in parts. All but the last leave room for the digits of
     /// the largest number of quarter turns.
-    pub quarter: &'static [f64],
+    pub(crate) quarter: &'static [f64],
     /// `sin x = x + x^3 (s[0] + s[1] x^2 + …)` up to an eighth of a turn.
-    pub sine: &'static [f64],
+    pub(crate) sine: &'static [f64],
     /// `cos x = 1 - x^2/2 + x^4 (c[0] + c[1] x^2 + …)`.
-    pub cosine: &'static [f64],
+    pub(crate) cosine: &'static [f64],
 }
 
 impl KernelConstants {
     /// The numbers for a type.
-    pub fn of(real: Real) -> &'static KernelConstants {
+    pub(crate) fn of(real: Real) -> &'static KernelConstants {
         match real {
             Real::Double => &DOUBLE,
             Real::Float => &FLOAT,

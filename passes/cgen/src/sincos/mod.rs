@@ -21,22 +21,22 @@ mod coefficients;
 mod text;
 
 use super::emit::Real;
-pub use coefficients::KernelConstants;
+pub(crate) use coefficients::KernelConstants;
 
 /// The kernel for one type and number of lanes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct SineKernel {
+pub(crate) struct SineKernel {
     /// The type of a lane.
-    pub real: Real,
+    pub(crate) real: Real,
     /// The most lanes of a vector, a power of two: where registers hold fewer,
     /// a vector has fewer. With one lane a vector is a number.
-    pub lanes: u32,
+    pub(crate) lanes: u32,
 }
 
 impl SineKernel {
     /// The kernel whose vectors fill 64 bytes: for scalar code that has many
     /// angles at once. For narrower machines its vectors have fewer lanes.
-    pub fn widest(real: Real) -> SineKernel {
+    pub(crate) fn widest(real: Real) -> SineKernel {
         let lanes = match real {
             Real::Double => 8,
             Real::Float => 16,
@@ -45,7 +45,7 @@ impl SineKernel {
     }
 
     /// The short name of the type and lanes, `d8` or `f16`.
-    pub fn suffix(self) -> String {
+    pub(crate) fn suffix(self) -> String {
         let letter = match self.real {
             Real::Double => 'd',
             Real::Float => 'f',
@@ -54,29 +54,29 @@ impl SineKernel {
     }
 
     /// The C type of a vector in registers and in arrays of its own.
-    pub fn vector(self) -> String {
+    pub(crate) fn vector(self) -> String {
         format!("robovec_{}", self.suffix())
     }
 
     /// The C type of a vector in a caller's memory: aligned as a number only,
     /// and allowed to alias numbers.
-    pub fn unaligned(self) -> String {
+    pub(crate) fn unaligned(self) -> String {
         format!("robovec_{}u", self.suffix())
     }
 
     /// The function of [`SineKernel::arrays`].
-    pub fn arrays_name(self) -> String {
+    pub(crate) fn arrays_name(self) -> String {
         format!("robovec_sincos_{}", self.suffix())
     }
 
     /// The function of [`SineKernel::runs`].
-    pub fn runs_name(self) -> String {
+    pub(crate) fn runs_name(self) -> String {
         format!("robovec_sincos_runs_{}", self.suffix())
     }
 
     /// The types: to stand before the functions, once in a file. Needs
     /// nothing; includes `math.h`.
-    pub fn types(self) -> String {
+    pub(crate) fn types(self) -> String {
         text::types(self)
     }
 
@@ -84,7 +84,7 @@ impl SineKernel {
     /// double *sines, double *cosines)`: any number of angles that lie one
     /// behind the other, for scalar code. The arrays need no alignment and
     /// may not overlap.
-    pub fn arrays(self) -> String {
+    pub(crate) fn arrays(self) -> String {
         text::arrays(self)
     }
 
@@ -92,7 +92,7 @@ impl SineKernel {
     /// const int *places, long stride, robovec_d8 *sines, robovec_d8
     /// *cosines)`: `count` vectors, the angles of the i-th at
     /// `angles + places[i] * stride`, for batch code.
-    pub fn runs(self) -> String {
+    pub(crate) fn runs(self) -> String {
         text::runs(self)
     }
 }

@@ -12,7 +12,7 @@ use robovec_ir::machine::{Interconnect, LinkNetwork, Topology};
 
 /// The terminals that a machine has to connect.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Terminals {
+pub(super) struct Terminals {
     /// Elements.
     pub elements: u32,
     /// Words an element sends in a cycle: its result, and those its buffer
@@ -30,7 +30,7 @@ fn choice(words: u32) -> u32 {
 }
 
 /// The resources of an interconnect.
-pub fn interconnect(interconnect: Interconnect, terminals: Terminals) -> ResourceUse {
+pub(super) fn interconnect(interconnect: Interconnect, terminals: Terminals) -> ResourceUse {
     let Terminals {
         elements,
         sources,

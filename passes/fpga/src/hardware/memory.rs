@@ -17,7 +17,7 @@ fn least(shapes: &[[u32; 2]], words: u32, bits: u32) -> u32 {
 
 /// Blocks for a memory with one read and one write port, all blocks of one
 /// shape (thesis 1.3.1).
-pub fn blocks(words: u32, bits: u32, device: &Device) -> u32 {
+pub(super) fn blocks(words: u32, bits: u32, device: &Device) -> u32 {
     least(&device.blocks.memory_shapes, words, bits)
 }
 
@@ -28,12 +28,12 @@ pub fn true_dual_port_blocks(words: u32, bits: u32, device: &Device) -> u32 {
 
 /// Blocks of a larger device for a memory with two read and two write ports:
 /// its blocks hold 20 kbit (M20K).
-pub fn four_port_blocks(words: u32, bits: u32) -> u32 {
+pub(super) fn four_port_blocks(words: u32, bits: u32) -> u32 {
     least(&[[2048, 10], [1024, 20], [512, 40]], words, bits)
 }
 
 /// MLABs for a memory that is read without a clock.
-pub fn lab_memories(words: u32, bits: u32) -> u32 {
+pub(super) fn lab_memories(words: u32, bits: u32) -> u32 {
     words.div_ceil(LAB_WORDS) * bits.div_ceil(LAB_WIDTH)
 }
 

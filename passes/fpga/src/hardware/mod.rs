@@ -22,9 +22,8 @@ pub use clock::{
     Estimate, MachineClock, clock, clock_with_elements, estimate_of, estimated_clock_mhz,
     operator_period, published_clock,
 };
-pub use interconnect::{Terminals, interconnect};
-pub use memory::{blocks, four_port_blocks, lab_memories, true_dual_port_blocks};
-pub use operator::{operator, product_blocks};
-pub use parts::{MachinePart, PartKind, multiplexer, parts, resources};
+pub use memory::true_dual_port_blocks;
+pub use operator::operator;
+pub use parts::{MachinePart, PartKind, parts, resources};
 pub use resources::ResourceUse;
 pub use shape::{ElementsOfKind, MachineShape};

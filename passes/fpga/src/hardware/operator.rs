@@ -107,7 +107,7 @@ fn fixed(core: OperatorCore, width: u32, stages: u32, device: &Device) -> Resour
 /// Multiplier blocks of a product of two numbers of so many bits. In a block
 /// of 27 bits three products of 9 or two of 18 share it; wider numbers are cut
 /// into pieces, each product of which takes a block.
-pub fn product_blocks(width: u32, device: &Device) -> f64 {
+pub(super) fn product_blocks(width: u32, device: &Device) -> f64 {
     match (width, device.blocks.factor) {
         (0..=9, 27) => 1.0 / 3.0,
         (10..=18, 27) => 0.5,

@@ -217,7 +217,7 @@ fn buffer(shape: &MachineShape, words: u32, reads: u32) -> ResourceUse {
 
 /// Six-input tables per bit of a choice of `count`, as a tree of choices of
 /// four (thesis 1.3.1).
-pub fn multiplexer(count: u32) -> u32 {
+pub(super) fn multiplexer(count: u32) -> u32 {
     let mut tables = 0;
     let mut left = count;
     while left > 1 {

@@ -16,13 +16,13 @@ mod registers;
 #[cfg(test)]
 mod tests;
 
-pub use registers::by_registers;
+pub(crate) use registers::by_registers;
 
 use robovec_ir::{Function, Operand, Value};
 
 /// A step of straight-line code.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum CodeStep {
+pub(crate) enum CodeStep {
     /// Computes a value.
     Define(Value),
     /// Sets an output element: the place among the assignments.
@@ -31,7 +31,7 @@ pub enum CodeStep {
 
 impl CodeStep {
     /// The operands that the step reads.
-    pub fn reads(self, function: &Function) -> &[Operand] {
+    pub(crate) fn reads(self, function: &Function) -> &[Operand] {
         match self {
             CodeStep::Define(value) => function.node(value).operands(),
             CodeStep::Assign(index) => {
@@ -43,7 +43,7 @@ impl CodeStep {
 
 /// The values that are marked in `computed`, in the function's order, and then
 /// all assignments.
-pub fn program(function: &Function, computed: &[bool]) -> Vec<CodeStep> {
+pub(crate) fn program(function: &Function, computed: &[bool]) -> Vec<CodeStep> {
     let values = function.values().map(|(value, _)| value);
     let values = values.filter(|value| computed[value.index()]);
     let outputs = 0..function.assignments.len() as u32;
@@ -58,7 +58,11 @@ pub fn program(function: &Function, computed: &[bool]) -> Vec<CodeStep> {
 /// Outputs are taken from the last to the first: those of the last bodies come
 /// first in a recursion from the leaves of a tree to its root, which is what
 /// most of the operations are.
-pub fn depth_first(function: &Function, computed: &[bool], outputs_last: bool) -> Vec<CodeStep> {
+pub(crate) fn depth_first(
+    function: &Function,
+    computed: &[bool],
+    outputs_last: bool,
+) -> Vec<CodeStep> {
     let needs = needs(function);
     let mut walk = DepthWalk::new(function, &needs, Ties::LeftFirst);
     let mut steps = Vec::with_capacity(computed.len());

@@ -31,7 +31,11 @@ const ENABLE: i64 = 10;
 /// All values that are marked in `computed`, each once and behind its
 /// operands, and all assignments, each right behind its value. Operands that
 /// are not marked are in memory from the start.
-pub fn by_registers(function: &Function, computed: &[bool], registers: usize) -> Vec<CodeStep> {
+pub(crate) fn by_registers(
+    function: &Function,
+    computed: &[bool],
+    registers: usize,
+) -> Vec<CodeStep> {
     let walked = walk(function, computed);
     let values = RegisterSchedule::new(function, computed, &walked, registers).run();
     let mut setters: Vec<Vec<u32>> = vec![Vec::new(); function.nodes().len()];
