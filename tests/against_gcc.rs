@@ -83,7 +83,7 @@ fn constructs_of_c_give_the_numbers_of_gcc() {
     assert!(counts.equal >= 40 && counts.refused >= 60, "{counts:?}");
 }
 
-/// How many files came out how.
+/// Number of files with each outcome.
 #[derive(Default, Debug)]
 struct Counts {
     equal: usize,

@@ -121,7 +121,7 @@ struct Tried {
     used: BTreeSet<usize>,
     /// Smaller commands that were run.
     smaller: BTreeSet<String>,
-    /// How many commands were run.
+    /// Number of commands that were run.
     count: usize,
     wrong: Vec<String>,
 }

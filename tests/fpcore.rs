@@ -158,8 +158,8 @@ fn deep_nesting_is_read_and_endless_nesting_refused() {
     );
 }
 
-/// How many cores of files beside the repository are read, which no test
-/// asks: `ROBOVEC_FPCORES=folder`.
+/// Number of cores of files beside the repository that are read, which no test asks:
+/// `ROBOVEC_FPCORES=folder`.
 #[test]
 #[ignore = "needs files that are not ours"]
 fn cores_of_a_folder_are_read() {

@@ -17,7 +17,7 @@ use robovec::model::{CutKind, Model};
 use robovec::robotran::FunctionKind;
 use robovec_num::random::Random;
 
-/// How many random robots are tried, each on both bases.
+/// Number of random robots tried, each on both bases.
 const ROBOTS: u64 = 120;
 
 /// The largest accepted difference, relative to the largest entry.

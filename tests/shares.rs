@@ -8,7 +8,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Where a run writes, from its working directory: commands tell the name.
+/// Place where a run writes, from its working directory: commands tell the
+/// name.
 const OUT: &str = "out";
 
 fn run(folder: &Path, words: &[&str], more: &[&str]) -> String {
@@ -16,7 +17,7 @@ fn run(folder: &Path, words: &[&str], more: &[&str]) -> String {
     said(&robovec_in(folder, &words))
 }
 
-/// How many results a worker found, of every line that it prints.
+/// Number of results that a worker found, of every line that it prints.
 fn found(said: &str) -> usize {
     let lines = said.lines().map(|line| {
         let (_, line) = line.split_once(", ").expect("what was found");

@@ -8,7 +8,7 @@ use robovec_analysis::adjoint::{self, OutputError, Tape};
 use robovec_ir::states::States;
 use robovec_ir::{Format, View, print};
 
-/// How often [`errors_are_predicted`] ran, and on what.
+/// Number of times [`errors_are_predicted`] ran, and on what.
 pub static STATISTICS: Statistics = Statistics::new("errors_are_predicted");
 
 const STATES: u32 = 3;

@@ -17,7 +17,7 @@ use robovec_num::ball::{Ball, Balls};
 use robovec_passes::registry::REGISTRY;
 use robovec_rules::RuleSet;
 
-/// How often [`derivatives_hold`] ran, and on what.
+/// Number of times [`derivatives_hold`] ran, and on what.
 pub static STATISTICS: Statistics = Statistics::new("derivatives_hold");
 
 const POINTS: u32 = 2;

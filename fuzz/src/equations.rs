@@ -30,7 +30,7 @@ pub struct Contents {
 
 const BASES: [&str; 8] = ["OM", "OP", "BS", "BETA", "AF", "CF", "CM", "FB"];
 const NUMBERS: [f64; 7] = [0.0, 1.0, 2.0, 0.5, -1.0, 9.81, 0.1];
-/// How many terms a sum has; wide ones are rare.
+/// Number of terms a sum has; wide ones are rare.
 const WIDTHS: [u32; 12] = [1, 1, 2, 2, 2, 3, 3, 4, 5, 7, 12, 30];
 const DEEPEST: u32 = 3;
 

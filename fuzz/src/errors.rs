@@ -18,7 +18,7 @@ use robovec_num::double_double::DoubleDouble;
 use robovec_passes::registry::REGISTRY;
 use robovec_rules::RuleSet;
 
-/// How often [`errors_stay_within_bounds`] ran, and on what.
+/// Number of times [`errors_stay_within_bounds`] ran, and on what.
 pub static STATISTICS: Statistics = Statistics::new("errors_stay_within_bounds");
 
 const STATES: u32 = 3;

@@ -64,8 +64,8 @@ fn largest(function: &Function) -> u32 {
 /// Expressions with their numbers, how often each occurs, and the outputs.
 type Shape = (BTreeMap<String, usize>, Vec<u32>, Vec<(u32, String)>);
 
-/// How often each expression is computed, and which the outputs are set to,
-/// whatever names and order.
+/// Number of times each expression is computed, and those the outputs are set
+/// to, whatever names and order.
 fn shape(function: &Function) -> Shape {
     let mut known: BTreeMap<String, usize> = BTreeMap::new();
     let mut counts: Vec<u32> = Vec::new();

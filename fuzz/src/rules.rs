@@ -20,7 +20,7 @@ use robovec_passes::registry::REGISTRY;
 use robovec_rules::check::{RuleVerdict, check};
 use robovec_rules::{Rule, RuleSet};
 
-/// How often [`false_rules_are_caught`] ran, and on what.
+/// Number of times [`false_rules_are_caught`] ran, and on what.
 pub static STATISTICS: Statistics = Statistics::new("false_rules_are_caught");
 
 const CONTENTS: Contents = Contents {
@@ -123,8 +123,8 @@ fn sides(bytes: &mut Unstructured<'_>, spoil: bool) -> Result<(Term, Term)> {
     Ok((left, if bound { spoilt } else { right }))
 }
 
-/// Whether small whole numbers tell the sides apart. These are polynomials of
-/// low degree, and the arithmetic is exact.
+/// Tests whether small whole numbers tell the sides apart. These are
+/// polynomials of low degree, and the arithmetic is exact.
 fn differ(left: &Term, right: &Term) -> bool {
     let numbers = [-3.0, -1.0, 2.0, 5.0, 7.0];
     (0..numbers.len().pow(2)).any(|number| {

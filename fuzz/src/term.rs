@@ -22,7 +22,7 @@ use Term::{Minus, Number, Pair, Variable};
 /// The names of the variables.
 const NAMES: [&str; 4] = ["a", "b", "c", "d"];
 
-/// How often a term may grow while it is rewritten.
+/// Number of times a term may grow while it is rewritten.
 const LARGEST: usize = 40;
 
 fn pair(operation: Operation, left: Term, right: Term) -> Term {

@@ -27,7 +27,7 @@ pub struct Symbols {
     strings: Vec<StoredText>,
     /// The strings that do not fit into eight bytes, one behind the other.
     long: String,
-    /// Where each of them ends.
+    /// End of each of them.
     long_ends: Vec<u32>,
     /// For each string whether names can be derived from it
     /// ([`Symbols::is_base`]).

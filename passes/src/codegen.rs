@@ -110,7 +110,7 @@ declare_pass! {
             1, 16, "processors have vectors of 1, 4, 8 and 16 numbers"),
         /// Whose the parameters of a model are in batch code.
         pub parameters: Parameters = Parameters::Shared,
-        /// How the C function is called.
+        /// Way in which the C function is called.
         pub signature: Signature = Signature::Robotran,
         /// Who computes sines and cosines in C.
         pub sines: Sines = Sines::Inline,

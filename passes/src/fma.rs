@@ -142,7 +142,7 @@ struct Contraction<'a> {
     weights: Weights,
     /// Operations that may be made.
     performs: &'a dyn Fn(Operation) -> bool,
-    /// Whether the path must stay as short as it can be.
+    /// True if the path must stay as short as it can be.
     timed: bool,
     uses: Vec<u32>,
     /// Products that stay: read by something that does not take them in.
@@ -306,7 +306,7 @@ impl<'a> Contraction<'a> {
         new
     }
 
-    /// When every value is there.
+    /// Time at which every value is there.
     fn times(&self, forms: &[ContractionForm]) -> ArrivalTimes {
         let mut times = ArrivalTimes::new(self.weights, forms.len());
         for (node, &form) in self.function.nodes().iter().zip(forms) {

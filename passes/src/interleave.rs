@@ -36,7 +36,7 @@ declare_pass! {
     /// The semantic check compares every instance with the original, at
     /// points at which the instances differ.
     pub struct Interleave("interleave") {
-        /// How many instances, from 1 to 64; one changes nothing.
+        /// Number of instances, from 1 to 64; one changes nothing.
         pub instances: u32 = 2 => NumberLimit::whole(
             1, MAX_INSTANCES as u64, "the function becomes so many times as large"),
         /// Input arrays that all instances read, such as `m+l+In+g`.

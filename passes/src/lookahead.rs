@@ -41,8 +41,8 @@ declare_pass! {
         /// Frontiers looked back.
         pub frontiers: u32 = 24 => NumberLimit::whole(
             0, 256, "every value gets up to two forms for every frontier"),
-        /// How often the distance between frontiers is doubled, to look further
-        /// back.
+        /// Number of times the distance between frontiers is doubled, to look
+        /// further back.
         pub doublings: u32 = 0 => NumberLimit::whole(
             0, 20, "every value gets forms at all frontiers of every distance"),
         /// Late terms a form may have.
@@ -56,7 +56,8 @@ declare_pass! {
         /// A value ready so many cycles before a frontier counts as early.
         pub window: u32 = 100 => NumberLimit::whole(
             0, 1_000_000, "no value is ready earlier"),
-        /// How forms are chosen; by curves up to 200,000 values considered.
+        /// Way in which forms are chosen; by curves up to 200,000 values
+        /// considered.
         pub choice: ChoiceMethod = ChoiceMethod::default(),
         /// Rounds in which operations are saved again.
         pub rounds: u32 = 3 => search::ROUNDS,

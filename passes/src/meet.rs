@@ -90,7 +90,8 @@ declare_pass! {
         /// Longest path, in cycles: nothing is spent on a shorter one. With
         /// `for=operations` the one allowed, 0 for any.
         pub path: u32 = 0 => search::PATH,
-        /// How forms are chosen; by curves up to 200,000 values considered.
+        /// Way in which forms are chosen; by curves up to 200,000 values
+        /// considered.
         pub choice: ChoiceMethod = ChoiceMethod::default(),
         /// Rounds in which operations are saved again.
         pub rounds: u32 = 3 => search::ROUNDS,

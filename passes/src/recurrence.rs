@@ -45,7 +45,8 @@ declare_pass! {
         /// A value ready so many cycles before such a point counts as early.
         pub window: u32 = 250 => NumberLimit::whole(
             0, 1_000_000, "no value is ready earlier"),
-        /// How forms are chosen; by curves up to 200,000 values considered.
+        /// Way in which forms are chosen; by curves up to 200,000 values
+        /// considered.
         pub choice: ChoiceMethod = ChoiceMethod::default(),
         /// Rounds in which operations are saved again.
         pub rounds: u32 = 3 => search::ROUNDS,

@@ -199,7 +199,7 @@ pub(crate) enum InputLanguage {
     Fpcore,
 }
 
-/// How a table is printed.
+/// Way in which a table is printed.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum TableFormat {
     /// For a person

@@ -108,7 +108,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<String, CommandFailure> 
     Err(CommandFailure::advised("some programs failed", failed))
 }
 
-/// How many states there are: full vectors of all kinds.
+/// Number of states: full vectors of all kinds.
 fn count(arguments: &BenchArguments) -> u32 {
     arguments.states.next_multiple_of(16)
 }
@@ -175,7 +175,8 @@ pub(super) struct LoadedSubject {
     pub(super) model: Option<Model>,
     /// What the function is, if a model gives it and peers know it.
     pub(super) task: Option<BenchTask>,
-    /// Why the equations are not those that Robotran prints, if they are not.
+    /// Reason why the equations are not those that Robotran prints, if they are
+    /// not.
     pub(super) replaced: Option<String>,
 }
 
@@ -330,7 +331,7 @@ fn compilers(arguments: &BenchArguments) -> Result<Vec<Compiler>, CommandFailure
     found.map_err(|reason: String| CommandFailure::advised(reason, vec![note]))
 }
 
-/// How many formulations of a model take part.
+/// Number of formulations of a model that take part.
 pub(super) const FORMULATIONS: usize = 2;
 
 /// Enters the formulations with the fewest operations, and tells of those that
@@ -376,7 +377,7 @@ fn view(module: &Module) -> View<'_> {
     }
 }
 
-/// Why a function is not compiled.
+/// Reason why a function is not compiled.
 fn in_one_piece(operations: usize) -> String {
     format!("one function of {operations} operations, which compilers need hours for (--largest)")
 }
@@ -389,7 +390,7 @@ fn not_compiled(question: &BenchQuestion<'_>, why: String) -> Contestant {
     own::refused(question, ContestantFamily::Equations, "C of them", why)
 }
 
-/// Why equations are not compiled at all.
+/// Reason why equations are not compiled at all.
 fn too_long(operations: usize) -> String {
     format!(
         "{operations} operations, which compilers need many minutes for also in pieces (--largest)"

@@ -15,7 +15,7 @@ use robovec_model::Model;
 use robovec_robotran::FunctionKind;
 use std::path::{Path, PathBuf};
 
-/// How the result is written.
+/// Way in which the result is written.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
 enum FormatName {
     /// Lines
@@ -31,7 +31,7 @@ enum FormatName {
 pub(super) struct EvalArguments {
     /// Robotran file, robovec text, or model (.mbs, .urdf)
     file: PathBuf,
-    /// How many random states, with the scales of what the inputs mean; or a
+    /// Number of random states, with the scales of what the inputs mean; or a
     /// file of lines `name[indices] number`, in which a line `state` starts the
     /// next state
     #[arg(long, required_unless_present = "random", value_parser = given_states)]
@@ -59,7 +59,7 @@ pub(super) struct EvalArguments {
     /// fixed(12,19)), double-double, field (a prime field), or a number of bits
     #[arg(long, value_name = "KIND", default_value = "f64")]
     number: NumberSystem,
-    /// How the result is written: see --json and --csv
+    /// Way in which the result is written: see --json and --csv
     #[arg(long, value_enum, default_value_t = FormatName::Text, hide = true)]
     format: FormatName,
     /// Write JSON instead of lines

@@ -9,7 +9,8 @@ use robovec_ir::states::States;
 use robovec_ir::{Function, HistoryStep, Machine, SourcePlace, SourceSet, View, print};
 use std::fmt::Write;
 
-/// So many source places are shown with their lines; the others are named.
+/// Number of source places that are shown with their lines; the others are
+/// named.
 const MAX_EXCERPTS: usize = 6;
 
 /// Tells how what the user asked for came to be.

@@ -33,7 +33,8 @@ pub(super) struct FitArguments {
     /// Only these formulations; by default the scene's, or all that may be the best
     #[arg(long, value_delimiter = ',', value_parser = super::generation::formulations())]
     formulation: Vec<String>,
-    /// Where sines and cosines are computed; by default as the scene says, or on the host
+    /// Place where sines and cosines are computed; by default as the scene
+    /// says, or on the host
     #[arg(long, value_enum)]
     trigonometry: Option<Where>,
     /// What the cheapest is the cheapest by
@@ -46,7 +47,8 @@ pub(super) struct FitArguments {
     /// Seed of the states
     #[arg(long, default_value_t = 1, add = SEED)]
     seed: u64,
-    /// How many times the usual number of states a choice is tried with before it is believed
+    /// Number of times the usual number of states a choice is tried with before
+    /// it is believed
     #[arg(long, default_value_t = 1,
           add = whole(1, 16, "the time grows with it, and the share of states established hardly"))]
     effort: u32,
@@ -55,7 +57,7 @@ pub(super) struct FitArguments {
     output: Option<PathBuf>,
 }
 
-/// Where sines and cosines are computed.
+/// Place where sines and cosines are computed.
 #[derive(ValueEnum, Clone, Copy, Debug)]
 enum Where {
     /// Before the run

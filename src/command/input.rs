@@ -32,7 +32,7 @@ pub(crate) struct InputModule {
     pub(crate) format: Option<Format>,
     /// Name of the file.
     pub(crate) name: String,
-    /// Where its text can be read again for a message.
+    /// Place where its text can be read again for a message.
     pub(crate) path: PathBuf,
 }
 

@@ -7,7 +7,7 @@ use clap::builder::PossibleValuesParser;
 use clap_mangen::Man;
 use std::path::PathBuf;
 
-/// Where the pages go.
+/// Folder of the pages.
 #[derive(Args, Debug)]
 pub(super) struct ManualArguments {
     /// Folder for the pages, one for each program and command

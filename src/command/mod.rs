@@ -64,7 +64,7 @@ pub(crate) fn commands() -> [clap::Command; 2] {
     [arguments::command(), tool::command()]
 }
 
-/// Why a program stops, already as messages for the user.
+/// Reason why a program stops, already as messages for the user.
 #[derive(Debug)]
 pub(crate) struct CommandFailure(pub(crate) Report);
 
@@ -95,7 +95,8 @@ fn require_compiler(asked: bool) -> Result<(), CommandFailure> {
     Ok(())
 }
 
-/// So many threads; as many as there are processors when the user does not say.
+/// Number of threads; as many as there are processors when the user does
+/// not say.
 fn threads(jobs: Option<u32>) -> Result<rayon::ThreadPool, CommandFailure> {
     let pool = rayon::ThreadPoolBuilder::new();
     // 0 stands for as many as there are processors.

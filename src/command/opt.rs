@@ -344,7 +344,7 @@ fn filter(names: Option<&str>) -> PassFilter {
     }
 }
 
-/// Whether anything tells what each pass did.
+/// Tests whether anything tells what each pass did.
 fn tells_of_passes(arguments: &OptimiserArguments) -> bool {
     arguments.report.is_some()
         || arguments.stats.is_some()

@@ -170,7 +170,7 @@ fn fits(arguments: &RtlArguments, hardware: &Hardware) -> Result<String, Command
     Ok(text)
 }
 
-/// Why a program does not fit, and what it would take.
+/// Reason why a program does not fit, and what it would take.
 fn notes(fit: &HardwareFit) -> Vec<String> {
     let mut notes = fit.reasons.clone();
     notes.push("hardware built for this program takes 'robovec rtl' without '--fits'".to_owned());

@@ -115,7 +115,7 @@ fn outputs(scene: &Scene, module: &Module) -> String {
     )
 }
 
-/// How many elements of an input array are read, and what is known of them.
+/// Number of elements of an input array that are read, and what is known of them.
 #[derive(Default)]
 struct InputCoverage {
     name: String,

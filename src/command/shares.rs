@@ -29,7 +29,7 @@ impl ShareArguments {
         self.resume || self.shard.is_some()
     }
 
-    /// Where results are kept, if there is a folder.
+    /// Place where results are kept, if there is a folder.
     pub(super) fn store(
         &self,
         folder: Option<&Path>,

@@ -32,7 +32,7 @@ enum IntegratorChoice {
     Dopri,
 }
 
-/// How loops are kept closed.
+/// Way in which loops are kept closed.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
 enum KeepingChoice {
     /// Dependent joints are put onto the constraints in every evaluation
@@ -95,7 +95,7 @@ pub(super) struct SimArguments {
     /// loop_velocities, accelred)
     #[arg(long)]
     whole_step: bool,
-    /// How loops are kept closed
+    /// Way in which loops are kept closed
     #[arg(long, value_enum, default_value_t = KeepingChoice::Project)]
     loops: KeepingChoice,
     /// Rate at which --loops=baumgarte pulls loops closed, 1/s

@@ -32,7 +32,7 @@ pub(super) struct EquilibriumArguments {
 /// Around which state.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
 enum PlaceChoice {
-    /// Where the forces balance
+    /// State in which the forces balance
     Equilibrium,
     /// The initial positions, at rest, whatever forces are left there
     Initial,

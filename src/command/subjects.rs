@@ -29,7 +29,7 @@ pub(super) enum SubjectSource {
     Equations(PathBuf),
 }
 
-/// Where a subject comes from.
+/// Origin of a subject.
 pub(super) fn locate(subject: &StudySubject) -> Result<SubjectSource, CommandFailure> {
     if let Some(model) = built_in(&subject.source) {
         return Ok(SubjectSource::Model(Box::new(model)));

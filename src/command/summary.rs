@@ -37,7 +37,8 @@ const MOST_STATES: usize = 64;
 /// What is told when the run is over.
 pub(super) struct RunSummary<'a> {
     machine: &'a Machine,
-    /// Where states come from, and whether a scene says how large they are.
+    /// Origin of the states, and whether a scene says how large they
+    /// are.
     states: (States, bool),
     /// The format in which the pipeline's program computes.
     format: Format,

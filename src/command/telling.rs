@@ -31,12 +31,12 @@ fn current() -> TellingArguments {
     TELLING.get().copied().unwrap_or_default()
 }
 
-/// Whether nothing but warnings and errors is told.
+/// Tests whether nothing but warnings and errors is told.
 pub(super) fn is_quiet() -> bool {
     current().quiet
 }
 
-/// Whether more than usual is told.
+/// Tests whether more than usual is told.
 pub(super) fn is_verbose() -> bool {
     current().verbose
 }

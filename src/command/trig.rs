@@ -40,7 +40,7 @@ pub(super) struct TrigArguments {
     /// Polynomials
     #[arg(long, value_enum, default_value_t = SeriesChoice::Taylor)]
     method: SeriesChoice,
-    /// How often angles are halved before the polynomials
+    /// Number of times angles are halved before the polynomials
     #[arg(long, value_name = "N", default_value_t = 0,
           add = whole(0, 16, "every halving doubles the rounding error and adds operations"))]
     halvings: u32,

@@ -154,7 +154,7 @@ pub(crate) fn run(arguments: &WriteArguments) -> Result<String, CommandFailure> 
     save(&files, &arguments.output)
 }
 
-/// How bounded C is written.
+/// Way in which bounded C is written.
 fn bounded(
     arguments: &WriteArguments,
     write: &WriteOptions,

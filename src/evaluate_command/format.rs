@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-/// How results are written.
+/// Way in which results are written.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum ResultFormat {
     /// Lines `state 2 dirdyna M[1,1] 3.0`; floats as the shortest decimal that

@@ -25,7 +25,7 @@ use robovec_num::double_double::DoubleDouble;
 use robovec_num::field::PrimeField;
 use robovec_num::soft_float::FormatArithmetic;
 
-/// Where states come from.
+/// Origin of the states.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum StateSource<'t> {
     /// Lines `name[indices] number`; a line `state` starts the next state.
@@ -52,7 +52,7 @@ pub struct EvaluationRequest<'a> {
     pub states: StateSource<'a>,
     /// What is computed with.
     pub number: NumberSystem,
-    /// How the result is written.
+    /// Way in which the result is written.
     pub format: ResultFormat,
 }
 

@@ -15,7 +15,7 @@ use robovec::robotran::FunctionKind;
 use robovec_num::double_double::Double;
 use robovec_num::random::Random;
 
-/// How many models are tried.
+/// Number of models tried.
 const MODELS: u64 = 200;
 
 /// A model whose cuts are closed at its initial state, with that state; `None`

@@ -9,7 +9,7 @@ use robovec::model::Nature;
 use robovec::robotran::FunctionKind;
 use robovec_num::double_double::Double;
 
-/// How many models are tried.
+/// Number of models tried.
 const MODELS: u64 = 24;
 
 /// The step of differences; its square is the error they leave.

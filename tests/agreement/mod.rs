@@ -85,7 +85,7 @@ impl Case {
     }
 }
 
-/// How many random trees a test tries: a few, or `ROBOVEC_TREES`.
+/// Number of random trees a test tries: a few, or `ROBOVEC_TREES`.
 fn trees() -> u64 {
     std::env::var("ROBOVEC_TREES")
         .ok()

@@ -12,13 +12,13 @@ use robovec::robotran::FunctionKind;
 use robovec_num::double_double::Double;
 use robovec_num::random::Random;
 
-/// How many models are tried.
+/// Number of models tried.
 const MODELS: usize = 60;
 
 /// A model with rows that are linear in positions.
 struct Bound {
     case: Case,
-    /// Where the rows are zero.
+    /// Place where the rows are zero.
     origin: Vec<f64>,
     /// Their Jacobian.
     jacobian: Vec<Vec<f64>>,

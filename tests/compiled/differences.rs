@@ -49,8 +49,8 @@ pub(crate) fn differences(view: View<'_>, state: u64, changed: &Changes) -> Resu
     }
 }
 
-/// Where an output array is found: in the structure, or, when it is handed to
-/// user functions, among their arguments.
+/// Place where an output array is found: in the structure, or, when it is
+/// handed to user functions, among their arguments.
 fn places(view: View<'_>, name: &str) -> Vec<String> {
     let known = [
         "q", "qd", "qdd", "m", "g", "lrod", "c", "Qq", "h", "Jdqd", "Flink", "Z", "Zd", "dpt", "l",

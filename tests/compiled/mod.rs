@@ -45,7 +45,7 @@ pub(crate) enum Outcome {
     /// robovec reads it, but only a part of it is a function, or an array is
     /// larger than those of the program.
     NotCompared,
-    /// So many numbers are the same.
+    /// Number of numbers that are the same.
     Equal(usize),
     /// A number differs.
     Differs(String),

@@ -55,7 +55,7 @@ fn is_dead(process: &str) -> bool {
     state.is_ok_and(|state| state.contains(") Z ")) || !Path::new("/proc").join(process).exists()
 }
 
-/// How many processes another one has started that still run.
+/// Number of processes another one has started that still run.
 fn children(parent: u32) -> usize {
     let is_child = |stat: &String| {
         // The name, in parentheses, may hold anything; the parent stands second

@@ -20,9 +20,9 @@ pub(crate) trait ModelDraw {
 /// What a random model is made of.
 #[derive(Clone, Copy)]
 pub(crate) struct Recipe {
-    /// How many bodies.
+    /// Number of bodies.
     pub(crate) bodies: usize,
-    /// How often a parameter is a structural zero, 0 to 1.
+    /// Number of times a parameter is a structural zero, 0 to 1.
     pub(crate) zeros: f64,
     /// True when some inner bodies have no mass; the mass matrix may then be
     /// singular.
@@ -33,9 +33,9 @@ pub(crate) struct Recipe {
     /// True when some joints stand in general positions, or move against
     /// their axis.
     pub(crate) placed: bool,
-    /// How many cuts of each kind.
+    /// Number of cuts of each kind.
     pub(crate) cuts: usize,
-    /// How many sensors, external forces and links each.
+    /// Number of sensors, external forces and links each.
     pub(crate) devices: usize,
 }
 

@@ -11,7 +11,7 @@ pub(crate) struct Link<T> {
     pub(crate) parent: Option<usize>,
     /// Kind and axis.
     pub(crate) kind: JointKind,
-    /// Where it is attached, in the frame of the parent.
+    /// Place where it is attached, in the frame of the parent.
     pub(crate) offset: Vector3<T>,
     /// The constant rotation that comes before the joint's: `x = R x_parent`.
     pub(crate) turn: Matrix3<T>,

@@ -55,7 +55,7 @@ const KINDS: [&str; 12] = [
     "floating",
 ];
 
-/// Whether a joint of a kind has one position.
+/// Tests whether a joint of a kind has one position.
 pub(super) fn has_position(kind: &str) -> bool {
     ["revolute", "continuous", "prismatic"].contains(&kind)
 }

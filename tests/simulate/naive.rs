@@ -132,7 +132,7 @@ struct Naive {
     buffers: Vec<Option<BufferWord>>,
     writes: Vec<Vec<Write>>,
     preloads: Vec<Preload>,
-    /// Where an operand stands in a memory.
+    /// Place where an operand stands in a memory.
     places: BTreeMap<(Element, Bank, Operand), u32>,
     /// The next free address of a memory.
     free: BTreeMap<(Element, Bank), u32>,

@@ -15,7 +15,7 @@ use arbitrary::{Result, Unstructured};
 use robovec_rules::check::{RuleVerdict, check};
 use robovec_rules::{Rule, RuleSet};
 
-/// How often [`rules_are_judged`] ran, and on what.
+/// Number of times [`rules_are_judged`] ran, and on what.
 pub static STATISTICS: Statistics = Statistics::new("rules_are_judged");
 
 /// Trials of the rule check in floating point; the verdict does not depend on

@@ -74,8 +74,8 @@ impl<const LANES: usize> Ball<LANES> {
         self.value.high[lane].abs() + self.radius[lane]
     }
 
-    /// Whether the exact numbers of a lane, of which something is known, can
-    /// be one.
+    /// Tests whether the exact numbers of a lane, of which something is known,
+    /// can be one.
     #[inline]
     pub fn touches(&self, other: &Ball<LANES>, lane: usize) -> bool {
         let [low, other_low] = [self, other].map(|ball| ball.value.low[lane]);
@@ -117,13 +117,13 @@ fn sunk(result: f64, may_be_other: bool) -> f64 {
     if lost { SUNK } else { 0.0 }
 }
 
-/// Whether a number with a radius may be other than zero.
+/// Tests whether a number with a radius may be other than zero.
 #[inline]
 fn may_be_other((number, radius): (f64, f64)) -> bool {
     (number != 0.0) | (radius != 0.0)
 }
 
-/// Whether it is one or minus one, by which nothing sinks.
+/// Tests whether it is one or minus one, by which nothing sinks.
 #[inline]
 fn is_unit((number, radius): (f64, f64)) -> bool {
     (number.abs() == 1.0) & (radius == 0.0)

@@ -25,7 +25,7 @@ pub struct NumberFormat {
     /// Width of the stored mantissa, in bits.
     #[serde(deserialize_with = "fields::mantissa::deserialize")]
     pub mantissa: u32,
-    /// Whether subnormal numbers are kept (true) or flushed to zero.
+    /// True if subnormal numbers are kept, false if they are flushed to zero.
     pub subnormals: bool,
 }
 

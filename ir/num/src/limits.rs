@@ -91,7 +91,7 @@ impl NumberLimit {
         matches!(self.least, Amount::Whole(_))
     }
 
-    /// Whether the number is allowed.
+    /// Tests whether the number is allowed.
     pub fn admits(&self, amount: Amount) -> bool {
         match (self.least, amount, self.most) {
             (Amount::Whole(least), Amount::Whole(number), Amount::Whole(most)) => {

@@ -72,7 +72,7 @@ impl FromStr for DeviceFamily {
     }
 }
 
-/// Where a clock comes from.
+/// Origin of a clock.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Default, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ClockOrigin {
@@ -105,7 +105,7 @@ impl ClockOrigin {
 pub struct Device {
     /// Its name.
     pub name: String,
-    /// Where its delays come from.
+    /// Origin of its delays.
     pub origin: String,
     /// The delays of its cells.
     pub cells: CellDelays,

@@ -83,8 +83,8 @@ impl MachineMismatch {
 }
 
 impl Schedule {
-    /// Whether the schedule was made for a machine of this content; by the
-    /// machine's name where the schedule has no hash.
+    /// Tests whether the schedule was made for a machine of this content; by
+    /// the machine's name where the schedule has no hash.
     ///
     /// # Errors
     ///

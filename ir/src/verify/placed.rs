@@ -42,7 +42,7 @@ pub(super) fn check(
     homes(collector, schedule, placement, elements);
 }
 
-/// Whether the tables have an entry for every node or assignment, and the
+/// Tests whether the tables have an entry for every node or assignment, and the
 /// ranges of writes cover all writes; a violation when not.
 fn tables_fit(collector: &mut ViolationCollector<'_>, placement: &Placement) -> bool {
     let function = collector.view.function;

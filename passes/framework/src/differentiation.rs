@@ -27,7 +27,7 @@ pub struct Differentiation {
     pub by: ArrayChoice,
     /// What is computed of the Jacobian.
     pub result: DerivativeResult,
-    /// Whether the outputs of the function stay outputs. Arguments of user
+    /// True if the outputs of the function stay outputs. Arguments of user
     /// functions always do.
     pub values: bool,
 }
@@ -290,9 +290,9 @@ impl DerivativeArrays {
         elements(&self.by)
     }
 
-    /// Where the elements of a Jacobian stand among the outputs of the
-    /// program: for every row, by its place in [`rows`](Self::rows), the
-    /// places of the columns of [`columns`](Self::columns).
+    /// Place of the elements of a Jacobian among the outputs of the
+    /// program: for every row, by its place in [`rows`](Self::rows), the places
+    /// of the columns of [`columns`](Self::columns).
     pub fn jacobian(&self) -> impl Iterator<Item = impl Iterator<Item = u32> + '_> + '_ {
         let columns: usize = self.by.iter().map(|array| array.shape.len()).sum();
         let mut block = self.kept_len();

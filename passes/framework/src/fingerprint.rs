@@ -75,8 +75,8 @@ impl Fingerprint {
     }
 }
 
-/// Whether two real values can be one. Of a value that is no number at the
-/// point (the root of a negative one, an overflow) the fields alone tell.
+/// Tests whether two real values can be one. Of a value that is no number at
+/// the point (the root of a negative one, an overflow) the fields alone tell.
 fn may_be_equal(a: &Ball<1>, b: &Ball<1>) -> bool {
     !(a.is_known(0) && b.is_known(0)) || a.touches(b, 0)
 }

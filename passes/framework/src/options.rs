@@ -12,7 +12,7 @@ use robovec_num::limits::{Amount, NumberLimit};
 
 /// A type an option can have.
 pub trait OptionValue: Sized + PartialEq {
-    /// Whether values are numbers, so that an option of this type needs a
+    /// True if values are numbers, so that an option of this type needs a
     /// limit.
     const IS_NUMBER: bool = false;
     /// What the help calls the type (`integer`, `first | preferential`).

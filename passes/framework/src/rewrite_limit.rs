@@ -29,8 +29,8 @@ impl RewriteLimit {
         }
     }
 
-    /// Whether the value of this name may be written anew; `rule` says how,
-    /// in a few words or by the name of a rule.
+    /// Tests whether the value of this name may be written anew; `rule` says
+    /// how, in a few words or by the name of a rule.
     ///
     /// A group of operations is one rewrite, asked for by the name of its
     /// result; inner nodes at the equations level have none

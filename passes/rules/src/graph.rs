@@ -138,8 +138,8 @@ pub(super) fn grow(
     run(runner(terms, budget), rewrites)
 }
 
-/// Whether two terms become equal in a graph grown from them, which ends when
-/// they do.
+/// Tests whether two terms become equal in a graph grown from them, which ends
+/// when they do.
 pub(super) fn are_equal(
     terms: &[RecExpr<GraphTerm>; 2],
     rewrites: &[Rewrite<GraphTerm, ()>],

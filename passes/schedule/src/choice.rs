@@ -15,8 +15,8 @@ use robovec_ir::Operand;
 use robovec_ir::placement::Element;
 
 option_words! {
-    /// How the processing element is chosen among those that can take an
-    /// operation.
+    /// Way in which the processing element is chosen among those that can take
+    /// an operation.
     #[derive(Default)]
     pub enum ElementChoice {
         /// The smallest rank of Table 2.1; among equals the shortest stay in
@@ -343,7 +343,7 @@ pub(super) fn plain_route(
     is_free.then_some(route)
 }
 
-/// Whether the links of a network have room for a word. Apart, so that a
+/// Tests whether the links of a network have room for a word. Apart, so that a
 /// crossbar does not carry its registers along.
 #[inline(never)]
 fn has_way(

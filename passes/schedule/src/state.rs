@@ -76,7 +76,7 @@ pub(super) enum Manner {
 /// The state of a node that is not issued.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Waiting {
-    /// When the operands issued so far can all be read.
+    /// Time at which the operands issued so far can all be read.
     pub(super) ready: u32,
     /// Operands still to be issued.
     pub(super) operands: u8,

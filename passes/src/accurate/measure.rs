@@ -104,8 +104,8 @@ impl ReferenceOutputs {
 }
 
 impl Errors {
-    /// Whether these are no worse than others: neither the medians nor the
-    /// 90th percentile grow by more than two per cent, which may be chance,
+    /// Tests whether these are no worse than others: neither the medians nor
+    /// the 90th percentile grow by more than two per cent, which may be chance,
     /// and together they do not grow.
     pub(crate) fn no_worse_than(&self, other: &Errors) -> bool {
         let pairs = [

@@ -92,9 +92,9 @@ struct RegroupingWriter<'a> {
     names: FreshNames,
     owners: Vec<Symbol>,
     uses: Vec<u32>,
-    /// When each value of the old function must be there.
+    /// Time at which each value of the old function must be there.
     required: Vec<u32>,
-    /// When the values of the new function are there.
+    /// Time at which the values of the new function are there.
     times: ArrivalTimes,
     worth: f64,
     done: Regrouped,
@@ -222,7 +222,7 @@ impl RegroupingWriter<'_> {
         (cost, finished.last().map_or(0, |&(_, at)| at))
     }
 
-    /// When what an old operand has become is there.
+    /// Time at which what an old operand has become is there.
     fn old_arrival(&self, operand: Operand) -> u32 {
         match operand.value() {
             Some(value) => self.times.of(self.rewriter.known(value)),

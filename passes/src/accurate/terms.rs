@@ -58,7 +58,7 @@ pub(super) struct TermFactor {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SumTerm {
     pub(super) source: StepSource,
-    /// Whether the term is the negative of what the source holds.
+    /// True if the term is the negative of what the source holds.
     pub(super) negative: bool,
     /// The term, with its sign.
     pub(super) lanes: StateLanes,
@@ -72,7 +72,7 @@ pub(super) struct SumTerm {
 pub(super) struct SumPlan {
     pub(super) steps: Vec<SumStep>,
     pub(super) result: StepSource,
-    /// When the result is there, in cycles.
+    /// Time at which the result is there, in cycles.
     #[cfg(test)]
     pub(super) arrival: u32,
     /// The weighted squares of all roundings, those of products that only
@@ -84,7 +84,7 @@ pub(super) struct SumPlan {
 pub(super) struct SumSetting {
     /// The adjoint of the sum, lane by lane: its effect on the outputs.
     pub(super) adjoint: StateLanes,
-    /// When the result must be there.
+    /// Time at which the result must be there.
     pub(super) deadline: u32,
     /// Cycles of an addition and of a multiplication.
     pub(super) add: u32,
@@ -116,7 +116,7 @@ impl SumSetting {
         self.rounding(&sum)
     }
 
-    /// Whether the terms can be added by the deadline.
+    /// Tests whether the terms can be added by the deadline.
     fn feasible(&self, arrivals: impl Iterator<Item = u32>) -> bool {
         finish(arrivals, self.add) <= self.deadline
     }

@@ -6,7 +6,7 @@ use super::map::{Mapper, Mapping};
 use robovec_framework::option_words;
 
 option_words! {
-    /// How forms are chosen.
+    /// Way in which forms are chosen.
     #[derive(Default)]
     pub enum ChoiceMethod {
         /// By curves of what a value costs by when it is needed: the best known.

@@ -55,7 +55,7 @@ pub(crate) struct CompositionLimits {
 /// variable, which is 1 in the rest.
 #[derive(Default)]
 struct LinearForms {
-    /// Where the terms of each end.
+    /// End of the terms of each.
     ends: Vec<u32>,
     terms: Vec<ProductTerm>,
 }

@@ -25,7 +25,7 @@ pub(crate) struct CurveMapper<'a, 'n> {
 #[derive(Clone)]
 struct CurveState {
     curves: Curves,
-    /// How many users of each class bear its operations: those of the mappings
+    /// Number of users of each class that bear its operations: those of the mappings
     /// made so far, the last ones before all.
     shares: Vec<f32>,
 }

@@ -216,7 +216,7 @@ fn most_dispensable(curve: &[CurvePoint]) -> usize {
     least.expect("a curve with too many points has one between two")
 }
 
-/// Whether a curve has a point as early and as cheap.
+/// Tests whether a curve has a point as early and as cheap.
 pub(super) fn is_beaten(curve: &[CurvePoint], arrival: u32, flow: f32) -> bool {
     let late = curve.partition_point(|known| known.arrival <= arrival);
     let before = late.checked_sub(1);

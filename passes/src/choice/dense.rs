@@ -194,14 +194,14 @@ impl FormsByClass<'_> {
         missing.expect("a sum of numbers is one")
     }
 
-    /// When a term is available whose classes are.
+    /// Time at which a term of available classes is available.
     #[inline]
     fn term_time(&self, a: u32, b: u32, term: ProductTerm) -> u32 {
         let weight = if term.is_product() { self.multiply } else { 0 };
         a.max(b).saturating_add(weight)
     }
 
-    /// When a term is available.
+    /// Time at which a term is available.
     #[inline]
     fn term(&self, arrivals: &[u32], term: ProductTerm) -> u32 {
         let [a, b] = [term.a, term.b()].map(|class| arrivals[class.index()]);
@@ -236,8 +236,8 @@ impl FormsByClass<'_> {
         }
     }
 
-    /// When a form is available, of which a [bound](FormsByClass::bound) is
-    /// known.
+    /// Time at which a form is available, of which a
+    /// [bound](FormsByClass::bound) is known.
     #[inline]
     pub(crate) fn refine(&self, arrivals: &[u32], form: u32, (time, exact): (u32, bool)) -> u32 {
         if exact {
@@ -247,13 +247,13 @@ impl FormsByClass<'_> {
         }
     }
 
-    /// When a form is available.
+    /// Time at which a form is available.
     #[inline]
     pub(crate) fn arrival(&self, arrivals: &[u32], form: u32) -> u32 {
         self.refine(arrivals, form, self.bound(arrivals, form))
     }
 
-    /// When a sum or product is available.
+    /// Time at which a sum or product is available.
     fn joined(&self, arrivals: &[u32], form: u32) -> u32 {
         match self.network.form(form) {
             ChoiceForm::Sum(terms) => {

@@ -124,7 +124,7 @@ struct FormRecord {
     /// The class, the kind, and whether the sum or product is the negation of
     /// the class's value.
     packed: u32,
-    /// Where its terms start; those of the next form end them.
+    /// Start of its terms; those of the next form end them.
     start: u32,
 }
 
@@ -339,7 +339,7 @@ impl FormStore {
         self.records[form as usize].class()
     }
 
-    /// Whether a sum or product is the negation of its class's value.
+    /// Tests whether a sum or product is the negation of its class's value.
     pub(crate) fn is_negated(&self, form: u32) -> bool {
         self.records[form as usize].negated()
     }
@@ -358,7 +358,7 @@ impl FormStore {
     }
 }
 
-/// Where the terms of a form lie among all terms, which are so many.
+/// Place of the terms of a form among all terms, which are so many.
 #[inline]
 fn range(records: &[FormRecord], count: usize, form: u32) -> Range<usize> {
     let start = records[form as usize].start as usize;

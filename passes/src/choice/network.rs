@@ -62,7 +62,7 @@ pub(crate) struct OwnForms(Vec<(u64, u32)>);
 struct Record {
     /// The form it was made with.
     first: u32,
-    /// Where it comes from: index into the network's origins.
+    /// Origin: index into the network's origins.
     origin: u32,
 }
 
@@ -250,7 +250,7 @@ impl ChoiceNetwork {
         self.forms.class(form)
     }
 
-    /// Whether a sum or product is the negation of its class's value.
+    /// Tests whether a sum or product is the negation of its class's value.
     pub(crate) fn is_negated(&self, form: u32) -> bool {
         self.forms.is_negated(form)
     }

@@ -6,7 +6,7 @@ use rustc_hash::FxBuildHasher;
 use smallvec::SmallVec;
 use std::hash::BuildHasher;
 
-/// So many sums are kept: few enough to stay near the processor.
+/// Number of sums that are kept: few enough to stay near the processor.
 const KEPT: usize = 1 << 11;
 
 /// Terms as they were given, and the class they are; `None` of zero.

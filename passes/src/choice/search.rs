@@ -61,7 +61,7 @@ pub(crate) struct PathSearch<'a> {
     pub(crate) shortest: u32,
     /// Rounds in which operations are saved again.
     pub(crate) rounds: u32,
-    /// How forms are chosen.
+    /// Way in which forms are chosen.
     pub(crate) method: ChoiceMethod,
 }
 

@@ -45,7 +45,7 @@ impl Arrivals {
         self.set(class, arrival);
     }
 
-    /// When a term is available.
+    /// Time at which a term is available.
     fn term(&self, timing: &Weights, term: ProductTerm) -> u32 {
         let ready = self.of(term.a).max(self.of(term.b()));
         if term.is_product() {
@@ -55,7 +55,7 @@ impl Arrivals {
         }
     }
 
-    /// When a form is available.
+    /// Time at which a form is available.
     fn form(&self, network: &ChoiceNetwork, timing: &Weights, form: ChoiceForm<'_>) -> u32 {
         match form {
             ChoiceForm::Input(..) | ChoiceForm::Constant(_) => 0,

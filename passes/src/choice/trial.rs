@@ -138,7 +138,7 @@ impl FormTrial {
         two.finish(self.weight)
     }
 
-    /// When the form is available, which is not before a bound.
+    /// Time at which the form is available, which is not before a bound.
     fn arrival(&self, (bound, is_exact): (u32, bool)) -> u32 {
         if is_exact || fits(self.times(), self.weight, bound) {
             bound
@@ -258,8 +258,8 @@ impl FormTrial {
         }
     }
 
-    /// When each term is needed at the latest for the form to be there by a
-    /// time.
+    /// Time at which each term is needed at the latest for the form to be there
+    /// by a time.
     fn limit(&self, required: u32) -> u32 {
         if self.is_opaque || self.terms.len() > 1 {
             required.saturating_sub(self.weight)

@@ -161,8 +161,8 @@ impl<'a> AlignedFrames<'a> {
         (0..3).filter(|&axis| fits(axis)).map(kind).collect()
     }
 
-    /// Whether the kinds of two joints, the first before the second, agree
-    /// with what was seen.
+    /// Tests whether the kinds of two joints, the first before the second,
+    /// agree with what was seen.
     fn agree(&self, [before, joint]: [usize; 2], [first, second]: [JointAxis; 2]) -> bool {
         let expected = self.inertias[joint].wrench(second).along(first);
         if !near(
@@ -186,8 +186,8 @@ impl<'a> AlignedFrames<'a> {
         })
     }
 
-    /// Whether the kinds of two joints, the first before the second, agree with
-    /// what they feel of the coordinate of a prismatic joint.
+    /// Tests whether the kinds of two joints, the first before the second,
+    /// agree with what they feel of the coordinate of a prismatic joint.
     fn agree_on_slide(
         &self,
         (slide, along): (usize, usize),
@@ -297,7 +297,7 @@ impl AxisSearch<'_> {
         false
     }
 
-    /// Whether a joint agrees with those before it.
+    /// Tests whether a joint agrees with those before it.
     fn agrees(&mut self, joint: usize) -> bool {
         let kind = self.axis(joint);
         let chain = self.frames.tree.chain(joint).skip(1);
@@ -313,9 +313,9 @@ impl AxisSearch<'_> {
         agrees
     }
 
-    /// Whether a joint agrees with all pairs before it, the nearest first, on
-    /// what they feel of a coordinate: of its own where it slides, and of those
-    /// of joints between the two.
+    /// Tests whether a joint agrees with all pairs before it, the nearest
+    /// first, on what they feel of a coordinate: of its own where it slides,
+    /// and of those of joints between the two.
     fn slides_agree(&self, joint: usize, before: &[usize], compared: &mut usize) -> bool {
         let JointAxis::Prismatic(along) = self.axis(joint) else {
             return true;

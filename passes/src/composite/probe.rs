@@ -96,7 +96,7 @@ impl ProbedMatrix {
     }
 }
 
-/// Whether two numbers of a given size are one but for rounding.
+/// Tests whether two numbers of a given size are one but for rounding.
 pub(super) fn near(a: f64, b: f64, size: f64) -> bool {
     (a - b).abs() <= 1e-8 * size
 }

@@ -171,9 +171,9 @@ fn differences(model: &ModelInputs, places: &[JointPlacement], usual: &ProbedMat
     (0..made.len()).filter(differs).count()
 }
 
-/// Whether the products of inertia of a body are those of a symmetric matrix
-/// of which one side is left out: the choice that is nearer to the matrix with
-/// this body's mass alone.
+/// Tests whether the products of inertia of a body are those of a symmetric
+/// matrix of which one side is left out: the choice that is nearer to the
+/// matrix with this body's mass alone.
 fn is_symmetric(
     probe: &mut MatrixProbe<'_>,
     model: &ModelInputs,

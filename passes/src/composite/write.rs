@@ -126,7 +126,7 @@ pub(super) struct RebuiltEquations {
     /// The elements of the mass matrix, row by row and counted from 0, that are
     /// not those of the tree and stay as they are.
     pub(super) unexplained: Vec<usize>,
-    /// How many forces are computed from composite bodies now.
+    /// Number of forces computed from composite bodies now.
     pub(super) forces: usize,
 }
 

@@ -36,7 +36,7 @@ pub(super) struct LinearisedGraph {
     pub(super) out: Vec<BTreeSet<u32>>,
 }
 
-/// Where a graph begins and ends.
+/// Beginning and end of a graph.
 pub(super) struct Ends<'a> {
     /// The input elements differentiated by.
     pub(super) columns: &'a [u32],

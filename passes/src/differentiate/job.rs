@@ -18,7 +18,7 @@ const MAX_OPERATIONS: usize = 1 << 24;
 /// The most products of weights in one order.
 const MAX_PRODUCTS: u64 = 1 << 26;
 
-/// So many roots are named in a remark.
+/// Number of roots that are named in a remark.
 const NAMED_ROOTS: usize = 4;
 
 /// One derivative of one function.

@@ -49,9 +49,9 @@ impl Alternative {
         }
     }
 
-    /// When the result is ready if the children are ready at these times: sums
-    /// and products combine the two earliest first, which is the best tree
-    /// (Golumbic 1976).
+    /// Time at which the result is ready if the children are ready at these
+    /// times: sums and products combine the two earliest first, which is the
+    /// best tree (Golumbic 1976).
     pub(crate) fn arrival(&self, times: &SurroundingTimes<'_>, child: impl Fn(u32) -> u32) -> u32 {
         self.ready(times, |place| child(self.children[place]))
     }
@@ -95,7 +95,7 @@ pub(crate) fn all_negative(signs: u64, count: u32) -> bool {
 pub(crate) struct SurroundingTimes<'a> {
     /// The weights of operations.
     pub(crate) weights: &'a Weights,
-    /// When each leaf is ready.
+    /// Time at which each leaf is ready.
     pub(crate) leaves: &'a [u32],
 }
 

@@ -72,7 +72,7 @@ impl<'a> ExactExtractor<'a> {
         self.choice[class as usize] = None;
     }
 
-    /// Whether the choice is without circles and meets all demands.
+    /// Tests whether the choice is without circles and meets all demands.
     fn in_time(&self) -> bool {
         let count = self.choice.len();
         let mut arrivals: Vec<Option<u32>> = vec![None; count];

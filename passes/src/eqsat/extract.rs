@@ -32,7 +32,7 @@ pub(crate) struct Cover {
     pub(crate) choice: Vec<u32>,
     /// The classes needed, operands before their users.
     pub(crate) order: Vec<u32>,
-    /// When each demanded result is ready.
+    /// Time at which each demanded result is ready.
     pub(crate) arrivals: Vec<u32>,
     /// Operations, each counted once.
     pub(crate) operations: u32,

@@ -21,7 +21,7 @@ pub(crate) struct SaturationLimits {
 /// The steps that are no rules: what bags need to be seen through.
 pub(crate) const STRUCTURE: [&str; 3] = ["normal form", "flattening", "shared part"];
 
-/// Why an e-graph grew no further.
+/// Reason why an e-graph grew no further.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum SaturationEnd {
     /// Nothing new is left to find.

@@ -127,8 +127,8 @@ impl Case {
     }
 }
 
-/// When `balance` has the result, and when the best of all trees has it;
-/// `None` when there were too many trees.
+/// Time at which `balance` has the result, and when the best of all trees has
+/// it; `None` when there were too many trees.
 fn both(case: Case, result: (Operand, Id), weights: &Weights) -> Option<(u32, u32)> {
     let Case {
         mut function,

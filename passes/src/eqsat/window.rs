@@ -22,7 +22,7 @@ pub(crate) struct RewriteWindow {
     pub(crate) interior: Vec<Value>,
     /// The operands that the leaves of the e-graph stand for.
     pub(crate) leaves: Vec<Operand>,
-    /// When each leaf is ready.
+    /// Time at which each leaf is ready.
     pub(crate) times: Vec<u32>,
     /// Operations of the interior that nobody else needs.
     pub(crate) own: u32,
@@ -31,7 +31,7 @@ pub(crate) struct RewriteWindow {
 /// The facts about the function while its windows are chosen.
 pub(crate) struct Surroundings<'a> {
     pub(crate) function: &'a Function,
-    /// When each value is ready, as far as it is known.
+    /// Time at which each value is ready, as far as it is known.
     pub(crate) times: &'a [u32],
     /// The number of reads of each value.
     pub(crate) uses: &'a [u32],

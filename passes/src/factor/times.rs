@@ -47,7 +47,7 @@ impl NodeTimes {
         times
     }
 
-    /// When the last output is available.
+    /// Time at which the last output is available.
     pub(super) fn longest(&self, network: &FactorNetwork) -> u32 {
         let arrivals = network
             .outputs
@@ -123,7 +123,7 @@ impl NodeTimes {
         }
     }
 
-    /// When a result is available.
+    /// Time at which a result is available.
     fn finish(&self, kind: FactorKind, operands: &[Edge]) -> u32 {
         let weight = self.weight(kind);
         let arrivals = operands.iter().map(|edge| self.arrivals[edge.node()]);

@@ -74,7 +74,7 @@ declare_pass! {
         pub wide: Format = Format::BINARY64,
         /// The narrowest format.
         pub narrow: Format = Format::BINARY32,
-        /// How many formats there are between the two: their mantissas are
+        /// Number of formats between the two: their mantissas are
         /// equally far apart, their exponent is that of the wide one.
         pub between: u32 = 0 => NumberLimit::whole(
             0, 50, "there are no more mantissas between the narrowest and the widest"),

@@ -36,9 +36,9 @@ pub struct SearchQuestion<'a> {
     pub goal: Goal,
     /// What programs may rest on.
     pub class: NumericClass,
-    /// Where passes are found.
+    /// Registry of the passes.
     pub registry: &'static Registry,
-    /// How often [`unit`](SearchQuestion::unit) may be spent, at least 1.
+    /// Number of [`unit`](SearchQuestion::unit)s that may be spent, at least 1.
     pub effort: u32,
     /// The work of one effort, in operations that are reassociated once.
     pub unit: u64,
@@ -107,7 +107,7 @@ pub struct ScheduleSize {
 pub struct SkippedVariant {
     /// The steps it would have gone through.
     pub name: String,
-    /// Why it was not made.
+    /// Reason why it was not made.
     pub reason: String,
 }
 
@@ -130,7 +130,7 @@ pub struct SearchOutcome<P> {
     pub best: Option<usize>,
     /// What was not made.
     pub skipped: Vec<SkippedVariant>,
-    /// How many more were made that looked like one of them.
+    /// Number of programs that looked like one of them.
     pub alike: usize,
 }
 
@@ -210,8 +210,8 @@ enum Origin {
     Trial(usize),
 }
 
-/// Where a program comes from: its start, and whether the preparation looked
-/// for composite bodies and whether it put sums into another order.
+/// Origin of a program: its start, and whether the preparation
+/// looked for composite bodies and whether it put sums into another order.
 type Lineage = (usize, bool, bool);
 
 /// A step on a program.

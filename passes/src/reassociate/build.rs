@@ -72,7 +72,7 @@ struct ReassociationPlan<'a> {
     natural: NaturalSigns,
     /// The signs that outputs ask for, before anything is negated early.
     asked: Wishes,
-    /// How groups get their other sign earliest, once that was needed.
+    /// Way in which groups get their other sign earliest, once that was needed.
     turns: OnceCell<Turns>,
     wishes: Wishes,
     negations: Negations,

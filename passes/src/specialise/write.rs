@@ -160,7 +160,7 @@ fn expressions(numbered: &Function, constants: &KnownNumbers, to: &mut Function)
     places
 }
 
-/// Whether an operation can have a number as its only operand.
+/// Tests whether an operation can have a number as its only operand.
 pub(crate) fn is_function(operation: Operation) -> bool {
     matches!(operation, Operation::Sin | Operation::Cos | Operation::Sqrt)
 }

@@ -46,8 +46,8 @@ impl LatestTwo {
     }
 }
 
-/// Whether a tree of the operands can be done at a time: whether the levels
-/// that there is time for obey Kraft's inequality.
+/// Tests whether a tree of the operands can be done at a time: whether the
+/// levels that there is time for obey Kraft's inequality.
 pub(crate) fn fits(times: impl Iterator<Item = u32>, weight: u32, done: u32) -> bool {
     const WHOLE: u64 = 1 << 32;
     let Some(weight) = std::num::NonZeroU32::new(weight) else {
@@ -57,7 +57,7 @@ pub(crate) fn fits(times: impl Iterator<Item = u32>, weight: u32, done: u32) -> 
     times.map(part).sum::<u64>() <= WHOLE
 }
 
-/// When the last operation of a sum or product is done.
+/// Time at which the last operation of a sum or product is done.
 pub(crate) fn finish(arrivals: impl IntoIterator<Item = u32>, weight: u32) -> u32 {
     let mut two = LatestTwo::default();
     let mut times: SmallVec<[u32; 32]> = SmallVec::new();
@@ -76,7 +76,8 @@ pub(crate) fn finish(arrivals: impl IntoIterator<Item = u32>, weight: u32) -> u3
     }
 }
 
-/// When the last operation of a sum or product of two operands or more is done.
+/// Time at which the last operation of a sum or product of two operands or more
+/// is done.
 pub(crate) fn joined(mut times: SmallVec<[u32; 32]>, weight: u32) -> u32 {
     times.sort_unstable();
     // Results come in the order of their times: they queue up in the places
@@ -154,7 +155,7 @@ pub(crate) enum TieOrder {
     Made,
 }
 
-/// So many open terms have room without an allocation.
+/// Number of open terms that have room without an allocation.
 const FEW: usize = 8;
 
 /// The places of terms to be joined, by arrival and place.

@@ -4,7 +4,7 @@ use super::groups::GroupFamily;
 use super::writer::joining;
 use robovec_ir::{Function, Node, Operand, Operation};
 
-/// Whether a fused operation subtracts its product, and its addend.
+/// Tests whether a fused operation subtracts its product, and its addend.
 fn signs(operation: Operation) -> (bool, bool) {
     let (product, addend) = (Operation::Fnma, Operation::Fms);
     (operation == product, operation == addend)

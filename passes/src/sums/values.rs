@@ -103,7 +103,7 @@ fn hash_at(images: &Images, values: &[Fingerprint]) -> impl Fn(u32) -> u64 {
     |place| hash(images, values[place as usize])
 }
 
-/// Whether what is at a place is a value or its negation.
+/// Tests whether what is at a place is a value or its negation.
 fn is_equal(images: &Images, values: &[Fingerprint], value: Fingerprint) -> impl Fn(u32) -> bool {
     let negation = images.neg(value);
     move |place| [value, negation].contains(&values[place as usize])

@@ -135,17 +135,17 @@ impl ArrivalTimes {
         }
     }
 
-    /// When an operand is there.
+    /// Time at which an operand is there.
     pub(crate) fn of(&self, operand: Operand) -> u32 {
         operand.value().map_or(0, |value| self.times[value.index()])
     }
 
-    /// When the last value is there.
+    /// Time at which the last value is there.
     pub(crate) fn longest(&self) -> u32 {
         self.times.iter().copied().max().unwrap_or(0)
     }
 
-    /// When an operation is done.
+    /// Time at which an operation is done.
     pub(crate) fn finish(&self, operation: Operation, operands: &[Operand]) -> u32 {
         let ready = operands.iter().map(|&operand| self.of(operand)).max();
         let weight = self.weights.of(operation);

@@ -72,7 +72,7 @@ declare_pass! {
     /// recorded in its metadata, and evaluation in a format, memory images and
     /// the simulator compute them so, bit by bit.
     pub struct Trigonometry("trigonometry") {
-        /// How sines and cosines are computed.
+        /// Way in which sines and cosines are computed.
         pub method: CircularMethod = CircularMethod::Minimax,
         /// The largest power of the angle; 0 for what `error` needs.
         pub order: u32 = 0 => NumberLimit::whole(
@@ -84,7 +84,7 @@ declare_pass! {
         /// The size that inputs of angles do not exceed, in radians.
         pub range: AngleOption = AngleOption(std::f64::consts::PI) => NumberLimit::real(
             1e-12, 1e6, "smaller angles are numbers, and no series reaches larger ones"),
-        /// How often angles are halved.
+        /// Number of times angles are halved.
         pub halvings: u32 = 0 => NumberLimit::whole(
             0, MAX_HALVINGS as u64, "every halving doubles the rounding error and adds operations"),
         /// The order of evaluation.

@@ -24,7 +24,7 @@ option_words! {
 }
 
 option_words! {
-    /// Where sines and cosines are computed.
+    /// Place where sines and cosines are computed.
     pub enum CircularPlace {
         /// By the processing elements, as part of the program.
         Elements = "elements",

@@ -203,7 +203,7 @@ fn absorbed(polynomial: &Polynomial, halvings: u32) -> Polynomial {
     }
 }
 
-/// Whether a format holds all coefficients as normal numbers, so that
+/// Tests whether a format holds all coefficients as normal numbers, so that
 /// dividing them by powers of two was exact.
 fn is_normal(polynomial: &Polynomial, format: Format) -> bool {
     let least = match format {

@@ -36,7 +36,7 @@ enum PartForm {
 /// The best way to compute a part.
 #[derive(Clone, Copy, Debug)]
 struct Best {
-    /// When it is there, the angle being there at 0.
+    /// Time at which it is there, the angle being there at 0.
     arrival: u32,
     /// Operations, without those of powers.
     operations: u32,

@@ -7,7 +7,7 @@ use robovec_num::fnv::Fnv;
 use serde::Serialize;
 use std::path::Path;
 
-/// Where a contestant comes from.
+/// Origin of a contestant.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ContestantFamily {
@@ -26,7 +26,7 @@ pub enum ContestantFamily {
 pub struct Contestant {
     /// Its name.
     pub name: String,
-    /// Where it comes from.
+    /// Origin.
     pub family: ContestantFamily,
     /// Compiler and flags, version.
     pub remark: String,
@@ -36,7 +36,7 @@ pub struct Contestant {
     pub lanes: u32,
     /// Files of its folder.
     pub files: Vec<(String, Vec<u8>)>,
-    /// How the program `program` is made.
+    /// Way in which the program `program` is made.
     pub steps: Vec<BuildStep>,
     /// Files of its folder that the program reads when it runs, of which it
     /// is not made.
@@ -49,7 +49,7 @@ pub struct Contestant {
     pub tolerance: f64,
     /// The rounding of its numbers in parts of that of binary64.
     pub coarseness: f64,
-    /// Why it cannot take part.
+    /// Reason why it cannot take part.
     pub missing: Option<String>,
     /// The folder of a program that serves every model.
     pub shared: Option<String>,

@@ -11,7 +11,7 @@ use robovec_framework::template::fill;
 use robovec_ir::{Array, Shape, View};
 use std::fmt::Write;
 
-/// How a function is called.
+/// Way in which a function is called.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) enum CallingConvention {
     /// Arrays one after the other, inputs first.
@@ -183,7 +183,7 @@ struct HarnessWriter<'a> {
     arguments: Vec<String>,
     /// Arguments of what prepares shared parameters.
     shared: Vec<String>,
-    /// Where each output array of a group begins.
+    /// Place where each output array of a group begins.
     bases: Vec<String>,
 }
 
@@ -344,7 +344,7 @@ impl HarnessWriter<'_> {
         !parameters.any(|known| matches!(known, Parameter::Output(own) if own == name))
     }
 
-    /// Where the elements of a group are that are set in an input array.
+    /// Places of the elements of a group that are set in an input array.
     fn updated(&self, array: &Array) -> Option<String> {
         let mut inputs = self.view.function.inputs().iter();
         let index = inputs.position(|input| input.name == array.name)?;

@@ -44,10 +44,10 @@ pub struct BenchQuestion<'a> {
     pub view: View<'a>,
     /// The model, whose parameters are used and which peers need.
     pub model: Option<&'a Model>,
-    /// Whether loads on bodies are drawn where there is a model; they are zero
+    /// True if loads on bodies are drawn where there is a model; they are zero
     /// otherwise.
     pub has_loads: bool,
-    /// Where states come from.
+    /// Origin of the states.
     pub states: &'a States,
     /// How many: a multiple of 16.
     pub count: u32,
@@ -61,7 +61,7 @@ pub struct BenchQuestion<'a> {
 pub struct BenchOutcome {
     /// Its name.
     pub name: String,
-    /// Where it comes from.
+    /// Origin.
     pub family: ContestantFamily,
     /// Compiler and flags, version of a library.
     pub remark: String,
@@ -84,7 +84,7 @@ pub struct BenchOutcome {
     /// How much longer one call in a thousand takes than the median one, ns:
     /// see [`contestant::RunTime::jitter`].
     pub jitter: Option<f64>,
-    /// Why there is no time.
+    /// Reason why there is no time.
     pub failure: Option<String>,
     /// True when it could take part, and failed.
     pub is_broken: bool,

@@ -14,10 +14,10 @@ use robovec_ir::count::Counts;
 /// The clock and the windows, shared by all programs.
 pub(super) const BENCH_H: &str = include_str!("../peers/bench.h");
 
-/// How generated C is compiled; loops at `-O3`.
+/// Way in which generated C is compiled; loops at `-O3`.
 pub const FLAGS: &str = "-O2 -march=native";
 
-/// How C is compiled that gives the evaluator's results.
+/// Way in which C is compiled that gives the evaluator's results.
 const EXACT: &str = "-std=c99 -O1 -ffp-contract=off";
 
 /// Operations of a function.
@@ -41,7 +41,7 @@ pub struct ContestantPlan<'a> {
     pub question: &'a BenchQuestion<'a>,
     /// What compiles it.
     pub compiler: &'a Compiler,
-    /// Where its equations come from.
+    /// Origin of its equations.
     pub family: ContestantFamily,
     /// Its name.
     pub name: &'a str,

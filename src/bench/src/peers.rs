@@ -102,7 +102,8 @@ pub fn peers(
     list
 }
 
-/// Why some peers do not take part. MuJoCo's are quotients of differences.
+/// Reason why some peers do not take part. MuJoCo's are quotients of
+/// differences.
 const NO_DERIVATIVES: &str = "it has no derivatives of its own";
 
 /// What the peers are called in the table, in the order of their names.

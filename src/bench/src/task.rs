@@ -145,8 +145,8 @@ impl BenchTask {
         }
     }
 
-    /// Why the peers, which know trees of free joints, do not compute the same
-    /// for a model.
+    /// Reason why the peers, which know trees of free joints, do not compute
+    /// the same for a model.
     pub(super) fn unknown_to_peers(self, model: &Model) -> Option<&'static str> {
         let is_driven = |nature: Nature| nature == Nature::Driven;
         match self {

@@ -41,7 +41,7 @@ pub struct BuildStep {
     pub command: String,
     /// Its arguments.
     pub arguments: Vec<String>,
-    /// Whether its time counts as time of compiling the function.
+    /// True if its time counts as time of compiling the function.
     pub timed: bool,
     /// The object file whose code is measured.
     pub object: Option<String>,

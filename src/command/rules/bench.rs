@@ -299,7 +299,7 @@ fn changes(from: ProgramSize, to: ProgramSize) -> [String; 2] {
     ]
 }
 
-/// Why a program with a rule more is worse than the one without it.
+/// Reason why a program with a rule more is worse than the one without it.
 fn why_worse(row: &RuleRow, all: Rewritten) -> Option<String> {
     let (with, without) = (all.limits, row.without.limits);
     if all.size.cycles <= row.without.size.cycles {

@@ -5,7 +5,7 @@
 pub struct Axes<const N: usize>(pub [usize; N]);
 
 impl<const N: usize> Axes<N> {
-    /// How many combinations there are, without making them.
+    /// Number of combinations, without making them.
     pub fn count(&self) -> u64 {
         let lengths = self.0.iter().map(|&length| length as u64);
         lengths.fold(1, u64::saturating_mul)

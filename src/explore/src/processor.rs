@@ -21,9 +21,9 @@ use std::fs;
 /// compilers take a second for some ten thousand operations.
 pub const LARGEST: usize = 200_000;
 
-/// Where the states come from that programs are timed at.
+/// Place where the states come from that programs are timed at.
 const SEED: u64 = 1;
-/// How many states.
+/// Number of states.
 const STATES: u32 = 16;
 /// Rounds, and the time of everybody in a round, ms.
 const ROUNDS: (u32, u32) = (3, 60);

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::io;
 use std::sync::Arc;
 
-/// Why a program could not be made or measured.
+/// Reason why a program could not be made or measured.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum ExplorationError {
     /// A pipeline that is none, or a pass that gave up.

@@ -400,7 +400,7 @@ fn named(name: &str) -> Option<(ModelFamily, usize)> {
     Some((family, joints as usize))
 }
 
-/// Whether a name is that of a built-in model.
+/// Tests whether a name is that of a built-in model.
 pub fn is_built_in(name: &str) -> bool {
     named(name).is_some()
 }

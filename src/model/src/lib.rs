@@ -193,8 +193,8 @@ pub struct Joint {
     pub body: usize,
     /// The joint before it on the way to the base; `None` for the base.
     pub parent: Option<usize>,
-    /// Where it is attached, a point of the parent joint's body: the body's
-    /// [`Body::point`] for its first joint, `None` for the others.
+    /// Place where it is attached, a point of the parent joint's body: the
+    /// body's [`Body::point`] for its first joint, `None` for the others.
     pub point: Option<usize>,
     /// True when velocity `qd` is a symbol of the equations. A driven joint
     /// whose file lists its symbols without this one has a structural zero
@@ -207,7 +207,7 @@ pub struct Joint {
     pub actuated: bool,
     /// Initial position (m or rad), velocity and acceleration.
     pub initial: [f64; 3],
-    /// Where its frame stands on the one before.
+    /// Place where its frame stands on the one before.
     pub mounting: JointMounting,
     /// The least and the greatest position (m or rad), where the model limits it.
     pub limits: Option<[f64; 2]>,
@@ -251,7 +251,7 @@ pub struct Anchor {
     pub point: Option<usize>,
 }
 
-/// How a loop is cut.
+/// Way in which a loop is cut.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum CutKind {
     /// Two points coincide: 3 rows.

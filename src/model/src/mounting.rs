@@ -17,7 +17,7 @@ pub struct ConstantTurn {
     pub angle: f64,
 }
 
-/// Where a joint's frame stands, and which way it moves.
+/// Place where a joint's frame stands, and which way it moves.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct JointMounting {
     /// The constant rotations between the frame before and the joint's own, in

@@ -125,7 +125,7 @@ impl Rotation3 {
     }
 }
 
-/// Where a frame stands on another one.
+/// Place where a frame stands on another one.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct FramePose {
     pub(super) rotation: Rotation3,

@@ -83,7 +83,7 @@ pub enum PanelContent {
 pub struct PlotAxis {
     /// Quantity, and unit in parentheses.
     pub title: String,
-    /// How values are spaced.
+    /// Way in which values are spaced.
     pub scale: AxisScale,
     /// The least value that must show, beyond those drawn.
     pub from: Option<f64>,
@@ -91,7 +91,7 @@ pub struct PlotAxis {
     pub to: Option<f64>,
 }
 
-/// How values are spaced along an axis.
+/// Way in which values are spaced along an axis.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum AxisScale {
     /// Evenly.
@@ -179,7 +179,7 @@ pub enum Paint {
     Ordered(usize, usize),
 }
 
-/// How a curve is drawn.
+/// Way in which a curve is drawn.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Stroke {
     /// A line with a marker at every point.
@@ -224,11 +224,11 @@ impl Mark {
 pub struct MarkZone {
     /// Its name, in tables and in titles of markers.
     pub name: &'static str,
-    /// How markers in it are filled.
+    /// Way in which markers in it are filled.
     pub fill: MarkFill,
 }
 
-/// How a marker is filled.
+/// Way in which a marker is filled.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum MarkFill {
     /// In its colour.

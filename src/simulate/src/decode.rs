@@ -12,7 +12,7 @@ struct BitField {
     width: u32,
 }
 
-/// Where the fields of an element's words are.
+/// Place where the fields of an element's words are.
 #[derive(Clone, Debug)]
 pub(super) struct WordFields {
     issue: BitField,

@@ -4,7 +4,7 @@ use super::mif::MifError;
 use robovec_ir::Format;
 use robovec_num::format::FormatError;
 
-/// Why images cannot be loaded into a machine.
+/// Reason why images cannot be loaded into a machine.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum LoadError {
     /// No manifest among the files.

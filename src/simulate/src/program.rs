@@ -65,11 +65,11 @@ pub(super) struct HostStep {
     pub(super) operation: Operation,
     /// Behind the operands of the operation the first one again.
     pub(super) operands: [ValueReference; 3],
-    /// Where it is loaded.
+    /// Place where it is loaded.
     pub(super) words: Vec<u32>,
 }
 
-/// Where an output is found.
+/// Place where an output is found.
 #[derive(Clone, Debug)]
 pub(super) struct OutputUnit {
     pub(super) name: String,
@@ -100,7 +100,7 @@ impl LoadedProgram {
         self.cycles
     }
 
-    /// How many inputs a run takes.
+    /// Number of inputs a run takes.
     pub fn input_len(&self) -> usize {
         self.inputs.len()
     }

@@ -62,7 +62,7 @@ struct MemoryCell {
     number: f64,
     /// The cycle of the last write, [`LOADED`] or [`EMPTY`].
     written: u32,
-    /// Whether it was read since.
+    /// True if it was read since.
     read: bool,
 }
 

@@ -35,10 +35,10 @@ pub struct LoadedWord {
     pub address: u32,
     /// The value, as a word of the machine's format.
     pub word: u64,
-    /// Whether the data images hold it, so that it is the same in all runs.
+    /// True if the data images hold it, so that it is the same in all runs.
     pub constant: bool,
-    /// Whether the run writes something else into the word; such a word must
-    /// be loaded again before the next run.
+    /// True if the run writes something else into the word; such a word must be
+    /// loaded again before the next run.
     pub overwritten: bool,
 }
 

@@ -79,7 +79,7 @@ pub(super) struct StateData {
     pub(super) level: &'static str,
     /// The longest path, in cycles.
     pub(super) path: u32,
-    /// How many of the statements are values.
+    /// Number of the statements that are values.
     pub(super) values: usize,
     /// Names, as texts.
     pub(super) names: Vec<u32>,
@@ -87,9 +87,9 @@ pub(super) struct StateData {
     pub(super) texts: Vec<u32>,
     /// Sets of places.
     pub(super) sources: Vec<u32>,
-    /// When the result is available, in cycles.
+    /// Time at which the result is available, in cycles.
     pub(super) arrivals: Vec<u32>,
-    /// How many cycles later it could be.
+    /// Number of cycles it could be later.
     pub(super) slacks: Vec<u32>,
     /// The statement of the state before that it was made from, or -1.
     pub(super) origins: Vec<i64>,
@@ -125,7 +125,7 @@ pub(super) struct ScheduleData {
     pub(super) free: Vec<u32>,
     /// Writes of results: value, cycle, element that is written.
     pub(super) writes: Vec<[u32; 3]>,
-    /// How many cycles a slice of `memory` is long.
+    /// Number of cycles a slice of `memory` is long.
     pub(super) slice: u32,
     /// For every element the words of memory in use, slice by slice, the
     /// largest number in each.

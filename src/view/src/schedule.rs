@@ -107,7 +107,7 @@ fn ready(
     found
 }
 
-/// How many elements of each kind start an operation in each cycle.
+/// Number of elements of each kind that start an operation in each cycle.
 struct BusyKinds {
     /// The kind of every element.
     kinds: Vec<usize>,

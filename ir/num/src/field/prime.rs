@@ -154,7 +154,8 @@ impl Modulus {
     }
 }
 
-/// So many numbers can be made squares: each halves the primes that will do.
+/// Number of values that can be made squares: each halves the primes that will
+/// do.
 pub const MAX_RADICANDS: usize = 6;
 
 /// A prime of the form `24r − 1` with `r` prime, between 2⁶⁰ and 2⁶¹.
@@ -245,8 +246,8 @@ impl Prime {
     }
 }
 
-/// Whether a positive number is a square modulo a number that is prime: its
-/// Jacobi symbol is 1.
+/// Tests whether a positive number is a square modulo a number that is prime:
+/// its Jacobi symbol is 1.
 fn may_be_square(number: f64, modulus: u64) -> bool {
     let bits = number.to_bits();
     let fraction = bits & ((1 << 52) - 1);

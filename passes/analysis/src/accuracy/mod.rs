@@ -195,7 +195,7 @@ pub struct ErrorSummary {
 pub struct Measurement {
     /// The effort for the exact values.
     pub effort: ReferenceEffort,
-    /// Whether mixed errors get their floor; without, they are the relative
+    /// True if mixed errors get their floor; without, they are the relative
     /// ones.
     pub sensitivities: bool,
     /// The number of steps of reverse sweeps (operations times outputs) that

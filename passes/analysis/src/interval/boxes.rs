@@ -47,7 +47,7 @@ struct LeafBox {
     ranges: Vec<Interval>,
     range: Interval,
     error: f64,
-    /// How often it was cut: its volume is so many halves of the whole.
+    /// Number of cuts: its volume is so many halves of the whole.
     cuts: u32,
     /// Its number.
     index: usize,

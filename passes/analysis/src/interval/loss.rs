@@ -33,7 +33,7 @@ pub(super) fn rounded(
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Exactness {
     Always,
-    /// Where the result is a normal number.
+    /// Range in which the result is a normal number.
     Normal,
     Never,
 }

@@ -457,7 +457,7 @@ fn judge_equality<F: Field>(pairs: &Pairs<'_>, states: &States, verdict: &mut Ch
     verdict.failure = found;
 }
 
-/// Whether an approximating pass keeps what it promised.
+/// Tests whether an approximating pass keeps what it promised.
 fn judge_promise(
     pairs: &Pairs<'_>,
     states: &States,

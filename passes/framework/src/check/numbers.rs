@@ -232,12 +232,13 @@ impl<'a> OutputComparison<'a> {
     }
 }
 
-/// So many outputs are evaluated in arbitrary precision to find out whether a
-/// number was lost or only overflowed, and those of larger functions never.
+/// Number of outputs that are evaluated in arbitrary precision to find out
+/// whether a number was lost or only overflowed, and those of larger functions
+/// never.
 pub(super) const MAX_PRECISE: u32 = 4;
 const LARGEST_PRECISE: usize = 20_000;
 
-/// Whether one of the outputs of a function, by their places among its
+/// Tests whether one of the outputs of a function, by their places among its
 /// assignments, is no number: over the real numbers, and not because an
 /// intermediate result was too large.
 pub(super) fn is_lost(function: &Function, places: &[usize], inputs: &[f64]) -> bool {

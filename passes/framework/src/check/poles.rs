@@ -212,9 +212,9 @@ impl StateLine {
         None
     }
 
-    /// Whether the zero is one in double-double too, at which no divisor of the
-    /// version before vanishes: in binary64 sums of very different sizes are
-    /// zero by rounding alone.
+    /// Tests whether the zero is one in double-double too, at which no divisor
+    /// of the version before vanishes: in binary64 sums of very different sizes
+    /// are zero by rounding alone.
     fn is_confirmed(
         &self,
         pairs: &Pairs<'_>,

@@ -41,7 +41,7 @@ impl FromStr for Limit {
 }
 
 impl Limit {
-    /// Whether the pass of an ordinal runs, and with how many rewrites.
+    /// Tests whether the pass of an ordinal runs, and with how many rewrites.
     pub(super) fn of(limit: Option<Limit>, ordinal: u64) -> Option<Option<u64>> {
         let Some(limit) = limit else {
             return Some(None);

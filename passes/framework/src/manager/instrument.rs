@@ -71,15 +71,15 @@ impl<'a> Instruments<'a> {
         Instruments { config }
     }
 
-    /// Whether the function as it was is needed after the pass.
+    /// Tests whether the function as it was is needed after the pass.
     pub(super) fn keeps_before(&self) -> bool {
         self.config.check_each.is_some()
             || self.config.trail.is_some()
             || self.config.print_changed == Some(PrintChanged::Diff)
     }
 
-    /// Whether what a pass did is measured: it was asked for, or whether the
-    /// function changed decides what is told.
+    /// Tests whether what a pass did is measured: it was asked for, or whether
+    /// the function changed decides what is told.
     pub(super) fn keeps_records(&self) -> bool {
         self.config.records
             || self.config.rounding.is_some()

@@ -89,7 +89,7 @@ pub struct Config<'a> {
     pub limit: Option<Limit>,
     /// Receives every pass that is started.
     pub executed: Option<&'a mut Vec<Executed>>,
-    /// Whether the remarks of the passes are printed.
+    /// True if the remarks of the passes are printed.
     pub remarks: bool,
     /// Keep a record of every pass, for which the function is measured after
     /// each; without them the outcome has none. Rounding errors and what
@@ -131,7 +131,7 @@ pub struct PassRecord {
     pub function: String,
     /// The pass with its options, as in the pipeline.
     pub name: String,
-    /// Whether the function is another one now.
+    /// True if the function is another one now.
     pub changed: bool,
     /// CPU time in seconds.
     pub cpu_s: f64,

@@ -102,10 +102,9 @@ impl Context<'_> {
         self.notes.note(name, rule);
     }
 
-    /// Whether the value of this name may be rewritten by this rule: asked
-    /// before every rewrite, so that the one that breaks a function can be
-    /// found
-    /// ([`RewriteLimit::allow`]).
+    /// Tests whether the value of this name may be rewritten by this rule:
+    /// asked before every rewrite, so that the one that breaks a function can
+    /// be found ([`RewriteLimit::allow`]).
     pub fn allow_rewrite(&self, name: Name, rule: &str) -> bool {
         self.rewrites.allow(name, rule)
     }
@@ -169,7 +168,7 @@ pub struct Artifact {
     pub text: String,
 }
 
-/// Why a pass gave up on a function.
+/// Reason why a pass gave up on a function.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("{message}")]
 pub struct PassError {

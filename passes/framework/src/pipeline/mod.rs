@@ -42,14 +42,14 @@ pub struct PassStep {
     pub info: &'static PassInfo,
     /// The options written, in order: name and value as text.
     pub options: Vec<(String, String)>,
-    /// Where it stands in the pipeline's text, in bytes.
+    /// Place in the pipeline's text, in bytes.
     pub span: Range<usize>,
 }
 
-/// How often a group is repeated when the pipeline does not say.
+/// Number of times a group is repeated when the pipeline does not say.
 pub const DEFAULT_ROUNDS: u32 = 8;
 
-/// How often a group can be repeated.
+/// Number of times a group can be repeated.
 pub const ROUNDS: NumberLimit =
     NumberLimit::whole(1, 1000, "every round runs all passes of the group again");
 
@@ -83,7 +83,7 @@ impl Pipeline {
         })
     }
 
-    /// Whether it has a group that is repeated while something changes.
+    /// Tests whether it has a group that is repeated while something changes.
     pub fn repeats(&self) -> bool {
         self.steps
             .iter()
@@ -119,7 +119,7 @@ impl PartialEq for Pipeline {
     }
 }
 
-/// Whether a value needs no quotes.
+/// Tests whether a value needs no quotes.
 fn is_word(value: &str) -> bool {
     let plain = |letter: char| letter.is_ascii_alphanumeric() || "_.+-".contains(letter);
     !value.is_empty() && value.chars().all(plain)

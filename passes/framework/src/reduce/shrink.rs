@@ -16,7 +16,7 @@ pub struct ReductionEffort {
     pub trials: u64,
     /// Values in all programs tried, times the passes run on them.
     pub work: u64,
-    /// Whether the work allowed was used up before nothing smaller was found.
+    /// True if the work allowed was used up before nothing smaller was found.
     pub exhausted: bool,
 }
 
@@ -167,7 +167,7 @@ impl Shrinker<'_> {
     }
 }
 
-/// So many values are tried as the only one that is needed.
+/// Number of values that are tried as the only one that is needed.
 const MAX_ROOTS: usize = 64;
 
 const SIMPLE: [f64; 4] = [0.0, 1.0, -1.0, 2.0];

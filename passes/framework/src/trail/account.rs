@@ -68,7 +68,7 @@ pub struct DefinitionChange {
 pub struct Moment {
     /// The definition, the values of its own equation written out in it.
     pub text: String,
-    /// When its result is available at the earliest, in cycles.
+    /// Time at which its result is available at the earliest, in cycles.
     pub arrival: u32,
     /// The number of cycles it could be later without lengthening the longest
     /// path.
@@ -77,8 +77,8 @@ pub struct Moment {
     pub path: u32,
 }
 
-/// So many values are followed at most: where an output was set to another
-/// value, both stories are told.
+/// Number of values that are followed at most: where an output was set to
+/// another value, both stories are told.
 const MAX_FOLLOWED: usize = 8;
 
 /// Tells how an item that was [found](super::find) came to be what it is in

@@ -9,7 +9,7 @@ use robovec_ir::print::{print_definition, print_output};
 use robovec_ir::{Function, Level, Name, Node, Operand, Operation, SourceSet, Symbol, Value, View};
 use rustc_hash::FxBuildHasher;
 
-/// So many named values are written out at most.
+/// Number of named values that are written out at most.
 const MAX_EXPANDED: usize = 40;
 
 /// A definition with the values written out in it.

@@ -33,8 +33,8 @@ impl Notes {
         }
     }
 
-    /// Whether anybody reads the notes: worth asking before a text is made
-    /// only for a note.
+    /// Tests whether anybody reads the notes: worth asking before a text is
+    /// made only for a note.
     #[inline]
     pub fn are_wanted(&self) -> bool {
         self.wanted

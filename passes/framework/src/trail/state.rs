@@ -111,7 +111,7 @@ impl DefinitionState {
 }
 
 impl Definition {
-    /// Whether only the source places are others.
+    /// Tests whether only the source places are others.
     pub(super) fn is_merged(self, other: Definition) -> bool {
         self.body == other.body && self.sources != other.sources
     }

@@ -28,7 +28,7 @@ const MAX_COMPARED: usize = 160;
 pub(super) struct NodeFacts<'a> {
     pub(super) joined: &'a Joined<'a>,
     pub(super) ranges: Vec<Range>,
-    /// So many nodes are known to be defined; of others nothing is used.
+    /// Number of nodes that are known to be defined; of others nothing is used.
     pub(super) defined: usize,
     /// Points at which both sides are defined, with the field of each.
     pub(super) points: Vec<(RuleField, Vec<RuleResidue>)>,

@@ -169,8 +169,8 @@ fn prove(joined: &Joined<'_>) -> Result<Proof, Refusal> {
     })
 }
 
-/// Whether the sides are equal in the fields: on the circle only, and at how
-/// many points.
+/// Tests whether the sides are equal in the fields: on the circle only, and at
+/// how many points.
 fn same_function(joined: &Joined<'_>, signs: &[(usize, i32)]) -> Result<(bool, u32), Doubt> {
     let mut doubt = Doubt::Nowhere;
     for circle in [false, true] {

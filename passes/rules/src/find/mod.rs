@@ -199,7 +199,7 @@ fn distinct(candidates: Vec<RuleCandidate>, space: &TermSpace) -> Vec<RuleCandid
     distinct
 }
 
-/// Whether known rules make the sides equal.
+/// Tests whether known rules make the sides equal.
 fn derives(
     rewrites: &[Rewrite<GraphTerm, ()>],
     candidate: &RuleCandidate,

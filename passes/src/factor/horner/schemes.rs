@@ -17,7 +17,7 @@ use robovec_num::field::Modulus;
 use robovec_num::random::mix;
 use rustc_hash::{FxBuildHasher, FxHashSet};
 
-/// So many rows have their least exponents kept.
+/// Number of rows that have their least exponents kept.
 const STRETCH: usize = 32;
 
 /// Exponents of sixteen variables.
@@ -293,7 +293,7 @@ impl SchemeSet {
 
 /// What is taken out of a part.
 struct CommonPowers {
-    /// How many variables.
+    /// Number of variables.
     factors: u64,
     /// The operations of those of their powers that were not known.
     powers: u64,

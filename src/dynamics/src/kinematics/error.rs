@@ -2,8 +2,8 @@
 
 use thiserror::Error;
 
-/// Why a model cannot be brought into a state, or its equations say nothing
-/// there.
+/// Reason why a model cannot be brought into a state, or its equations say
+/// nothing there.
 #[derive(Clone, PartialEq, Debug, Error)]
 pub enum StateError {
     /// The equations read something that the model does not have.

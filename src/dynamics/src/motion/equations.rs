@@ -13,10 +13,10 @@ use robovec_ir::{Format, Machine, Module};
 use robovec_model::Model;
 use robovec_robotran::FunctionKind;
 
-/// How equations are made and evaluated.
+/// Way in which equations are made and evaluated.
 #[derive(Clone, Copy)]
 pub struct EquationSetting<'a> {
-    /// How they are generated.
+    /// Way in which they are generated.
     pub formulation: Formulation,
     /// What is done to them, and the machine it is done for.
     pub passes: Option<(&'a Pipeline, &'a Machine)>,

@@ -4,7 +4,7 @@ use crate::generate::GenerateError;
 use crate::kinematics::StateError;
 use thiserror::Error;
 
-/// Why a simulation cannot start or go on.
+/// Reason why a simulation cannot start or go on.
 #[derive(Clone, PartialEq, Debug, Error)]
 pub enum MotionError {
     /// The model gives no equations.

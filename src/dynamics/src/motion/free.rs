@@ -34,11 +34,11 @@ pub struct FreeMotion<'m> {
 /// How long steps are made.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Stepping {
-    /// How one is made.
+    /// Way in which one is made.
     pub how: TimeStep,
     /// How many.
     pub steps: u64,
-    /// How often energies and momenta are looked at.
+    /// Number of times energies and momenta are computed.
     pub samples: u64,
 }
 

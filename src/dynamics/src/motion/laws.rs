@@ -149,7 +149,7 @@ pub struct Support {
     pub stiffness: [f64; 3],
     /// Force per velocity, N s/m.
     pub damping: [f64; 3],
-    /// Where the springs hold the point, m; `None`: where it starts.
+    /// Place where the springs hold the point, m; `None`: where it starts.
     pub place: Option<[f64; 3]>,
     /// How far that place moves to both sides, m: a road, a rail, a shaker.
     pub amplitude: [f64; 3],
@@ -385,7 +385,7 @@ impl Laws {
     }
 }
 
-/// Whether all numbers of a list are zero.
+/// Tests whether all numbers of a list are zero.
 fn is_zero(list: &[toml::Value]) -> bool {
     let amount = |value: &toml::Value| {
         value

@@ -11,7 +11,7 @@ pub struct IntegratedState<N> {
     rest: Vec<N>,
 }
 
-/// How they are integrated.
+/// Way in which they are integrated.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct TimeStep {
     /// s.

@@ -6,7 +6,7 @@ use super::system::{EvaluationWork, MultibodySystem};
 use super::{Energy, MotionError};
 use crate::kinematics::MotionState;
 
-/// How a step is made.
+/// Way in which a step is made.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum IntegrationMethod {
     /// Classical Runge-Kutta of fourth order with a fixed step, s. The step
@@ -32,7 +32,7 @@ pub struct SimulationPlan {
     pub duration: f64,
     /// Number of samples after the first.
     pub samples: u32,
-    /// How steps are made.
+    /// Way in which steps are made.
     pub method: IntegrationMethod,
     /// Steps, rejected ones and those that look for events included, after
     /// which the run is given up.
@@ -70,7 +70,7 @@ pub struct SimulationRun {
     pub work: EvaluationWork,
     /// The events of the laws that happened, in time.
     pub events: Vec<EventRecord>,
-    /// How often contacts opened or closed.
+    /// Number of times contacts opened or closed.
     pub contacts: u64,
     /// When an event ended the run, s.
     pub stopped: Option<f64>,
@@ -390,8 +390,8 @@ impl Integrator<'_, '_, '_> {
         Ok(())
     }
 
-    /// Why steps have become too short: where generated functions are at a
-    /// dead point, this.
+    /// Reason why steps have become too short: where generated functions are at
+    /// a dead point, this.
     fn too_short(&mut self, time: f64) -> Result<MotionError, MotionError> {
         let state = self.system.unpack(time, &self.packed)?;
         let step = self.step;

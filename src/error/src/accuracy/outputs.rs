@@ -27,7 +27,7 @@ pub struct OutputLine {
     pub relative: ErrorQuantiles,
     /// In units in the last place of the exact value.
     pub ulps: ErrorQuantiles,
-    /// How many bits are wrong.
+    /// Number of wrong bits.
     pub bits: ErrorQuantiles,
     /// Relative to the exact value and what it reacts to.
     pub mixed: ErrorQuantiles,

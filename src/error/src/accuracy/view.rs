@@ -93,7 +93,7 @@ pub fn summary(subjects: &[FunctionAccuracy]) -> String {
     text
 }
 
-/// How many functions a pass made better, left the same and made worse.
+/// Number of functions a pass made better, left the same and made worse.
 struct PassTally<'a> {
     pass: &'a str,
     counts: [[usize; 3]; 2],

@@ -6,10 +6,10 @@ use robovec_ir::states::States;
 use robovec_ir::{Format, View};
 use serde::Serialize;
 
-/// How many equations are named as the hottest.
+/// Number of equations named as the hottest.
 pub const MAX_EQUATIONS: usize = 12;
 
-/// How many inputs are named.
+/// Number of inputs named.
 const MAX_INPUTS: usize = 4;
 
 /// What a report spends on heat at most, in values times outputs times
@@ -54,7 +54,7 @@ pub struct HotEquation {
     pub column: Option<u32>,
     /// Its part of the error, 0 to 1.
     pub share: f64,
-    /// How many of its operations lost something.
+    /// Number of its operations that lost something.
     pub operations: u32,
 }
 

@@ -42,7 +42,7 @@ pub enum ErrorMethod {
 pub struct ErrorSettings {
     /// The number format of the run.
     pub format: Format,
-    /// Where states come from.
+    /// Origin of the states.
     pub states: States,
     /// The state of the table.
     pub state: u32,
@@ -81,7 +81,7 @@ pub struct ErrorTable {
     pub weakest_divisor: f64,
     /// One row per output asked for.
     pub outputs: Vec<OutputRow>,
-    /// Where the errors come from.
+    /// Place where the errors come from.
     pub heat: Heat,
 }
 
@@ -131,7 +131,7 @@ pub struct IntervalRow {
     pub states: usize,
     /// Boxes that cover the ranges.
     pub boxes: usize,
-    /// How many operations the window has.
+    /// Number of operations the window has.
     pub operations: usize,
     /// What the weakest range of a leaf rests on: `given` for inputs, `drawn`
     /// from the states' distribution, `assumed` from samples.

@@ -10,7 +10,7 @@ use robovec_ir::{Format, View};
 use robovec_present::number::percent;
 use std::fmt::Write;
 
-/// How many equations are named where an output's error comes from.
+/// Number of equations named as the origin of an output's error.
 const MOST: usize = 5;
 
 /// What rounding does to a value or an output: its error in the first state,

@@ -213,7 +213,7 @@ fn equation_row(equation: &HotEquation, hottest: f64) -> Vec<String> {
     ]
 }
 
-/// Where an equation stands.
+/// Place where an equation stands.
 pub(super) fn place(equation: &HotEquation) -> String {
     match (&equation.file, equation.line, equation.column) {
         (Some(file), Some(line), Some(column)) => format!("{file}:{line}:{column}"),

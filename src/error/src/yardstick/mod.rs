@@ -32,7 +32,7 @@ const VANISHING: f64 = 1.0 / (1u128 << 70) as f64;
 
 /// Exact results at states.
 pub struct Yardstick {
-    /// Where each input element of the exact function lies in a state.
+    /// Place where each input element of the exact function lies in a state.
     places: BTreeMap<String, usize>,
     /// Numbers of all input elements, state by state.
     states: Vec<Vec<f64>>,
@@ -43,7 +43,7 @@ pub struct Yardstick {
     arrays: Vec<String>,
 }
 
-/// Where an output of a program stands in the exact results.
+/// Place where an output of a program stands in the exact results.
 #[derive(Clone, Copy)]
 struct ExactPlace {
     /// Its place; `None` for an element that the exact function leaves out
@@ -59,7 +59,7 @@ impl ExactPlace {
     }
 }
 
-/// Why a program cannot be measured.
+/// Reason why a program cannot be measured.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum Unmeasurable {
     /// It reads something that the yardstick's function does not.
@@ -265,7 +265,7 @@ impl Yardstick {
         Ok(self.exact.iter().zip(results).map(share).collect())
     }
 
-    /// Where the outputs of a program stand in the exact results.
+    /// Place where the outputs of a program stand in the exact results.
     fn rows(&self, view: View<'_>) -> Result<Vec<ExactPlace>, Unmeasurable> {
         let row = |output: Output| {
             let name = print_output(view, output);

@@ -170,7 +170,7 @@ fn keep_worst(states: &mut Vec<JudgedState>) {
     states.truncate(PARENTS);
 }
 
-/// How states are bred.
+/// Way in which states are bred.
 struct Breed {
     /// The range of every input; `None` for inputs that nothing is said of,
     /// which keep to what is drawn.

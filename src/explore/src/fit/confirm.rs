@@ -26,11 +26,11 @@ pub struct Confirmation {
     pub simulated: usize,
     /// Cycles of a run.
     pub cycles: u32,
-    /// Whether the simulator's results are the evaluator's, bit for bit.
+    /// True if the simulator's results are the evaluator's, bit for bit.
     pub equal: bool,
     /// The largest error of the simulator's results over its tolerance.
     pub simulated_used: f64,
-    /// Why there is no simulation, or what went wrong in it.
+    /// Reason why there is no simulation, or what went wrong in it.
     pub remark: String,
     /// No machine runs it: it was chosen by the cells of its arithmetic, and
     /// its values have formats of their own.

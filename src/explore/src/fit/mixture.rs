@@ -31,7 +31,7 @@ pub struct ValueMixture {
     pub base: usize,
     /// The format in which that program as a whole meets the tolerances.
     pub around: Format,
-    /// How many values have which format.
+    /// Number of values in each format.
     pub text: String,
     /// The next part of the tolerances to try where this one does not do.
     next: usize,
@@ -109,7 +109,7 @@ fn stricter(scene: &Scene, part: f64) -> Scene {
     scene
 }
 
-/// How many values have which significand, the shortest first.
+/// Number of values with each significand, the shortest first.
 fn tally(function: &robovec_ir::Function) -> String {
     let mut counts: BTreeMap<u32, u32> = BTreeMap::new();
     for format in function

@@ -103,7 +103,7 @@ pub struct FitTask<'a> {
     pub formulations: Vec<(Formulation, Module)>,
     /// The machine whose elements, memories and clock are used.
     pub machine: &'a Machine,
-    /// Where sines and cosines are computed.
+    /// Place where sines and cosines are computed.
     pub trigonometry: SinePlace,
     /// What the cheapest is the cheapest by.
     pub cost: CostMeasure,
@@ -115,7 +115,7 @@ pub struct FitTask<'a> {
     /// The seed of the states of the search; validation and challenges take
     /// the next ones.
     pub seed: u64,
-    /// How many times the usual number of states a choice is challenged with.
+    /// Number of times the usual number of states a choice is challenged with.
     pub effort: u32,
     /// The motion whose error over time the scene limits.
     pub motion: Option<&'a MotionTolerance<'a>>,
@@ -130,7 +130,7 @@ pub struct FitProgram {
     pub pipeline: String,
     /// The formulation it starts from.
     pub formulation: Formulation,
-    /// How its sines and cosines are computed.
+    /// Way in which its sines and cosines are computed.
     pub treatment: SineTreatment,
     /// One function, at the atomic level.
     pub module: Arc<Module>,
@@ -140,7 +140,7 @@ pub struct FitProgram {
     pub model_share: f64,
     /// The formats of its values, where they have formats of their own.
     pub mixture: Option<ValueMixture>,
-    /// Why the scene rules it out: it is measured all the same.
+    /// Reason why the scene rules it out: it is measured all the same.
     pub excluded: Option<String>,
 }
 
@@ -178,8 +178,8 @@ pub struct FitCandidate {
     pub share: f64,
     /// Cells of its arithmetic ([`robovec_ir::cost::function_cost`]).
     pub cells: f64,
-    /// Why it cannot be chosen, whatever its error and its cost; empty when
-    /// it can.
+    /// Reason why it cannot be chosen, whatever its error and its cost; empty
+    /// when it can.
     pub remark: String,
     /// It can be chosen, tolerances and deadline are met, and the device has
     /// room.
@@ -209,7 +209,7 @@ pub struct FitOutcome {
     pub untried: Vec<String>,
 }
 
-/// Why nothing could be searched.
+/// Reason why nothing could be searched.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum FitError {
     /// A program could not be made or measured.

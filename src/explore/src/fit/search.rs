@@ -21,13 +21,13 @@ use robovec_schedule::PlaceError;
 /// search measures often and can afford few.
 pub(super) const VALIDATION_FACTOR: u32 = 4;
 
-/// How many of the cheapest programs are tried with sums that round less.
+/// Number of the cheapest programs tried with sums that round less.
 const ACCURATE: usize = 2;
-/// How many are tried in fixed point.
+/// Number of those tried in fixed point.
 const FIXED: usize = 4;
-/// How many are tried with a format for every value.
+/// Number of those tried with a format for every value.
 const MIXED: usize = 2;
-/// How many are tried with units for sines and cosines.
+/// Number of those tried with units for sines and cosines.
 const UNITS: usize = 1;
 
 /// Bits that another program may do without over time.
@@ -163,8 +163,9 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         Ok(())
     }
 
-    /// Whether something can be said of what is measured alone: a scene that
-    /// limits errors over time only says nothing of what is not tried there.
+    /// Tests whether something can be said of what is measured alone: a scene
+    /// that limits errors over time only says nothing of what is not tried
+    /// there.
     fn judges(&self) -> bool {
         let mut needs = self.task.scene.outputs.iter();
         self.task.cost == CostMeasure::Cells || needs.any(|need| need.tolerance.is_some())
@@ -433,8 +434,8 @@ fn yardstick(task: &FitTask<'_>, states: u32, seed: u64) -> Yardstick {
     Yardstick::new(view(task.general), &source, states)
 }
 
-/// Why a program in a format cannot be chosen, whatever its error and its
-/// cost; empty when it can.
+/// Reason why a program in a format cannot be chosen, whatever its error and
+/// its cost; empty when it can.
 fn remark(task: &FitTask<'_>, program: &FitProgram, format: Format) -> String {
     if let Some(excluded) = &program.excluded {
         return excluded.clone();

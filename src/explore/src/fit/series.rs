@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::fmt;
 use std::sync::Arc;
 
-/// Where sines and cosines are computed.
+/// Place where sines and cosines are computed.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SinePlace {
@@ -25,7 +25,7 @@ pub enum SinePlace {
     Elements,
 }
 
-/// How the sines and cosines of a program are computed.
+/// Way in which the sines and cosines of a program are computed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SineTreatment {
     /// As they are, before the run.

@@ -267,7 +267,7 @@ fn allowed(task: &FitTask<'_>, used: f64) -> String {
     }
 }
 
-/// Why nothing meets the scene: what comes nearest.
+/// Reason why nothing meets the scene: what comes nearest.
 fn refusal(task: &FitTask<'_>, outcome: &FitOutcome) -> String {
     let fastest = outcome
         .candidates

@@ -37,7 +37,7 @@ pub struct FrontQuestion<'a> {
     pub machine: &'a Machine,
     /// Numbers of elements per kind.
     pub elements: &'a [u32],
-    /// Where states come from.
+    /// Origin of the states.
     pub states: &'a States,
     /// How many.
     pub count: u32,
@@ -92,7 +92,7 @@ pub struct FrontVerdict {
 pub struct MeasuredShare {
     /// The choices of the share.
     pub choices: usize,
-    /// How many of them were kept by an earlier run or another worker.
+    /// Number of them kept by an earlier run or another worker.
     pub found: usize,
     /// Their points, in the order of the choices.
     points: Vec<FrontPoint>,

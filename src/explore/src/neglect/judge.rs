@@ -82,7 +82,7 @@ pub(super) struct NeglectJudge<'a> {
     pub(super) machine: &'a Machine,
     /// Where joints are locked: the means of their motions.
     pub(super) means: Vec<f64>,
-    /// How many steps a motion may take.
+    /// Number of steps a motion may take.
     pub(super) step_limit: u64,
 }
 

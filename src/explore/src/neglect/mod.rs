@@ -33,7 +33,7 @@ use crate::scene::EffectError;
 use robovec_dynamics::generate::GenerateError;
 use robovec_dynamics::motion::MotionError;
 
-/// Why nothing could be judged.
+/// Reason why nothing could be judged.
 #[derive(Debug, thiserror::Error)]
 pub enum NeglectError {
     /// The scene has no section `[motion]`.

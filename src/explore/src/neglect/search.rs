@@ -34,7 +34,7 @@ pub struct NeglectTask<'a> {
     pub name: &'a str,
     /// Its text.
     pub text: &'a str,
-    /// Where the files that it names are looked for.
+    /// Place where the files that it names are looked for.
     pub folder: &'a Path,
     /// The laws of its forces; for the model with joints held as it says.
     pub laws: Laws,

@@ -53,7 +53,7 @@ pub struct MakerTally {
 enum KeptProgram {
     /// Its text.
     Text(String),
-    /// Why a pass gave up.
+    /// Reason why a pass gave up.
     Failure(String),
 }
 

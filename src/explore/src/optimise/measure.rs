@@ -21,7 +21,7 @@ pub(super) struct ProgramFigures {
     /// Of every array its largest error over its largest element: median and
     /// worst.
     pub(super) errors: Option<[f64; 2]>,
-    /// Why there is no time.
+    /// Reason why there is no time.
     pub(super) remark: String,
 }
 

@@ -82,7 +82,8 @@ pub struct OptimisationQuestion<'a> {
     pub compiler: Option<&'a Compiler>,
     /// Its flags.
     pub flags: &'a str,
-    /// Where programs that were made are kept, and which of them come first.
+    /// Place where programs that were made are kept, and which of them come
+    /// first.
     pub work: SharedWork<'a>,
 }
 
@@ -116,7 +117,7 @@ pub struct OptimisationPoint {
     /// every state its largest error over its largest element, the median and
     /// the worst.
     pub errors: Option<[f64; 2]>,
-    /// Why it was not measured.
+    /// Reason why it was not measured.
     pub remark: String,
     /// True for the one that was taken.
     pub taken: bool,
@@ -130,7 +131,7 @@ pub struct Optimised {
     pub best: usize,
     /// What was not made, and why.
     pub skipped: Vec<(String, String)>,
-    /// How many more were made that looked like one of them.
+    /// Number of programs that looked like one of them.
     pub alike: usize,
     /// The number of programs that were made and not timed, since they promise less.
     pub untimed: usize,
@@ -144,7 +145,7 @@ pub struct Optimised {
     pub errors: ErrorAccount,
 }
 
-/// Why nothing was found.
+/// Reason why nothing was found.
 #[derive(Debug, thiserror::Error)]
 pub enum OptimisationError {
     /// A pass gave up on the equations, or a program is about something else.

@@ -25,7 +25,7 @@ struct IndexNames {
 pub(super) struct SceneArrays {
     pub(super) list: Vec<KnownArray>,
     names: Vec<IndexNames>,
-    /// How many joints there are, where there is a model.
+    /// Number of joints, where there is a model.
     joints: Option<u32>,
 }
 

@@ -34,7 +34,7 @@ pub struct SceneEffect {
     pub normwise: ErrorSpread,
 }
 
-/// Why nothing could be told.
+/// Reason why nothing could be told.
 #[derive(Debug, Error)]
 pub enum EffectError {
     /// The equations could not be made.

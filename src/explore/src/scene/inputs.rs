@@ -277,7 +277,7 @@ impl InputReader<'_> {
         held.push((HeldJoint { number, name, hold }, span));
     }
 
-    /// Where a locked joint stays.
+    /// Place where a locked joint stays.
     fn position(&mut self, joint: u32, value: &DocumentValue<'_>) -> Option<f64> {
         let DeValue::String(text) = value.get_ref() else {
             return limited(value, ("locked", INPUT), self.problems);

@@ -31,7 +31,7 @@ pub struct ModelSubject {
     pub function: FunctionKind,
     /// The name of the one function wanted of those generated (`sensor_2`).
     pub name: String,
-    /// How equations are generated.
+    /// Way in which equations are generated.
     pub options: Options,
 }
 

@@ -134,7 +134,7 @@ impl DesignSpace {
         pairs.filter(|&(a, b)| a.max(b) <= a.min(b).saturating_mul(self.ratio))
     }
 
-    /// How many designs there are, and how many instances all of them place
+    /// Number of designs, and how many instances all of them place
     /// together, without making them.
     pub fn count(&self) -> (u64, u64) {
         let designs = self.axes(self.pairs().count()).count();

@@ -117,11 +117,11 @@ pub struct FunctionSweep {
     /// The power that energies stand on, as the user gave it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub power: Option<PowerFigures>,
-    /// Why there is no such time, if it was asked for.
+    /// Reason why there is no such time, if it was asked for.
     pub cpu_remark: String,
 }
 
-/// Why a sweep cannot be made.
+/// Reason why a sweep cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
     /// A pass gave up on the function.

@@ -36,7 +36,7 @@ pub type PlacedDesign = (MachineDesign, Result<DesignPlacement, String>);
 pub struct PlacedShare {
     /// The designs of the share, in the order of the space.
     pub designs: Vec<PlacedDesign>,
-    /// How many of them were found in the store.
+    /// Number of them found in the store.
     pub found: usize,
 }
 

@@ -28,13 +28,13 @@ use std::sync::Arc;
 /// What is measured.
 #[derive(Clone, Debug)]
 pub struct TrigonometrySetting {
-    /// How sines and cosines are computed.
+    /// Way in which sines and cosines are computed.
     pub method: CircularMethod,
     /// Orders of the polynomials.
     pub orders: Vec<u32>,
     /// Ranges of the joints, of either sign, rad (and m, where they slide).
     pub angles: Vec<f64>,
-    /// How often angles are halved.
+    /// Number of times angles are halved.
     pub halvings: u32,
     /// The format the outputs are computed in.
     pub format: Format,
@@ -71,7 +71,7 @@ pub struct TrigonometryEffect {
     pub rows: Vec<TrigonometryRow>,
 }
 
-/// Why nothing was measured.
+/// Reason why nothing was measured.
 #[derive(Debug, thiserror::Error)]
 pub enum MeasureError {
     /// A pass failed.

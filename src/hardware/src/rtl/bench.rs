@@ -6,7 +6,7 @@ use robovec_ir::{Machine, View};
 use robovec_simulate::mif::{Image, MifError};
 use robovec_simulate::{Hazard, LoadError, LoadedProgram, Trace};
 
-/// Why there is no bench.
+/// Reason why there is no bench.
 #[derive(Debug, thiserror::Error)]
 pub enum BenchFailure {
     /// The images are not those of a program for this machine.

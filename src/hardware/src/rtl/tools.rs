@@ -99,7 +99,7 @@ impl HardwareSimulator {
     }
 }
 
-/// Why a check did not pass.
+/// Reason why a check did not pass.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckFailure {
     /// A program is not installed.

@@ -25,7 +25,7 @@ pub struct ModuleCount {
     pub name: String,
     /// The module's name in the netlist.
     pub netlist_name: String,
-    /// How often it occurs below the top.
+    /// Number of times it occurs below the top.
     pub instances: u32,
     /// What one instance takes, without the modules inside.
     pub own: ResourceUse,
@@ -67,7 +67,7 @@ pub fn count(netlist: &Netlist, top: &str) -> Result<Vec<ModuleCount>, Synthesis
     Ok(counts)
 }
 
-/// How often every module occurs below the top.
+/// Number of times every module occurs below the top.
 fn instances<'a>(netlist: &'a Netlist, order: &[&'a str], top: &'a str) -> BTreeMap<&'a str, u32> {
     let mut instances: BTreeMap<&str, u32> = order.iter().map(|name| (*name, 0)).collect();
     instances.insert(top, 1);

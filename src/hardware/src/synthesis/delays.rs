@@ -8,7 +8,7 @@
 
 use super::netlist::readable;
 
-/// How a cell's delays are laid out.
+/// Way in which a cell's delays are laid out.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum DelayModel {
     /// Outputs follow inputs: pairs of an input and its delay; every input

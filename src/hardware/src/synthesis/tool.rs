@@ -91,7 +91,7 @@ impl Yosys {
     }
 }
 
-/// Whether what a program says of itself is a version that will do.
+/// Tests whether what a program says of itself is a version that will do.
 fn judge(program: &str, answer: &str) -> Result<Yosys, SynthesisError> {
     let version = answer.split_whitespace().nth(1).unwrap_or("unknown");
     let numbers = version.split(|other: char| !other.is_ascii_digit());

@@ -266,7 +266,7 @@ fn up_to(reader: impl Read, known: u64, most: u64) -> io::Result<Option<Vec<u8>>
     Ok((bytes.len() as u64 <= most).then_some(bytes))
 }
 
-/// Why a file of this type is not read.
+/// Reason why a file of this type is not read.
 #[cfg(unix)]
 fn endless(path: &Path, kind: FileType) -> Option<&'static str> {
     use std::os::unix::fs::FileTypeExt;
@@ -288,7 +288,7 @@ fn endless(path: &Path, kind: FileType) -> Option<&'static str> {
     }
 }
 
-/// Why a file of this type is not read.
+/// Reason why a file of this type is not read.
 #[cfg(not(unix))]
 fn endless(_: &Path, kind: FileType) -> Option<&'static str> {
     kind.is_dir().then_some("it is a folder")

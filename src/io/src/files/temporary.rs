@@ -21,7 +21,7 @@ const SUFFIX: &str = ".part";
 const FOLDER_PREFIX: &str = "robovec-";
 const LOCK: &str = ".robovec-lock";
 
-/// How often a name is tried that another run takes for a leftover in the
+/// Number of times a name is tried that another run takes for a leftover in the
 /// instant before it is locked.
 const TRIES: usize = 64;
 
@@ -145,7 +145,7 @@ impl TemporaryFolder {
         ))
     }
 
-    /// Where it is.
+    /// Place where it is.
     pub fn path(&self) -> &Path {
         self.folder.path()
     }

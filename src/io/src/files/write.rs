@@ -14,7 +14,7 @@ use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// Why a file was not written. What was there is then as it was.
+/// Reason why a file was not written. What was there is then as it was.
 #[derive(Debug, thiserror::Error)]
 pub enum FileWriteError {
     /// There is a file that may not be replaced ([`Replace`]).

@@ -51,7 +51,8 @@ const PAUSE: Duration = Duration::from_millis(50);
 /// running holds it open.
 const GRACE: Duration = Duration::from_secs(2);
 
-/// Why a program did not do its work. What it says itself is in [`FinishedProcess`].
+/// Reason why a program did not do its work. What it says itself is in
+/// [`FinishedProcess`].
 #[derive(Debug, thiserror::Error)]
 pub enum ToolError {
     /// It cannot be started.

@@ -102,8 +102,9 @@ fn random_trees_are_sound_and_have_all_types() {
     }
 }
 
-/// Where an anchor is in the base frame at the initial position of a planar or
-/// any other model: the joints' motions one by one, from the anchor to the base.
+/// Place where an anchor is in the base frame at the initial position of a
+/// planar or any other model: the joints' motions one by one, from the anchor
+/// to the base.
 fn position(model: &Model, anchor: Anchor) -> [f64; 3] {
     let mut at = anchor
         .point

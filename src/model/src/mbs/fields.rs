@@ -107,7 +107,7 @@ impl<'a> ElementFields<'a> {
         self.many(name).next()
     }
 
-    /// Where the child of this name is, for a message. The child must be
+    /// Place where the child of this name is, for a message. The child must be
     /// there, as one is whose content was read.
     pub(super) fn place_of(&self, name: &str) -> Range<usize> {
         place(self.one(name).expect("a field that was read is there"))

@@ -90,8 +90,8 @@ fn word<T>(
     value
 }
 
-/// Whether velocity and acceleration are symbols. Only a driven joint may do
-/// without, and only by listing those it has: a list that is absent forbids
+/// Tests whether velocity and acceleration are symbols. Only a driven joint may
+/// do without, and only by listing those it has: a list that is absent forbids
 /// nothing.
 fn symbols(
     fields: &ElementFields<'_>,

@@ -25,8 +25,8 @@ pub(super) struct ModelScope {
     /// The index of the point of each name of a body, or of the base where the
     /// body is `None`. A body's own origin is no point and not in here.
     pub(super) points: FxHashMap<(Option<usize>, String), usize>,
-    /// Where each body's name is written, in bytes of the file, by the index
-    /// of the body.
+    /// Place where each body's name is written, in bytes of the file, by the
+    /// index of the body.
     pub(super) body_places: Vec<Range<usize>>,
 }
 

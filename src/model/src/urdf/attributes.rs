@@ -50,7 +50,7 @@ pub(super) fn remark_unknown(child: Node<'_, '_>, known: &[&str], messages: &mut
     }
 }
 
-/// Where an attribute is, for a message: its value, or else the element.
+/// Place where an attribute is, for a message: its value, or else the element.
 pub(super) fn place_of(node: Node<'_, '_>, attribute: &str) -> Range<usize> {
     match node.attribute_node(attribute) {
         Some(found) if !found.range_value().is_empty() => found.range_value(),

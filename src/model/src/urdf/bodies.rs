@@ -22,7 +22,7 @@ pub(super) struct BuiltRobot {
     pub(super) places: Vec<Range<usize>>,
 }
 
-/// Where a link is: on which body, and how it stands there.
+/// Place where a link is: on which body, and how it stands there.
 #[derive(Clone, Copy)]
 struct LinkPlace {
     body: Option<usize>,

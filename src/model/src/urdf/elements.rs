@@ -15,7 +15,7 @@ pub(super) struct RobotElements {
     pub(super) name: String,
     pub(super) links: Vec<LinkElement>,
     pub(super) joints: Vec<JointElement>,
-    /// Where the robot's element begins.
+    /// Place where the robot's element begins.
     pub(super) place: Range<usize>,
 }
 

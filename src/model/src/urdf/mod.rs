@@ -39,7 +39,7 @@ pub enum RobotBase {
     Floating,
 }
 
-/// How a robot is read.
+/// Way in which a robot is read.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub struct RobotReading {
     /// What its base does.

@@ -132,8 +132,8 @@ impl Messages {
     }
 }
 
-/// Where an element is, for a message: its text when that is all it holds,
-/// else its opening tag up to its name.
+/// Place where an element is, for a message: its text when that is all it
+/// holds, else its opening tag up to its name.
 pub(crate) fn place(node: Node<'_, '_>) -> Range<usize> {
     let text = node.children().find(|child| child.is_text());
     if let Some(text) = text

@@ -11,7 +11,7 @@ pub(crate) const NUMBER: NumberLimit = NumberLimit::real(
     "products of such numbers must be numbers of binary64",
 );
 
-/// Why a text is no number of a model.
+/// Reason why a text is no number of a model.
 pub(crate) struct NumberRefusal {
     /// What is wrong, to stand behind the name of what it is about.
     pub(crate) message: String,

@@ -3,7 +3,7 @@
 use crate::escape::Escaped;
 use std::fmt::Write;
 
-/// Where a text stands relative to its point.
+/// Place where a text stands relative to its point.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum TextAnchor {
     Start,

@@ -20,7 +20,7 @@ pub struct ErrorReport {
     /// The share of outputs, in all states, whose exact value is proved to the
     /// last bit of binary64.
     pub certain: f64,
-    /// How many states.
+    /// Number of states.
     pub states: u32,
     /// Where they come from.
     pub seed: u64,
@@ -85,7 +85,7 @@ pub struct ElementReport {
     pub relative: SpreadReport,
     /// In units in the last place of the exact value.
     pub ulps: SpreadReport,
-    /// How many bits are wrong.
+    /// Number of wrong bits.
     pub bits: SpreadReport,
     /// Relative to the exact value and what it reacts to.
     pub mixed: SpreadReport,

@@ -55,7 +55,8 @@ pub struct PassRunRecord {
 /// What a report measures.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ReportOptions {
-    /// Where the states come from over which rounding errors are measured.
+    /// Place where the states come from over which rounding errors are
+    /// measured.
     pub states: States,
     /// Number of them.
     pub count: u32,

@@ -56,7 +56,7 @@ pub struct CheckReport {
     /// `bit-equal`, `equal` (in the prime field), `measured` (approximating)
     /// or `failed`.
     pub result: &'static str,
-    /// Where the function after is defined beside the one before: `same`,
+    /// Place where the function after is defined beside the one before: `same`,
     /// `wider`, or `open` where a condition was neither proved nor refuted.
     pub domain: &'static str,
     /// The condition that only one of them has.

@@ -10,7 +10,7 @@ use std::sync::Arc;
 pub struct RoundingReport {
     /// What the errors are counted in: the rounding of one operation.
     pub unit: f64,
-    /// How many states.
+    /// Number of states.
     pub states: u32,
     /// Where they come from.
     pub seed: u64,

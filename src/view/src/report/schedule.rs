@@ -48,7 +48,7 @@ pub struct ScheduleReport {
 pub struct KindReport {
     /// The kind's name.
     pub kind: String,
-    /// How many there are.
+    /// Number of all.
     pub count: u32,
     /// Operations they perform.
     pub operations: usize,
@@ -68,7 +68,7 @@ pub struct TransferReport {
     pub indirect: u32,
     /// Results that pass through a buffer.
     pub buffered: u32,
-    /// How many operations have each rank of the thesis' Table 2.1, from rank
+    /// Number of operations of each rank of the thesis' Table 2.1, from rank
     /// 1 (both operands wait in memory) on.
     pub ranks: [u32; 9],
 }
@@ -153,7 +153,7 @@ fn format_name(format: Format) -> String {
     }
 }
 
-/// How busy each kind is, slice by slice.
+/// Share of the time in which each kind is busy, slice by slice.
 fn occupation(schedule: &Schedule) -> Vec<KindReport> {
     let cycles = u64::from(schedule.cycles.max(1));
     let mut kinds: Vec<usize> = Vec::new();

@@ -16,7 +16,7 @@ use robovec_present::{indented, text_table};
 /// The columns of rows of a label, a number and a remark: without heads.
 const LABELLED: &str = " | >";
 
-/// How many of an array's elements are named as its worst.
+/// Number of elements of an array named as its worst.
 const NAMED_ELEMENTS: usize = 3;
 
 pub(super) fn print(report: &ModuleReport) -> String {

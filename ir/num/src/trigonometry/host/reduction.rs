@@ -29,7 +29,7 @@ const QUARTER_PI: u64 = 0xC90F_DAA2_2168_C235;
 pub struct Reduced {
     /// The octant, 0 to 7, of the angle without its sign.
     pub octant: u8,
-    /// Whether the angle is negative.
+    /// True if the angle is negative.
     pub negative: bool,
     /// The distance from the nearest axis of the circle, as a fraction of an
     /// octant in units of 2^-62: 0 to 2^62, both included.

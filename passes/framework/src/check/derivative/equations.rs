@@ -19,7 +19,7 @@ pub(super) enum Factor {
 
 /// What must hold between derivatives before and outputs after.
 pub(super) struct DerivativeEquation {
-    /// Whether it is about the values before, and not their derivatives.
+    /// True if it is about the values before, and not their derivatives.
     pub(super) is_value: bool,
     /// Assignments before, with their factors.
     pub(super) before: Vec<(Factor, usize)>,

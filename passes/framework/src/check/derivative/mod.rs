@@ -297,9 +297,9 @@ impl<'a> DerivativeCheck<'a> {
         None
     }
 
-    /// Whether an output that stands on the right of an equation is no number
-    /// where the derivative that it should be is one, of a size that binary64
-    /// holds.
+    /// Tests whether an output that stands on the right of an equation is no
+    /// number where the derivative that it should be is one, of a size that
+    /// binary64 holds.
     fn is_lost(
         &self,
         equation: &DerivativeEquation,

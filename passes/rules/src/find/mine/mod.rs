@@ -271,8 +271,8 @@ fn bytes(pattern: &Pattern) -> Vec<u8> {
     bytes
 }
 
-/// Whether some leaf could be there once instead of twice: an operand that
-/// stands in a window again, a number, or sine and cosine of one angle.
+/// Tests whether some leaf could be there once instead of twice: an operand
+/// that stands in a window again, a number, or sine and cosine of one angle.
 fn has_repeated_leaf(function: &Function, window: &[Value]) -> bool {
     let mut leaves: Vec<Operand> = Vec::with_capacity(window.len() + 1);
     for &value in window {

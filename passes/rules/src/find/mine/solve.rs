@@ -50,7 +50,7 @@ pub(super) struct RightSides {
     known: Vec<(AtomKinds, Atoms)>,
 }
 
-/// How an operation holds the term that is taken off, and the rest.
+/// Way in which an operation holds the term that is taken off, and the rest.
 #[derive(Clone, Copy)]
 struct MeetingStep {
     operation: Operation,
