@@ -14,7 +14,7 @@ use robovec_num::limits::NumberLimit;
 use std::io;
 
 option_words! {
-    /// What code is generated for.
+    /// Target of the code.
     pub enum CodegenTarget {
         /// Memory images and their manifest, for the machine of elements.
         Mif = "mif",
@@ -99,9 +99,9 @@ declare_pass! {
     ///
     /// The function itself stays as it is.
     pub struct Codegen("codegen") {
-        /// What code is generated for.
+        /// Target of the code.
         pub target: CodegenTarget = CodegenTarget::Mif,
-        /// How much of the crossbar is built in Verilog.
+        /// Extent of the crossbar in Verilog.
         pub crossbar: CrossbarChoice = CrossbarChoice::Full,
         /// The type C code computes in; images follow the machine file.
         pub number: Real = Real::Double,
@@ -119,7 +119,7 @@ declare_pass! {
         /// Operations per function in C.
         pub part: u32 = 500 => NumberLimit::whole(
             1, 1_000_000, "compilers take a time that grows faster than the length of a function"),
-        /// How rolled code computes sines and cosines of inputs.
+        /// Method of rolled code for sines and cosines of inputs.
         pub circular: RolledCircular = RolledCircular::Vector,
     }
     takes: [Equations, Atomic, Scheduled, Placed],

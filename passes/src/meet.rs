@@ -1,4 +1,4 @@
-//! What several passes make of a function, chosen from value by value.
+//! Choice, value by value, from what several passes make of a function.
 
 use crate::choice::chooser::ChoiceMethod;
 use crate::choice::import::import;
@@ -47,7 +47,7 @@ impl OptionValue for Moves {
 }
 
 option_words! {
-    /// What is chosen for where moves meet.
+    /// Goal of the choice where moves meet.
     #[derive(Default)]
     pub enum MeetGoal {
         /// The shortest path that the operations allowed can buy.
@@ -79,9 +79,9 @@ declare_pass! {
     pub struct Meet("meet") {
         /// The pipelines, divided by `;`, in quotes.
         pub moves: Moves = Moves::parse(USUAL).expect("the usual moves are pipelines"),
-        /// What is chosen for.
+        /// Goal of the choice.
         pub r#for: MeetGoal = MeetGoal::default(),
-        /// What moves may rest on.
+        /// Numeric class that moves may use.
         pub class: VariantClass = VariantClass::Real,
         /// Operations allowed, in percent of those the function has.
         pub growth: u32 = 100 => search::GROWTH,
@@ -200,7 +200,7 @@ impl Meet {
     }
 }
 
-/// What moves make of a function.
+/// Functions that moves make of a function.
 fn made(moves: &[Pipeline], function: &Function, context: &mut Context<'_>) -> Vec<Function> {
     let machine = context.machine;
     let mut variants = Vec::with_capacity(moves.len());

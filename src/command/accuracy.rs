@@ -9,7 +9,7 @@ use robovec_error::accuracy::{self, FunctionAccuracy, Options};
 use robovec_present::json::json_text;
 use std::path::PathBuf;
 
-/// What is measured.
+/// Arguments of `accuracy`.
 #[derive(Args, Debug)]
 pub(super) struct AccuracyArguments {
     /// Files of equations, or models (.mbs, .urdf)

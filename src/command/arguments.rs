@@ -52,8 +52,8 @@ pub(crate) struct OptimiserArguments {
     #[arg(long, add = ArgValueCandidates::new(machine_candidates))]
     pub(crate) machine: Option<String>,
 
-    /// What the functions are needed for (.scene.toml): what it binds, ranges and needs is used by
-    /// passes and by measurements
+    /// Scene that the functions are needed for (.scene.toml): passes and
+    /// measurements use its bounds, ranges and needs
     #[arg(long, value_name = "FILE")]
     pub(crate) scene: Option<PathBuf>,
 
@@ -117,7 +117,7 @@ pub(crate) struct OptimiserArguments {
     #[arg(long, value_name = "P[:N]")]
     pub(crate) bisect_limit: Option<Limit>,
 
-    /// When a pass goes wrong, write the function before it into FILE, with the command
+    /// File for the function before a pass that goes wrong, with the command
     #[arg(long, value_name = "FILE")]
     pub(crate) reproducer: Option<PathBuf>,
 
@@ -125,7 +125,8 @@ pub(crate) struct OptimiserArguments {
     #[arg(long)]
     pub(crate) run_reproducer: bool,
 
-    /// When a pass goes wrong, find the rewrite and the smallest program; checks every pass
+    /// Find the rewrite and the smallest program for a pass that goes wrong;
+    /// checks every pass
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "reduced.rvir",
           require_equals = true)]
     pub(crate) auto_reduce: Option<PathBuf>,

@@ -41,7 +41,7 @@ pub(super) struct BenchArguments {
     /// both are installed, for every program
     #[arg(long, value_delimiter = ',')]
     compilers: Vec<String>,
-    /// What others offer that takes part, where it is installed; 'none' for nothing
+    /// Peers that take part where they are installed; 'none' for nothing
     #[arg(long, value_delimiter = ',', default_values = peers::NAMES,
           value_parser = PossibleValuesParser::new(["none"].into_iter().chain(peers::NAMES)))]
     peers: Vec<String>,
@@ -118,7 +118,7 @@ pub(super) fn drawn(arguments: &BenchArguments) -> String {
     random_states(count(arguments) as usize, arguments.seed, false)
 }
 
-/// How everybody did who takes part.
+/// Results of all who take part.
 pub(super) fn outcomes(
     loaded: &LoadedSubject,
     arguments: &BenchArguments,
@@ -152,8 +152,8 @@ pub(super) fn outcomes(
     })
 }
 
-/// What could take part and did not come to an end; others lack a library or
-/// are too large.
+/// Failures of those who could take part; others lack a library or are too
+/// large.
 fn failures(results: &[(String, Vec<BenchOutcome>)]) -> Vec<String> {
     let mut failed = Vec::new();
     for (name, outcomes) in results {
@@ -166,14 +166,14 @@ fn failures(results: &[(String, Vec<BenchOutcome>)]) -> Vec<String> {
     failed
 }
 
-/// What a subject is.
+/// Subject that was read.
 pub(super) struct LoadedSubject {
     pub(super) name: String,
     /// The file of equations; a model has none.
     pub(super) file: Option<PathBuf>,
     pub(super) module: Module,
     pub(super) model: Option<Model>,
-    /// What the function is, if a model gives it and peers know it.
+    /// Task that the function is, if a model gives it and peers know it.
     pub(super) task: Option<BenchTask>,
     /// Reason why the equations are not those that Robotran prints, if they are
     /// not.
@@ -382,7 +382,8 @@ fn in_one_piece(operations: usize) -> String {
     format!("one function of {operations} operations, which compilers need hours for (--largest)")
 }
 
-/// How many times as long a function may be that is compiled in pieces.
+/// Maximum size of a function that is compiled in pieces, in parts of one that
+/// is not.
 const PIECES: usize = 10;
 
 /// The C of the equations as they are, which takes no part.
@@ -400,7 +401,7 @@ fn too_long(operations: usize) -> String {
 /// Equations that robovec writes as C in several ways.
 struct BenchProgram {
     family: ContestantFamily,
-    /// What stands before the name of the way.
+    /// Text before the name of the way.
     name: String,
     /// The equations as they are, in which loops are found.
     module: Module,
@@ -474,5 +475,5 @@ const ROBOT_WAYS: &[(&str, own::ContestantMaker)] = &[
     (robot_bench::SINGLE, own::batch_single),
 ];
 
-/// What shortens straight-line code for processors.
+/// Passes that shorten straight-line code for processors.
 const PASSES: &str = "$cpu";

@@ -24,7 +24,7 @@ use robovec_robotran::align;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// What is compared, and how.
+/// Arguments of `check`.
 #[derive(Args, Debug)]
 pub(super) struct CheckArguments {
     /// The one file
@@ -37,8 +37,8 @@ pub(super) struct CheckArguments {
     /// Seed of the points
     #[arg(long, default_value_t = 1, add = SEED)]
     seed: u64,
-    /// What equal means: the same bits (exact), the same real number (real),
-    /// or the same where sin^2 + cos^2 = 1 (real-trig)
+    /// Meaning of equal: the same bits (exact), the same real number (real), or
+    /// the same where sin^2 + cos^2 = 1 (real-trig)
     #[arg(long, value_name = "CLASS", default_value = "real",
           value_parser = ["exact", "real", "real-trig"])]
     class: String,

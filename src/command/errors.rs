@@ -78,7 +78,7 @@ pub(super) struct ErrorsArguments {
     #[arg(long, default_value_t = 2000,
           add = whole(1, 1_000_000, "all operations of the window are enclosed in every box"))]
     boxes: u32,
-    /// What inputs and literals are, for the method interval: numbers of the
+    /// Kind of inputs and literals for the method interval: numbers of the
     /// format, or real numbers that are rounded first
     #[arg(long, value_name = "WHAT", value_enum, default_value = "held")]
     data: GivenWord,
@@ -90,7 +90,7 @@ pub(super) struct ErrorsArguments {
     csv: bool,
 }
 
-/// What inputs and literals are before the run.
+/// Kind of inputs and literals before the run.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
 enum GivenWord {
     /// Inputs are numbers of the format, literals of binary64
@@ -106,7 +106,7 @@ const USUAL: [ErrorMethod; 3] = [
     ErrorMethod::Stochastic,
 ];
 
-/// What differentiating all outputs may cost, in values times outputs; where
+/// Maximum cost of differentiating all outputs, in values times outputs; where
 /// it would be more, matrices are left out unless they are asked for.
 const WORK: usize = 1 << 31;
 

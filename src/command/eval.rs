@@ -26,7 +26,7 @@ enum FormatName {
     Json,
 }
 
-/// What is evaluated, and how.
+/// Arguments of `eval`.
 #[derive(Args, Debug)]
 pub(super) struct EvalArguments {
     /// Robotran file, robovec text, or model (.mbs, .urdf)

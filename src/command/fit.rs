@@ -37,7 +37,7 @@ pub(super) struct FitArguments {
     /// says, or on the host
     #[arg(long, value_enum)]
     trigonometry: Option<Where>,
-    /// What the cheapest is the cheapest by
+    /// Measure of the cheapest
     #[arg(long, value_enum, default_value_t)]
     cost: Cost,
     /// Random states of the scene; by default the more the smaller the function is
@@ -68,7 +68,7 @@ enum Where {
     Elements,
 }
 
-/// What the cheapest is the cheapest by.
+/// Measure of the cheapest.
 #[derive(ValueEnum, Clone, Copy, Default, Debug)]
 enum Cost {
     /// The share of the device that the machine takes, in one format that floats

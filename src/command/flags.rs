@@ -9,7 +9,7 @@ use clap::{Arg, Command};
 use robovec_num::limits::{LimitRow, NumberLimit};
 use std::any::TypeId;
 
-/// What a flag's number can be, kept by `clap` beside the flag.
+/// Limit of a flag's number, kept by `clap` beside the flag.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FlagLimit(pub(crate) NumberLimit);
 

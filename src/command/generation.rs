@@ -25,7 +25,7 @@ use robovec_robotran::write::WriteOptions;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// What is generated, and how.
+/// Arguments of `gen`.
 #[derive(Args, Debug)]
 pub(super) struct GenArguments {
     /// Model (.mbs, .urdf)
@@ -325,7 +325,7 @@ fn tell_redundant(model: &Model) -> Result<(), CommandFailure> {
     Ok(())
 }
 
-/// What binary32 does to the results of steps, a line each.
+/// Effect of binary32 on the results of steps, a line each.
 fn error_lines(
     model: &Model,
     steps: &[StepFunction],

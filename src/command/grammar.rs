@@ -12,7 +12,7 @@ use std::fmt::Write;
 /// A word of the command line.
 struct GrammarWord {
     long: &'static str,
-    /// What its value is called; `None` for a word without one.
+    /// Name of its value; `None` for a word without one.
     value: Option<&'static str>,
     meaning: &'static str,
 }

@@ -272,7 +272,7 @@ pub(crate) fn usual_machine(function: &Function) -> Result<&'static str, Command
     }
 }
 
-/// What to do where nothing could be placed on a machine.
+/// Advice where nothing could be placed on a machine.
 pub(crate) fn other_machine() -> Vec<String> {
     vec!["'--machine' chooses another one, 'robovec-opt --list-machines' lists them".to_owned()]
 }

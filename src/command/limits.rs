@@ -20,7 +20,7 @@ use std::fmt::Write;
 pub struct LimitSection {
     /// The title.
     pub title: &'static str,
-    /// What is to be known of all its lines.
+    /// Remark on all its lines.
     pub remark: &'static str,
     /// The lines.
     pub rows: Vec<LimitRow>,

@@ -1,4 +1,4 @@
-//! What the programs ask of the allocator.
+//! Settings of the allocator.
 
 /// The largest vector after whose end glibc raises the size from which on it
 /// maps memory for one vector alone; that is 32 MiB with what it adds.

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 /// The joints of a family that is given no number.
 const DEFAULT_JOINTS: usize = 23;
 
-/// Which model, and what is done with it.
+/// Arguments of `model`.
 #[derive(Args, Debug)]
 pub(super) struct ModelArguments {
     /// A .mbs or .urdf file to summarise, or a family to write a model of: serial,

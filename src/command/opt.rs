@@ -85,13 +85,13 @@ fn reproduced(
     })
 }
 
-/// What is told where nothing was asked for.
+/// Answer where no passes were named.
 const NO_PASSES: &str = "no passes were named: these are the equations as read\n  \
     -passes='$shorten,place'  places them on the elements of a machine\n  \
     -passes='$cpu,codegen{target=c}' -o FOLDER  writes C\n  \
     --list-passes  lists all, --report - tells what the equations cost\n";
 
-/// What the user gave, read.
+/// Inputs of the user, read.
 struct GivenInputs {
     pipeline: Pipeline,
     rules: RuleSet,
@@ -215,7 +215,7 @@ fn run(arguments: &OptimiserArguments) -> Result<(), CommandFailure> {
     Ok(())
 }
 
-/// What the report and the simulation that were asked for say.
+/// Report and simulation that were asked for.
 fn measured(
     arguments: &OptimiserArguments,
     scene: Option<&Scene>,
@@ -280,7 +280,7 @@ fn scene_and_input(
     Ok((input.scene(scene), input))
 }
 
-/// What can be told without an input.
+/// Answers that need no input.
 fn information(arguments: &OptimiserArguments) -> Result<Option<String>, CommandFailure> {
     if arguments.list_passes {
         return Ok(Some(listing::passes()));
@@ -491,7 +491,7 @@ fn located(
     CommandFailure(report)
 }
 
-/// What was run, as reports tell it.
+/// Records of passes as reports show them.
 pub(super) fn pass_records(outcome: &RunOutcome) -> Vec<report::PassRunRecord> {
     let records = outcome.records.iter();
     let records = records.map(|record| report::PassRunRecord {

@@ -17,7 +17,7 @@ use std::fmt::Write;
 use std::io;
 use std::path::PathBuf;
 
-/// What is measured of every output.
+/// Measures of every output.
 #[derive(Args, Debug)]
 pub(super) struct OutputArguments {
     /// Measure every output, in all measures, instead of comparing passes
@@ -27,8 +27,8 @@ pub(super) struct OutputArguments {
     #[arg(long = "number", alias = "formats", value_name = "FORMATS", requires = "outputs",
           default_value = "f32,f64", value_parser = formats)]
     formats: FormatList,
-    /// What the outputs are compared with: double-double, certified (proved to
-    /// the last bit of binary64), audit (all in arbitrary precision)
+    /// Reference of the outputs: double-double, certified (proved to the last
+    /// bit of binary64), audit (all in arbitrary precision)
     #[arg(long, value_name = "EFFORT", requires = "outputs",
           default_value_t = ReferenceEffort::Certified)]
     reference: ReferenceEffort,

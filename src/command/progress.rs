@@ -1,4 +1,4 @@
-//! How far a command is: a bar on a terminal, elsewhere a line now and then,
+//! Progress of a command: a bar on a terminal, elsewhere a line now and then,
 //! so that whoever reads a log of a long run sees that it goes on.
 
 use super::telling;
@@ -12,7 +12,7 @@ pub(super) fn bar(steps: usize, text: &str) -> ProgressBar {
     styled(Some(steps), &format!("{{bar:40}} {text}"))
 }
 
-/// What is being done, for work whose length is not known.
+/// Indicator of work whose length is not known.
 pub(super) fn spinner() -> ProgressBar {
     let bar = styled(None, "{spinner} {elapsed} {msg}");
     if is_drawn() {
@@ -52,7 +52,7 @@ fn tell_in_lines(bar: &ProgressBar) {
     });
 }
 
-/// How far a bar is, in one line: `40 s: 12/80 cases`.
+/// Progress of a bar in one line: `40 s: 12/80 cases`.
 fn line(bar: &ProgressBar) -> String {
     let steps = match bar.length() {
         Some(length) => format!(" {}/{length}", bar.position()),

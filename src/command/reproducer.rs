@@ -12,7 +12,7 @@ use robovec_ir::{Machine, Module, print};
 use std::fmt::Write;
 use std::path::Path;
 
-/// What the line with the command starts with.
+/// Beginning of the line with the command.
 const COMMAND: &str = "// reproduce: robovec-opt FILE";
 
 /// Random points of the check when nobody says how many.

@@ -40,7 +40,7 @@ const OWN: [(&str, &[u8], RobotBase); 4] = [
     ),
 ];
 
-/// What the C for many states in binary32 is called.
+/// Name of the C for many states in binary32.
 pub(super) const SINGLE: &str = "batch f32";
 
 /// The passes before a program is placed.

@@ -36,7 +36,7 @@ pub(super) struct RtlArguments {
     /// Folder for the hardware (rtl/) and the images (img/)
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
-    /// How much of the crossbar is built
+    /// Extent of the crossbar that is built
     #[arg(long, value_enum, default_value_t = CrossbarExtent::Full)]
     crossbar: CrossbarExtent,
     /// Only this function of the input
@@ -63,7 +63,7 @@ pub(super) struct RtlArguments {
     place_and_route: Option<Vec<u32>>,
 }
 
-/// How much of the crossbar is built.
+/// Extent of the crossbar that is built.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
 enum CrossbarExtent {
     /// Every pair of source and write port: any program fits

@@ -10,7 +10,7 @@ use robovec_ir::{Machine, View};
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// What the benches run, and with what.
+/// Arguments of the benches.
 #[derive(Args, Debug)]
 pub(super) struct RtlBenchArguments {
     /// Build the benches and run them with this simulator

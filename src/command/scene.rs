@@ -12,7 +12,7 @@ use robovec_present::text_table;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// Which scene.
+/// Arguments of `scene`.
 #[derive(Args, Debug)]
 pub(super) struct SceneArguments {
     /// Scene (.scene.toml)

@@ -19,11 +19,11 @@ use std::time::Instant;
 /// Steps of the progress bar.
 const BAR_LENGTH: f64 = 1000.0;
 
-/// What to do about a link that is not simulated.
+/// Advice for a link that is not simulated.
 const LINK3D_ADVICE: &str = "help: make it a `link` with a law if it only pulls its ends \
                              together, or remove it from the model to run without it";
 
-/// Which integrator.
+/// Choice of the integrator.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
 enum IntegratorChoice {
     /// Runge-Kutta of fourth order with a fixed step
@@ -44,12 +44,12 @@ enum KeepingChoice {
     None,
 }
 
-/// What is simulated, and how.
+/// Arguments of `sim`.
 #[derive(Args, Debug)]
 pub(super) struct SimArguments {
     /// Model (.mbs, .urdf)
     model: PathBuf,
-    /// How long, s
+    /// Simulated time, s
     #[arg(long, value_name = "SECONDS", default_value_t = 1.0,
           add = real(1e-12, 1e6, "the run is given up after --max-steps"))]
     time: f64,
@@ -102,7 +102,7 @@ pub(super) struct SimArguments {
     #[arg(long, value_name = "RATE", default_value_t = 20.0,
           add = real(1e-6, 1e6, "a faster pull is a stiff spring to the integrator"))]
     baumgarte_rate: f64,
-    /// How exactly the times of events are found, s
+    /// Precision of the times of events, s
     #[arg(long, value_name = "SECONDS", default_value_t = EVENT_TOLERANCE,
           add = real(1e-15, 1.0, "times have no digits beyond in binary64"))]
     event_tolerance: f64,
@@ -251,7 +251,7 @@ pub(super) fn failure(error: MotionError) -> CommandFailure {
     CommandFailure::advised(error.to_string(), notes)
 }
 
-/// What moves freely, and what follows.
+/// Independent and dependent joints.
 fn roles(model: &Model, system: &MultibodySystem<'_>) -> String {
     let partition = system.partition();
     let mut text = format!(
@@ -306,7 +306,7 @@ fn summary(arguments: &SimArguments, run: &SimulationRun) -> String {
 /// Events shown in the summary; the file has all.
 const SHOWN_EVENTS: usize = 10;
 
-/// What was looked out for and happened.
+/// Events that were watched and happened.
 fn happened(model: &Model, laws: &Laws, run: &SimulationRun) -> String {
     let mut text = String::new();
     for record in run.events.iter().take(SHOWN_EVENTS) {
@@ -339,7 +339,7 @@ fn seconds(time: f64) -> String {
     format!("{time:.9}")
 }
 
-/// When the partition of generated functions came near a dead point.
+/// Warning where the partition of generated functions came near a dead point.
 fn near_dead_point(system: &MultibodySystem<'_>) -> String {
     match system.weak_since() {
         None => String::new(),
@@ -350,7 +350,7 @@ fn near_dead_point(system: &MultibodySystem<'_>) -> String {
     }
 }
 
-/// How fast it was.
+/// Speed of a run.
 fn speed(run: &SimulationRun, seconds: f64) -> String {
     let rate = |count: u64| count as f64 / seconds.max(1e-9);
     format!(

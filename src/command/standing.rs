@@ -38,7 +38,7 @@ enum PlaceChoice {
     Initial,
 }
 
-/// What oscillates, and where.
+/// Arguments of `modal`.
 #[derive(Args, Debug)]
 pub(super) struct ModalArguments {
     #[command(flatten)]

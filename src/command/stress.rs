@@ -153,7 +153,7 @@ fn write_files(
     output::write_files(folder, &files)
 }
 
-/// What is not as it should be: verdicts, and classes without a cure.
+/// Faults: verdicts, and classes without a cure.
 fn complaints(arguments: &StressArguments, findings: &[(&StressCase, Findings)]) -> Vec<String> {
     let mut complaints = Vec::new();
     for (case, found) in findings {

@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 /// report for the browser.
 #[derive(clap::Args, Debug)]
 pub(super) struct StudyArguments {
-    /// What to place: a .toml file, or `thesis`, which redoes the thesis
+    /// Plan: a .toml file, or `thesis`, which redoes the thesis
     #[arg(long, value_name = "FILE", default_value = "thesis")]
     plan: String,
     /// Models of the plan, or files of equations or models in their place
@@ -76,7 +76,7 @@ fn keep(share: WorkShare, plan: &mut StudyPlan) {
     });
 }
 
-/// What stands beside the bar.
+/// Text beside the bar.
 const PROGRESS: &str = "{pos}/{len} placements, {eta} left, {msg}";
 
 /// Runs the study; the text is for the standard output.

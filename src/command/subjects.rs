@@ -1,5 +1,4 @@
-//! Where the programs of a study come from: files, model files, built-in
-//! models.
+//! Subjects of a study: files, model files, built-in models.
 
 use super::{CommandFailure, generation, input};
 use robovec_dynamics::generate::{Formulation, Options, TermOrder};

@@ -1,5 +1,5 @@
-//! What `robovec-opt` tells after a run without a report: speed, error and
-//! cost of every function, beside what came in.
+//! Summary of a run of `robovec-opt` without a report: speed, error and cost of
+//! every function, beside what came in.
 //!
 //! As compilers do, it tells people and not programs: only where the result
 //! goes to a file or to a terminal, and on the standard error. It has to cost
@@ -34,7 +34,7 @@ const LANES: usize = 4;
 /// Most states.
 const MOST_STATES: usize = 64;
 
-/// What is told when the run is over.
+/// Contents of the summary.
 pub(super) struct RunSummary<'a> {
     machine: &'a Machine,
     /// Origin of the states, and whether a scene says how large they

@@ -19,7 +19,7 @@ use robovec_present::number::{exponential, percent};
 use robovec_present::text_table;
 use std::fmt::Write;
 
-/// What is mapped.
+/// Arguments of `synthesise`.
 #[derive(Args, Debug)]
 #[command(about = "Map operators to a Cyclone V with yosys: what they take, and how fast they are")]
 pub(super) struct SynthesiseArguments {

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 /// A step that is not a pass: reading, writing.
 pub(crate) struct MeasuredStage {
-    /// What it did.
+    /// Work that was done.
     pub(crate) name: &'static str,
     /// CPU seconds.
     pub(crate) cpu_s: f64,
@@ -77,7 +77,7 @@ pub(crate) fn times(
     format!("{table}\nCPU time in all: {:.2} ms\n", total * 1e3)
 }
 
-/// What every pass counted.
+/// Statistics of every pass.
 pub(crate) fn statistics(records: &[PassRecord], format: TableFormat) -> String {
     if format == TableFormat::Json {
         let rows: Vec<Value> = records

@@ -1,4 +1,4 @@
-//! How much a command tells on the standard error while it works: `-q`, `-v`.
+//! Verbosity on the standard error while a command works: `-q`, `-v`.
 //!
 //! Warnings, errors and results are always told. One setting holds for the
 //! whole process: it is made once, before the command runs, and read where
@@ -41,12 +41,12 @@ pub(super) fn is_verbose() -> bool {
     current().verbose
 }
 
-/// How long nothing is told of work that goes on where no terminal is.
+/// Time without a message from work that goes on where no terminal is.
 pub(super) fn interval() -> Duration {
     Duration::from_secs(if is_verbose() { 2 } else { 10 })
 }
 
-/// Where remarks go: the standard error, or nowhere.
+/// Target of remarks: the standard error, or nowhere.
 pub(super) fn remarks() -> Box<dyn Write> {
     if is_quiet() {
         Box::new(io::sink())

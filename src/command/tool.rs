@@ -48,12 +48,13 @@ struct ToolArguments {
     #[arg(long, global = true, value_name = "SECONDS", default_value_t = 1800,
           add = whole(1, MAX_SECONDS, "a tool that takes longer than a day has gone astray"))]
     tool_seconds: u64,
-    /// What the base of a robot (.urdf) does: it stands still, or moves freely
-    /// by x, y, z, yaw, pitch and roll
+    /// Base of a robot (.urdf): fixed, or moving freely by x, y, z, yaw, pitch
+    /// and roll
     #[arg(long, global = true, value_name = "fixed|floating", value_enum,
           default_value_t = BaseChoice::Fixed, hide_possible_values = true)]
     base: BaseChoice,
-    /// How far from a right angle an angle of a robot is taken as one, rad
+    /// Largest distance from a right angle at which an angle of a robot is
+    /// taken as one, rad
     #[arg(long, global = true, value_name = "RADIANS", default_value_t = 0.0,
           add = real(0.0, 1e-3, "the robot would be another one"))]
     right_angles: f64,

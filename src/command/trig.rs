@@ -13,7 +13,7 @@ use robovec_passes::trigonometry::CircularMethod;
 use robovec_present::json::json_text;
 use std::path::PathBuf;
 
-/// Which polynomials.
+/// Choice of polynomials.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
 enum SeriesChoice {
     /// The series of Taylor, cut off
@@ -22,7 +22,7 @@ enum SeriesChoice {
     Minimax,
 }
 
-/// What is measured.
+/// Arguments of `trig`.
 #[derive(Args, Debug)]
 pub(super) struct TrigArguments {
     /// Files of equations, or models (.mbs, .urdf)

@@ -22,12 +22,13 @@ use robovec_ir::states::States;
 use robovec_ir::{Format, Function, View};
 use robovec_num::limits::{Amount, NumberLimit};
 
-/// How long the longest path may become.
+/// Limit of the longest path.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum CycleLimit {
     /// As long as it is.
     Same,
-    /// So many cycles of the machine, and never shorter than it is.
+    /// At most so many cycles of the machine, and never fewer than the path
+    /// takes.
     AtMost(u32),
 }
 

@@ -79,7 +79,7 @@ declare_pass! {
 /// The seed of the scene's states; only their ranges count.
 const SEED: u64 = 0;
 
-/// What a pass tries, in values of the function times differences.
+/// Maximum work of a pass, in values of the function times differences.
 const WORK: usize = 1 << 24;
 
 /// A form of a difference that need not cancel.

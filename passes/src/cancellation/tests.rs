@@ -1,4 +1,4 @@
-//! What is proved and rewritten, and what is not.
+//! Differences that are proved and rewritten, and those that are not.
 
 use crate::registry::REGISTRY;
 use robovec_framework::manager::{self, Config};

@@ -75,7 +75,7 @@ impl LinearForms {
     }
 }
 
-/// What is done with a term while a form is composed.
+/// Treatment of a term while a form is composed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum TermPlan {
     /// It is summed up with what is known early.
@@ -86,7 +86,7 @@ enum TermPlan {
     Substitute(u32),
 }
 
-/// What came of a composition.
+/// Result of a composition.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 enum Composed {
     /// Nothing: it has no variables, or too many.
@@ -104,7 +104,7 @@ enum Composed {
 struct LastComposition {
     /// The form it was composed of; `None` for the class's own.
     outer: Option<u32>,
-    /// What was done with the terms of that; empty when nothing was composed.
+    /// Treatment of each term of it; empty when nothing was composed.
     plan: Vec<TermPlan>,
     made: Composed,
 }
@@ -282,7 +282,7 @@ impl Composer<'_> {
         }
     }
 
-    /// What is done with a term at a frontier.
+    /// Treatment of a term at a frontier.
     fn plan(&self, term: ProductTerm, frontier: u32) -> TermPlan {
         let time = frontier * self.limits.grid;
         let arrival = self.reference.of(term.b());

@@ -21,7 +21,7 @@ pub(crate) struct CurveMapper<'a, 'n> {
     before: CurveState,
 }
 
-/// What is learned from one mapping for the next.
+/// State that one mapping leaves for the next.
 #[derive(Clone)]
 struct CurveState {
     curves: Curves,

@@ -1,4 +1,4 @@
-//! What a class costs by when it is needed.
+//! Cost curves of classes: cost against the time they are needed at.
 //!
 //! The *curve* of a class holds its ways to be computed, the earliest first and
 //! every later one cheaper (Chaudhary and Pedram 1992, for trees of gates). A
@@ -37,13 +37,13 @@ pub(super) struct Curves {
     best: Vec<FlowState>,
     /// The number of users that its curve was made for.
     shares: Vec<f32>,
-    /// Whether its curve changed when curves were made last.
+    /// True if its curve changed when curves were made last.
     changed: Vec<bool>,
     /// The forms that outputs may come to use, by class.
     live: Vec<u32>,
 }
 
-/// What is kept from one class to the next while curves are made.
+/// Buffers kept from one class to the next while curves are made.
 #[derive(Default)]
 struct CurveSpace {
     trial: FormTrial,

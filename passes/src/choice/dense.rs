@@ -11,7 +11,7 @@ use robovec_ir::Operation;
 use smallvec::SmallVec;
 use std::ops::Range;
 
-/// What a class hands on to its users while forms are chosen.
+/// State of a class that its users read while forms are chosen.
 #[derive(Clone, Copy, Default, Debug)]
 pub(crate) struct FlowState {
     /// The operations that each user bears; no number while nothing is known.
@@ -31,7 +31,7 @@ impl FlowState {
     }
 }
 
-/// What is known of a form from the states of its operands.
+/// Cost and time of a form as far as the states of its operands give them.
 pub(crate) enum FormFlow {
     /// Its operations and its share of those of its operands, a time before
     /// which it is not available, and whether it is available then.
@@ -130,7 +130,8 @@ impl FormsByClass<'_> {
         self.network.operands(form, visit);
     }
 
-    /// What is known of a form, as far as its operations are no more than `most`.
+    /// Cost and time of a form, as far as its operations are no more than
+    /// `most`.
     #[inline]
     pub(crate) fn flow(&self, states: &[FlowState], form: u32, most: f64) -> FormFlow {
         let cost = f64::from(self.cost(form));

@@ -11,8 +11,8 @@ use super::dense::{FlowState, FormFlow};
 use super::map::{Mapper, Mapping};
 use super::timing::NEVER;
 
-/// What the choice of another mapping is modelled on: forms, the number of uses
-/// of each class, and the classes that are looked at.
+/// Basis of a model of another mapping: forms, the number of uses of each
+/// class, and the classes that are considered.
 pub(crate) struct MappingModel {
     chosen: Vec<u32>,
     uses: Vec<u32>,
@@ -20,7 +20,7 @@ pub(crate) struct MappingModel {
 }
 
 impl Mapping {
-    /// What other mappings can be modelled on.
+    /// Basis of models of other mappings.
     pub(crate) fn into_model(self) -> MappingModel {
         MappingModel {
             chosen: self.chosen,

@@ -26,7 +26,7 @@ pub(crate) struct Import {
 }
 
 impl Import {
-    /// What is told of the network in statistics.
+    /// Counts of the network for statistics.
     pub(crate) fn counts(&self) -> [(&'static str, u64); 2] {
         [
             ("values considered", self.network.len() as u64),

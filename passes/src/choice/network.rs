@@ -57,7 +57,7 @@ pub(crate) struct Opaque {
 #[derive(Default)]
 pub(crate) struct OwnForms(Vec<(u64, u32)>);
 
-/// What is known of a class besides its value.
+/// Attributes of a class besides its value.
 #[derive(Clone, Copy, Debug)]
 struct Record {
     /// The form it was made with.

@@ -1,4 +1,4 @@
-//! When terms, sums and products are available.
+//! Times at which terms, sums and products are available.
 //!
 //! The weights of operations given here are those with
 //! [equal sums](Weights::with_equal_sums): signs are not settled before a

@@ -268,8 +268,8 @@ impl FormTrial {
         }
     }
 
-    /// What it takes beyond what is there already, by the time that each class
-    /// in use is required at.
+    /// Cost beyond what is there already, by the time that each class in use is
+    /// required at.
     pub(super) fn marginal(&self, curves: &Curves, required: &[Option<u32>]) -> f32 {
         let mut flow = self.flow;
         for slot in &self.slots {

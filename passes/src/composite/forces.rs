@@ -39,8 +39,8 @@ pub(super) trait MovingSystem: BodySystem {
     /// Gravity in the axes of the base.
     fn gravity(&mut self) -> RingVector<Self::Number>;
 
-    /// What acts on the body of a joint from outside: a force at its centre of
-    /// mass and a torque.
+    /// External load on the body of a joint: a force at its centre of mass and
+    /// a torque.
     fn loads(&mut self, joint: usize) -> UnitWrench<Self::Number>;
 }
 
@@ -247,7 +247,7 @@ fn tilde<S: MovingSystem>(
     (tilde, squares)
 }
 
-/// What acts on a body from outside, which joints need not provide.
+/// External forces and torques on a body, which joints need not provide.
 fn external<S: MovingSystem>(
     system: &mut S,
     joint: usize,
@@ -266,7 +266,8 @@ fn external<S: MovingSystem>(
     }
 }
 
-/// What the rigid motion of a composite body needs along the axis of its joint.
+/// Force that the rigid motion of a composite body needs along the axis of its
+/// joint.
 fn rigid<S: MovingSystem>(
     system: &mut S,
     joint: JointAxis,

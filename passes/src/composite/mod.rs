@@ -88,7 +88,7 @@ impl Pass for Composite {
     }
 }
 
-/// What is said of elements that no tree of bodies explains.
+/// Remark on elements that no tree of bodies explains.
 fn remark(model: &ModelInputs, unexplained: &[usize], explained: usize) -> Option<String> {
     let (&first, count) = (unexplained.first()?, model.len());
     let element = format!("M[{},{}]", first / count + 1, first % count + 1);

@@ -18,7 +18,7 @@ pub(super) struct ModelInputs {
     /// For every element of the mass matrix, row by row, the place of its
     /// assignment; `None` where it is zero.
     pub(super) elements: Vec<Option<usize>>,
-    /// What the forces depend on beside all that.
+    /// Other inputs that the forces depend on.
     pub(super) motion: MotionInputs,
 }
 

@@ -40,14 +40,14 @@ pub(super) struct JointPlacement {
     pub(super) symmetric: bool,
 }
 
-/// Which joints stand on which.
+/// Tree of the joints: each with the one it is attached to.
 pub(super) struct AncestorTree {
     /// The joint before each, counted from 0.
     pub(super) parents: Vec<Option<usize>>,
     /// The bodies behind each joint, counted from 0 as the joint that moves
     /// them last.
     pub(super) behind: Vec<Vec<usize>>,
-    /// Whether a joint is prismatic.
+    /// True for each joint that is prismatic.
     pub(super) slides: Vec<bool>,
 }
 

@@ -121,7 +121,7 @@ impl MovingSystem for EquationWriter<'_> {
     }
 }
 
-/// What was found of a tree of bodies in a function.
+/// Tree of bodies found in a function.
 pub(super) struct RebuiltEquations {
     /// The elements of the mass matrix, row by row and counted from 0, that are
     /// not those of the tree and stay as they are.

@@ -40,7 +40,7 @@ impl EliminationOrder {
         EliminationOrder::LeastFill,
     ];
 
-    /// What the operations that it needs are counted as.
+    /// Name of the operations that it needs, for statistics.
     pub(super) fn count_name(self) -> &'static str {
         match self {
             EliminationOrder::Forward => "operations forward",
@@ -55,7 +55,7 @@ impl EliminationOrder {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TooMuchWork;
 
-/// What an elimination may cost.
+/// Limit of the cost of an elimination.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EliminationLimit {
     /// Operations of the function that is written.
@@ -104,7 +104,7 @@ pub(super) struct Elimination<'a> {
     pub(super) graph: LinearisedGraph,
     pub(super) writer: WeightWriter,
     pub(super) limit: EliminationLimit,
-    /// What the products at a vertex, for an edge to another, come from.
+    /// Origin of the products at a vertex for an edge to another.
     pub(super) origin: &'a mut dyn FnMut(Vertex, Vertex) -> PartialOrigin,
 }
 

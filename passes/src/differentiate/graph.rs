@@ -11,7 +11,7 @@ use super::weights::{PartialOrigin, PathWeight, WeightWriter};
 use robovec_ir::{Function, Node, Operand, OperandKind, Operation, Value};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What a vertex stands for.
+/// Meaning of a vertex.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Vertex {
     /// The direction, from which all columns are reached.

@@ -28,7 +28,8 @@ pub(super) struct DerivativeJob<'a> {
     result: DerivativeResult,
     /// The function after, with the operations of the function before.
     start: Function,
-    /// What the assignments before are set to, in the function after.
+    /// Operands that the assignments of the function before are set to, in the
+    /// function after.
     set: Vec<Operand>,
     columns: Vec<u32>,
     /// Places of the assignments that are differentiated.

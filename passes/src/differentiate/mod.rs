@@ -50,7 +50,7 @@ declare_pass! {
         pub by: ArrayChoice = ArrayChoice::All,
         /// The order in which the chain rule is applied.
         pub mode: DerivativeMode = DerivativeMode::Mixed,
-        /// What is computed of the Jacobian.
+        /// Part of the Jacobian that is computed.
         pub result: DerivativeResult = DerivativeResult::Jacobian,
         /// Keeps the outputs of the function; arguments of user functions are always kept.
         pub values: bool = true,

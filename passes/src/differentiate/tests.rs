@@ -1,4 +1,4 @@
-//! What derivatives cost, and what the check says of wrong ones.
+//! Cost of derivatives, and the verdict of the check on wrong ones.
 
 use super::Differentiate;
 use crate::registry::REGISTRY;

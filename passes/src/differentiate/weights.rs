@@ -34,7 +34,7 @@ impl PathWeight {
     }
 }
 
-/// What the operations for a derivative are called and come from.
+/// Names and sources of the operations for a derivative.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PartialOrigin {
     pub(super) base: Symbol,

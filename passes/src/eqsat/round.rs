@@ -159,7 +159,7 @@ fn absorbed(function: &Function, uses: &[u32]) -> Vec<bool> {
     absorbed
 }
 
-/// What became of one window.
+/// Outcome of one window.
 struct TriedWindow {
     nodes: usize,
     end: SaturationEnd,

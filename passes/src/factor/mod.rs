@@ -24,7 +24,7 @@ use robovec_num::limits::NumberLimit;
 use times::NodeTimes;
 
 option_words! {
-    /// What may happen to the longest path.
+    /// Limit of the longest path.
     pub enum PathChoice {
         /// It does not grow.
         Keep = "keep",
@@ -34,7 +34,7 @@ option_words! {
 }
 
 option_words! {
-    /// Whether polynomials are written anew.
+    /// Method of writing polynomials anew.
     pub enum HornerChoice {
         /// They stay as they are.
         None = "none",
@@ -45,21 +45,21 @@ option_words! {
     }
 }
 
-/// What the reader of an option is told of `work`.
+/// Limit of the option `work`.
 const WORK: NumberLimit = NumberLimit::whole(
     0,
     10_000,
     "a search that looks at a thousand million terms takes ten seconds",
 );
-/// What the reader of an option is told of `orders`.
+/// Limit of the option `orders`.
 const ORDERS: NumberLimit = NumberLimit::whole(
     1,
     256,
     "all factors are taken out of a network for each of them",
 );
-/// What the reader of an option is told of `seed`.
+/// Limit of the option `seed`.
 const SEED: NumberLimit = NumberLimit::whole(0, u32::MAX as u64, "a seed costs nothing");
-/// What the reader of an option is told of `cycles`.
+/// Limit of the option `cycles`.
 const CYCLES: NumberLimit = NumberLimit::whole(0, 1_000_000_000, "no function takes more cycles");
 
 declare_pass! {
@@ -206,7 +206,7 @@ fn rewrite(function: &mut Function, context: &mut Context<'_>, options: &FactorO
     context.statistics.push(("operations saved", saved as u64));
 }
 
-/// What factors are taken out for.
+/// Goal for which factors are taken out.
 struct FactorGoal {
     weights: Weights,
     /// The longest path allowed.

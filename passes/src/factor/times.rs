@@ -1,4 +1,5 @@
-//! When the values of a network are available, and how late they may be.
+//! Times at which the values of a network are available, and the latest ones
+//! allowed.
 //!
 //! A sum or product is taken as the tree that combines the two earliest
 //! operands first, as `balance` builds it. The latest time of an operand is

@@ -67,7 +67,7 @@ fn folded(old: &Function, context: &Context<'_>) -> ((Function, Function), u64) 
     (write(view, &signature, &folder.constants), folded)
 }
 
-/// What is left of an operation.
+/// Rest of an operation.
 enum FoldedNode {
     Operand(Operand),
     Operation(Node),

@@ -29,7 +29,7 @@ use search::{
 use steps::StartForm;
 
 option_words! {
-    /// What a variant is chosen for.
+    /// Goal of the choice of a variant.
     #[derive(Default)]
     pub enum Goal {
         /// The shortest schedule on the machine; of equally short ones that
@@ -44,7 +44,7 @@ option_words! {
 }
 
 option_words! {
-    /// What the variants may rest on.
+    /// Numeric class of the variants.
     #[derive(Default)]
     pub enum VariantClass {
         /// Equality over the reals alone.
@@ -81,9 +81,9 @@ declare_pass! {
     /// The function comes out at the level atomic; `place` with the same
     /// numbers of elements gives the schedule of the table.
     pub struct Optimise("optimise") {
-        /// What the variant is chosen for.
+        /// Goal of the choice of the variant.
         pub r#for: Goal = Goal::default(),
-        /// What the variants may rest on.
+        /// Numeric class of the variants.
         pub class: VariantClass = VariantClass::default(),
         /// Adders; the machine file says how many otherwise.
         pub n_add: Option<u32> = None => fields::count::LIMIT,
@@ -96,8 +96,8 @@ declare_pass! {
         /// Elements that multiply and add in one operation, on machines that
         /// have them.
         pub n_fma: Option<u32> = None => fields::count::LIMIT,
-        /// How far the search goes: more is never worse, and takes as many
-        /// times longer.
+        /// Effort of the search: more is never worse, and takes as many times
+        /// longer.
         pub effort: u32 = 1 => EFFORT,
         /// The work of one effort, in operations that are reassociated once;
         /// for 0 forty times the operations, at least 1,500,000 and at
@@ -189,7 +189,7 @@ impl Pass for Optimise {
     }
 }
 
-/// What effort costs.
+/// Limit of the effort.
 pub const EFFORT: NumberLimit =
     NumberLimit::whole(1, 10_000, "every effort takes as long as the first");
 

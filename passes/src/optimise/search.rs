@@ -27,14 +27,14 @@ use robovec_framework::pipeline::Pipeline;
 use robovec_ir::{Function, Machine, Operation};
 use robovec_schedule::{PlaceError, PlaceOptions, most_memory_words, place};
 
-/// What is searched for, and how far.
+/// Subject and limits of a search.
 #[derive(Clone, Copy, Debug)]
 pub struct SearchQuestion<'a> {
     /// The machine that programs are for.
     pub machine: &'a Machine,
-    /// What the best program is.
+    /// Measure of the best program.
     pub goal: Goal,
-    /// What programs may rest on.
+    /// Numeric class of programs.
     pub class: NumericClass,
     /// Registry of the passes.
     pub registry: &'static Registry,
@@ -49,7 +49,7 @@ pub struct SearchQuestion<'a> {
 pub struct SearchStart<P> {
     /// Its name, in front of those of the steps; may be empty.
     pub name: String,
-    /// What it is.
+    /// Form of the start.
     pub form: StartForm,
     /// The program.
     pub program: P,
@@ -60,7 +60,7 @@ pub struct SearchStart<P> {
 pub struct SearchJob<P> {
     /// Index of the start that it comes from.
     pub start: usize,
-    /// What it is made from.
+    /// Program it is made from.
     pub program: P,
     /// The passes that make it.
     pub pipeline: Pipeline,
@@ -92,7 +92,7 @@ pub trait ProgramMaker {
     ) -> Vec<Result<ScheduleSize, PlaceError>>;
 }
 
-/// What a schedule takes.
+/// Size of a schedule.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ScheduleSize {
     /// Its length.
@@ -121,14 +121,14 @@ impl SkippedVariant {
     }
 }
 
-/// What a search found.
+/// Result of a search.
 #[derive(Clone, Debug)]
 pub struct SearchOutcome<P> {
     /// All programs that were made, in that order.
     pub trials: Vec<VariantTrial<P>>,
     /// Index of the best; `None` when the machine can place none.
     pub best: Option<usize>,
-    /// What was not made.
+    /// Variants that were not made.
     pub skipped: Vec<SkippedVariant>,
     /// Number of programs that looked like one of them.
     pub alike: usize,
@@ -144,7 +144,7 @@ pub fn usual_unit(operations: usize) -> u64 {
     (operations as u64 * PER_OPERATION).clamp(LEAST, MOST)
 }
 
-/// What the schedule takes that `place` makes of a function.
+/// Size of the schedule that `place` makes of a function.
 ///
 /// # Errors
 ///
@@ -201,7 +201,7 @@ pub fn search<M: ProgramMaker>(
     search.finish()
 }
 
-/// What a program is made from.
+/// Origin of a program.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Origin {
     /// A start, by its index.
@@ -235,9 +235,9 @@ struct ProgramSearch<'a, M: ProgramMaker> {
     starts: Vec<SearchStart<M::Program>>,
     trials: Vec<VariantTrial<M::Program>>,
     skipped: Vec<SkippedVariant>,
-    /// What the first pass that gave up said.
+    /// Error of the first pass that gave up.
     failure: Option<PassError>,
-    /// What does not fit into the work allowed so far.
+    /// Steps that do not fit into the work allowed so far.
     waiting: Vec<PlannedStep>,
     /// The work that is left.
     budget: u64,
@@ -378,8 +378,8 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
         self.trials.push(trial);
     }
 
-    /// What a step starts from: the program, its start, and the name and
-    /// passes of what comes out.
+    /// Start of a step: the program, its start, and the name and passes of the
+    /// result.
     fn description(&self, plan: PlannedStep) -> (M::Program, usize, String, String) {
         let (program, start, name, passes) = match plan.origin {
             Origin::Start(index) => {
@@ -492,7 +492,7 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
         }
     }
 
-    /// What is to be small, then what decides among equals.
+    /// Measures in order: the goal, then those that decide among equals.
     fn rank(&self, index: usize) -> (usize, usize, usize) {
         let trial = &self.trials[index];
         let cycles = trial.cycles.or(trial.bound.as_ref().ok().copied());

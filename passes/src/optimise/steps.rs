@@ -8,7 +8,7 @@ use robovec_analysis::class::NumericClass;
 use robovec_framework::pass::Registry;
 use robovec_framework::pipeline::Pipeline;
 
-/// What a start is, so that nothing is tried on it that it already is.
+/// Form of a start, so that nothing is tried on it that it already is.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum StartForm {
     /// Equations of any kind, as a user's file has them, or in which composite
@@ -91,8 +91,8 @@ pub const REASSOCIATED: &str = "dce{order=outputs},fold,zero-removal,balance,cse
 pub const COMPOSITE: &str =
     "dce{order=outputs},fold,zero-removal,composite,factor-trig{path=free},balance,cse,dce";
 
-/// What starts go through first. The order of the equations is forgotten, so
-/// that it does not matter.
+/// Preparations of all starts. The order of the equations is forgotten, so that
+/// it does not matter.
 pub const PREPARATIONS: &[SearchStep] = &[
     first(step("reassociated", REASSOCIATED)),
     first(bodies("composite", COMPOSITE)),
@@ -123,8 +123,8 @@ pub const PREPARATIONS: &[SearchStep] = &[
 /// the order given, which leaves compilers more registers in some files.
 pub const PRESET: &str = "$cpu";
 
-/// What starts go through besides where nothing but operations counts: schemes
-/// of polynomials make paths long.
+/// More preparations where nothing but operations counts: schemes of
+/// polynomials make paths long.
 pub const FEWEST: &[SearchStep] = &[
     bodies(PRESET, "fold,cse,composite,factor-trig{path=free},cse,dce"),
     step("in the order given", "fold,cse,dce"),
@@ -147,9 +147,8 @@ pub const FEWEST: &[SearchStep] = &[
     },
 ];
 
-/// What programs go through afterwards where nothing but operations counts.
-/// Look-ahead that may not spend finds values that are equal, and is paid for
-/// by factors.
+/// Moves after them where nothing but operations counts. Look-ahead that may
+/// not spend finds values that are equal, and is paid for by factors.
 pub const FEWEST_MOVES: &[SearchStep] = &[heavy(
     "look-ahead 95 %, schemes",
     "lookahead{growth=95},factor{path=free horner=occurrences},cse,dce",
@@ -157,7 +156,7 @@ pub const FEWEST_MOVES: &[SearchStep] = &[heavy(
     100,
 )];
 
-/// What programs go through afterwards.
+/// Moves after the preparations.
 pub const MOVES: &[SearchStep] = &[
     heavy(
         "look-ahead 100 %",
@@ -213,9 +212,8 @@ pub const MOVES: &[SearchStep] = &[
     ),
 ];
 
-/// What only the best program goes through besides, since it takes as long as
-/// all other moves together, and only when it is small or they make nothing
-/// better of it.
+/// Moves of the best program alone, since they take as long as all other moves
+/// together, and only when it is small or the others make nothing better of it.
 pub const SATURATED: &[SearchStep] = &[heavy("saturated", "eqsat,cse,dce", 200, 105)];
 
 /// Products and sums in one, on machines that have elements for it.

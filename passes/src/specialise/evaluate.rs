@@ -298,8 +298,8 @@ impl<'a> PartialEvaluator<'a> {
         (Known::ONE, self.compute(form.clone(), owner))
     }
 
-    /// What a value is from now on: a number, another operand, a form for its
-    /// only user, or an operation.
+    /// Further form of a value: a number, another operand, a form for its only
+    /// user, or an operation.
     fn settle(&mut self, value: Value, node: &Node, form: LinearForm) -> Reading {
         if let Some(known) = form.as_number() {
             self.tally.known += 1;

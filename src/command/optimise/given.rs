@@ -1,4 +1,4 @@
-//! What a search starts from, as the user named it.
+//! Starts of a search, as the user named them.
 
 use super::OptimiseArguments;
 use crate::command::{CommandFailure, input, opt, subjects};
@@ -10,7 +10,7 @@ use robovec_model::Model;
 use robovec_robotran::FunctionKind;
 use std::path::Path;
 
-/// What the user gave, read.
+/// Inputs of the user, read.
 pub(super) struct GivenStarts {
     pub(super) name: String,
     pub(super) starts: Vec<OptimisationStart>,
@@ -39,7 +39,7 @@ fn with_scene(arguments: &OptimiseArguments, scene: Scene) -> Result<GivenStarts
     equations(arguments, function.as_deref(), Some(scene))
 }
 
-/// What a scene is about.
+/// Subject of a scene.
 fn of_scene(arguments: &OptimiseArguments, file: SceneFile) -> Result<GivenStarts, CommandFailure> {
     let mut module = file
         .module()

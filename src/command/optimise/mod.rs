@@ -30,7 +30,7 @@ pub(super) struct OptimiseArguments {
     /// Model (.mbs, .urdf) that a file of equations comes from: its other formulations are tried, too
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// What the program is for
+    /// Target of the program
     #[arg(
         long = "for",
         value_enum,
@@ -51,12 +51,12 @@ pub(super) struct OptimiseArguments {
     /// Scene that the function is needed for
     #[arg(long, value_name = "FILE")]
     scene: Option<PathBuf>,
-    /// What programs may rest on: equality over the reals alone (real), or also sin^2 + cos^2 = 1
-    /// (real-trig)
+    /// Class of equality: over the reals alone (real), or also by sin^2 + cos^2
+    /// = 1 (real-trig)
     #[arg(long, default_value = "real-trig", value_name = "CLASS",
           value_parser = VariantClass::parse)]
     class: VariantClass,
-    /// How far the search goes; more is never worse and takes as many times longer
+    /// Effort of the search; more is never worse and takes as many times longer
     #[arg(long, default_value_t = 4, value_name = "N", add = EFFORT)]
     effort: u32,
     /// Random states that errors are measured at; by default the more the smaller the function is

@@ -1,4 +1,4 @@
-//! What was found, told and written.
+//! Results of a search, printed and written.
 
 use super::OptimiseArguments;
 use super::given::GivenStarts;
@@ -82,7 +82,7 @@ pub(super) fn tell(
 /// where they are not those that came in.
 pub(super) const START: &str = "start.rvir";
 
-/// What was taken and what is known of it.
+/// Facts about the program that was taken.
 fn facts(given: &GivenStarts, question: &OptimisationQuestion<'_>, found: &Optimised) -> String {
     let best = &found.points[found.best];
     let mut text = format!("{}: {}\n", given.name, best.name);

@@ -22,7 +22,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// What is measured.
+/// Arguments of `rules bench`.
 #[derive(Args, Debug)]
 pub(super) struct RuleBenchArguments {
     /// Equations or models (.mbs, .urdf) to try the rules on
@@ -61,7 +61,7 @@ struct ProgramSize {
     operations: usize,
 }
 
-/// What limited the windows in which rules were used.
+/// Limits of the windows in which rules were used.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Serialize, Deserialize)]
 struct WindowLimits {
     windows: u64,
@@ -95,7 +95,7 @@ struct RuleTable {
     rows: Vec<RuleRow>,
 }
 
-/// What is asked of every input.
+/// Settings for every input.
 struct RuleBench<'a> {
     machine: &'a Machine,
     /// Passes that use the rules.

@@ -11,7 +11,7 @@ use robovec_rules::{Rule, RuleSet};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// What is checked.
+/// Arguments of `rules check`.
 #[derive(Args, Debug)]
 pub(super) struct RuleCheckArguments {
     /// Rule files, or names of files that ship; all that ship by default
@@ -67,7 +67,7 @@ fn percent(part: f64) -> String {
     }
 }
 
-/// What was established of all rules that are proved.
+/// Facts established of all rules that are proved.
 fn established(findings: &[Finding]) -> String {
     let proofs: Vec<Proof> = findings
         .iter()

@@ -30,7 +30,7 @@ impl SyntaxName {
     }
 }
 
-/// What is read.
+/// Arguments of `rules import`.
 #[derive(Args, Debug)]
 pub(super) struct ImportArguments {
     /// File with rules of another tool, or - for the standard input
@@ -43,7 +43,7 @@ pub(super) struct ImportArguments {
     output: Option<PathBuf>,
 }
 
-/// What is written.
+/// Arguments of `rules export`.
 #[derive(Args, Debug)]
 pub(super) struct ExportArguments {
     /// Rule files, or names of files that ship; all that ship by default

@@ -21,7 +21,7 @@ use std::fmt::Write;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Which terms are tried, and on what.
+/// Arguments of `rules find`.
 #[derive(Args, Debug)]
 pub(super) struct FindArguments {
     /// Equations, models (.mbs, .urdf) or names such as bogie and serial-23, on

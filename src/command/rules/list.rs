@@ -6,7 +6,7 @@ use clap::Args;
 use robovec_rules::{BUILT_IN, DEFAULT};
 use std::fmt::Write;
 
-/// Which rules are listed.
+/// Arguments of `rules list`.
 #[derive(Args, Debug)]
 pub(super) struct ListArguments {
     /// Rule files, or names of files that ship; all that ship by default

@@ -10,7 +10,7 @@ use robovec_rules::{Rule, RuleSet};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// What is profiled.
+/// Arguments of `rules profile`.
 #[derive(Args, Debug)]
 pub(super) struct ProfileArguments {
     /// Rule files, or names of files that ship; all that ship by default

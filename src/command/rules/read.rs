@@ -1,4 +1,4 @@
-//! Which rules a command works with.
+//! Rules that a command works with.
 
 use super::super::{CommandFailure, input};
 use super::list;

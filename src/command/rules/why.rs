@@ -15,7 +15,7 @@ use rustc_hash::FxBuildHasher;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// What is asked.
+/// Arguments of `rules why`.
 #[derive(Args, Debug)]
 pub(super) struct WhyArguments {
     /// The value, as in the text after the passes: `OM16.2`

@@ -11,7 +11,7 @@ use robovec_rules::check::{self, RuleVerdict};
 use robovec_rules::{Pattern, Rule, RuleSet};
 use std::fmt::Write;
 
-/// What is asked.
+/// Arguments of `rules why-not`.
 #[derive(Args, Debug)]
 pub(super) struct WhyNotArguments {
     /// The term to start from: `a*x + b*x`

@@ -22,7 +22,7 @@ use polynomials::NetworkPolynomials;
 use robovec_framework::rewrite_limit::RewriteLimit;
 use schemes::SchemeSet;
 
-/// What a search may do.
+/// Limits and random numbers of a search.
 #[derive(Clone, Copy)]
 pub(super) struct HornerSearch {
     /// Terms to be looked at.
@@ -32,8 +32,8 @@ pub(super) struct HornerSearch {
     pub(super) seed: u64,
 }
 
-/// So often at most the polynomials of what came of the last time are written
-/// anew: taking factors out leaves other sums and products.
+/// Maximum number of rounds in which polynomials are written anew: taking
+/// factors out leaves other sums and products.
 const ROUNDS: u32 = 4;
 
 /// Writes the polynomials of a network anew where that saves operations.

@@ -18,7 +18,7 @@ use smallvec::SmallVec;
 
 /// A larger sum is written over its terms as they are.
 const MAX_TERMS: usize = 1 << 17;
-/// So is a product of a higher degree: exponents are kept in bytes.
+/// Maximum degree of a product: exponents are kept in bytes.
 const MAX_DEGREE: u32 = 255;
 /// Larger integers are variables: sums of products of smaller ones stay exact.
 const MAX_INTEGER: f64 = (1u64 << 31) as f64;

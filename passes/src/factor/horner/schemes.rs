@@ -61,7 +61,7 @@ pub(super) struct SchemePart {
     pub(super) rest: SchemeRest,
 }
 
-/// What is left of a part when the common powers have been taken out.
+/// Rest of a part after the common powers have been taken out.
 pub(super) enum SchemeRest {
     /// A single term: its coefficient.
     Number(i64),
@@ -291,7 +291,7 @@ impl SchemeSet {
     }
 }
 
-/// What is taken out of a part.
+/// Powers taken out of a part.
 struct CommonPowers {
     /// Number of variables.
     factors: u64,

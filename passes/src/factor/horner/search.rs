@@ -16,10 +16,10 @@ use std::cmp::Reverse;
 
 /// The temperature at the beginning, as a part of the operations there are.
 const HOT: f64 = 0.03;
-/// How much colder it is at the end.
+/// Temperature at the end, in parts of that at the start.
 const COOLING: f64 = 0.02;
-/// So often annealing starts anew, since the first variables of an order
-/// hardly change once those behind suit them.
+/// Number of starts of the annealing, since the first variables of an order
+/// hardly change once those after them suit them.
 const STARTS: usize = 8;
 /// No more orders are tried than this times the square of the number of
 /// variables: by then those of few variables have all been seen.

@@ -1,4 +1,4 @@
-//! Which variables come first: a tree of the beginnings of orders.
+//! Search for the first variables: a tree of the beginnings of orders.
 //!
 //! Monte Carlo tree search as Kuipers, Plaat, Vermaseren and van den Herik use
 //! it ("Improving multivariate Horner schemes with Monte Carlo tree search",
@@ -8,7 +8,7 @@
 
 use robovec_num::random::Random;
 
-/// How much a beginning that was seldom tried is preferred.
+/// Weight of beginnings that were seldom tried.
 const EXPLORATION: f64 = 0.3;
 
 /// A beginning of orders.
