@@ -109,8 +109,8 @@ fn measured_on(preset: &str, machine: &str) -> Vec<FunctionAccuracy> {
     subjects
 }
 
-/// What a search may make of a median: it looks for short schedules, and tells
-/// what each of its programs costs in accuracy.
+/// Maximum growth of a median by a search: it looks for short schedules, and
+/// reports the accuracy of each of its programs.
 const SEARCHED: f64 = 1.25;
 
 #[test]

@@ -48,7 +48,7 @@ fn in_python(body: &str) -> String {
     )
 }
 
-/// What is said about every function of a file.
+/// Verdicts on every function of a file.
 fn verdicts(functions: &[(String, String)], language: Language) -> String {
     let mut text = String::new();
     for (name, source) in functions {

@@ -10,12 +10,12 @@ use robovec_ir::states::States;
 use robovec_ir::{Format, Function, View};
 use std::path::{Path, PathBuf};
 
-/// What was found over functions and states.
+/// Errors found over functions and states.
 #[derive(Default)]
 struct ErrorsFound {
     /// Bound over actual error, where there is one.
     overestimates: Vec<f64>,
-    /// How far the prediction was off, relative to the bound.
+    /// Errors of the prediction, relative to the bound.
     misses: Vec<f64>,
     /// Outputs beyond three sigma, and all.
     beyond: usize,
@@ -102,7 +102,7 @@ fn median(numbers: &mut [f64]) -> f64 {
     numbers[numbers.len() / 2]
 }
 
-/// What the acceptance asks for.
+/// Conditions of the acceptance.
 fn accept(mut found: ErrorsFound) {
     let overestimate = median(&mut found.overestimates);
     let worst_miss = found.misses.iter().copied().fold(0.0, f64::max);

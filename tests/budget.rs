@@ -17,7 +17,7 @@ const SLACK: usize = 100;
 /// Lines of Rust of one crate, or their maximum.
 #[derive(Clone, Copy, Default)]
 struct Lines {
-    /// What is neither a test nor shared by tests.
+    /// Lines that are neither tests nor shared by tests.
     product: usize,
     tests: usize,
 }

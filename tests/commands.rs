@@ -70,7 +70,7 @@ fn shell(line: &str, folder: &Path) -> Output {
         .expect("a shell")
 }
 
-/// What a command printed; it must succeed.
+/// Output of a command; it must succeed.
 fn printed(line: &str, folder: &Path) -> Result<String, String> {
     let output = shell(line, folder);
     let [told, warned] =
@@ -114,7 +114,7 @@ fn programs_understand_every_command_of_the_documents() {
     assert!(count > 80, "{count} commands");
 }
 
-/// What running the documents found out.
+/// Findings of a run of the documents.
 #[derive(Default)]
 struct Tried {
     /// Entries of [`NOT_RUN`] that a document shows.
@@ -130,7 +130,7 @@ struct Tried {
 struct TriedDocument<'a> {
     name: String,
     folder: PathBuf,
-    /// What the last command that was run printed.
+    /// Output of the last command that was run.
     printed: Option<String>,
     tried: &'a Mutex<Tried>,
 }

@@ -66,7 +66,7 @@ fn model(case: u64) -> Model {
     model
 }
 
-/// What `composite` says of the equations of a tree; nothing when it explains
+/// Remark of `composite` on the equations of a tree; nothing when it explains
 /// the whole matrix.
 fn complaint(model: &Model, all_parameters: bool) -> Option<String> {
     let mut request = GenerationRequest::new(FunctionKind::Dirdyna);

@@ -10,8 +10,8 @@ use std::process::Command;
 /// Threads of each run; each has a working directory of its own.
 const THREADS: [&str; 3] = ["1", "2", "9"];
 
-/// What a run leaves: what it prints, and its files by their paths from the
-/// working directory.
+/// Results of a run: its output, and its files by their paths from the working
+/// directory.
 #[derive(PartialEq, Eq)]
 struct Outcome {
     printed: Vec<u8>,

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use std::fs;
 use std::path::Path;
 
-/// What one file of faults holds; the tests and the faults themselves are for
+/// Contents of one file of faults; the tests and the faults themselves are for
 /// the script.
 #[derive(Deserialize)]
 struct FaultList {

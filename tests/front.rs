@@ -65,9 +65,9 @@ fn every_choice_of_the_thesis_is_dominated() {
     }
 }
 
-/// What a search for a scene led to.
+/// Result of a search for a scene.
 pub(crate) struct FittedScene {
-    /// What was chosen.
+    /// Chosen candidate.
     pub(crate) candidate: Value,
     confirmation: Value,
     /// The machine that was written for it.

@@ -149,7 +149,7 @@ const RUNS: &[LabelledRun] = &[
     },
 ];
 
-/// What is said of one thing in the plural: `1 models`.
+/// Single things in the plural: `1 models`.
 fn lone_plurals(text: &str) -> Vec<String> {
     let words: Vec<&str> = text.split([' ', '\n', '<', '>', '"', '(']).collect();
     let pairs = words.windows(2).filter(|pair| {

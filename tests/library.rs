@@ -8,7 +8,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
-/// Where examples are built.
+/// Folder in which examples are built.
 fn built(name: &str) -> PathBuf {
     let program = std::env::current_exe().expect("a test knows its program");
     let folder = program

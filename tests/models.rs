@@ -139,7 +139,8 @@ fn a_body_without_a_mass_weighs_nothing() {
     }
 }
 
-/// What is in no equation is told where equations are made, and only there.
+/// Links that are in no equation are remarked on where equations are made, and
+/// only there.
 #[test]
 fn a_link3d_is_told_by_gen_and_refused_by_sim() {
     let path = root().join("tests/models/link3d.mbs");

@@ -1,5 +1,5 @@
-//! What scenes leave out: measured against mechanics, written as it was
-//! judged, refused where it says nothing.
+//! Parts that scenes leave out: measured against mechanics, written as they
+//! were judged, refused where they mean nothing.
 
 use crate::support::programs::{robovec, stderr};
 use robovec::explore::program::{transformed_by, view};
@@ -277,7 +277,7 @@ fn what_cannot_be_judged_is_told() {
     refused("[neglect]\nkinds = 'joint'\n", &["did you mean 'joints'"]);
 }
 
-/// What `fit` chooses for the double pendulum, limited by its motion alone.
+/// Choice of `fit` for the double pendulum, limited by its motion alone.
 fn fitted_over_time(limits: &str) -> (serde_json::Value, String) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");

@@ -44,7 +44,7 @@ fn build(folder: &Path, input: &Path, machine: &str, more: &[&str]) {
     assert!(output.status.success(), "{arguments:?}: {errors}");
 }
 
-/// What `tb/` says in a tool; it must pass.
+/// Verdict of `tb/` in a tool; it must pass.
 fn verdicts(folder: &Path, tool: HardwareSimulator, doors: &[Door]) -> Vec<String> {
     match check(&folder.join("tb"), &folder.join("rtl"), tool, doors) {
         Ok(checked) => checked.verdicts,
@@ -325,7 +325,7 @@ fn the_verilog_bench_runs_in_verilator_as_well() {
     }
 }
 
-/// What the bench says of hardware that is not right.
+/// Message of the bench about hardware that is not right.
 fn mismatch(folder: &Path, what: &str) -> String {
     match check(
         &folder.join("tb"),

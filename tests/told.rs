@@ -5,7 +5,7 @@ use crate::support::programs::{opt_in, robovec_in, stderr};
 use std::fs;
 use std::path::Path;
 
-/// What all of them say of errors: a measure, states, a reference.
+/// Words of all of them about errors: a measure, states, a reference.
 const ERROR: [&str; 4] = [
     "median",
     "largest element of",
@@ -175,7 +175,7 @@ fn is_there(tool: &str) -> bool {
     found || tool.is_empty()
 }
 
-/// What a command should say and does not.
+/// Missing words of a command.
 fn missing(telling: &Telling) -> Vec<String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folder = tempfile::tempdir().expect("there is room for a folder");

@@ -1,5 +1,5 @@
-//! What series for sines and cosines do to models, and that programs with
-//! them run.
+//! Effect of series for sines and cosines on models, and runs of programs with
+//! them.
 
 use robovec::generate::{GenerationRequest, generate};
 use robovec::model::Model;

@@ -12,7 +12,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
 
-/// What a host is built for.
+/// Plan of a host.
 #[derive(Default)]
 struct HostPlan {
     /// Joints, from 0, that constraints of the user determine.
@@ -97,16 +97,16 @@ fn data(model: &Model, plan: &HostPlan) -> String {
     text
 }
 
-/// What a host tells of 3 s of motion.
+/// Report of a host on 3 s of motion.
 struct HostReport {
-    /// How far the two ways are apart, in parts of the largest position.
+    /// Distance of the two ways, in parts of the largest position.
     apart: f64,
     /// That position.
     largest: f64,
-    /// How far multipliers and forces of driven joints are apart, in parts of
-    /// the largest.
+    /// Distance of multipliers and forces of driven joints, in parts of the
+    /// largest.
     forces: f64,
-    /// How far accelerations are from those that forces of actuators are for,
+    /// Distance of accelerations from those that forces of actuators are for,
     /// in parts of the largest.
     actuators: f64,
     /// The most rounds of closing, by the dense way and by the step.

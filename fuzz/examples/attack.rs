@@ -125,7 +125,7 @@ fn bytes(case: u64) -> Vec<u8> {
         .collect()
 }
 
-/// What was found for a pass: how often, the first case, the smallest program.
+/// Faults of a pass: their number, the first case, the smallest program.
 struct Found {
     count: u64,
     case: u64,

@@ -16,7 +16,7 @@ use robovec_ir::{
     SourceSet, Value, View,
 };
 
-/// What random equations may contain.
+/// Contents of random equations.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Contents {
     /// Most definitions.

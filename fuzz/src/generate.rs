@@ -12,15 +12,15 @@ use robovec_ir::{
 };
 use std::collections::BTreeSet;
 
-/// What a random function may contain.
+/// Contents of a random function.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Kind {
-    /// What the machine of the thesis can do: sums, products, and sine and
-    /// cosine of inputs.
+    /// Operations of the thesis' machine: sums, products, and sine and cosine
+    /// of inputs.
     Placeable,
-    /// What Robotran writes: moderate constants, sine and cosine of inputs
-    /// only, now and then a division or a root. Passes and checks make sense
-    /// of it.
+    /// Operations that Robotran writes: moderate constants, sine and cosine of
+    /// inputs only, now and then a division or a root. Passes and checks make
+    /// sense of it.
     Tame,
     /// As [`Kind::Tame`], with constants that are easily taken for others.
     Hostile,

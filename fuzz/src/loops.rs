@@ -12,7 +12,7 @@ use robovec::motion::{
 use robovec_ir::{Format, Machine};
 use robovec_passes::registry::REGISTRY;
 
-/// What is run over the equations.
+/// Pipelines that are run over the equations.
 const PIPELINES: [&str; 4] = [
     "atomise",
     "atomise,zero-removal,balance,cse,dce",

@@ -37,7 +37,7 @@ const OPERATIONS: [Operation; 14] = [
     Operation::Fnma,
 ];
 
-/// What became of a planted mutation.
+/// Fate of a planted mutation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Mutant {
     /// It changed a number in double-double, and the check caught it.

@@ -20,7 +20,7 @@ pub(crate) const BITS: [usize; 2] = [320, 4096];
 /// bits.
 const LARGEST_ANGLE: i32 = 150;
 
-/// What is known of a real number.
+/// Knowledge about a real number.
 #[derive(Clone, Debug)]
 pub(crate) enum Real {
     /// It lies between these, both included.
@@ -31,7 +31,7 @@ pub(crate) enum Real {
     Unknown,
 }
 
-/// What the literals and functions of a program may be off by.
+/// Errors allowed to the literals and functions of a program.
 #[derive(Clone, Copy, Default, Debug)]
 pub(crate) struct Leniency {
     /// Literals were rounded once to binary64.
@@ -54,7 +54,7 @@ impl Referee {
         }
     }
 
-    /// What the assignments of a function are.
+    /// Values of the assignments of a function.
     pub(crate) fn evaluate(
         &mut self,
         function: &Function,
@@ -296,7 +296,7 @@ fn look_up<'a>(
     }
 }
 
-/// What two versions of a number say of each other.
+/// Verdict of two versions of a number on each other.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Opinion {
     /// They overlap, in a stretch that leaves no other wrong term.
@@ -368,7 +368,7 @@ impl Real {
     }
 }
 
-/// What assignments are in the arithmetic of the processor; `None` where a
+/// Values of assignments in the arithmetic of the processor; `None` where a
 /// number on their way is not finite.
 pub(crate) fn in_hardware(function: &Function, inputs: &[f64], single: bool) -> Vec<Option<f64>> {
     let round = |number: f64| {

@@ -51,7 +51,7 @@ impl Pass for Believe {
     }
 }
 
-/// What the variables stand for where a pattern fits.
+/// Operands in the place of the variables where a pattern fits.
 fn fits(
     pattern: &Pattern,
     function: &Function,

@@ -1,4 +1,4 @@
-//! What a fuzz target has done so far.
+//! Record of a fuzz target so far.
 //!
 //! A generator that rots makes nothing but invalid programs, and a target
 //! that tests nothing finds nothing: both show here and nowhere else.
@@ -6,7 +6,7 @@
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What came of one input.
+/// Outcome of one input.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Run {
     /// Operations of the program.

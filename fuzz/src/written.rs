@@ -248,8 +248,8 @@ fn check(module: &Module, language: Language) {
     }
 }
 
-/// What can be written in one piece can be written in parts, each function
-/// with its own end.
+/// Checks that a module that can be written in one piece can be written in
+/// parts, each function with its own end.
 fn check_drop_in(module: &Module) {
     let mut options = DropInOptions {
         test_main: true,

@@ -1,4 +1,4 @@
-//! What arithmetic costs in a number format, for comparing formats.
+//! Cost of arithmetic in a number format, for comparing formats.
 //!
 //! A multiplier has as many cells as the square of the bits of the
 //! significand, an adder and a word as many as bits; so has what is computed
@@ -23,7 +23,7 @@ pub struct OperationWork {
 }
 
 impl OperationWork {
-    /// So many products and sums.
+    /// Work of a number of products and sums.
     pub const fn new(products: f64, sums: f64) -> OperationWork {
         OperationWork { products, sums }
     }
@@ -46,14 +46,14 @@ impl OperationWork {
         })
     }
 
-    /// What it costs in a format, in cells.
+    /// Cost in a format, in cells.
     pub fn cost(self, format: Format) -> f64 {
         let bits = f64::from(format.significand());
         self.products * bits * bits + self.sums * bits
     }
 }
 
-/// What the operations of a function cost, in cells: each in the format of its
+/// Cost of the operations of a function, in cells: each in the format of its
 /// value, where it has one of its own.
 pub fn function_cost(function: &Function, format: Format) -> f64 {
     let Some(formats) = &function.formats else {

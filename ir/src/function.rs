@@ -185,7 +185,7 @@ pub struct Boundary {
     pub sources: SourceSet,
 }
 
-/// When an operation can and must be done (thesis 2.2.1 and 2.2.2). All four
+/// Earliest and latest times of an operation (thesis 2.2.1 and 2.2.2). All four
 /// count from the start of the run to the moment the result is *available*:
 /// inputs are available at 0.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]

@@ -37,8 +37,8 @@ pub struct Machine {
         deserialize_with = "fields::clock_mhz::deserialize"
     )]
     pub clock_mhz: Option<f64>,
-    /// Where that clock comes from. A published one is that of other
-    /// hardware, so only studies of what was published use it.
+    /// Origin of that clock. A published one is that of other hardware, so only
+    /// studies of published results use it.
     #[serde(default)]
     pub clock_origin: ClockOrigin,
     /// The family of devices it is built on.
@@ -57,7 +57,7 @@ pub struct Machine {
     /// The buffer of each element; without one every write is direct.
     #[serde(default)]
     pub buffer: Option<BufferDescription>,
-    /// How results travel; a crossbar when absent.
+    /// Interconnect that results travel on; a crossbar when absent.
     #[serde(default)]
     pub interconnect: Interconnect,
     /// The instruction memories, which only generated hardware bounds.
@@ -180,7 +180,7 @@ pub struct InstructionDescription {
     pub words: Option<u32>,
 }
 
-/// What a real device has in all; 0 where a machine file does not say.
+/// Resources of a real device in all; 0 where a machine file has none.
 #[derive(Clone, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeviceResources {

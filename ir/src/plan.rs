@@ -39,7 +39,7 @@ struct EvaluationStep {
     result: u32,
 }
 
-/// How long a value lives.
+/// Lifetime of a value.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Lifetime {
     /// Nothing wanted needs it.
@@ -195,7 +195,7 @@ impl EvaluationPlan {
     }
 }
 
-/// How long the value of each node lives.
+/// Lifetime of the value of each node.
 fn lifetimes(function: &Function, wanted: &[Operand]) -> Vec<Lifetime> {
     let mut lifetimes = vec![Lifetime::Unused; function.nodes().len()];
     for value in wanted.iter().filter_map(|operand| operand.value()) {

@@ -1,4 +1,4 @@
-//! What is built, what fits it, and what is refused.
+//! Hardware that is built, programs that fit it, and those that are refused.
 
 use robovec_fpga::manifest::Manifest;
 use robovec_fpga::rtl::*;

@@ -27,7 +27,7 @@ pub(crate) struct PythonProgram {
     passes: Vec<PassRunRecord>,
     /// The counts of the function as it was read.
     read: Vec<ReadCounts>,
-    /// What readers remarked, as the command line shows it.
+    /// Remarks of readers, as the command line shows them.
     remarks: String,
 }
 
@@ -123,7 +123,7 @@ impl PythonProgram {
         &self.function().name
     }
 
-    /// What readers remarked; empty for nothing.
+    /// Remarks of readers; empty for none.
     #[getter]
     fn remarks(&self) -> &str {
         &self.remarks

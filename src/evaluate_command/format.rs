@@ -1,4 +1,4 @@
-//! How results are written.
+//! Format of results.
 
 use std::fmt::Write;
 

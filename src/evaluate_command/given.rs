@@ -115,7 +115,7 @@ impl GivenState<'_> {
     }
 }
 
-/// Which flattened inputs are read.
+/// Flattened inputs that are read.
 fn needed(function: &Function) -> Vec<bool> {
     let mut needed = vec![false; function.input_len()];
     let assigned = function

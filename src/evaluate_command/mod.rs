@@ -41,7 +41,7 @@ pub enum StateSource<'t> {
     },
 }
 
-/// What is evaluated, and how.
+/// Evaluation to be done.
 #[derive(Clone, Copy, Debug)]
 pub struct EvaluationRequest<'a> {
     /// The functions.
@@ -50,7 +50,7 @@ pub struct EvaluationRequest<'a> {
     pub model: Option<&'a Model>,
     /// The states.
     pub states: StateSource<'a>,
-    /// What is computed with.
+    /// Number system.
     pub number: NumberSystem,
     /// Way in which the result is written.
     pub format: ResultFormat,

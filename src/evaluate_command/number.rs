@@ -14,7 +14,7 @@ use robovec_num::soft_float::FormatArithmetic;
 use std::cell::RefCell;
 use std::str::FromStr;
 
-/// What is computed with.
+/// Number system of the evaluation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum NumberSystem {
     /// A number format; values with a format of their own are computed in

@@ -180,7 +180,7 @@ impl Standing<'_> {
         (loaded, of_joints.collect())
     }
 
-    /// What is left of the equations, for each independent joint, without
+    /// Residual of the equations, for each independent joint, without
     /// accelerations of these.
     fn residual(&self, state: &State<Double>) -> Vec<Double> {
         let mut closed = state.clone();

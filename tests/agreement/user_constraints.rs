@@ -168,7 +168,7 @@ impl Bound {
         ]
     }
 
-    /// What is left of `M qdd + c = Qq + Qc + J^T lambda` at the numbers that a
+    /// Residual of `M qdd + c = Qq + Qc + J^T lambda` at the numbers that a
     /// function gave, in parts of the largest force.
     fn balance(&self, found: &Outputs) -> f64 {
         let (tree, state) = self.case.exact();
@@ -205,7 +205,7 @@ impl Bound {
         worst / size
     }
 
-    /// How far accelerations are from those wanted when the forces that inverse
+    /// Distance of accelerations from those wanted when the forces that inverse
     /// dynamics finds for them act, in parts of the largest.
     fn actuated(&mut self, wanted: &[f64]) -> f64 {
         let kept = self.case.state.qdd.clone();

@@ -1,4 +1,4 @@
-//! What is told beside the result: reports, histories, errors and help.
+//! Texts beside the result: reports, histories, errors and help.
 
 use super::{PIPELINE, SUSPENSION, example, opt, run};
 use crate::support::programs::stderr;

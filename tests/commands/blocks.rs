@@ -2,7 +2,7 @@
 
 /// A fenced block.
 pub(crate) struct CodeBlock {
-    /// What it is: the first word behind the fence.
+    /// Kind of the block: the first word of the fence.
     pub(crate) kind: String,
     /// The other words: what a fragment belongs to.
     pub(crate) note: String,

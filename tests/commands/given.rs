@@ -1,4 +1,4 @@
-//! What the commands of the documents are given: files that stand for a user's,
+//! Files and commands for the documents: files in the place of a user's,
 //! smaller commands in place of long ones, and those that are not run.
 
 use crate::support::files::tree;

@@ -11,7 +11,7 @@ pub(super) struct Callable {
     pub(super) function: String,
 }
 
-/// What can be called as MBsysC calls it: one function of a known kind, whole.
+/// Calls as MBsysC makes them: one function of a known kind, whole.
 pub(super) fn callable(
     subject: usize,
     module: Module,
@@ -69,7 +69,7 @@ pub(super) fn case_of(function: &Function) -> u32 {
     case.map_or(1, |(_, number)| number.parse().expect("a number"))
 }
 
-/// How MBsysC calls a function.
+/// Call of a function by MBsysC.
 pub(super) fn call_of(function: &str) -> Option<&'static str> {
     Some(match function.strip_prefix("mbs_").unwrap_or(function) {
         "dirdyna" => "(s->M, s->c, s, tsim)",

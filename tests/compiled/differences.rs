@@ -1,4 +1,4 @@
-//! What a call changed, beside the evaluation of the function.
+//! Changes by a call, beside the evaluation of the function.
 
 use super::number;
 use super::program::Changes;

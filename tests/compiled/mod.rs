@@ -30,12 +30,12 @@ const STATES: u64 = 2;
 
 /// A file of equations.
 pub(crate) struct Subject {
-    /// What messages call it, and what its kind is told from.
+    /// Title in messages, and the text its kind is read from.
     pub(crate) name: String,
     pub(crate) text: String,
 }
 
-/// What gcc and robovec make of a file.
+/// Outcome of a file in gcc and in robovec.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Outcome {
     /// robovec refuses it, with this message.

@@ -62,7 +62,7 @@ fn is_wanted(title: &str, row: &LimitRow, wanted: &str) -> bool {
     format!("{title}: {}", name(row, "")).contains(wanted)
 }
 
-/// What is wrong with how a program took a number that is not allowed.
+/// Fault in a program's answer to a number that is not allowed.
 fn refusal(row: &LimitRow, value: &str, trial: &Invocation, folder: &Path) -> Option<String> {
     let ending = trial.run(folder, SECONDS);
     let complaint = |what: &str| {

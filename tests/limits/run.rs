@@ -19,12 +19,12 @@ pub(crate) struct Invocation {
     pub(crate) arguments: Vec<String>,
 }
 
-/// How it ended.
+/// End of a run.
 #[derive(Debug)]
 pub(crate) struct Ending {
     /// The exit code, if it ended by itself.
     pub(crate) code: Option<i32>,
-    /// What it told, its beginning and end.
+    /// Output, its beginning and end.
     pub(crate) told: String,
     /// Seconds of processors, programs it started included.
     pub(crate) seconds: f64,
@@ -98,7 +98,7 @@ fn ended(child: &mut Child, time: Duration) -> bool {
 }
 
 impl Ending {
-    /// What must never happen, if it happened.
+    /// Fault that must never happen, if it happened.
     pub(crate) fn fault(&self) -> Option<&'static str> {
         if self.late {
             return Some("it did not end in time");

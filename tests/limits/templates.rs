@@ -1,5 +1,5 @@
-//! How each number of the table is tried: a program that reads it and works
-//! with it, on a small input.
+//! Trials of each number of the table: a program that reads it and works with
+//! it, on a small input.
 //!
 //! A number of a pass, a subcommand or a kind of file that has a template is
 //! tried without a word here; one without fails the test that says so.
@@ -40,7 +40,7 @@ fn write(folder: &Path, name: &str, text: &str) {
     fs::write(folder.join(name), text).expect("a writable folder");
 }
 
-/// What a trial finds in its folder besides what is made for it.
+/// Files that a trial finds in its folder besides those that are made for it.
 pub(crate) fn prepare(folder: &Path) {
     write(folder, "p.mbs", &pendulum_text());
     write(
@@ -178,7 +178,7 @@ fn flag(row: &LimitRow, value: &str) -> Option<Invocation> {
     })
 }
 
-/// What flags and fields need in the folder besides [`prepare`].
+/// Files that flags and fields need in the folder besides [`prepare`].
 pub(crate) fn prepare_more(folder: &Path) {
     let place = opt("f.rvir -passes=atomise,place,codegen -o img");
     let ending = place.run(folder, 60);

@@ -31,13 +31,13 @@ const NUMBERS: [&str; 24] = [
     "2147483647",
     "(0)",
 ];
-/// What is put between tokens.
+/// Pieces put between tokens.
 const PIECES: [&str; 40] = [
     "(", ")", "-", "+", "*", "/", "/2", "*1/2", "1/2*", "-(0)*", "++", "--", "?", ":", "%2", ",",
     ";", "{", "}", "(int)", "(double)", "(float)", "!", "[1]", "[1][2]", "[01]", "=", "==", "&",
     "/*", "*/", "//", "\\\n", "\"", "'", "sin(", "**", "//2", "^2", "s->",
 ];
-/// What is put between lines.
+/// Lines put between lines.
 const LINES: [&str; 60] = [
     "#if 0",
     "#if 1",

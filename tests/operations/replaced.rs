@@ -1,4 +1,4 @@
-//! What is never replaced without being asked for.
+//! Files that are never replaced without being asked for.
 
 use super::{folder, pendulum, read, refused, write};
 use crate::support::programs::{opt_in, robovec_in, said};

@@ -7,7 +7,7 @@ use robovec::model::{
 };
 use robovec_num::random::Random;
 
-/// What is drawn for models.
+/// Random draws for models.
 pub(crate) trait ModelDraw {
     /// Uniform in a range.
     fn between(&mut self, low: f64, high: f64) -> f64;
@@ -17,7 +17,7 @@ pub(crate) trait ModelDraw {
     fn vector(&mut self, zeros: f64) -> [f64; 3];
 }
 
-/// What a random model is made of.
+/// Ingredients of a random model.
 #[derive(Clone, Copy)]
 pub(crate) struct Recipe {
     /// Number of bodies.
@@ -156,9 +156,8 @@ fn add_body(random: &mut Random, recipe: &Recipe, model: &mut Model, index: usiz
     });
 }
 
-/// How a joint may stand. Quarters of a turn only where no joint of the same
-/// body comes before: they would make axes parallel, and the mass matrix
-/// singular.
+/// Mounting of a joint. Quarters of a turn only where no joint of the same body
+/// comes before: they would make axes parallel, and the mass matrix singular.
 fn mounting(random: &mut Random, first: bool) -> JointMounting {
     const QUARTER: f64 = std::f64::consts::FRAC_PI_2;
     let turns = (0..random.below(4)).map(|_| ConstantTurn {

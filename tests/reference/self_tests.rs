@@ -177,8 +177,8 @@ fn inverse_dynamics_is_lagranges() {
     });
 }
 
-/// What external forces contribute to a joint, from the motion of the
-/// centres of mass.
+/// Contribution of external forces to a joint, from the motion of the centres
+/// of mass.
 fn external_power_per_velocity(tree: &Tree<Double>, state: &State<Double>, j: usize) -> Double {
     let frames = frames(tree, state, zeros());
     let mut sum = Double::zero();

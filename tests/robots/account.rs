@@ -12,7 +12,7 @@ type Matrix = [[f64; 3]; 3];
 /// Position and velocity of a freedom.
 pub(super) type Motion = (f64, f64);
 
-/// What moves a link: a direction in the world, and for a turn a point on it.
+/// Freedom of a link: a direction in the world, and for a turn a point on it.
 #[derive(Clone)]
 struct Freedom {
     name: String,

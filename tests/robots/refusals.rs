@@ -118,8 +118,8 @@ fn huge_and_hostile_files_are_refused_in_time() {
     assert!(refusal_of(b"").contains("no element"));
 }
 
-/// What a `.mbs` file has no words for is refused with the joint and the
-/// reason, and what it has is read back as the same model.
+/// A property for which `.mbs` files have no words is refused with the joint
+/// and the reason, and the rest is read back as the same model.
 #[test]
 fn a_robot_is_written_as_mbs_where_that_can_say_it() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -1,4 +1,4 @@
-//! What the tests of hardware share: tools, and images to be edited.
+//! Shared parts of the tests of hardware: tools, and images to be edited.
 
 use robovec::rtl::HardwareSimulator;
 use robovec_fpga::manifest::Manifest;

@@ -1,4 +1,4 @@
-//! What is conserved, and to which order.
+//! Conserved quantities, and the order to which they are.
 
 use super::models::{double_pendulum, four_bar, run, runge_kutta, spatial_chain};
 use robovec::model::Model;

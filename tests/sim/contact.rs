@@ -87,8 +87,8 @@ fn a_damper_in_a_contact_takes_energy_and_never_pulls() {
     assert!((last.state.q[1] - rest).abs() < 1e-4, "{}", last.state.q[1]);
 }
 
-/// How long dry friction takes from one speed to another: the integral of
-/// `sqrt(v^2 + s^2) / v` over the deceleration of full friction.
+/// Time of dry friction from one speed to another: the integral of `sqrt(v^2 +
+/// s^2) / v` over the deceleration of full friction.
 fn slowing([from, to]: [f64; 2], slip: f64, deceleration: f64) -> f64 {
     let primitive = |v: f64| {
         let root = v.hypot(slip);

@@ -1,5 +1,5 @@
-//! What `sim` says of runs: in `runs/*.txt` the arguments, and below them the
-//! summary.
+//! Summaries of runs of `sim`: in `runs/*.txt` the arguments, and below them
+//! the summary.
 //!
 //! Drifts are what rounding and the method leave, and differ a little between
 //! libraries of sines: numbers with an exponent may be four times larger or
@@ -11,7 +11,7 @@ use crate::support::programs::robovec_in;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// How far apart drifts may be.
+/// Maximum distance of drifts.
 const APART: f64 = 4.0;
 
 /// Drifts below this are rounding of a few last digits.

@@ -1,5 +1,5 @@
-//! Where words lie: fields across the limbs of an instruction, inputs that
-//! are outputs, buffer words that change hands.
+//! Places of words: fields across the limbs of an instruction, inputs that are
+//! outputs, buffer words that change hands.
 
 use super::{check, random_placed, view};
 use robovec::simulate::LoadedProgram;

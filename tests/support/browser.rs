@@ -13,7 +13,7 @@ fn chromium() -> Option<&'static str> {
     })
 }
 
-/// What a script told that drove through a page, by its keys; it writes them
+/// Report of a script that drove through a page, by its keys; it writes them
 /// into an element `told`. `None` without a browser.
 pub(crate) fn driven(page: &Path, script: &str, width: u32) -> Option<BTreeMap<String, String>> {
     let Some(browser) = chromium() else {

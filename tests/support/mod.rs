@@ -1,4 +1,4 @@
-//! What tests of several modules share.
+//! Shared parts of the tests of several modules.
 
 pub(crate) mod browser;
 pub(crate) mod files;

@@ -33,12 +33,12 @@ fn run_in(folder: &Path, program: &str, arguments: &[&str]) -> Output {
         .expect("the program starts")
 }
 
-/// What a run says that goes wrong.
+/// Messages of a run that fails.
 pub(crate) fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// What a run prints that must succeed.
+/// Output of a run that must succeed.
 pub(crate) fn said(output: &Output) -> String {
     assert!(output.status.success(), "{}", stderr(output));
     String::from_utf8_lossy(&output.stdout).into_owned()

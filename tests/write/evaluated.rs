@@ -1,4 +1,4 @@
-//! What is written computes the same numbers.
+//! Written equations compute the same numbers.
 
 use super::{around, equation_files, read_file};
 use crate::compiled::{Outcome, Subject, compare, has_gcc};
@@ -148,8 +148,8 @@ fn written_python_computes_the_same_numbers() {
     }
 }
 
-/// What a pipeline of exact passes makes of an example is written, read and
-/// still the same function.
+/// An example after a pipeline of exact passes is written, read and still the
+/// same function.
 #[test]
 fn optimised_equations_are_written() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/suspension");

@@ -1,4 +1,4 @@
-//! What is written reads back as the function it was.
+//! Written equations read back as the function they were.
 
 use super::evaluated::numbers;
 use super::same::assert_same;
@@ -146,8 +146,8 @@ fn files_elsewhere_read_back() {
     assert_eq!(failures, 0);
 }
 
-/// What the generator writes, a user drops in the place of Robotran's files:
-/// our reader must find in them the very function that was generated.
+/// Generated functions take the place of Robotran's files: our reader must find
+/// in them the very function that was generated.
 #[test]
 fn generated_functions_read_back_in_every_language() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models");

@@ -1,4 +1,4 @@
-//! When two modules say the same, whatever a language changes.
+//! Equality of two modules, whatever a language changes.
 
 use robovec_framework::rewrite::lay_out;
 use robovec_ir::print::print_module;
@@ -9,8 +9,8 @@ use robovec_ir::{
 };
 use std::collections::HashMap;
 
-/// What a language changes: what user functions are called, which of Python's
-/// sensor files a function comes from, and names that no language accepts.
+/// Parts that a language changes: the names of user functions, the sensor file
+/// of Python that a function comes from, and names that no language accepts.
 fn normalised(module: &Module) -> Module {
     let mut module = module.clone();
     for function in &mut module.functions {

@@ -1,8 +1,8 @@
-//! What came of programs, and what was found wrong.
+//! Results of programs, and the faults found in them.
 
 use std::fmt;
 
-/// What came of some programs.
+/// Results of some programs.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Tally {
     /// Programs.
@@ -56,11 +56,11 @@ impl fmt::Display for Tally {
 pub struct Finding {
     /// The pass with its options.
     pub pass: String,
-    /// What is wrong.
+    /// Fault in words.
     pub what: String,
     /// The program it was given.
     pub program: String,
-    /// What it made of it.
+    /// Program that it made.
     pub result: String,
 }
 

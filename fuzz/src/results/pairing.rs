@@ -10,7 +10,7 @@ use robovec_ir::{Array, View, print};
 use robovec_num::random::mix;
 use std::collections::BTreeMap;
 
-/// How the arrays of two versions belong together.
+/// Pairs of the arrays of two versions.
 pub(super) struct Pairing<'a> {
     pub(super) promise: &'a Promise,
     /// The instance of a program with several, counted from 1.

@@ -1,16 +1,16 @@
-//! What the class of a pass promises of values.
+//! Promises of the class of a pass about values.
 
 use crate::referee::Leniency;
 use robovec_analysis::class::NumericClass;
 use robovec_framework::instances::Instances;
 use robovec_framework::pipeline::PassStep;
 
-/// What a step promises.
+/// Promise of a step.
 pub(super) struct Promise {
     pub(super) class: NumericClass,
     pub(super) instances: Option<Instances>,
     pub(super) leniency: Leniency,
-    /// How large inputs may be.
+    /// Range of inputs.
     pub(super) range: f64,
 }
 

@@ -41,7 +41,7 @@ pub fn rules_are_judged(data: &[u8]) {
     }));
 }
 
-/// What came of a rule.
+/// Verdict on a rule.
 #[derive(Clone, PartialEq, Debug)]
 struct Judged {
     text: String,

@@ -8,14 +8,13 @@ use robovec_rules::{Pattern, PatternNode, Rule};
 const BITS: usize = 2_048;
 const ROUNDING: RoundingMode = RoundingMode::ToEven;
 
-/// What differs by less than this power of two of the largest number may be
-/// equal.
+/// Differences below this power of two of the largest number may be equal.
 const EQUAL: i64 = -1_000;
-/// What is divided by must be larger than this power of two of the largest
-/// number, so that hardly any bit is lost.
+/// Divisors must be larger than this power of two of the largest number, so
+/// that hardly any bit is lost.
 const CLOSE: i64 = -200;
 
-/// What a side is.
+/// Side of a comparison.
 enum Side {
     /// Its value, and the largest exponent of all numbers on the way.
     Value(BigFloat, i64),

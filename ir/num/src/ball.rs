@@ -109,8 +109,8 @@ impl<const LANES: usize> Ball<LANES> {
     }
 }
 
-/// What the end of the range can have cost a product or quotient that may be
-/// other than zero, and its radius, which sinks to zero as well.
+/// Cost of the end of the range for a product or quotient that may be other
+/// than zero, and for its radius, which sinks to zero as well.
 #[inline]
 fn sunk(result: f64, may_be_other: bool) -> f64 {
     let lost = result.abs() < SMALLEST_WHOLE && may_be_other;

@@ -26,7 +26,7 @@ pub struct Dual<N> {
 }
 
 impl<N> Dual<N> {
-    /// What does not depend on the direction.
+    /// A number that does not depend on the direction.
     pub fn fixed(value: N) -> Dual<N> {
         Dual { value, slope: None }
     }

@@ -219,7 +219,7 @@ pub struct LimitRow {
     pub place: String,
     /// Its name there.
     pub name: String,
-    /// What is allowed.
+    /// Allowed numbers.
     pub limit: NumberLimit,
     /// The default; empty when the number must be given.
     pub usual: String,

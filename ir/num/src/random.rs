@@ -2,7 +2,7 @@
 //! SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number
 //! generators", OOPSLA 2014).
 
-/// What a number of the sequence is ahead of the one before.
+/// Difference of a number of the sequence to the one before.
 const STEP: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// A permutation of the 64-bit numbers in which every bit of the argument

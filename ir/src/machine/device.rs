@@ -111,9 +111,9 @@ pub struct Device {
     pub cells: CellDelays,
     /// The delays of its nets.
     pub nets: NetDelays,
-    /// What its blocks can do.
+    /// Abilities of its blocks.
     pub blocks: DeviceBlocks,
-    /// What there is of everything.
+    /// Amount of each resource.
     pub capacity: DeviceCapacity,
 }
 
@@ -154,7 +154,7 @@ pub struct NetDelays {
     pub slow: u32,
 }
 
-/// What the blocks of a device can do.
+/// Abilities of the blocks of a device.
 #[derive(Clone, PartialEq, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DeviceBlocks {
@@ -169,7 +169,7 @@ pub struct DeviceBlocks {
     pub dual_port_shapes: Vec<[u32; 2]>,
 }
 
-/// What a device has in all.
+/// Resources of a device in all.
 #[derive(Clone, Copy, PartialEq, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DeviceCapacity {

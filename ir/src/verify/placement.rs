@@ -64,7 +64,7 @@ pub fn verify_placement(view: View<'_>, machine: &Machine) -> Vec<Violation> {
     collector.finish()
 }
 
-/// What the machine says of a processing element.
+/// Numbers of the machine about a processing element.
 #[derive(Clone, Copy)]
 struct ElementFacts {
     stages: u32,

@@ -1,4 +1,4 @@
-//! What a pass promises about numbers.
+//! Promise of a pass about numbers.
 
 use std::fmt;
 

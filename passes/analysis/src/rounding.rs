@@ -1,5 +1,4 @@
-//! How rounding errors in binary32 are distributed, and whether a pass made
-//! them larger.
+//! Distribution of rounding errors in binary32, and its change by a pass.
 //!
 //! [`accuracy`](super::accuracy) tells of every output; here all outputs in
 //! all states are one population, of which the median, the 99th percentile

@@ -123,7 +123,7 @@ struct CoreWriter<'a> {
     names: (Vec<String>, Vec<String>),
 }
 
-/// What is still to write of an expression.
+/// Piece of an expression that is still to be written.
 enum Piece {
     Operand(Operand),
     Text(&'static str),

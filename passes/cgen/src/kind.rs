@@ -195,7 +195,7 @@ pub enum Generation {
     Old,
 }
 
-/// What the metadata of a function call the structure of its project.
+/// Name of a function's project structure in the metadata.
 const STRUCTURE: &str = "structure";
 
 impl Generation {
@@ -249,7 +249,7 @@ pub struct ProjectStructure {
     pub header: &'static str,
     /// The header that declares the functions of equations and user.
     pub functions: &'static str,
-    /// What the names of functions begin with.
+    /// Prefix of the names of functions.
     pub prefix: &'static str,
 }
 

@@ -2,9 +2,8 @@
 
 use std::process::Command;
 
-/// What a program prints that gcc makes of the `.c` files among these, without
-/// a warning, and whether it succeeds; none, with a remark, where there is no
-/// gcc.
+/// Output of the program that gcc makes of the `.c` files among these, without
+/// a warning, and its success; none, with a remark, where there is no gcc.
 pub(super) fn compiled_output(
     files: &[(String, String)],
     flags: &[&str],

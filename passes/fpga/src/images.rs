@@ -41,7 +41,7 @@ impl Artifacts for Vec<(String, String)> {
     }
 }
 
-/// What a pass gives.
+/// Files that a pass gives.
 impl Artifacts for Vec<Artifact> {
     fn file(&mut self, name: &str, content: FileContent<'_>) -> io::Result<()> {
         let mut files: Vec<(String, String)> = Vec::new();

@@ -101,7 +101,7 @@ pub struct MappedMemory {
     pub limbs: u32,
     /// Addresses from one word to the next: the next power of two.
     pub stride: u32,
-    /// Whether the host can read it back.
+    /// True if the host can read it back.
     pub readable: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Whether the machine has the ports and words that the traffic needs.
+//! Check that the machine has the ports and words that the traffic needs.
 
 use super::ImageError;
 use super::traffic::Traffic;

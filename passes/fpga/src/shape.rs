@@ -1,4 +1,4 @@
-//! Whether a placement has the shape of its function, so that everything
+//! Check that a placement has the shape of its function, so that everything
 //! after can index with it.
 
 use super::ImageError;

@@ -25,7 +25,7 @@ pub struct Differentiation {
     pub of: ArrayChoice,
     /// The input arrays they are differentiated by.
     pub by: ArrayChoice,
-    /// What is computed of the Jacobian.
+    /// Part of the Jacobian that is computed.
     pub result: DerivativeResult,
     /// True if the outputs of the function stay outputs. Arguments of user
     /// functions always do.
@@ -33,7 +33,7 @@ pub struct Differentiation {
 }
 
 option_words! {
-    /// What is computed of a Jacobian.
+    /// Part of a Jacobian that is computed.
     pub enum DerivativeResult {
         /// All of its elements.
         Jacobian = "jacobian",
@@ -106,7 +106,7 @@ pub enum DifferentiationError {
 }
 
 impl DifferentiationError {
-    /// What the user can do.
+    /// Advice for the user.
     pub fn help(&self) -> String {
         match self {
             DifferentiationError::NoArray { kind, known, .. } => {

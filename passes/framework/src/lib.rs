@@ -22,5 +22,5 @@ pub mod scene;
 pub mod template;
 pub mod trail;
 
-/// What passes declare of their numbers; [`declare_pass!`] names it.
+/// Declaration of a pass about its numbers; [`declare_pass!`] names it.
 pub use robovec_analysis::class::NumericClass;

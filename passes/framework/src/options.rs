@@ -15,7 +15,7 @@ pub trait OptionValue: Sized + PartialEq {
     /// True if values are numbers, so that an option of this type needs a
     /// limit.
     const IS_NUMBER: bool = false;
-    /// What the help calls the type (`integer`, `first | preferential`).
+    /// Name of the type in the help (`integer`, `first | preferential`).
     fn type_name() -> String;
     /// Reads a value from a pipeline's text; the error says what is wanted.
     ///
@@ -118,7 +118,7 @@ pub fn joined_names(text: &str) -> Result<Vec<String>, String> {
     }
 }
 
-/// What the registry knows of an option.
+/// Entry of the registry about an option.
 #[derive(Clone, Copy, Debug)]
 pub struct OptionInfo {
     /// Its name in the pipeline.
@@ -177,7 +177,7 @@ pub enum OptionError {
     Value {
         /// The option.
         name: String,
-        /// What is wrong.
+        /// Fault in words.
         reason: String,
     },
 }

@@ -51,7 +51,7 @@ const LATE_WINDOW: u32 = 24;
 pub(super) struct OperandSource {
     /// The datum.
     pub(super) datum: Datum,
-    /// When and where it appears; `None` for initial data.
+    /// Time and place at which it appears; `None` for initial data.
     pub(super) result: Option<WriteBack>,
 }
 

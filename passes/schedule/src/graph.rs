@@ -15,8 +15,8 @@ pub(super) const HOST: u8 = u8::MAX;
 const LONGEST: u64 = 1 << 30;
 
 index_types! {
-    /// What an operation reads: below the number of nodes a node, from there
-    /// on an input or constant of [`DependenceGraph::initial`].
+    /// Datum that an operation reads: below the number of nodes a node, from
+    /// there on an input or constant of [`DependenceGraph::initial`].
     pub(super) struct Datum;
 }
 

@@ -15,7 +15,7 @@ index_types! {
     struct StoredCycle;
 }
 
-/// When a word travels.
+/// Time at which a word travels.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Travel {
     /// The cycle in which it leaves its producer or the producer's buffer.
@@ -55,7 +55,7 @@ impl StoredDatum {
         self.departed.map(StoredCycle::number)
     }
 
-    /// When the word travels; `None` for initial data.
+    /// Time at which the word travels; `None` for initial data.
     pub(super) fn travel(&self) -> Option<Travel> {
         Some(Travel {
             departs: self.departed()?,
@@ -79,7 +79,7 @@ impl StoredDatum {
     }
 }
 
-/// When and where a result appears.
+/// Time and place at which a result appears.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct WriteBack {
     /// The cycle in which it is on the crossbar.
@@ -127,12 +127,12 @@ impl Locations {
         }
     }
 
-    /// When and where a datum appears, if it has been computed.
+    /// Time and place at which a datum appears, if it has been computed.
     pub(super) fn result(&self, datum: Datum) -> Option<WriteBack> {
         self.data[datum.index()].result
     }
 
-    /// When and where a datum that was computed appears.
+    /// Time and place at which a datum that was computed appears.
     pub(super) fn computed(&self, datum: Datum) -> WriteBack {
         self.result(datum).expect("the datum was computed")
     }

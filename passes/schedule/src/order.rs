@@ -5,7 +5,7 @@ use robovec_framework::option_words;
 use robovec_num::radix;
 
 option_words! {
-    /// How list scheduling ranks the operations (thesis 2.2 and 2.3.1).
+    /// Rank of the operations in list scheduling (thesis 2.2 and 2.3.1).
     #[derive(Default)]
     pub enum Priority {
         /// [`Priority::FanOut`]; where its schedule is longer than the bound

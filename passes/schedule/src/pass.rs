@@ -53,9 +53,9 @@ declare_pass! {
         /// Elements that multiply and add in one operation, on machines that
         /// have them.
         pub n_fma: Option<u32> = None => fields::count::LIMIT,
-        /// Which operation goes first.
+        /// Rank of the operations.
         pub priority: Priority = Priority::default(),
-        /// Which element it goes to.
+        /// Choice of the element.
         pub choice: ElementChoice = ElementChoice::default(),
     }
     takes: [Atomic, Scheduled, Placed],

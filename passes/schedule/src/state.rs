@@ -60,16 +60,16 @@ pub(super) struct Task<'a> {
     pub(super) target: u32,
 }
 
-/// When the element of an operation is decided.
+/// Time at which the element of an operation is decided.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Manner {
-    /// When it is issued; its operands are sent after it, through write ports
-    /// that were left free, or through buffers.
+    /// At the issue; its operands are sent after it, through write ports that
+    /// were left free, or through buffers.
     AtIssue,
-    /// When its first operand is issued, and ports are booked then; but an
+    /// At the issue of its first operand, and ports are booked then; but an
     /// element or a buffer that avoids idling is preferred to the booking.
     Booked,
-    /// When its first operand is issued, without exception; needs no buffer.
+    /// At the issue of its first operand, without exception; needs no buffer.
     Ahead,
 }
 

@@ -10,7 +10,7 @@ use crate::sums::earliest::finish;
 use robovec_analysis::critical_path::Weights;
 use robovec_ir::Operation;
 
-/// When the value of each class is available.
+/// Times at which the values of the classes are available.
 #[derive(Clone, Default, Debug)]
 pub(crate) struct Arrivals(Vec<u32>);
 

@@ -1,4 +1,4 @@
-//! Whether rules lead from one term to another, and by which steps.
+//! Derivation of one term from another by rules, with its steps.
 
 use super::form::{ClassAnalysis, EquivalentForm};
 use super::plain::{self, plain_number};

@@ -120,7 +120,8 @@ impl ValueNaming {
     }
 }
 
-/// When the values of a function are there, one known after the other.
+/// Times at which the values of a function are there, one known after the
+/// other.
 pub(crate) struct ArrivalTimes {
     pub(crate) weights: Weights,
     times: Vec<u32>,
@@ -226,8 +227,8 @@ impl SumWriter {
         self.signed(operand, false)
     }
 
-    /// What an operand of the function read has become; `map` says it of
-    /// values.
+    /// Operand in the new function for one of the function read; `map` has
+    /// those of values.
     pub(crate) fn translate(
         &mut self,
         old: &Function,

@@ -199,7 +199,7 @@ struct CircularAngle {
     bounds: Option<Interval>,
     /// The number it is.
     known: Option<f64>,
-    /// Whether its sine and its cosine are there.
+    /// True for the sine and for the cosine where it is there.
     wanted: [bool; 2],
     /// The sources of the place where it is first written.
     sources: SourceSet,

@@ -43,7 +43,7 @@ pub struct Contestant {
     pub data: Vec<(String, Vec<u8>)>,
     /// Arguments of the program before the milliseconds.
     pub arguments: Vec<String>,
-    /// What stands in its file of results, for each state in this order.
+    /// Outputs in its file of results, for each state in this order.
     pub outputs: Vec<OutputKey>,
     /// The largest difference that is rounding.
     pub tolerance: f64,
@@ -55,13 +55,13 @@ pub struct Contestant {
     pub shared: Option<String>,
 }
 
-/// What building told.
+/// Results of building.
 pub(super) struct Built {
     pub(super) seconds: Option<f64>,
     pub(super) code_bytes: Option<u64>,
 }
 
-/// What a run told of time.
+/// Times of a run.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct RunTime {
     /// The least processor time per state, ns.

@@ -86,7 +86,7 @@ pub(super) fn outputs(view: View<'_>) -> Vec<OutputKey> {
         .collect()
 }
 
-/// What the results must be.
+/// Expected results.
 pub(super) struct ReferenceResults<'a> {
     view: View<'a>,
     keys: Vec<OutputKey>,
@@ -126,8 +126,8 @@ impl<'a> ReferenceResults<'a> {
         measured.normwise
     }
 
-    /// Where every output stands in the results of somebody who sets these: a
-    /// symmetric element may stand in the other half of its matrix.
+    /// Places of the outputs in the results of somebody who sets these: a
+    /// symmetric element may lie in the other half of its matrix.
     fn places(&self, keys: &[OutputKey]) -> Vec<Option<usize>> {
         let places: BTreeMap<&OutputKey, usize> = keys.iter().zip(0..).collect();
         let find = |key: &OutputKey| {

@@ -18,7 +18,7 @@ pub(super) enum CallingConvention {
     Plain,
     /// Runs of so many states, with parameters of these names prepared once.
     Batch(u32, Vec<String>),
-    /// So many states one after the other, in one call, with the same
+    /// Several states one after the other, in one call, with the same
     /// parameters of these names for all.
     States(u32, Vec<String>),
     /// Robotran's: some outputs, the data structure, some scalars.
@@ -94,9 +94,9 @@ pub(super) struct Callee<'a> {
     pub(super) view: View<'a>,
     /// The type it computes in.
     pub(super) real: Real,
-    /// How it is called.
+    /// Calling convention.
     pub(super) call: &'a CallingConvention,
-    /// What declares it.
+    /// Header that declares it.
     pub(super) header: &'a str,
     /// Its name.
     pub(super) name: &'a str,

@@ -1,4 +1,4 @@
-//! How fast the same function is in the hands of others.
+//! Speed of the same function in the hands of others.
 //!
 //! A bench takes the equations of a function, or the model they come from,
 //! and times in one run: Robotran's file as it is, the C that robovec writes
@@ -36,7 +36,7 @@ pub use tools::Compiler;
 use robovec_io::files::make_folder;
 use robovec_model::Model;
 
-/// What everybody computes, and at which states.
+/// Function and states that everybody computes.
 pub struct BenchQuestion<'a> {
     /// The name of the folder of its programs.
     pub name: String,
@@ -49,14 +49,14 @@ pub struct BenchQuestion<'a> {
     pub has_loads: bool,
     /// Origin of the states.
     pub states: &'a States,
-    /// How many: a multiple of 16.
+    /// Number of states: a multiple of 16.
     pub count: u32,
     /// The flags with which everybody's C is compiled; those that suit each
     /// kind of it when `None`.
     pub flags: Option<&'a str>,
 }
 
-/// How one contestant did.
+/// Outcome of one contestant.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct BenchOutcome {
     /// Its name.
@@ -81,8 +81,8 @@ pub struct BenchOutcome {
     pub errors: Option<ErrorSpread>,
     /// Least processor time per state, ns.
     pub nanoseconds: Option<f64>,
-    /// How much longer one call in a thousand takes than the median one, ns:
-    /// see [`contestant::RunTime::jitter`].
+    /// Time by which one call in a thousand takes longer than the median one,
+    /// ns: see [`contestant::RunTime::jitter`].
     pub jitter: Option<f64>,
     /// Reason why there is no time.
     pub failure: Option<String>,

@@ -34,12 +34,12 @@ fn input_bytes(question: &BenchQuestion<'_>, view: View<'_>) -> Vec<u8> {
         .collect()
 }
 
-/// What C is made of and for.
+/// Plan of a contestant in C.
 #[derive(Clone, Copy)]
 pub struct ContestantPlan<'a> {
-    /// What it is asked.
+    /// Question to it.
     pub question: &'a BenchQuestion<'a>,
-    /// What compiles it.
+    /// Compiler of it.
     pub compiler: &'a Compiler,
     /// Origin of its equations.
     pub family: ContestantFamily,

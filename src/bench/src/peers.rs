@@ -1,5 +1,5 @@
-//! What else a user could call: a hand-written loop, Pinocchio, MuJoCo,
-//! CasADi.
+//! Other programs that a user could call: a hand-written loop, Pinocchio,
+//! MuJoCo, CasADi.
 //!
 //! The programs are files of `benches/peers`; libraries are taken from the
 //! user's Python packages (`pin`, `mujoco`, `casadi`), found by asking Python.
@@ -30,7 +30,7 @@ const CASADI_MAIN: &str = include_str!("../peers/casadi_main.c");
 /// Flags for all of them.
 const FLAGS: &str = "-O3 -march=native";
 
-/// What Pinocchio's headers need to know of Boost.
+/// Flags that Pinocchio's headers need for Boost.
 const PINOCCHIO_FLAGS: &str = "-std=c++17 -DNDEBUG -DBOOST_MPL_LIMIT_LIST_SIZE=30 \
      -DBOOST_MPL_LIMIT_VECTOR_SIZE=30 -DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS \
      -DBOOST_FUSION_INVOKE_MAX_ARITY=12";
@@ -41,7 +41,7 @@ pub const NAMES: [&str; 5] = ["loop", "batched-loop", "pinocchio", "mujoco", "ca
 /// States that the batched loop takes at once.
 const LOOP_LANES: u32 = 8;
 
-/// What a peer is asked.
+/// Question to a peer.
 #[derive(Clone, Copy)]
 struct PeerQuestion<'a> {
     question: &'a BenchQuestion<'a>,
@@ -106,7 +106,7 @@ pub fn peers(
 /// differences.
 const NO_DERIVATIVES: &str = "it has no derivatives of its own";
 
-/// What the peers are called in the table, in the order of their names.
+/// Titles of the peers in the table, in the order of their names.
 const TITLES: [&str; 5] = [
     "hand-written loop",
     "hand-written loop, 8 at once",
@@ -336,7 +336,7 @@ mod tests {
     use robovec_ir::states::States;
     use robovec_model::{Axis, ConstantTurn, JointMounting, family};
 
-    /// What is asked of a function of a model in 16 states.
+    /// Question about a function of a model in 16 states.
     fn question<'a>(
         task: BenchTask,
         module: &'a Module,

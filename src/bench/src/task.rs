@@ -1,5 +1,4 @@
-//! What is computed where there is a model: the functions that others offer
-//! as well.
+//! Tasks where there is a model: the functions that others offer as well.
 
 use super::contestant::ContestantFamily;
 use super::functions::OutputKey;
@@ -54,7 +53,7 @@ impl BenchTask {
         matches!(self, BenchTask::InvdynaD | BenchTask::DirdynaD)
     }
 
-    /// What it is called where robots are concerned.
+    /// Title where robots are concerned.
     pub fn title(self) -> &'static str {
         match self {
             BenchTask::Dirdyna => "M and c",
@@ -97,8 +96,8 @@ impl BenchTask {
         }
     }
 
-    /// What peers write for a state: matrices in full, one after the other, then
-    /// the vector.
+    /// Outputs that peers write for a state: matrices in full, one after the
+    /// other, then the vector.
     pub(super) fn outputs(self, joints: u32) -> Vec<OutputKey> {
         let vector = |array: &str| -> Vec<OutputKey> {
             let key = |row| OutputKey {

@@ -6,7 +6,7 @@ use std::path::Path;
 /// A C or C++ compiler that is installed.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Compiler {
-    /// How it is called.
+    /// Command that calls it.
     pub command: String,
     /// The first line of what it says of itself.
     pub version: String,
@@ -96,7 +96,7 @@ fn seconds(text: &str) -> Option<f64> {
     Some(60.0 * minutes.parse::<f64>().ok()? + rest.parse::<f64>().ok()?)
 }
 
-/// What a program prints.
+/// Output of a program.
 ///
 /// # Errors
 ///
@@ -106,7 +106,7 @@ pub(super) fn output(place: &Path, command: &str, arguments: &[String]) -> Resul
     told(command, &call.run().map_err(|error| error.to_string())?)
 }
 
-/// What a program printed that succeeded; the line that says why, of one that
+/// Output of a program that succeeded; the line with the reason, of one that
 /// failed.
 fn told(command: &str, run: &FinishedProcess) -> Result<String, String> {
     let text = run.text();

@@ -38,7 +38,7 @@ pub struct ReadEquations {
     pub ranges: Ranges,
     /// The format that the file computes in, where it names one.
     pub format: Option<Format>,
-    /// What the reader remarked.
+    /// Remarks of the reader.
     pub warnings: Report,
 }
 
@@ -219,7 +219,8 @@ pub fn limits_of_joints(model: &Model) -> Ranges {
     ranges
 }
 
-/// How far into a file its first element is looked for.
+/// Number of bytes at the beginning of a file in which its first element is
+/// searched.
 const HEAD: usize = 4096;
 
 /// True for a URDF file, by its name or else its first element.

@@ -150,7 +150,7 @@ impl JointKind {
     }
 }
 
-/// What decides a joint's motion.
+/// Cause of a joint's motion.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Nature {
     /// A degree of freedom.
@@ -187,7 +187,7 @@ pub struct Joint {
     pub name: String,
     /// Kind and axis.
     pub kind: JointKind,
-    /// What decides its motion.
+    /// Cause of its motion.
     pub nature: Nature,
     /// The body it belongs to.
     pub body: usize,
@@ -281,7 +281,7 @@ impl CutKind {
 pub struct Cut {
     /// Name.
     pub name: String,
-    /// What holds at the cut.
+    /// Condition at the cut.
     pub kind: CutKind,
     /// The two places that the cut separates.
     pub ends: [Anchor; 2],
@@ -319,11 +319,11 @@ pub struct Sensor {
     pub name: String,
     /// The point it sits on.
     pub point: usize,
-    /// What is asked for.
+    /// Quantities asked for.
     pub asks: Asks,
 }
 
-/// What a sensor is asked for; all in the base frame.
+/// Quantities asked of a sensor; all in the base frame.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Asks {
     /// Position.

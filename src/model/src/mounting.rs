@@ -1,5 +1,5 @@
-//! How a joint stands on what it hangs on: what Robotran's joints, whose axes
-//! are those of the frame before, cannot say.
+//! Mounting of a joint on its parent: turns and signs beyond Robotran's joints,
+//! whose axes are those of the frame before.
 //!
 //! The axis of a joint is always an axis of its own frame. Where it is none of
 //! the frame before, constant rotations lie in between; they have no degree of

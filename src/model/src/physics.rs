@@ -37,7 +37,7 @@ pub(super) fn impossible(
     );
 }
 
-/// How messages call a body.
+/// Title of a body in messages.
 pub(super) fn body_title(name: &str) -> String {
     format!("body '{}'", clip(name))
 }

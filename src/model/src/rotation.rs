@@ -10,7 +10,7 @@ use std::array::from_fn;
 /// A vector.
 pub(super) type Point3 = [f64; 3];
 
-/// What of a number of the size of one is rounding.
+/// Part of a number of the size of one that is rounding.
 pub(super) const DUST: f64 = 1e-15;
 
 /// The multiple of a right angle that an angle differs from by no more than a

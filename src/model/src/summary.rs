@@ -155,7 +155,7 @@ fn body_line(model: &Model, index: usize) -> String {
     line
 }
 
-/// What joints have beyond those of `.mbs` files, a line for each: constant
+/// Properties of joints beyond those of `.mbs` files, a line for each: constant
 /// turns before them, axes against which they move, limits and losses.
 fn placements(model: &Model) -> String {
     let plain = |joint: &Joint| {

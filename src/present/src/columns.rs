@@ -14,7 +14,7 @@ pub enum Digits {
     All,
     /// At most this many decimals.
     Decimals(u8),
-    /// So many decimals and an exponent.
+    /// A number of decimals and an exponent.
     Exponent(u8),
     /// As a function writes it.
     Words(fn(f64) -> String),

@@ -13,7 +13,7 @@ pub struct Figure {
     pub name: String,
     /// Number and subject: `Figure 3.4: …`.
     pub title: String,
-    /// What it shows and how to read it.
+    /// Explanation of the figure.
     pub caption: String,
     /// Its panels, drawn side by side in rows of [`Figure::columns`].
     pub panels: Vec<Panel>,
@@ -30,7 +30,7 @@ pub struct Panel {
     pub x: PlotAxis,
     /// The vertical axis.
     pub y: PlotAxis,
-    /// What is drawn.
+    /// Contents.
     pub content: PanelContent,
 }
 
@@ -69,7 +69,7 @@ impl Panel {
     }
 }
 
-/// What is drawn on a pair of axes.
+/// Contents of a pair of axes.
 #[derive(Clone, PartialEq, Debug)]
 pub enum PanelContent {
     /// Curves and points.
@@ -134,7 +134,7 @@ pub struct Curve {
     pub label: String,
     /// Colour and marker.
     pub paint: Paint,
-    /// How it is drawn.
+    /// Stroke of the curve.
     pub stroke: Stroke,
     /// Its points, in the order in which they are joined.
     pub marks: Vec<Mark>,
@@ -197,9 +197,9 @@ pub enum Stroke {
 /// A point of a curve.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Mark {
-    /// Where.
+    /// Horizontal coordinate.
     pub x: f64,
-    /// How much.
+    /// Vertical coordinate.
     pub y: f64,
     /// The ends of a bar through the point.
     pub range: Option<[f64; 2]>,
@@ -248,7 +248,7 @@ pub struct TileMap {
     pub rows: Vec<u32>,
     /// Values row by row; `None` where there is none.
     pub values: Vec<Option<f64>>,
-    /// What a value is, with its unit.
+    /// Quantity of a value, with its unit.
     pub quantity: String,
     /// Squares to frame, by column and row number.
     pub framed: Vec<[u32; 2]>,

@@ -54,7 +54,7 @@ pub fn share_percent(share: f64) -> String {
     format!("{:.2} %", 100.0 * share)
 }
 
-/// What is there in words, a dash for what is not.
+/// Text of a value, a dash for none.
 pub fn or_dash<T>(value: Option<T>, text: impl FnOnce(T) -> String) -> String {
     value.map_or_else(|| "-".to_owned(), text)
 }

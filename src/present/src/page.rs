@@ -11,7 +11,7 @@ use std::fmt::Write;
 /// The style of all pages with tables and figures.
 pub const STYLE: &str = include_str!("page/page.css");
 
-/// What all pages with tables can do: sort, find, save, tell values.
+/// Script of all pages with tables: sort, find, save, show values.
 pub const TABLES: &str = include_str!("page/tables.js");
 
 const POINTS: &str = include_str!("page/points.html");
@@ -30,7 +30,7 @@ pub struct PointsPage<'a> {
     pub subtitle: String,
     /// HTML: what is shown first.
     pub figures: String,
-    /// What the points are, over their tables.
+    /// Description of the points, over their tables.
     pub points: &'a str,
     /// HTML.
     pub tables: String,

@@ -13,7 +13,7 @@ pub struct DataTable {
     pub name: String,
     /// Number and subject: `Table 3.1: …`.
     pub title: String,
-    /// What it shows and how to read it.
+    /// Explanation of the table.
     pub caption: String,
     /// Heads of the columns, with units.
     pub columns: Vec<String>,

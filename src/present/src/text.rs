@@ -2,7 +2,7 @@
 
 use comfy_table::{Cell, CellAlignment, LineStyle, Table, TableStyle};
 
-/// What stands between the heads of two columns.
+/// Separator of the heads of two columns.
 pub(super) const BETWEEN: &str = " | ";
 
 /// A table with a line under its head. `head` has the heads of all columns,

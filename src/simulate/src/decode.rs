@@ -128,7 +128,7 @@ pub(super) struct Issue {
 pub(super) struct MemoryWrite {
     /// Element that owns the memory.
     pub(super) element: u32,
-    /// Which of its memories.
+    /// Index of its memory.
     pub(super) memory: u32,
     pub(super) address: u32,
     /// Input of the crossbar.
@@ -144,7 +144,7 @@ pub(super) struct BufferWrite {
     pub(super) word: u32,
 }
 
-/// What happens, cycle after cycle and within a cycle element after element.
+/// Steps, cycle after cycle and within a cycle element after element.
 #[derive(Clone, Debug)]
 pub(super) struct DecodedSteps {
     issues: ByCycle<Issue>,

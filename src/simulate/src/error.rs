@@ -1,4 +1,4 @@
-//! What can be wrong with images, and what can go wrong in a run.
+//! Errors of images, and hazards of a run.
 
 use super::mif::MifError;
 use robovec_ir::Format;
@@ -21,7 +21,7 @@ pub enum LoadError {
     Manifest {
         /// The file.
         file: String,
-        /// What the JSON reader says, with line and column.
+        /// Message of the JSON reader, with line and column.
         message: String,
     },
     /// A manifest of another version.
@@ -40,7 +40,7 @@ pub enum LoadError {
     Image {
         /// The file.
         file: String,
-        /// Where and what.
+        /// Fault and its place.
         error: MifError,
     },
     /// An image of another depth or width than the manifest says.
@@ -101,7 +101,7 @@ pub enum LoadError {
     Layout {
         /// The element.
         element: String,
-        /// What is wrong.
+        /// Fault in words.
         problem: String,
     },
     /// Two elements or memories of one name.
@@ -170,7 +170,7 @@ pub enum LoadError {
     },
 }
 
-/// What the machine would do wrong, and when. Cycles count from 0.
+/// Fault of the machine, and its cycle. Cycles count from 0.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum Hazard {
     /// Not as many inputs as the manifest lists.
@@ -185,7 +185,7 @@ pub enum Hazard {
     /// loaded nor written, or is written later.
     #[error("cycle {cycle}: {element} reads {memory}[{address}], which holds no value yet")]
     UninitialisedRead {
-        /// When.
+        /// Cycle.
         cycle: u32,
         /// Who.
         element: String,
@@ -199,7 +199,7 @@ pub enum Hazard {
         "cycle {cycle}: word {word} of the buffer of {element} is read, but holds no value yet"
     )]
     UninitialisedBufferRead {
-        /// When.
+        /// Cycle.
         cycle: u32,
         /// Whose buffer.
         element: String,
@@ -209,7 +209,7 @@ pub enum Hazard {
     /// A write port selects an element whose pipeline gives no result.
     #[error("cycle {cycle}: {memory} takes the result of {element}, which has none in this cycle")]
     NoResult {
-        /// When.
+        /// Cycle.
         cycle: u32,
         /// Into which memory.
         memory: String,
@@ -219,7 +219,7 @@ pub enum Hazard {
     /// A buffer write without a result.
     #[error("cycle {cycle}: {element} has no result to put into its buffer")]
     NoResultToBuffer {
-        /// When.
+        /// Cycle.
         cycle: u32,
         /// The element.
         element: String,
@@ -229,7 +229,7 @@ pub enum Hazard {
         "cycle {cycle}: a write port of {memory} selects input {select} of the crossbar, which has {inputs}"
     )]
     UnknownSource {
-        /// When.
+        /// Cycle.
         cycle: u32,
         /// The memory.
         memory: String,
@@ -241,7 +241,7 @@ pub enum Hazard {
     /// An operation code the element does not have.
     #[error("cycle {cycle}: {element} has no operation of code {code}")]
     UnknownOperation {
-        /// When.
+        /// Cycle.
         cycle: u32,
         /// Who.
         element: String,
@@ -251,7 +251,7 @@ pub enum Hazard {
     /// Two ports of a memory write the same word.
     #[error("cycle {cycle}: {memory}[{address}] is written through two ports")]
     WrittenTwice {
-        /// When.
+        /// Cycle.
         cycle: u32,
         /// The memory.
         memory: String,
@@ -261,7 +261,7 @@ pub enum Hazard {
     /// An address beyond a memory.
     #[error("cycle {cycle}: address {address} is beyond the {words} words of {memory}")]
     AddressRange {
-        /// When.
+        /// Cycle.
         cycle: u32,
         /// The memory.
         memory: String,
@@ -273,7 +273,7 @@ pub enum Hazard {
     /// A word beyond a buffer.
     #[error("cycle {cycle}: word {word} is beyond the {words} words of the buffer of {element}")]
     BufferOverflow {
-        /// When.
+        /// Cycle.
         cycle: u32,
         /// Whose buffer.
         element: String,
@@ -285,7 +285,7 @@ pub enum Hazard {
     /// A value is replaced that nothing has read.
     #[error("cycle {cycle}: {memory}[{address}] is overwritten; its value was never read")]
     Lost {
-        /// When.
+        /// Cycle.
         cycle: u32,
         /// The memory.
         memory: String,
@@ -297,7 +297,7 @@ pub enum Hazard {
         "cycle {cycle}: word {word} of the buffer of {element} is overwritten before it was read"
     )]
     LostInBuffer {
-        /// When.
+        /// Cycle.
         cycle: u32,
         /// Whose buffer.
         element: String,
@@ -335,7 +335,7 @@ pub enum Hazard {
         memory: String,
         /// The address.
         address: u32,
-        /// When.
+        /// Cycle.
         cycle: u32,
     },
 }

@@ -1,4 +1,4 @@
-//! Whether images fit the machine they are loaded into.
+//! Check that images fit the machine they are loaded into.
 
 use super::error::LoadError;
 use super::load::Loader;

@@ -81,11 +81,11 @@ pub struct MifError {
     pub line: u32,
     /// In bytes, counted from 1.
     pub column: u32,
-    /// What is wrong.
+    /// Fault of the file.
     pub problem: MifProblem,
 }
 
-/// What can be wrong with a memory initialisation file.
+/// Faults of memory initialisation files.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum MifProblem {
     /// Something else stands there.

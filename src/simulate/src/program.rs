@@ -11,7 +11,7 @@ use robovec_num::trigonometry::host::TrigonometricUnit;
 pub struct LoadedProgram {
     pub(super) function: String,
     pub(super) cycles: u32,
-    /// What elements and host compute in.
+    /// Arithmetic of elements and host.
     pub(super) arithmetic: FormatArithmetic,
     pub(super) elements: Vec<ElementUnit>,
     pub(super) memories: Vec<MemoryUnit>,
@@ -27,7 +27,7 @@ pub struct LoadedProgram {
     pub(super) inputs: Vec<Vec<u32>>,
     pub(super) constants: Vec<f64>,
     pub(super) host: Vec<HostStep>,
-    /// What computes the host's sines and cosines, when it is said.
+    /// Unit for the host's sines and cosines, when it is given.
     pub(super) unit: Option<TrigonometricUnit>,
     pub(super) outputs: Vec<OutputUnit>,
     pub(super) steps: DecodedSteps,

@@ -12,7 +12,7 @@ use super::trace::{Observer, Silent};
 use robovec_fpga::manifest::ValueReference;
 use robovec_num::arithmetic::Arithmetic;
 
-/// What a run gives.
+/// Results of a run.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SimulatedOutputs {
     /// The output elements that the program sets, in order of
@@ -265,7 +265,7 @@ impl<'p> ProgramRunner<'p> {
         Ok(())
     }
 
-    /// What the crossbar brings to a write port.
+    /// Value that the crossbar brings to a write port.
     fn source(&mut self, cycle: u32, write: &MemoryWrite, memory: u32) -> Result<f64, Hazard> {
         let program = self.program;
         let name = || program.memories[memory as usize].name.clone();

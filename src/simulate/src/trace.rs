@@ -10,8 +10,8 @@ use super::program::LoadedProgram;
 use super::run::SimulatedOutputs;
 use robovec_num::soft_float::FormatArithmetic;
 
-/// What a run tells while it goes on. A run without an observer
-/// ([`Silent`]) is compiled without a trace of it.
+/// Observer of a run while it goes on. A run without an observer ([`Silent`])
+/// is compiled without a trace of it.
 pub(super) trait Observer {
     /// A word of all memories holds a number before the first cycle.
     fn loaded(&mut self, _word: u32, _number: f64) {}
@@ -56,12 +56,12 @@ pub struct TracedResult {
 /// A run in all its results.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Trace {
-    /// What the memories hold before the first cycle, in order of memory and
+    /// Contents of the memories before the first cycle, in order of memory and
     /// address.
     pub loaded: Vec<LoadedWord>,
     /// Every result, in order of cycle and element.
     pub results: Vec<TracedResult>,
-    /// What the run gives.
+    /// Results of the run.
     pub outputs: SimulatedOutputs,
 }
 

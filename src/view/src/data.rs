@@ -1,4 +1,4 @@
-//! What a page holds, as columns: a list of numbers for every property of the
+//! Contents of a page, as columns: a list of numbers for every property of the
 //! statements of a state, so that the page of a large function stays small and
 //! opens at once. Texts and sets of source places are numbers into tables.
 
@@ -22,7 +22,7 @@ pub(super) struct ViewData {
     /// The joints of the model, in the order of their numbers; none when no
     /// model is known.
     pub(super) joints: Vec<JointData>,
-    /// What the passes of the pipeline do, by name.
+    /// Descriptions of the passes of the pipeline, by name.
     pub(super) summaries: BTreeMap<String, String>,
     /// The functions.
     pub(super) functions: Vec<FunctionData>,
@@ -114,7 +114,7 @@ pub(super) struct ScheduleData {
     pub(super) element: Vec<i64>,
     /// The cycle of its issue.
     pub(super) cycle: Vec<u32>,
-    /// How long its element works on it until the result can be read.
+    /// Number of cycles until its result can be read.
     pub(super) delay: Vec<u32>,
     /// The first cycle in which all its operands can be read on its element.
     pub(super) ready: Vec<u32>,

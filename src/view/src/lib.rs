@@ -32,17 +32,17 @@ use robovec_present::page::{STYLE, fill};
 use statements::SourceTable;
 use std::collections::BTreeMap;
 
-/// What the states of a value are measured in and told about.
+/// Settings of the run that is shown.
 pub struct ViewedRun<'a> {
     /// The module as the run left it.
     pub module: &'a Module,
     /// The states on the way.
     pub trail: &'a Trail,
-    /// What was run, in order.
+    /// Passes that were run, in order.
     pub passes: &'a [PassRunRecord],
     /// The machine compiled for, whose format errors are measured in.
     pub machine: &'a Machine,
-    /// Where random states come from.
+    /// Source of random states.
     pub states: &'a States,
     /// The files that equations stand in, name and text, as far as they are
     /// at hand.
@@ -161,7 +161,7 @@ impl ViewData {
     }
 }
 
-/// What every pass does, in a sentence.
+/// Description of every pass, in a sentence.
 fn summaries() -> BTreeMap<String, String> {
     let passes = REGISTRY.passes.iter();
     passes

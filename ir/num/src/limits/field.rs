@@ -103,7 +103,7 @@ macro_rules! limited_fields {
             pub mod $field {
                 use $crate::limits::{LimitedField, NumberLimit};
 
-                /// What is allowed.
+                /// Allowed numbers.
                 pub const LIMIT: NumberLimit = $limit;
 
                 /// Reads the field.

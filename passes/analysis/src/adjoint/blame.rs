@@ -1,4 +1,4 @@
-//! Which operations, equations and inputs the error comes from.
+//! Operations, equations and inputs that the error comes from.
 
 use super::{AdjointRun, LANES, Tape, Workspace};
 use robovec_ir::{Function, Input, SourcePlace, Symbol, Value, View};

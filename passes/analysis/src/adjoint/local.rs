@@ -1,4 +1,4 @@
-//! What one operation can lose, and what it did lose.
+//! Possible and actual loss of one operation.
 
 use super::only_moves;
 use super::tape::Tape;

@@ -40,7 +40,7 @@ pub struct OutputError {
 }
 
 impl OutputError {
-    /// What the prediction misses.
+    /// Part that the prediction misses.
     fn miss(&self) -> f64 {
         (self.predicted - self.actual).abs()
     }
@@ -199,8 +199,8 @@ impl<'a> AdjointRun<'a> {
         results
     }
 
-    /// What sums over adjoints say of a slot, taken again with more digits
-    /// where they cancelled.
+    /// Sums over adjoints at a slot, taken again with more digits where they
+    /// cancelled.
     fn output(
         &self,
         slot: usize,

@@ -1,4 +1,4 @@
-//! What the leaves of windows can be.
+//! Ranges of the leaves of windows.
 
 use super::super::adjoint::{Tape, TapeSlot};
 use robovec_ir::View;
@@ -37,7 +37,7 @@ impl RangeBasis {
 pub struct LeafRange {
     /// The range it can have.
     pub range: Interval,
-    /// Why.
+    /// Basis of the range.
     pub knowledge: RangeBasis,
 }
 

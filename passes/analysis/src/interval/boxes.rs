@@ -17,10 +17,10 @@ use std::collections::BinaryHeap;
 /// Leaves that are tried for a cut.
 const TRIED: usize = 8;
 
-/// How near, relatively, the bound comes to that at a state.
+/// Relative distance of the bound from that at a state at which cutting ends.
 const NEAR: f64 = 1.0 / 128.0;
 
-/// What was established over boxes.
+/// Results over boxes.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SubdividedEnclosure {
     /// The range of the exact value.
@@ -31,8 +31,8 @@ pub struct SubdividedEnclosure {
     pub share: f64,
     /// The error at most in that part.
     pub finite: f64,
-    /// How large the bound is at the worst state that was looked at: cutting
-    /// on would not lower it further.
+    /// Bound at the worst state that was tested: cutting on would not lower it
+    /// further.
     pub at_a_state: f64,
     /// Boxes that cover the ranges.
     pub boxes: usize,
@@ -121,7 +121,7 @@ pub fn subdivide(
     summary(done, at_a_state, most - search.left)
 }
 
-/// What holds over boxes, the worst of which is the first.
+/// Summary over boxes, the worst of which is the first.
 fn summary(boxes: Vec<LeafBox>, at_a_state: f64, enclosures: usize) -> SubdividedEnclosure {
     let ranges = boxes.iter().map(|leaf_box| leaf_box.range);
     let range = ranges.reduce(Interval::hull);

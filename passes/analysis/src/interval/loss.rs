@@ -1,4 +1,4 @@
-//! What rounding the results of one operation loses.
+//! Loss by rounding the results of one operation.
 
 use crate::adjoint::half_ulp;
 use robovec_ir::{Format, Operation};
@@ -29,7 +29,7 @@ pub(super) fn rounded(
     (range.widened(ends + host), ends + host)
 }
 
-/// When an operation loses nothing.
+/// Cases in which an operation loses nothing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Exactness {
     Always,
@@ -91,7 +91,7 @@ fn power_of_two(interval: Interval) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// What rounding to binary64 loses of numbers.
+    /// Loss by rounding numbers to binary64.
     fn lost(operation: Operation, a: [f64; 2], b: [f64; 2]) -> f64 {
         let (a, b) = (Interval::new(a[0], a[1]), Interval::new(b[0], b[1]));
         let range = match operation {

@@ -106,7 +106,7 @@ pub fn integer_bits(range: Interval) -> Option<u32> {
     Some(((size.to_bits() >> 52) as i32 - 1022).max(0) as u32)
 }
 
-/// What inputs and literals are before the run.
+/// Kind of inputs and literals before the run.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum GivenData {
     /// Inputs are numbers of the format, and literals those of binary64.
@@ -129,7 +129,7 @@ pub struct WindowLeaves {
     pub knowledge: RangeBasis,
 }
 
-/// What a leaf is.
+/// Kind of a leaf.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum WindowLeafKind {
     Input,
@@ -182,7 +182,7 @@ impl WindowLeaves {
         self.kinds[leaf] == WindowLeafKind::Literal
     }
 
-    /// What a leaf that lies in a range is exactly, what it is as the format
+    /// Exact value of a leaf that lies in a range, its value as the format
     /// holds it, and the most that it loses on the way.
     fn given(&self, leaf: usize, range: Interval) -> (Interval, Interval, f64) {
         let arithmetic = || FormatArithmetic::new(self.format);

@@ -75,7 +75,7 @@ pub enum ExactEvidence {
     Unproved,
     /// Double-double whose bound leaves one binary64 number.
     DoubleDouble,
-    /// So many bits, which leave one binary64 number.
+    /// Number of bits, which leave one binary64 number.
     Precise(u32),
     /// Zero by an identity, or beyond telling from zero.
     Zero,

@@ -1,4 +1,4 @@
-//! What is computed where: once for all states, by the kernel of sines and
+//! Place of every value: once for all states, by the kernel of sines and
 //! cosines, or in which part.
 
 use super::Options;
@@ -39,7 +39,7 @@ pub(super) struct AngleGroup {
     pub(super) angles: Vec<Operand>,
 }
 
-/// What follows what.
+/// Items of a batch in their order.
 #[derive(Clone, Debug)]
 pub(super) enum BatchItem {
     /// Sines and cosines of a group of angles.
@@ -63,7 +63,7 @@ pub(super) struct BatchPlan {
     /// Consecutive steps that stand in a function of their own.
     pub(super) parts: Vec<Vec<CodeStep>>,
     pub(super) items: Vec<BatchItem>,
-    /// What travels from part to part.
+    /// Values that travel from part to part.
     pub(super) crossing: Crossing,
 }
 

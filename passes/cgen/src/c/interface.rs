@@ -296,7 +296,7 @@ impl<'a> Interface<'a> {
         }
     }
 
-    /// How an array is reached, and the row of an element in it.
+    /// Access to an array, and the row of an element in it.
     fn row(
         &self,
         is_output: bool,

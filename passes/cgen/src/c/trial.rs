@@ -140,7 +140,7 @@ impl Stored {
     }
 }
 
-/// What a main program is written from.
+/// Contents of a main program.
 struct Main<'a> {
     view: View<'a>,
     real: Real,
@@ -297,7 +297,7 @@ impl Main<'_> {
         (0u32..).zip(&self.trial.inputs).map(line).collect()
     }
 
-    /// What is expected, and where it is.
+    /// Expected results, and their places.
     fn expected(&self, stored: &[Stored], outputs: &[usize]) -> String {
         let function = self.view.function;
         let norms = self.norms();

@@ -18,7 +18,7 @@ use rustc_hash::FxBuildHasher;
 pub(super) enum ProgramItem {
     /// A statement.
     Statement(u32),
-    /// Where a row of an output begins among the copies: nothing to do, but
+    /// Beginning of a row of an output among the copies: nothing to do, but
     /// rows of different length repeat only if they end somewhere.
     Row,
     /// A loop.

@@ -220,9 +220,9 @@ fn assigned(function: &Function) -> (Vec<u32>, Vec<Output>) {
     )
 }
 
-/// Where equations are kept as they were written their inner nodes stand inside
-/// the expression of their reader, and nothing else, so that equations that
-/// look alike stay alike.
+/// Marks nodes that are inlined. Where equations are kept as they were written
+/// their inner nodes lie inside the expression of their reader, and nothing
+/// else, so that equations that look alike stay alike.
 fn inlined(function: &Function) -> Vec<bool> {
     let given = assigned_values(function);
     let written = function.level == Level::Equations;

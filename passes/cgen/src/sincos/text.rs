@@ -14,7 +14,7 @@ const CIRCULAR: &str = include_str!("circular.c");
 /// The library for lanes that are too large or no numbers.
 const FAR: &str = include_str!("far.c");
 
-/// Whether vectors are there, and their types: as many lanes as fit into a
+/// Types of vectors where compilers have them: as many lanes as fit into a
 /// register. Compilers split wider ones in memory, which takes several times
 /// longer than narrower ones one after the other.
 pub(super) fn types(kernel: SineKernel) -> String {

@@ -34,7 +34,7 @@ pub struct Estimate {
 pub struct MachineClock {
     /// Of a cycle, MHz.
     pub mhz: f64,
-    /// Where it comes from.
+    /// Origin of the clock.
     pub origin: ClockOrigin,
 }
 

@@ -1,4 +1,4 @@
-//! Whether a program fits hardware that is there.
+//! Check that a program fits hardware that is there.
 
 use super::error::RtlError;
 use super::hardware::{Crossbar, Hardware};

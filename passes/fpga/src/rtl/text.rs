@@ -41,7 +41,7 @@ pub(super) fn joined(expressions: &[String]) -> String {
     }
 }
 
-/// Whether `width` bits of a vector from bit `low` up are `number`.
+/// Condition that `width` bits of a vector from bit `low` up are `number`.
 pub(super) fn equals(vector: &str, low: u32, width: u32, number: u32) -> String {
     if width == 0 {
         return "1'b1".to_owned();

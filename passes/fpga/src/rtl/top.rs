@@ -162,7 +162,7 @@ impl Top<'_> {
         )
     }
 
-    /// What the crossbar chooses from.
+    /// Sources that the crossbar chooses from.
     fn sources(&self) -> String {
         let carried = host_sources(self.hardware);
         let line = |source: u32| {

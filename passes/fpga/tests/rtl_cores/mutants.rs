@@ -9,7 +9,7 @@ use robovec_ir::machine::DeviceFamily;
 /// A fault.
 pub(crate) struct Mutant {
     pub(crate) file: &'static str,
-    /// What it makes of the operator.
+    /// Fault of the operator.
     pub(crate) what: &'static str,
     /// The text it replaces, at its first place.
     from: &'static str,

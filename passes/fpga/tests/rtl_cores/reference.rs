@@ -1,5 +1,5 @@
-//! What must come out: `rustc_apfloat`, a port of LLVM's arithmetic, on the
-//! words of any format listed here.
+//! Expected results: `rustc_apfloat`, a port of LLVM's arithmetic, on the words
+//! of any format listed here.
 //!
 //! The simulator's arithmetic must agree with it, words of NaN included, so
 //! that what the simulator says of a machine is what the hardware does; with
@@ -25,7 +25,7 @@ pub(crate) struct Reference {
 /// An operation on words, rounded in one of two ways.
 type Applied = fn(Operation, [u64; 3], Direction) -> u64;
 
-/// How a result is rounded.
+/// Direction in which a result is rounded.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Direction {
     Nearest,
@@ -67,7 +67,7 @@ impl Reference {
         [apfloat(format), softfloat(format)].into_iter().flatten()
     }
 
-    /// What another implementation says under the rules of the format.
+    /// Result of another implementation under the rules of the format.
     fn ruled(&self, other: Applied, operation: Operation, words: [u64; 3], ours: u64) -> u64 {
         if operation == Operation::Sqrt {
             return self.root(words[0], ours);

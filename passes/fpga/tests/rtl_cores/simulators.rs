@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use tempfile::TempDir;
 
-/// What simulates.
+/// Simulator of hardware.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Simulator {
     /// Interpreted; starts at once.
@@ -34,7 +34,7 @@ impl Simulator {
     }
 }
 
-/// What a simulation said.
+/// Report of a simulation.
 pub(crate) struct Report {
     pub(crate) checked: usize,
     pub(crate) wrong: usize,
@@ -207,7 +207,7 @@ endmodule
     }
 }
 
-/// What a program says, if it succeeds.
+/// Output of a program that succeeds.
 fn said(command: &mut Command) -> String {
     let output = command.output().expect("the program starts");
     let text = String::from_utf8_lossy(&output.stdout).into_owned();

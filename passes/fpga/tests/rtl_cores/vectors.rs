@@ -17,7 +17,7 @@ pub(crate) struct Vector {
     pub(crate) result: u64,
 }
 
-/// So many vectors for a core; the same for the same seed.
+/// Vectors for a core, so many; the same for the same seed.
 pub(crate) fn vectors(
     core: OperatorCore,
     format: NumberFormat,

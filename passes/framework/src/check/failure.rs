@@ -39,7 +39,7 @@ pub(super) struct Failed {
 pub enum FailureKind {
     /// The versions have other inputs, other outputs, or set others.
     Signature {
-        /// Which, as a sentence part.
+        /// Reason as a sentence part.
         reason: String,
     },
     /// They differ as functions, and no state was found at which the numbers
@@ -63,7 +63,7 @@ pub enum FailureKind {
     Hole(Values),
     /// A constant is not the number it was computed from.
     Constants {
-        /// Which, as a sentence part.
+        /// Reason as a sentence part.
         reason: String,
     },
     /// They differ by rounding, and the pass claimed to be exact, or values

@@ -15,7 +15,7 @@ pub(super) enum FieldComparison<F> {
     Different {
         /// Index into [`Pairs::list`].
         pair: usize,
-        /// Where.
+        /// Field of the residue.
         field: F,
     },
 }

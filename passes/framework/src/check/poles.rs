@@ -32,13 +32,14 @@ const REACHES: [f64; 3] = [1.0, 30.0, 1000.0];
 /// The distance of places, in units of the distance of the two states.
 const DISTANCE: f64 = 0.13;
 
-/// So many steps narrow a zero down, two evaluations each at most.
+/// Maximum number of steps that narrow a zero down, two evaluations each at
+/// most.
 const NARROWINGS: usize = 60;
 
 /// Zeros that are narrowed down on a line.
 const MAX_ZEROS: usize = 3;
 
-/// So often is the distance of the grid halved to look on both sides of a
+/// Number of times the distance of the grid is halved to test both sides of a
 /// zero.
 const HALVINGS: i32 = 12;
 

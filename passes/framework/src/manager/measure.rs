@@ -66,7 +66,7 @@ fn hash_operation(node: &Node, hasher: &mut FxHasher) {
     hasher.write_u64(b << 32 | c);
 }
 
-/// What decides every number beside the operations.
+/// Hash of all that decides the numbers beside the operations.
 fn hash_outputs(function: &Function, hasher: &mut FxHasher) {
     for assignment in &function.assignments {
         (assignment.output, assignment.operand).hash(hasher);

@@ -1,4 +1,4 @@
-//! Whether a pipeline makes sense, before any of it runs.
+//! Check of a pipeline before any of it runs.
 
 use crate::pass::{Gives, PassInfo, Property, Registry};
 use crate::pipeline::{PassStep, Pipeline, PipelineStep};

@@ -1,11 +1,11 @@
-//! How a pass ended: what it reported, what it gave up with, or its panic.
+//! End of a pass: its report, its error, or its panic.
 
 use super::RunError;
 use crate::pass::{NestedReport, PassError};
 use robovec_ir::Function;
 use std::any::Any;
 
-/// What a pass gave up with, and where.
+/// Error of a pass that gave up, and its place.
 pub(super) fn pass_failed(name: &str, function: &Function, error: PassError) -> RunError {
     RunError::Pass {
         pass: name.to_owned(),
@@ -14,7 +14,7 @@ pub(super) fn pass_failed(name: &str, function: &Function, error: PassError) -> 
     }
 }
 
-/// What a pass reported, or why the run ends with it.
+/// Report of a pass, or the reason why the run ends with it.
 pub(super) fn settled(
     ran: Result<Result<NestedReport, PassError>, Box<dyn Any + Send>>,
     name: &str,

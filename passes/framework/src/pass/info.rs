@@ -1,4 +1,4 @@
-//! What is known of a pass without running it: its entry in the registry.
+//! Attributes of a pass without running it: its entry in the registry.
 
 use super::Pass;
 use crate::options::{OptionError, OptionInfo};
@@ -57,7 +57,7 @@ pub struct PassInfo {
     pub takes: &'static [Level],
     /// Level it gives.
     pub gives: Gives,
-    /// What it may do to the numbers.
+    /// Numeric class.
     pub class: NumericClass,
     /// Properties it needs.
     pub requires: &'static [Property],

@@ -56,8 +56,8 @@ pub trait Pass {
     }
 }
 
-/// What a pass has at hand besides the function: what it may read, and, as
-/// `&mut`, where it leaves what it has to report.
+/// Context of a pass besides the function: data to read, and, as `&mut`, places
+/// for its reports.
 pub struct Context<'a> {
     /// Names and source places of the module.
     pub tables: &'a mut Tables,
@@ -67,8 +67,8 @@ pub struct Context<'a> {
     pub registry: &'static Registry,
     /// The rules that rewriting may use.
     pub rules: &'a RuleSet,
-    /// What the function is needed for (ranges, tolerances, deadline), when the
-    /// user gave a scene.
+    /// Scene that the function is needed for (ranges, tolerances, deadline),
+    /// when the user gave one.
     pub scene: Option<&'a Scene>,
     /// Left by a pass that rounds constants: the same function with the
     /// constants still computed from exact ones. The semantic check proves that
@@ -80,7 +80,7 @@ pub struct Context<'a> {
     pub promise: &'a mut Option<Promise>,
     /// Files the pass produces (memory images, C).
     pub artifacts: &'a mut Vec<Artifact>,
-    /// What the pass counted: the name of a count and its value.
+    /// Counts of the pass: the name of a count and its value.
     pub statistics: &'a mut Vec<(&'static str, u64)>,
     /// Findings of the pass for the user, one line each.
     pub remarks: &'a mut Vec<String>,
@@ -110,8 +110,8 @@ impl Context<'_> {
     }
 }
 
-/// What passes report when they are run by another pass: kept apart from the
-/// [`Context`] of that one, which decides what to hand on.
+/// Reports of passes that another pass runs: kept apart from the [`Context`] of
+/// that one, which decides which to hand on.
 #[derive(Default, Debug)]
 pub struct NestedReport {
     /// As [`Context::artifacts`].
@@ -172,11 +172,11 @@ pub struct Artifact {
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("{message}")]
 pub struct PassError {
-    /// What is wrong.
+    /// Fault in words.
     pub message: String,
     /// The equations it is about.
     pub sources: SourceSet,
-    /// What the user can do.
+    /// Advice for the user.
     pub help: Option<String>,
 }
 

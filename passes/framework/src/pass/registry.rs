@@ -1,4 +1,4 @@
-//! What a registry is: the passes and presets that a pipeline can name.
+//! Registry: the passes and presets that a pipeline can name.
 //!
 //! The framework knows passes by their entries only; which there are is said
 //! above all of them, in one place.

@@ -22,7 +22,7 @@ lalrpop_mod!(
     "/pipeline/grammar.rs"
 );
 
-/// What is wrong with a pipeline: all mistakes, with the text they are in.
+/// Mistakes of a pipeline, with the text they are in.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{}", .0.render_plain())]
 pub struct PipelineError(pub Report);

@@ -28,9 +28,9 @@ pub(super) enum Fate {
 pub(super) struct Edit {
     /// One per value.
     pub(super) fates: Vec<Fate>,
-    /// Whether each assignment stays.
+    /// True for each assignment that stays.
     pub(super) outputs: Vec<bool>,
-    /// What the outputs that stay are instead of what they were.
+    /// Values of the outputs that stay in place of the former ones.
     pub(super) root: Option<Value>,
     /// Numbers written for others.
     pub(super) numbers: Vec<(f64, f64)>,

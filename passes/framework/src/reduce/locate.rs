@@ -90,7 +90,7 @@ pub struct Rewrite {
     pub of: u64,
     /// The value rewritten, as in the text; empty for an inner node.
     pub name: String,
-    /// How: the name of a rule, or a few words.
+    /// Way of the change: the name of a rule, or a few words.
     pub rule: String,
 }
 

@@ -108,7 +108,7 @@ impl ArraySizes {
         }
     }
 
-    /// What the relative error of an output is measured by at least, by its
+    /// Least size by which the relative error of an output is measured, by its
     /// name (`qdd[3]`), in its unit.
     pub fn least(&self, output: &str) -> f64 {
         self.elements

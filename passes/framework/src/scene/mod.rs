@@ -62,7 +62,7 @@ pub struct Scene {
 /// Outputs that are needed, and how well.
 #[derive(Clone, PartialEq, Debug)]
 pub struct NeededOutputs {
-    /// Which elements.
+    /// Elements that are meant.
     pub pattern: ElementPattern,
     /// The error they may have; `None`: any that the number format has.
     pub tolerance: Option<OutputTolerance>,
@@ -75,10 +75,9 @@ pub struct OutputTolerance {
     pub measure: Measure,
     /// The largest that is allowed.
     pub bound: f64,
-    /// What the error is measured by where the measure is smaller: a size in
-    /// the unit of the output. `None`: the usual size of the array for
-    /// [`Measure::Norm`], a small part of that of the element for
-    /// [`Measure::Relative`] ([`ArraySizes`]).
+    /// Least size by which the error is measured, in the unit of the output.
+    /// `None`: the usual size of the array for [`Measure::Norm`], a small part
+    /// of that of the element for [`Measure::Relative`] ([`ArraySizes`]).
     pub scale: Option<f64>,
 }
 

@@ -27,7 +27,7 @@ pub struct Account {
     pub entries: Vec<PassEntry>,
     /// Its present state; `None` when a pass removed it.
     pub now: Option<Moment>,
-    /// When it was removed.
+    /// Removal, where it was removed.
     pub gone: Option<Gone>,
 }
 

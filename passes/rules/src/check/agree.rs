@@ -1,4 +1,4 @@
-//! Whether the sides of a rule agree at points of prime fields.
+//! Agreement of the sides of a rule at points of prime fields.
 //!
 //! Without roots sixteen points decide (Schwartz and Zippel), eight of each
 //! prime. A root of a square is one of two, and in the field it is by chance

@@ -1,4 +1,4 @@
-//! Whether the right side of a rule is defined wherever the left side is.
+//! Domain of the right side of a rule against that of the left side.
 //!
 //! Every number that the right side divides by must be one that cannot be
 //! zero there, every number that it takes the root of one that cannot be

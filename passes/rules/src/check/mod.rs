@@ -55,7 +55,7 @@ pub const TRIALS: usize = 20_000;
 /// Random trials when the rules are only to be used.
 const FEW_TRIALS: usize = 2_000;
 
-/// Whether a rule holds.
+/// Verdict on a rule.
 #[derive(Clone, PartialEq, Debug)]
 pub enum RuleVerdict {
     /// Equal over the reals wherever the left side is defined.
@@ -69,7 +69,7 @@ pub enum RuleVerdict {
 /// The findings about a rule.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Finding {
-    /// Whether it holds.
+    /// Verdict on it.
     pub verdict: RuleVerdict,
     /// The numeric class, as found; that of the declaration when the rule is
     /// not proved.

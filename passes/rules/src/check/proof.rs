@@ -55,7 +55,7 @@ pub enum Doubt {
     Fields,
     /// The sides are hardly ever both defined.
     Nowhere,
-    /// What is under the roots of the left side may allow for points of which
+    /// Roots: their radicands on the left side may allow for points of which
     /// nothing is known.
     Roots,
     /// This number of the right side may be zero or negative, where it must

@@ -109,7 +109,8 @@ pub fn find(
     }
 }
 
-/// What candidates must not follow from, and how their variables are called.
+/// Rules that candidates must not follow from, and the names of their
+/// variables.
 struct Sieve<'a> {
     known: &'a RuleSet,
     derivation: GraphBudget,

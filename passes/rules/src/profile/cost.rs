@@ -38,8 +38,8 @@ pub(super) fn change(rule: &Rule, machine: &Machine) -> CostChange {
     }
 }
 
-/// When the value of a pattern is available, if its variables are at these
-/// times; `None` stands for long before all others.
+/// Time at which the value of a pattern is available, if its variables are at
+/// these times; `None` means long before all others.
 fn arrival_of(
     pattern: &Pattern,
     weights: &Weights,

@@ -29,8 +29,8 @@ pub struct RuleProfile {
     pub change: CostChange,
     /// The growth of a graph under the rule and those that are always on.
     pub growing: Growing,
-    /// When it grows exponentially or without end: with which rule, itself or
-    /// one that is always on; `None` when it takes more than one.
+    /// Rule with which it grows exponentially or without end, itself or one
+    /// that is always on; `None` when it takes more than one.
     pub partner: Option<String>,
 }
 

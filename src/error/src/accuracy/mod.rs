@@ -1,4 +1,4 @@
-//! What every pass of a pipeline does to the rounding errors of programs.
+//! Effect of every pass of a pipeline on the rounding errors of programs.
 //!
 //! [`measure`] runs a pipeline over a module and keeps, for every function
 //! and pass, size, path and the distribution of the errors in binary32;
@@ -41,12 +41,12 @@ pub struct PassAccuracy {
     pub path: u32,
     /// The errors.
     pub rounding: Arc<RoundingErrors>,
-    /// What the pass did to the medians of the relative and of the normwise
-    /// errors; `None` for the function as it was read.
+    /// Change of the medians of the relative and of the normwise errors by the
+    /// pass; `None` for the function as it was read.
     pub changes: Option<[MedianChange; 2]>,
 }
 
-/// What is measured.
+/// Options of the measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct Options<'a> {
     /// Number of random states; 0 for one that depends on the size of the

@@ -56,7 +56,7 @@ fn columns<'a>() -> ColumnList<'a, StepRow<'a>> {
     }
 }
 
-/// Which passes made the median worse, pass by pass, and the whole pipeline.
+/// Passes that made the median worse, pass by pass, and the whole pipeline.
 pub fn summary(subjects: &[FunctionAccuracy]) -> String {
     const WHOLE: &str = "(whole pipeline)";
     let mut tallies: Vec<PassTally<'_>> = Vec::new();

@@ -12,8 +12,8 @@ pub const MAX_EQUATIONS: usize = 12;
 /// Number of inputs named.
 const MAX_INPUTS: usize = 4;
 
-/// What a report spends on heat at most, in values times outputs times
-/// states: a fraction of a second.
+/// Maximum work of a report for heat, in values times outputs times states: a
+/// fraction of a second.
 const WORK: usize = 1 << 25;
 
 /// States that heat is averaged over where the work allows it.
@@ -26,7 +26,7 @@ pub struct Heat {
     pub format: String,
     /// Over how many states shares are averaged.
     pub states: u32,
-    /// Where these come from.
+    /// Seed of the states.
     pub seed: u64,
     /// To how many outputs of each state errors were traced: those with the
     /// largest errors, relative to the largest element of their array.
@@ -44,7 +44,7 @@ pub struct Heat {
 /// The share of an equation.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct HotEquation {
-    /// What it defines, where it has a name.
+    /// Name of the equation, where it has one.
     pub name: Option<String>,
     /// Its file, where that is known.
     pub file: Option<String>,
@@ -120,7 +120,7 @@ impl Heat {
         )
     }
 
-    /// What was found out, with names and places.
+    /// Results with names and places.
     pub(super) fn new(
         view: View<'_>,
         tape: &Tape,

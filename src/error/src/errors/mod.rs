@@ -1,4 +1,4 @@
-//! Where rounding errors come from, and how large they can be.
+//! Origin and size of rounding errors.
 //!
 //! Measuring tells how large errors are ([`crate::accuracy`]); this tells
 //! what they are made of: the [`Heat`] of source equations, and for every

@@ -37,7 +37,7 @@ pub enum ErrorMethod {
     Interval,
 }
 
-/// What is asked.
+/// Settings of the question.
 #[derive(Clone, Debug)]
 pub struct ErrorSettings {
     /// The number format of the run.
@@ -48,7 +48,7 @@ pub struct ErrorSettings {
     pub state: u32,
     /// States from that one on which blame is averaged over.
     pub blamed: u32,
-    /// How.
+    /// Methods in use.
     pub methods: Vec<ErrorMethod>,
     /// The outputs asked for, by their places among the assignments.
     pub outputs: Vec<usize>,
@@ -60,7 +60,7 @@ pub struct ErrorSettings {
     pub samples: u32,
     /// Enclosures of a window at most.
     pub boxes: usize,
-    /// What inputs and literals are before the run.
+    /// Kind of inputs and literals before the run.
     pub data: GivenData,
 }
 
@@ -85,7 +85,7 @@ pub struct ErrorTable {
     pub heat: Heat,
 }
 
-/// What is said of one output.
+/// Errors of one output.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct OutputRow {
     /// The element (`M[1,2]`).
@@ -105,11 +105,11 @@ pub struct OutputRow {
     pub bound: Option<f64>,
     /// The standard deviation under random rounding.
     pub sigma: Option<f64>,
-    /// What holds for all states.
+    /// Bounds for all states.
     pub interval: Option<IntervalRow>,
 }
 
-/// What holds for all states in the ranges of the leaves of a window.
+/// Bounds for all states in the ranges of the leaves of a window.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct IntervalRow {
     /// The least value.
@@ -122,8 +122,8 @@ pub struct IntervalRow {
     pub share: f64,
     /// The most that they lose in that part.
     pub finite: f64,
-    /// How large the bound is at the worst state looked at: with more boxes
-    /// it would come down to this at best.
+    /// Bound at the worst state tested: with more boxes it would come down to
+    /// this at best.
     pub at_a_state: f64,
     /// The largest error seen at random states in the ranges.
     pub seen: f64,
@@ -133,10 +133,10 @@ pub struct IntervalRow {
     pub boxes: usize,
     /// Number of operations the window has.
     pub operations: usize,
-    /// What the weakest range of a leaf rests on: `given` for inputs, `drawn`
-    /// from the states' distribution, `assumed` from samples.
+    /// Basis of the weakest range of a leaf: `given` for inputs, `drawn` from
+    /// the states' distribution, `assumed` from samples.
     pub ranges: &'static str,
-    /// What the range means in the format, if it is something bad.
+    /// Meaning of the range in the format, if it is something bad.
     pub alarm: Option<&'static str>,
     /// Bits before the point that a fixed-point number needs.
     pub integer_bits: Option<u32>,

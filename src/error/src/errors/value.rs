@@ -13,9 +13,9 @@ use std::fmt::Write;
 /// Number of equations named as the origin of an output's error.
 const MOST: usize = 5;
 
-/// What rounding does to a value or an output: its error in the first state,
-/// what it can be, what its own operation adds, and its share in the errors
-/// of the outputs; `None` when the function has no such value.
+/// Effect of rounding on a value or an output: its error in the first state,
+/// its bound, the part of its own operation, and its share in the errors of the
+/// outputs; `None` when the function has no such value.
 pub fn explain(
     view: View<'_>,
     item: TrackedItem,

@@ -15,7 +15,7 @@ const MAX_ROWS: usize = 40;
 /// little: what they leave out is that part of them and more.
 const WEAK: f64 = 0.01;
 
-/// What the bounds of a run are worth.
+/// Reliability of the bounds of a run.
 fn first_order(weakest_divisor: f64) -> String {
     if weakest_divisor <= WEAK {
         return "bound: at this state, to first order\n".to_owned();
@@ -27,7 +27,7 @@ fn first_order(weakest_divisor: f64) -> String {
     )
 }
 
-/// What windows establish.
+/// Meaning of the columns of windows.
 const ESTABLISHED: &str = "window loses: proved for all states in the ranges, but where they are \
      assumed; seen: the largest error at random states in them\n";
 
@@ -145,7 +145,7 @@ pub(super) fn small(number: f64) -> String {
     }
 }
 
-/// What the heat is of.
+/// Title of the heat.
 pub fn heat_title(heat: &Heat) -> String {
     format!(
         "Heat: where the errors of {} in {} come from, {}, seed {}",

@@ -40,7 +40,7 @@ pub fn random_states(count: usize, seed: u64, has_ranges: bool) -> String {
     format!("{}{ranges}, seed {seed}", counted(count, "random state"))
 }
 
-/// What errors are parts of, and what they are measured against.
+/// Unit and reference of errors.
 pub fn measure_text(states: &str) -> String {
     format!("of the largest element of an array ({states}, against double-double)")
 }

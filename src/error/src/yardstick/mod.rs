@@ -91,7 +91,7 @@ fn infinite_where_null<'de, D: serde::Deserializer<'de>>(source: D) -> Result<f6
     Ok(error.unwrap_or(f64::INFINITY))
 }
 
-/// How far a program is from the exact results.
+/// Distance of a program from the exact results.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct MeasuredErrors {
     /// Of every element in every state, relative to its exact value; elements
@@ -284,7 +284,7 @@ impl Yardstick {
     }
 }
 
-/// How far a result is from the exact number; infinite for what is no number.
+/// Distance of a result from the exact number; infinite for what is no number.
 fn distance(exact: Double, computed: f64) -> f64 {
     if computed.is_finite() {
         exact.distance(computed)

@@ -1,4 +1,4 @@
-//! What a bench expects, from the simulator.
+//! Results that a bench expects, from the simulator.
 
 use robovec_fpga::manifest::Manifest;
 use robovec_fpga::rtl::bench::{BenchError, BenchRun, BusResult, Load, TestBench};

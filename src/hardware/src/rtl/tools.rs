@@ -80,7 +80,7 @@ impl HardwareSimulator {
         }
     }
 
-    /// What a user would type in the folder of the benches.
+    /// Command that a user would type in the folder of the benches.
     fn command(self, doors: &[Door]) -> (&'static str, Vec<String>) {
         let names: Vec<&str> = doors.iter().map(|door| door.name()).collect();
         let made = |goal: &str| {
@@ -119,7 +119,7 @@ pub enum CheckFailure {
     Mismatch(String),
 }
 
-/// What a check that passed says.
+/// Result of a check that passed.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Checked {
     /// The lines that say PASS, one per window.

@@ -14,13 +14,13 @@ use robovec_num::NumberFormat;
 /// An operator of one latency, as mapped.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Mapped {
-    /// Which.
+    /// Operator.
     pub core: OperatorCore,
     /// Pipeline stages.
     pub stages: u32,
-    /// What yosys counts.
+    /// Resources that yosys counts.
     pub counted: ResourceUse,
-    /// What the formulas say.
+    /// Resources by the formulas.
     pub estimated: ResourceUse,
     /// Longest paths with quick and with slow nets, ps.
     pub quick: Delays,

@@ -1,4 +1,4 @@
-//! What a netlist takes of the device, module by module.
+//! Resources of the device that a netlist takes, module by module.
 //!
 //! Every primitive counts as the part of the device that it stands for: a
 //! look-up table of up to six inputs, one bit of a carry chain and an
@@ -17,7 +17,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Bits of a word of an MLAB.
 const MLAB_WIDTH: usize = 20;
 
-/// What the instances of one module take.
+/// Resources of the instances of one module.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ModuleCount {
     /// The module's name in the source; variants of different parameters
@@ -27,9 +27,9 @@ pub struct ModuleCount {
     pub netlist_name: String,
     /// Number of times it occurs below the top.
     pub instances: u32,
-    /// What one instance takes, without the modules inside.
+    /// Resources of one instance, without the modules inside.
     pub own: ResourceUse,
-    /// What one instance takes, with the modules inside.
+    /// Resources of one instance, with the modules inside.
     pub total: ResourceUse,
 }
 
@@ -82,7 +82,7 @@ fn instances<'a>(netlist: &'a Netlist, order: &[&'a str], top: &'a str) -> BTree
     instances
 }
 
-/// What a module's own cells take.
+/// Resources of a module's own cells.
 fn own(module: &NetlistModule) -> ResourceUse {
     let mut taken = ResourceUse::default();
     let mut mlabs: BTreeMap<String, usize> = BTreeMap::new();
@@ -119,7 +119,7 @@ fn parameter(cell: &NetlistCell, name: &str) -> u32 {
     digits.map_or(0, |digits| u32::from_str_radix(digits, 2).unwrap_or(0))
 }
 
-/// What the cells of one block of an MLAB have in common.
+/// Addresses that the cells of one block of an MLAB share.
 fn addresses(cell: &NetlistCell) -> String {
     let of =
         |port: &str| -> Vec<&Bit> { cell.connections.get(port).into_iter().flatten().collect() };

@@ -1,9 +1,9 @@
-//! Why a mapping or its timing cannot be had.
+//! Errors of mappings and of their timing.
 
 use robovec_io::process::ToolError;
 use std::io;
 
-/// What stops a mapping.
+/// Error of a mapping.
 #[derive(Debug, thiserror::Error)]
 pub enum SynthesisError {
     /// Neither of the programs can be started.

@@ -24,7 +24,7 @@ pub(super) struct Primitive<'a> {
     pub(super) name: &'a str,
     /// The instance it stands in, an index into [`Flat::instances`].
     pub(super) instance: u32,
-    /// What its ports are connected to, in order of their names.
+    /// Nets of its ports, in order of their names.
     pub(super) connections: Vec<(&'a str, Vec<Net>)>,
 }
 

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 /// The top of every machine.
 const TOP: &str = "robovec_machine";
 
-/// How the modules of elements begin; their kind follows.
+/// Prefix of the modules of elements; their kind follows.
 const ELEMENT: &str = "robovec_element_";
 
 /// The memory with two ports that write, which yosys has no cell for.
@@ -38,9 +38,9 @@ const MODULES: [(&str, PartKind); 7] = [
 /// A machine, as mapped.
 #[derive(Clone, PartialEq, Debug)]
 pub struct MappedMachine {
-    /// What the formulas say of every part.
+    /// Resources of every part by the formulas.
     pub estimated: Vec<MachinePart>,
-    /// What yosys counts, in the same order: all of a part together.
+    /// Resources that yosys counts, in the same order: all of a part together.
     pub counted: Vec<ResourceUse>,
     /// The longest path with quick nets.
     pub quick: Option<Path>,
@@ -52,12 +52,12 @@ pub struct MappedMachine {
 }
 
 impl MappedMachine {
-    /// What yosys counts in all.
+    /// Resources that yosys counts in all.
     pub fn total(&self) -> ResourceUse {
         self.counted.iter().copied().sum()
     }
 
-    /// What the formulas say in all.
+    /// Resources by the formulas in all.
     pub fn estimate(&self) -> ResourceUse {
         let all = self.estimated.iter();
         all.map(|part| part.each * f64::from(part.count)).sum()
@@ -130,7 +130,7 @@ fn measure(netlist: &Netlist, shape: &MachineShape) -> Result<MappedMachine, Syn
     })
 }
 
-/// What every part of a kind takes in all.
+/// Resources of every part of a kind in all.
 fn by_part(
     netlist: &Netlist,
 ) -> Result<BTreeMap<(Option<String>, PartKind), ResourceUse>, SynthesisError> {

@@ -34,13 +34,13 @@ pub struct NetlistModule {
 /// A port of a module.
 #[derive(Clone, Debug, Deserialize)]
 pub struct NetlistPort {
-    /// Which way signals go.
+    /// Direction of its signals.
     pub direction: PortDirection,
     /// Its bits, lowest first.
     pub bits: Vec<Bit>,
 }
 
-/// Which way signals go through a port.
+/// Direction of the signals of a port.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PortDirection {
@@ -61,7 +61,7 @@ pub struct NetlistCell {
     /// Parameters.
     #[serde(default)]
     pub parameters: BTreeMap<String, Value>,
-    /// What each port is connected to, lowest bit first.
+    /// Bits that each port is connected to, lowest first.
     #[serde(default)]
     pub connections: BTreeMap<String, Vec<Bit>>,
 }

@@ -7,9 +7,9 @@ use robovec_fpga::hardware::{PartKind, ResourceUse};
 use robovec_present::text_table;
 use std::fmt::Write;
 
-/// What Table 1.4 of the thesis prints for all of a part of its 4 adders and
-/// 4 multipliers: look-up tables, registers, blocks of memory, multiplier
-/// blocks; none where it prints nothing.
+/// Numbers that Table 1.4 of the thesis prints for all of a part of its 4
+/// adders and 4 multipliers: look-up tables, registers, blocks of memory,
+/// multiplier blocks; none where it prints nothing.
 fn printed(part: PartKind, kind: Option<&str>) -> [Option<&'static str>; 4] {
     match (part, kind) {
         (PartKind::Operators, Some("add")) => {

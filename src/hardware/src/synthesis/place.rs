@@ -40,11 +40,11 @@ const PINS: &str = "robovec_pins";
 /// A machine, placed and routed.
 #[derive(Clone, PartialEq, Debug)]
 pub struct RoutedMachine {
-    /// What nextpnr calls itself.
+    /// Name and version of nextpnr.
     pub version: String,
     /// By seed, the clock that is reached, MHz.
     pub clocks: Vec<(u32, f64)>,
-    /// What is used, by the names of nextpnr.
+    /// Resources in use, by the names of nextpnr.
     pub used: BTreeMap<String, u64>,
 }
 

@@ -27,7 +27,7 @@ pub const FAST_NET: u32 = 500;
 /// The upper guess, ps: about what an open router reaches.
 pub const SLOW_NET: u32 = 900;
 
-/// Which paths count.
+/// Selection of paths.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct PathSelection {
     /// Those that start at a register or memory.
@@ -99,7 +99,7 @@ pub struct NetlistTiming<'a> {
     order: Vec<u32>,
 }
 
-/// When a net changes at the latest, and what makes it.
+/// Latest time at which a net changes, and its cause.
 #[derive(Clone, Copy)]
 struct Arrival {
     time: u32,

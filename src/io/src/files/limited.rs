@@ -95,7 +95,7 @@ impl FileKind {
 pub struct FileLimit {
     /// The kind.
     pub kind: FileKind,
-    /// What such files are called.
+    /// Name of such files.
     pub what: &'static str,
     /// Bytes.
     pub bytes: NumberLimit,

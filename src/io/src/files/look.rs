@@ -156,7 +156,7 @@ fn toml(name: &str, text: &str) -> Option<FileLook> {
     }
 }
 
-/// What a line gives away.
+/// Kind of file that a line shows.
 fn lines(text: &str) -> Option<FileLook> {
     let is_code = |line: &&str| !line.is_empty() && !line.starts_with('#');
     let mut lines = text.lines().map(str::trim).filter(is_code);

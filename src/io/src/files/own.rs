@@ -1,20 +1,20 @@
-//! Whether a file that is there may be replaced.
+//! Permission to replace a file that is there.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What may be replaced by a file that is written.
+/// Files that a written file may replace.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Replace {
     /// Whatever is there: the user said so, or the file is in a folder of
     /// robovec's.
     Anything,
-    /// What is not the work of a person: everything but files of programs
-    /// and models that robovec did not write.
+    /// Results: everything but files of programs and models that robovec did
+    /// not write.
     Results,
-    /// What robovec wrote, known by a line it carries, and files that are
+    /// Files that robovec wrote, known by a line they carry, and files that are
     /// empty.
     Own,
     /// Files that are empty.

@@ -77,7 +77,7 @@ fn remove_files(folder: &Path, own: &Metadata) {
     }
 }
 
-/// What is in a folder, has the prefix, is of the kind and of the same owner.
+/// Entries of a folder with the prefix, of the kind and of the same owner.
 fn entries(
     folder: &Path,
     own: &Metadata,

@@ -19,7 +19,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 use watch::ProcessWatch;
 
-/// How long and how much.
+/// Limits of time and output.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ProcessLimits {
     /// Time of a run by the clock on the wall.
@@ -84,9 +84,9 @@ pub enum ToolError {
 /// A run that ended by itself.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct FinishedProcess {
-    /// How.
+    /// Exit status.
     pub status: ExitStatus,
-    /// What it printed to the standard output.
+    /// Text it printed to the standard output.
     pub output: Vec<u8>,
     /// And to the standard error.
     pub errors: Vec<u8>,

@@ -1,4 +1,4 @@
-//! What an element may hold, and messages about what it should not.
+//! Contents of elements, and messages about wrong ones.
 
 pub(super) use crate::xml::{Messages, content, place, second};
 use robovec_ir::diagnostic::{clip, did_you_mean};

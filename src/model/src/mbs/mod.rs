@@ -37,7 +37,7 @@ pub use write::{unsayable, write_mbs};
 pub const FIELDS: &[(&str, NumberLimit, &str)] =
     &[("joint", JOINTS, ""), ("any number", xml::NUMBER, "0")];
 
-/// What a `.mbs` file is, for messages.
+/// Description of a `.mbs` file, for messages.
 const KIND: xml::DocumentKind = xml::DocumentKind {
     last: "</mbsDescR7>",
     what: "a model is a `.mbs` file as Robotran's editor saves it",
@@ -49,7 +49,7 @@ const KIND: xml::DocumentKind = xml::DocumentKind {
 pub struct ReadModel {
     /// The model.
     pub model: Model,
-    /// What the user should know, with the text it is about.
+    /// Warnings, with the text they are about.
     pub warnings: Report,
     /// Warnings about what the model holds but no generated function does: one
     /// for each `link3D`, with its place. They concern whoever makes equations

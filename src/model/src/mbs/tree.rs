@@ -1,4 +1,4 @@
-//! What hangs on what.
+//! Tree of the bodies.
 
 use super::fields::{ElementFields, Messages, place};
 use super::scope::{ModelScope, body_title};

@@ -36,8 +36,8 @@ pub fn write_mbs(model: &Model) -> String {
     writer.text
 }
 
-/// What keeps `.mbs` files from saying a model: the first thing that they have
-/// no words for, and which words that are; `None` for a model they can say.
+/// First property of a model for which `.mbs` files have no words, with the
+/// words they have; `None` for a model that they can hold.
 pub fn unsayable(model: &Model) -> Option<String> {
     let joint = |name: &str, what: &str| Some(format!("joint '{name}' {what}"));
     if model.bodies.is_empty() {

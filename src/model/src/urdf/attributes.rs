@@ -1,5 +1,5 @@
-//! What attributes and children of elements hold, and messages about those that
-//! are missing, repeated or no numbers.
+//! Attributes and children of elements, and messages about those that are
+//! missing, repeated or no numbers.
 
 use crate::xml::{Messages, parse_number, place, second};
 use robovec_ir::diagnostic::{clip, did_you_mean};

@@ -50,7 +50,7 @@ struct RobotBuilder<'r> {
     robot: &'r RobotElements,
     model: Model,
     places: Vec<Range<usize>>,
-    /// What each body weighs.
+    /// Inertia of each body.
     inertias: Vec<BodyInertia>,
     /// The joint of the model that a joint of the robot is, where it is one.
     numbers: Vec<Option<usize>>,
@@ -113,7 +113,7 @@ impl RobotBuilder<'_> {
         }
     }
 
-    /// What a joint makes of the place of its frame: the place of its child.
+    /// Place of a joint's child from the place of its frame.
     fn joint(&mut self, index: usize, frame: &LinkPlace) -> LinkPlace {
         let robot = self.robot;
         let joint = &robot.joints[index];

@@ -1,4 +1,4 @@
-//! What the elements of a robot say.
+//! Elements of a robot.
 
 use super::attributes::{children, name, number, place_of, remark_unknown, required, triple};
 use super::inertial::{LinkInertial, read_inertial};
@@ -64,7 +64,7 @@ pub(super) struct JointElement {
     pub(super) child_place: Range<usize>,
 }
 
-/// What a joint follows.
+/// Joint that another one follows.
 pub(super) struct MimicElement {
     pub(super) leader: String,
     pub(super) factor: f64,
@@ -72,7 +72,7 @@ pub(super) struct MimicElement {
     pub(super) place: Range<usize>,
 }
 
-/// How messages call a joint.
+/// Title of a joint in messages.
 pub(super) fn joint_title(name: &str) -> String {
     format!("joint '{}'", clip(name))
 }

@@ -4,15 +4,14 @@
 use crate::rotation::{Point3, Rotation3};
 use crate::{Axis, ConstantTurn, JointMounting};
 
-/// How a joint's frame stands on the frame before, and which of its axes the
-/// joint has.
+/// Frame of a joint on the frame before, and its axis in it.
 pub(super) struct AxisFrame {
     pub(super) mounting: JointMounting,
     pub(super) axis: Axis,
     pub(super) rotation: Rotation3,
 }
 
-/// What of a component of an axis of length one counts as rounding.
+/// Part of a component of an axis of length one that counts as rounding.
 const ROUNDING: f64 = 4e-15;
 
 /// The frame of a joint whose axis is given in the frame before.

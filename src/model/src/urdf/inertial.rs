@@ -7,7 +7,7 @@ use crate::xml::{Messages, place};
 use roxmltree::Node;
 use std::ops::Range;
 
-/// What a link weighs, in a frame of its own.
+/// Inertia of a link, in a frame of its own.
 pub(super) struct LinkInertial {
     pub(super) mass: f64,
     /// Of the frame of the centre of mass in the link's.
@@ -60,7 +60,7 @@ pub(super) fn read_inertial(
     }
 }
 
-/// What a body weighs, in its own frame.
+/// Inertia of a body, in its own frame.
 #[derive(Clone, Copy)]
 pub(super) struct BodyInertia {
     pub(super) mass: f64,
@@ -76,7 +76,7 @@ impl BodyInertia {
         inertia: [0.0; 6],
     };
 
-    /// What a link weighs, in the frame of the body that it stands on with a
+    /// Inertia of a link, in the frame of the body that it belongs to with a
     /// pose.
     pub(super) fn of_link(link: &LinkInertial, pose: &FramePose) -> BodyInertia {
         let frame = pose.then(&link.origin);

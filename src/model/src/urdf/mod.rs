@@ -28,7 +28,7 @@ use super::xml::{self, Messages};
 use super::{Model, physics};
 use robovec_ir::diagnostic::Report;
 
-/// What the base of a robot does.
+/// Base of a robot.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum RobotBase {
     /// The first link stands still, as the format has it.
@@ -42,11 +42,12 @@ pub enum RobotBase {
 /// Way in which a robot is read.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub struct RobotReading {
-    /// What its base does.
+    /// Base of the robot.
     pub base: RobotBase,
-    /// How far from a multiple of a right angle an angle of the file is taken as
-    /// one, rad: many files write `1.57079632679`, and constant rotations that
-    /// are nearly right cost operations that right ones do not.
+    /// Largest distance from a multiple of a right angle at which an angle of
+    /// the file is taken as one, rad: many files write `1.57079632679`, and
+    /// constant rotations that are nearly right cost operations that right ones
+    /// do not.
     pub right_angle: f64,
 }
 
@@ -59,7 +60,7 @@ impl From<RobotBase> for RobotReading {
     }
 }
 
-/// What a URDF file is, for messages.
+/// Description of a URDF file, for messages.
 const KIND: xml::DocumentKind = xml::DocumentKind {
     last: "</robot>",
     what: "a URDF file is XML; one that xacro makes a robot of must pass through xacro first",

@@ -18,11 +18,11 @@ const LARGEST_FILE: usize = 16 << 20;
 /// The most equals signs, hence attributes, of one tag.
 const ATTRIBUTE_LIMIT: usize = 200;
 
-/// What a kind of file is, for messages.
+/// Description of a kind of file, for messages.
 pub(crate) struct DocumentKind {
-    /// What a whole file ends with: its last tag.
+    /// Last tag of a whole file.
     pub(crate) last: &'static str,
-    /// What a file is, as `a model is …`.
+    /// Description of a file, as `a model is …`.
     pub(crate) what: &'static str,
     /// As short as it goes: `.mbs`.
     pub(crate) first: &'static str,

@@ -1,4 +1,4 @@
-//! What is wrong or remarkable about a file of a model, and where.
+//! Messages about a file of a model, and their places.
 
 use robovec_ir::diagnostic::{Diagnostic, Label};
 use roxmltree::Node;
@@ -7,7 +7,7 @@ use std::ops::Range;
 /// No more errors, and no more warnings, than this are reported for one file.
 const LIMIT: usize = 20;
 
-/// What is wrong or remarkable about a file.
+/// Messages about a file.
 #[derive(Default)]
 pub(crate) struct Messages {
     errors: Vec<Diagnostic>,

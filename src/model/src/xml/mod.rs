@@ -1,4 +1,4 @@
-//! What the readers of models in XML have in common: from bytes to a tree of
+//! Common parts of the readers of models in XML: from bytes to a tree of
 //! elements ([`document`]), and messages about places in it ([`messages`]).
 
 mod document;

@@ -13,11 +13,11 @@ pub(crate) const NUMBER: NumberLimit = NumberLimit::real(
 
 /// Reason why a text is no number of a model.
 pub(crate) struct NumberRefusal {
-    /// What is wrong, to stand behind the name of what it is about.
+    /// Fault, to follow the name of its subject.
     pub(crate) message: String,
-    /// What to say at the place.
+    /// Label of the place.
     pub(crate) label: &'static str,
-    /// What to do.
+    /// Advice.
     pub(crate) help: &'static str,
 }
 

@@ -76,7 +76,7 @@ pub fn draw(figure: &Figure) -> String {
     svg.finish()
 }
 
-/// How wide the labels at the ends of a panel's curves are.
+/// Width of the labels at the ends of a panel's curves.
 fn label_room(panel: &Panel) -> f64 {
     match &panel.content {
         PanelContent::Curves(curves) => {

@@ -14,15 +14,14 @@ use serde::Serialize;
 /// Rounding errors over seeded random states.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct ErrorReport {
-    /// What the outputs are compared with: `double-double`, `certified` or
-    /// `audit`.
+    /// Reference of the outputs: `double-double`, `certified` or `audit`.
     pub reference: String,
     /// The share of outputs, in all states, whose exact value is proved to the
     /// last bit of binary64.
     pub certain: f64,
     /// Number of states.
     pub states: u32,
-    /// Where they come from.
+    /// Seed of the states.
     pub seed: u64,
     /// The output arrays that are symmetric matrices.
     pub matrices: Vec<MatrixReport>,
@@ -32,7 +31,7 @@ pub struct ErrorReport {
     pub binary64: FormatReport,
 }
 
-/// How solving with an output matrix changes errors.
+/// Effect of solving with an output matrix on errors.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct MatrixReport {
     /// The array's name.

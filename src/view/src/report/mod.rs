@@ -29,7 +29,7 @@ pub use schedule::{ByKind, KindReport, ScheduleReport, TransferReport};
 use serde::{Serialize, Serializer};
 use std::sync::Arc;
 
-/// What the pass manager tells about one run of a pass on one function.
+/// Record of the pass manager about one run of a pass on one function.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PassRunRecord {
     /// The function's name.
@@ -52,7 +52,7 @@ pub struct PassRunRecord {
     pub rounding: Option<[Arc<RoundingErrors>; 2]>,
 }
 
-/// What a report measures.
+/// Measurements of a report.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ReportOptions {
     /// Place where the states come from over which rounding errors are
@@ -147,13 +147,13 @@ pub struct FunctionReport {
     pub number_y: Option<f64>,
     /// User calls that split the function.
     pub boundaries: Vec<BoundaryReport>,
-    /// What was run on it, in order.
+    /// Passes that were run on it, in order.
     pub passes: Vec<PassReport>,
     /// Cycles and processing elements; absent before `place`.
     pub schedule: Option<ScheduleReport>,
     /// Rounding errors of the outputs.
     pub error: ErrorReport,
-    /// Which equations these come from, in the machine's number format.
+    /// Equations that these come from, in the machine's number format.
     pub heat: Heat,
 }
 

@@ -1,4 +1,4 @@
-//! What was run on a function, and where user calls split it.
+//! Passes run on a function, and the user calls that split it.
 
 use super::PassRunRecord;
 use super::rounding::RoundingReport;
@@ -23,7 +23,7 @@ pub struct PassReport {
     pub asap_cycle: u32,
     /// The semantic check, if it was asked for.
     pub check: Option<CheckReport>,
-    /// What it did to the rounding errors in binary32.
+    /// Its effect on the rounding errors in binary32.
     pub rounding: Option<RoundingReport>,
 }
 
@@ -51,7 +51,7 @@ pub struct CheckReport {
     pub class: &'static str,
     /// Points and states tested.
     pub points: u32,
-    /// Where they come from.
+    /// Seed of the states.
     pub seed: u64,
     /// `bit-equal`, `equal` (in the prime field), `measured` (approximating)
     /// or `failed`.
@@ -64,11 +64,11 @@ pub struct CheckReport {
     /// The number of states that decided about the output about which the
     /// fewest did.
     pub decided: Option<u32>,
-    /// What failed.
+    /// Failure.
     pub failure: Option<String>,
     /// The output it failed at.
     pub output: Option<String>,
-    /// What failed by: `signature`, `field`, `distance` or `bits`.
+    /// Kind of the failure: `signature`, `field`, `distance` or `bits`.
     pub kind: Option<&'static str>,
     /// Largest difference an approximating pass made, over the largest
     /// element of the array.
@@ -79,7 +79,7 @@ pub struct CheckReport {
     pub binary64: Option<CheckErrors>,
 }
 
-/// What a pass did to the rounding errors.
+/// Effect of a pass on the rounding errors.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct CheckErrors {
     /// Before it.

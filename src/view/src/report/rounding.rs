@@ -1,4 +1,4 @@
-//! What a pass did to the rounding errors in binary32.
+//! Effect of a pass on the rounding errors in binary32.
 
 use robovec_analysis::rounding::{MedianChange, Quantiles, RoundingErrors, UNIT};
 use serde::Serialize;
@@ -8,11 +8,11 @@ use std::sync::Arc;
 /// one population.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct RoundingReport {
-    /// What the errors are counted in: the rounding of one operation.
+    /// Unit of the errors: the rounding of one operation.
     pub unit: f64,
     /// Number of states.
     pub states: u32,
-    /// Where they come from.
+    /// Seed of the states.
     pub seed: u64,
     /// Relative to the element.
     pub relative: BeforeAfter,

@@ -1,4 +1,4 @@
-//! What a schedule costs, and how well it uses its machine.
+//! Cost of a schedule, and the use of its machine.
 
 use robovec_fpga::hardware::{self, MachineClock};
 use robovec_ir::placement::{ElementKind, Schedule};
@@ -37,7 +37,7 @@ pub struct ScheduleReport {
     pub memory: Option<ByKind>,
     /// Words of buffer used per element; absent before `place`.
     pub buffer: Option<ByKind>,
-    /// How results travel; absent before `place`.
+    /// Travel of results; absent before `place`.
     pub transfers: Option<TransferReport>,
     /// The kinds of elements and how busy they are.
     pub elements: Vec<KindReport>,
@@ -57,7 +57,7 @@ pub struct KindReport {
     pub occupation: Vec<f64>,
 }
 
-/// How results travel between the elements.
+/// Travel of results between the elements.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct TransferReport {
     /// Words filled before the run.

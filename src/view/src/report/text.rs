@@ -454,7 +454,7 @@ fn worst_errors(format: &str, report: &FormatReport, text: &mut String) {
     section(&title, &text_table(head, &rows), text);
 }
 
-/// What solving with the output matrices does to errors.
+/// Effect of solving with the output matrices on errors.
 fn matrices(function: &FunctionReport, text: &mut String) {
     let row = |matrix: &MatrixReport| {
         vec![

@@ -1,4 +1,4 @@
-//! What another library computes, on words.
+//! Results of another library, on words.
 
 use rustc_apfloat::ieee::{Double, IeeeFloat, Quad, Semantics};
 use rustc_apfloat::{Float, FloatConvert, Round, Status, StatusAnd};

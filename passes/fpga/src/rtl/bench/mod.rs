@@ -51,7 +51,7 @@ pub struct Load {
     pub address: u32,
     /// The value.
     pub word: u64,
-    /// Whether it stays from run to run, so that it is loaded once.
+    /// True if it stays from run to run, so that it is loaded once.
     pub stays: bool,
 }
 

@@ -257,7 +257,7 @@ impl CoreSteps<'_> {
         self.pack(format, self.chain(wide));
     }
 
-    /// So many `fp_leading` beside each other.
+    /// Several `fp_leading` beside each other.
     fn leading(&mut self, format: NumberFormat, operands: u32, payload: u32) {
         if !format.subnormals {
             return;

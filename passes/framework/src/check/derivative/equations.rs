@@ -1,4 +1,4 @@
-//! What must hold between a function and a program for its derivative.
+//! Equations between a function and a program for its derivative.
 
 use super::super::pairing::{Unpaired, by_output};
 use crate::differentiation::{DerivativeArrays, DerivativeResult};
@@ -17,7 +17,7 @@ pub(super) enum Factor {
     Weight(usize),
 }
 
-/// What must hold between derivatives before and outputs after.
+/// Equation between derivatives before and outputs after.
 pub(super) struct DerivativeEquation {
     /// True if it is about the values before, and not their derivatives.
     pub(super) is_value: bool,
@@ -34,7 +34,7 @@ pub(super) struct DerivativeEquation {
     pub(super) array: usize,
 }
 
-/// What a derivative is evaluated at.
+/// Point at which a derivative is evaluated.
 pub(super) struct DerivativePoint<N> {
     pub(super) inputs: Vec<N>,
     pub(super) direction: Vec<N>,
@@ -91,7 +91,7 @@ fn sum<A: Arithmetic>(arithmetic: &A, terms: impl Iterator<Item = A::Number>) ->
     sum.unwrap_or_else(|| arithmetic.literal(0.0))
 }
 
-/// What must hold between the assignments of both.
+/// Equations between the assignments of both.
 pub(super) fn equations(
     before: View<'_>,
     after: View<'_>,
@@ -109,7 +109,7 @@ fn at(factor: Factor, set: Option<usize>) -> Option<(Factor, usize)> {
     set.map(|place| (factor, place))
 }
 
-/// What must hold of the outputs that the function had before.
+/// Equations of the outputs that the function had before.
 fn kept_equations(
     before: View<'_>,
     arrays: &DerivativeArrays,
@@ -142,7 +142,7 @@ fn kept_equations(
     Ok(equations)
 }
 
-/// What must hold of the derivatives.
+/// Equations of the derivatives.
 fn derivative_equations(
     before: View<'_>,
     result: DerivativeResult,

@@ -28,7 +28,7 @@ use robovec_ir::{Function, Machine, Operand, Value};
 use shape::{VARIABLES, WindowTerm};
 use solve::RightSides;
 
-/// What is mined.
+/// Space of mining.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct MiningSpace {
     /// Operations of a window, at most.
@@ -86,7 +86,7 @@ struct MinedShape {
     places: u64,
     /// Places on longest chains.
     late_places: u64,
-    /// When its variables and its angle come, at some of these.
+    /// Times of its variables and its angle, at some of these.
     profiles: Vec<Vec<i64>>,
 }
 
@@ -306,7 +306,7 @@ fn fewest(pattern: &Pattern) -> i64 {
     (single.filter(|&&count| count == 1).count() as i64 - 1).max(0)
 }
 
-/// When the variables and the angle of a window come, before its result.
+/// Times of the variables and the angle of a window, before its result.
 fn profile(term: &WindowTerm, timed: &Timed<'_>, root: Value) -> Vec<i64> {
     let result = i64::from(timed.arrivals[root.index()]);
     let mut times = vec![-result; VARIABLES as usize + 1];

@@ -39,9 +39,9 @@ enum TreeNode {
 pub(super) struct WindowTerm {
     /// The term.
     pub(super) pattern: Pattern,
-    /// What each variable stands for.
+    /// Operand of each variable.
     pub(super) variables: Vec<Operand>,
-    /// What the angle is.
+    /// Operand of the angle.
     pub(super) angle: Option<Operand>,
 }
 

@@ -35,7 +35,7 @@ struct Atoms {
     inverses: HashMap<u32, TermValue>,
 }
 
-/// What terms are made of: so many variables, sine and cosine of an angle or
+/// Kinds of atoms of terms: so many variables, sine and cosine of an angle or
 /// not, and numbers by their bits.
 #[derive(Clone, PartialEq, Eq)]
 struct AtomKinds {
@@ -155,7 +155,7 @@ impl Atoms {
         }
     }
 
-    /// What remains of a value when a term is taken off, in all ways.
+    /// Rests of a value after a term is taken off, in all ways.
     fn rests(&self, whole: &TermValue, term: u32) -> [(MeetingStep, TermValue); 4] {
         let moduli = self.terms.moduli();
         let part = self.terms.value(term);
