@@ -75,23 +75,9 @@ pub fn trial_main(
 /// little else, to compile them without MBsysC. MBsysC's own
 /// header has these members under the same names. Gives its name and text.
 pub fn minimal_data<'a>(views: impl IntoIterator<Item = View<'a>>) -> (String, String) {
-    let mut members: Vec<(String, usize)> = [
-        ("q", 1),
-        ("qd", 1),
-        ("qdd", 1),
-        ("Qq", 1),
-        ("m", 1),
-        ("g", 1),
-        ("lrod", 1),
-        ("dpt", 2),
-        ("l", 2),
-        ("In", 2),
-        ("frc", 2),
-        ("trq", 2),
-    ]
-    .into_iter()
-    .map(|(name, rank)| (name.to_owned(), rank))
-    .collect();
+    let vectors = ["q", "qd", "qdd", "Qq", "m", "g", "lrod"].map(|name| (name, 1));
+    let matrices = ["dpt", "l", "In", "frc", "trq"].map(|name| (name, 2));
+    let mut members: Vec<(&str, usize)> = vectors.into_iter().chain(matrices).collect();
     let mut views = views.into_iter().peekable();
     let first = views.peek().map(|view| ProjectStructure::of(view.function));
     let (header, name) = first.map_or(("mbs_data.h", "MbsData"), |data| (data.header, data.name));
@@ -99,8 +85,8 @@ pub fn minimal_data<'a>(views: impl IntoIterator<Item = View<'a>>) -> (String, S
         for array in view.function.inputs().iter().chain(view.function.outputs()) {
             let name = view.tables.symbols.text(array.name);
             let is_word = name.chars().all(is_word_letter);
-            if is_word && name != "tsim" && members.iter().all(|(known, _)| known != name) {
-                members.push((name.to_owned(), rank(array.shape)));
+            if is_word && name != "tsim" && members.iter().all(|(known, _)| *known != name) {
+                members.push((name, rank(array.shape)));
             }
         }
     }

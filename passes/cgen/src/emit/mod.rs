@@ -7,10 +7,13 @@
 //! * [`names`]: names that C accepts, each for one thing only;
 //! * [`expression`]: literals, operations and their parentheses;
 //! * [`arrays`]: arrays that count from 1, as parameters and as elements;
-//! * [`frame`]: comments, headers and parameters that nothing reads;
+//! * [`frame`]: comments, headers, parameters and definitions of functions;
 //! * [`inlining`]: which operations stand inside the expression of another;
 //! * [`order`]: in which order statements stand;
 //! * [`crossing`]: how values travel from one function to the next.
+//!
+//! Text that is fixed is a C file beside its writer, with words between `@`
+//! for what a function decides ([`robovec_framework::template`]).
 //!
 //! Invariant: nothing here depends on a target but by an argument that says in
 //! what they differ, so that a rule of C is stated once.

@@ -3,8 +3,9 @@
 //! What does not depend on the shape of a machine is written by hand under
 //! `hdl/` and travels inside the compiler; here stands what has to be chosen
 //! or generated for one machine: the elements, the crossbar, the top
-//! `robovec_machine`, and the images that it runs. `docs/rtl.md` describes
-//! the result.
+//! `robovec_machine`, and the images that it runs. Their frame is Verilog
+//! beside the writers, with words between `@` for what a machine decides.
+//! `docs/rtl.md` describes the result.
 //!
 //! [`Hardware`] is the machine file with every size settled. The program that
 //! it was built for gives what the file leaves open; every later program is
