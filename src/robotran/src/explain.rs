@@ -89,7 +89,7 @@ fn misfit(
             "look for a missing end of the statement before",
         ),
         (_, RobotranToken::Other) => (
-            operator_message(found),
+            format!("`{found}` is not understood"),
             operator_label(found),
             operator_note(found),
         ),
@@ -113,10 +113,6 @@ fn misfit(
         ),
     };
     refusal(&message, span, label, note)
-}
-
-fn operator_message(found: &str) -> String {
-    format!("`{found}` is not understood")
 }
 
 fn operator_label(found: &str) -> &'static str {

@@ -255,21 +255,9 @@ fn parse(
         Language::Python => IntegerArithmetic::Python,
     };
     let errors = match language {
-        Language::C => parse_tokens(
-            text,
-            TokenStream::<C>::new(text, language, symbols),
-            &mut builder,
-        ),
-        Language::Matlab => parse_tokens(
-            text,
-            TokenStream::<Matlab>::new(text, language, symbols),
-            &mut builder,
-        ),
-        Language::Python => parse_tokens(
-            text,
-            TokenStream::<Python>::new(text, language, symbols),
-            &mut builder,
-        ),
+        Language::C => parse_tokens::<C>(text, language, symbols, &mut builder),
+        Language::Matlab => parse_tokens::<Matlab>(text, language, symbols, &mut builder),
+        Language::Python => parse_tokens::<Python>(text, language, symbols, &mut builder),
     };
     let syntax = builder.syntax;
     if syntax
@@ -313,10 +301,12 @@ impl<T: TokenSource> Iterator for StatementTokens<'_, T> {
 
 /// Parses all statements; behind one that cannot be read it starts anew.
 fn parse_tokens<'s, L: Surface<'s>>(
-    text: &str,
-    mut tokens: TokenStream<'s, '_, L>,
+    text: &'s str,
+    language: Language,
+    symbols: &mut Symbols,
     builder: &mut SyntaxBuilder,
 ) -> Vec<Diagnostic> {
+    let mut tokens = TokenStream::<L>::new(text, language, symbols);
     let parser = grammar::FileParser::new();
     let mut stacks = ExpressionStacks::default();
     let mut errors = Vec::new();

@@ -361,8 +361,7 @@ mod tests {
     /// The same by way of plain equations.
     fn by_both<'s, L: Surface<'s>>(text: &'s str, language: Language) -> String {
         let (mut symbols, mut builder) = (Symbols::new(), SyntaxBuilder::default());
-        let tokens = TokenStream::<L>::new(text, language, &mut symbols);
-        let errors = parse_tokens(text, tokens, &mut builder);
+        let errors = parse_tokens::<L>(text, language, &mut symbols, &mut builder);
         told(&builder, &symbols, &errors)
     }
 

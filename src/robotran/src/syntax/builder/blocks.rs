@@ -1,4 +1,4 @@
-//! Heads of functions, and what opens, closes and leaves blocks.
+//! Heads of functions, and cases of sensors.
 
 use super::{ParseFailure, SyntaxBuilder, refused};
 use crate::literal::Literal;
@@ -48,18 +48,6 @@ impl SyntaxBuilder {
         self.simple(StatementKind::Head(index), start, end);
     }
 
-    pub(crate) fn block_open(&mut self, start: u32) {
-        self.simple(StatementKind::BlockOpen, start, start + 1);
-    }
-
-    pub(crate) fn block_close(&mut self, start: u32, length: u32) {
-        self.simple(StatementKind::BlockClose, start, start + length);
-    }
-
-    pub(crate) fn switch(&mut self, start: u32, name: RobotranName, end: u32) {
-        self.simple(StatementKind::Switch(name), start, end);
-    }
-
     pub(crate) fn case(
         &mut self,
         start: u32,
@@ -77,33 +65,5 @@ impl SyntaxBuilder {
         }
         self.simple(StatementKind::Case(whole as u32), start, end);
         Ok(())
-    }
-
-    pub(crate) fn default_case(&mut self, start: u32, end: u32) {
-        self.simple(StatementKind::DefaultCase, start, end);
-    }
-
-    pub(crate) fn leave(&mut self, start: u32, end: u32) {
-        self.simple(StatementKind::Break, start, end);
-    }
-
-    pub(crate) fn give_back(&mut self, start: u32, end: u32) {
-        self.simple(StatementKind::Return, start, end);
-    }
-
-    pub(crate) fn repeat(&mut self, start: u32, end: u32) {
-        self.simple(StatementKind::While, start, end);
-    }
-
-    pub(crate) fn condition(&mut self, start: u32, end: u32) {
-        self.simple(StatementKind::If, start, end);
-    }
-
-    pub(crate) fn other_condition(&mut self, start: u32, end: u32) {
-        self.simple(StatementKind::ElseIf, start, end);
-    }
-
-    pub(crate) fn otherwise(&mut self, start: u32, end: u32) {
-        self.simple(StatementKind::Else, start, end);
     }
 }

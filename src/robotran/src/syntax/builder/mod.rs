@@ -110,7 +110,8 @@ impl SyntaxBuilder {
         });
     }
 
-    pub(super) fn simple(&mut self, kind: StatementKind, start: u32, end: u32) {
+    /// Adds a statement that is complete as it stands.
+    pub(crate) fn simple(&mut self, kind: StatementKind, start: u32, end: u32) {
         self.statement(kind, start, end);
         self.finish();
     }
