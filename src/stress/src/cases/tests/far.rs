@@ -5,9 +5,9 @@ use crate::ProgramTreatment;
 use crate::case::StressSubject;
 use crate::draw::Draw;
 
-type Matrix = [[f64; 3]; 3];
+type TurnMatrix = [[f64; 3]; 3];
 
-fn turn(axis: usize, angle: f64) -> Matrix {
+fn turn(axis: usize, angle: f64) -> TurnMatrix {
     let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
     let mut matrix = [[0.0; 3]; 3];
     matrix[axis][axis] = 1.0;
@@ -16,7 +16,7 @@ fn turn(axis: usize, angle: f64) -> Matrix {
     matrix
 }
 
-fn times(matrix: &Matrix, vector: [f64; 3]) -> [f64; 3] {
+fn times(matrix: &TurnMatrix, vector: [f64; 3]) -> [f64; 3] {
     matrix.map(|row| (0..3).map(|k| row[k] * vector[k]).sum())
 }
 
