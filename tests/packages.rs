@@ -20,7 +20,7 @@ pub(crate) fn crates() -> Vec<PathBuf> {
 }
 
 /// All Rust files of a folder and the folders in it.
-fn sources(folder: &Path) -> Vec<PathBuf> {
+pub(crate) fn sources(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {

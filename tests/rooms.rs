@@ -1,7 +1,7 @@
 //! The rooms of every crate: they lie in layers, and every type has a name
 //! that a search finds.
 
-use crate::packages::crates;
+use crate::packages::{self, crates};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -151,4 +151,33 @@ fn every_type_has_a_name_of_its_own() {
         places.is_empty(),
         "several types have one name: {places:#?}"
     );
+}
+
+/// Words that open no comment of documentation: it names its subject first.
+const OPENINGS: [&str; 8] = [
+    "What", "How", "Which", "Where", "Whether", "When", "Why", "So",
+];
+
+#[test]
+fn comments_open_with_their_subject() {
+    let (mut count, mut found) = (0, Vec::new());
+    for folder in crates() {
+        for path in packages::sources(&folder) {
+            let text = fs::read_to_string(&path).expect("a readable source");
+            let mut last = "";
+            for line in text.lines().map(str::trim_start) {
+                let is_comment = |line: &str| line.starts_with("///") || line.starts_with("//!");
+                if is_comment(line) && !is_comment(last) {
+                    count += 1;
+                    if OPENINGS.contains(&word(line[3..].trim_start()).as_str()) {
+                        found.push(format!("{}: {line}", path.display()));
+                    }
+                }
+                last = line;
+            }
+        }
+    }
+    assert!(count > 10_000, "{count} comments");
+    // One in a hundred may be better that way.
+    assert!(100 * found.len() <= count, "of {count}: {found:#?}");
 }

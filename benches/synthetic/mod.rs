@@ -9,7 +9,7 @@
 use robovec_num::random::Random;
 use std::fmt::Write;
 
-/// What an equation reads.
+/// Operand of an equation.
 #[derive(Clone, Copy)]
 enum Operand {
     /// An input, from 1.
@@ -35,7 +35,7 @@ pub(crate) struct Program {
 const INPUTS: usize = 64;
 /// Number of outputs: the last values.
 const OUTPUTS: usize = 256;
-/// How far back a near operand lies at most.
+/// Maximum distance of a near operand.
 const NEAR: usize = 200;
 
 impl Program {

@@ -1,4 +1,4 @@
-//! Whether a file of equations still belongs to its model.
+//! Comparison of a file of equations with its model.
 //!
 //! Equations are generated from a model and then live on their own: the model
 //! is changed, a point added or a zero filled in, and the old files compile as
@@ -32,18 +32,18 @@ const POINTS: u32 = 2;
 pub struct StaleFinding {
     /// True when the file must be generated again; false for a remark.
     pub stale: bool,
-    /// What was found, one sentence.
+    /// Finding, one sentence.
     pub message: String,
-    /// Where it shows in the file of equations.
+    /// Place in the file of equations.
     pub place: Option<SourcePlace>,
-    /// What it means, or what to do.
+    /// Meaning of it, or advice.
     pub help: String,
 }
 
-/// What is known of a file of equations after comparing it with a model.
+/// Result of comparing a file of equations with a model.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Comparison {
-    /// What was found.
+    /// Findings.
     pub findings: Vec<StaleFinding>,
     /// The functions that were proved to be those of the model.
     pub equal: Vec<String>,
@@ -112,7 +112,7 @@ fn kind_of(function: &Function) -> Option<FunctionKind> {
     FunctionKind::from_name(metadata(function, "kind")?)
 }
 
-/// What the file says about itself.
+/// Identity that the file gives itself.
 fn identity(model: &Model, function: &Function, comparison: &mut Comparison) {
     if let Some(name) = metadata(function, "model")
         && name != model.name
@@ -169,7 +169,7 @@ fn element(tables: &Tables, function: &Function, input: Input) -> ArrayElement {
     (tables.symbols.text(array.name).to_owned(), indices)
 }
 
-/// What the last index of an array counts, and how many of them there are.
+/// Meaning of the last index of an array, and its extent.
 fn extent(model: &Model, array: &str) -> Option<(&'static str, usize)> {
     let rods = || {
         let rods = model.cuts.iter();

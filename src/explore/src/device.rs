@@ -1,4 +1,4 @@
-//! What a machine takes of a device, by number format: an estimate.
+//! Resources of a device that a machine takes, by number format: an estimate.
 //!
 //! The formulas are those of [`robovec_fpga::hardware`], for the
 //! hardware that `robovec rtl` writes. Nothing is synthesised.
@@ -10,7 +10,7 @@ use robovec_ir::{Format, Function, Machine, Module};
 use robovec_schedule::{PlaceOptions, most_memory_words};
 use serde::Serialize;
 
-/// What a machine takes.
+/// Resources that a machine takes.
 #[derive(Clone, Copy, PartialEq, Default, Debug, Serialize)]
 pub struct DeviceShare {
     /// Look-up tables.
@@ -35,9 +35,9 @@ impl DeviceShare {
     }
 }
 
-/// What a machine takes in a format, for a program of so many cycles whose
-/// elements hold at most so many words each. A memory in logic counts as the
-/// tables whose place it takes.
+/// Resources that a machine takes in a format, for a program of so many cycles
+/// whose elements hold at most so many words each. A memory in logic counts as
+/// the tables whose place it takes.
 pub fn taken(machine: &Machine, format: Format, cycles: u32, words: u32) -> DeviceShare {
     let machine = Machine {
         number: format,
@@ -47,7 +47,7 @@ pub fn taken(machine: &Machine, format: Format, cycles: u32, words: u32) -> Devi
     taken_by(&shape, machine.device.device())
 }
 
-/// What hardware takes of a device, counted as [`taken`] does.
+/// Resources of a device that hardware takes, counted as [`taken`] does.
 pub fn taken_by(shape: &MachineShape, device: &Device) -> DeviceShare {
     taken_in_all(&hardware::resources(shape), device)
 }

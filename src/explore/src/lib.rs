@@ -1,6 +1,6 @@
-//! What explorations share: programs made by pipelines, machines with other
-//! numbers of elements, placements, errors against exact results, shares of a
-//! device, times on a processor, and the points that no other one beats.
+//! Common parts of explorations: programs made by pipelines, machines with
+//! other numbers of elements, placements, errors against exact results, shares
+//! of a device, times on a processor, and the points that no other one beats.
 //!
 //! An exploration makes programs, varies axes ([`axes`]), measures a point for
 //! every combination and keeps what no other point beats ([`pareto`]). Its

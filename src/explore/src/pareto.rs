@@ -14,7 +14,7 @@ fn covers<const N: usize>(first: &[f64; N], second: &[f64; N]) -> bool {
     first.iter().zip(second).all(|(a, b)| a <= b)
 }
 
-/// Which of several equal points are kept.
+/// Choice of the points that are kept among equal ones.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum EqualPoints {
     /// All of them.

@@ -23,7 +23,7 @@ pub fn with_counts(machine: &Machine, counts: &[(Operation, u32)]) -> Machine {
 pub struct PlacedFunction {
     /// The function, with schedule and placement.
     pub function: Function,
-    /// What the placer tells.
+    /// Summary of the placer.
     pub summary: PlaceSummary,
 }
 
@@ -67,7 +67,7 @@ pub fn verified(
 }
 
 impl PlacedFunction {
-    /// What the placement uses of the machine it was made for.
+    /// Use of the machine by the placement made for it.
     pub fn statistics(&self, machine: &Machine) -> PlacementStatistics {
         placement_statistics(&self.function, machine).expect("what is placed has a placement")
     }

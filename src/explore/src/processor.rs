@@ -65,8 +65,8 @@ pub struct ProcessorTimes {
     pub rolled: Option<f64>,
     /// Per state, when eight are evaluated at once.
     pub batch: Option<f64>,
-    /// How much longer one call in a thousand of the faster C takes than the
-    /// median one.
+    /// Time by which one call in a thousand of the faster C takes longer than
+    /// the median one.
     pub jitter: Option<f64>,
 }
 
@@ -143,7 +143,7 @@ pub fn contest(regular: View<'_>, shorter: View<'_>) -> Result<ProcessorTimes, S
     })
 }
 
-/// What is asked of the C of a function.
+/// Question about the C of a function.
 fn question<'a>(view: View<'a>, states: &'a States) -> BenchQuestion<'a> {
     BenchQuestion {
         name: "function".to_owned(),

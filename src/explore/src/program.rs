@@ -30,8 +30,8 @@ pub fn view(module: &Module) -> View<'_> {
     }
 }
 
-/// What a pipeline makes of a module, for a scene or in general. Remarks of the
-/// passes are for who compiles and are not kept.
+/// Module that a pipeline makes of a module, for a scene or in general. Remarks
+/// of the passes are for who compiles and are not kept.
 ///
 /// # Errors
 ///

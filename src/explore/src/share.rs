@@ -23,13 +23,13 @@ impl WorkShare {
     /// All of the work.
     pub const ALL: WorkShare = WorkShare { k: 1, n: 1 };
 
-    /// Whether the share holds a piece of work, by its number from 0.
+    /// Tests whether the share holds a piece of work, by its number from 0.
     pub fn holds(self, number: usize) -> bool {
         number % self.n == self.k - 1
     }
 
-    /// So many pieces of work: first those of the share, then those of others,
-    /// the last one first, since others begin at the front.
+    /// Order of a number of pieces of work: first those of the share, then
+    /// those of others, the last one first, since others begin at the front.
     pub fn own_and_others(self, count: usize) -> [Vec<usize>; 2] {
         let (own, mut others): (Vec<usize>, Vec<usize>) =
             (0..count).partition(|&number| self.holds(number));
@@ -38,7 +38,7 @@ impl WorkShare {
     }
 }
 
-/// Where the results of an exploration are kept, and whose share of it is done.
+/// Store of an exploration's results, and the share of it that is done.
 #[derive(Clone, Copy, Debug)]
 pub struct SharedWork<'a> {
     /// Absent where nothing is kept.

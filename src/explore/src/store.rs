@@ -96,7 +96,7 @@ pub fn build_key() -> io::Result<PointKey> {
 
 #[derive(Serialize, Deserialize)]
 struct StoredPoint<P> {
-    /// What the point was computed from.
+    /// Key that the point was computed from.
     key: String,
     /// Hash of the point's text, so that an edited point is none.
     content: String,
@@ -113,7 +113,7 @@ fn content(point: &impl Serialize) -> String {
 #[derive(Debug)]
 pub struct PointStore {
     folder: PathBuf,
-    /// Whether points found there are used.
+    /// True if points found there are used.
     reuse: bool,
 }
 

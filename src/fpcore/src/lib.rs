@@ -34,12 +34,12 @@ pub struct ReadCore {
     /// One function at the equations level with scalar inputs and the output
     /// `result`.
     pub module: Module,
-    /// What `:pre` says of the inputs.
+    /// Ranges of the inputs by `:pre`.
     pub ranges: Ranges,
     /// The format of `:precision`, binary64 where it is absent; `None` for
     /// real numbers.
     pub format: Option<Format>,
-    /// What was left out.
+    /// Parts that were left out.
     pub warnings: Report,
 }
 
@@ -107,7 +107,7 @@ fn listed(cores: &[Core]) -> String {
     }
 }
 
-/// What was found wrong, and what was left out.
+/// Faults, and parts that were left out.
 #[derive(Default, Debug)]
 struct CoreProblems {
     errors: Vec<Diagnostic>,

@@ -17,7 +17,7 @@ pub(super) struct LoweredCore {
     pub(super) arguments: BTreeMap<String, String>,
 }
 
-/// What is left to do; the last entry comes first.
+/// Remaining work; the last entry comes first.
 enum Step<'text> {
     /// Read an expression.
     Read(u32),

@@ -4,7 +4,7 @@ use robovec_num::decimal::is_lost;
 use robovec_num::hexadecimal;
 use std::f64::consts;
 
-/// What a literal says.
+/// Value of a literal.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum CoreLiteral {
     /// The nearest number of binary64.

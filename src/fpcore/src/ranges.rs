@@ -1,4 +1,4 @@
-//! What the precondition of a core says of its inputs.
+//! Ranges of inputs by the precondition of a core.
 //!
 //! Comparisons of one variable with numbers become its range, with both ends:
 //! `<` is read as `<=`. Everything else that `:pre` asks is left out, which

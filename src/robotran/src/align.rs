@@ -128,7 +128,7 @@ fn rebuild(
     rebuilt
 }
 
-/// Where every element of the old arrays stands in the new ones.
+/// Place of every element of the old arrays in the new ones.
 fn places(old: &[Array], new: &[Array]) -> Vec<u32> {
     let mut places = Vec::new();
     for array in old {

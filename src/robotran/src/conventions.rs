@@ -1,4 +1,4 @@
-//! What Robotran's models and arrays are: their extents and their order.
+//! Extents and order of Robotran's models and arrays.
 //!
 //! Reader, writer and generator share these tables, because a function must
 //! have the same arrays whichever of them it comes from.

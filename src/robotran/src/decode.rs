@@ -109,7 +109,7 @@ pub fn is_equations(name: &str, text: &str) -> bool {
         || Language::ALL.iter().any(|&language| shows(text, language))
 }
 
-/// Whether a line of the text is the head of a function in the language.
+/// Tests whether a line of the text is the head of a function in the language.
 fn shows(text: &str, language: Language) -> bool {
     let heads: &[(&str, &str)] = match language {
         Language::C => &[("#include", ""), ("void ", "("), ("int ", "(")],

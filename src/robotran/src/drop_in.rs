@@ -16,7 +16,7 @@ use robovec_cgen::c::{
 use robovec_ir::states::States;
 use robovec_ir::{Assignment, Function, Module, Output, SourceSet, View};
 
-/// How drop-in C is written.
+/// Options of drop-in C.
 #[derive(Clone, Default, Debug)]
 pub struct DropInOptions {
     /// The C itself.
@@ -33,8 +33,8 @@ pub struct DropInOptions {
     pub rivals: Vec<String>,
 }
 
-/// How far results of compiled C may be from the evaluator's, relative to the
-/// largest number of the output array.
+/// Maximum distance of results of compiled C from the evaluator's, relative to
+/// the largest number of the output array.
 pub const TOLERANCE: f64 = 1e-12;
 
 /// The same for functions that compute in binary32.

@@ -1,4 +1,4 @@
-//! Why a statement could not be read, in words.
+//! Reasons why a statement could not be read, in words.
 
 use super::token::LexicalError;
 use super::token::{RobotranToken, SourceSpan};

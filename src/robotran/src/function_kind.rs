@@ -9,7 +9,7 @@ pub enum FunctionKind {
     Invdyna,
     /// The constraints `h` of loops and their Jacobian `Jac` (F8).
     ConsHJ,
-    /// What remains of the constraints' second derivative, `Jdqd` (F18).
+    /// Rest of the constraints' second derivative, `Jdqd` (F18).
     ConsJdqd,
     /// Forces of links, added to `frc` and `trq` (F7).
     Link,

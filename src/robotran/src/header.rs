@@ -1,11 +1,11 @@
-//! What the comments at the head and foot of a file say.
+//! Comments at the head and foot of a file.
 
 use super::Language;
 use super::conventions::JOINTS;
 use robovec_num::limits::NumberLimit;
 use std::ops::Range;
 
-/// How many lines a header has at most.
+/// Maximum number of lines of a header.
 const HEADER_LINES: usize = 120;
 
 /// Rows and columns that a header may state.

@@ -124,8 +124,8 @@ pub struct Read {
     /// One function for each function of the file, for each case of a sensor
     /// file (`sensor_3`), or for each part of a function with loops.
     pub module: Module,
-    /// What the user should know, with the text it is about; without the text
-    /// when there is nothing to say.
+    /// Warnings, with the text they are about; without the text when there are
+    /// none.
     pub warnings: Report,
 }
 
@@ -199,7 +199,7 @@ fn is_for_processors(text: &str) -> bool {
     head.starts_with("/*") && head.contains(" by robovec")
 }
 
-/// Why a file of robovec's own C for processors cannot be read, where it
+/// Reason why a file of robovec's own C for processors cannot be read, where it
 /// holds more than one straight-line function of 64-bit floats.
 fn loops_of_robovec(text: &str) -> Option<Diagnostic> {
     if !is_for_processors(text) {

@@ -25,7 +25,7 @@ pub(super) enum Literal {
     Double(f64),
 }
 
-/// Why a literal, or an operation on literals, cannot be kept.
+/// Reason why a literal, or an operation on literals, cannot be kept.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Unkept {
     pub(super) message: &'static str,

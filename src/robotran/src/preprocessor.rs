@@ -48,7 +48,7 @@ const CANNOT_TELL: (&str, &str) = (
     "run the file through the preprocessor first (`cpp -P`), or remove the line",
 );
 
-/// What a macro stands for.
+/// Meaning of a macro.
 #[derive(Clone, PartialEq, Debug)]
 enum Macro {
     /// Nothing.
@@ -60,7 +60,7 @@ enum Macro {
     Other,
 }
 
-/// What a word of the text stands for.
+/// Meaning of a word of the text.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Expansion {
     /// Nothing.
@@ -89,7 +89,7 @@ pub(super) type PreprocessorRefusal = (&'static str, &'static str);
 pub(super) struct Preprocessor {
     macros: HashMap<String, Macro, FxBuildHasher>,
     conditions: Vec<OpenConditional>,
-    /// How many of the conditions are false.
+    /// Number of conditions that are false.
     skipping: usize,
 }
 
@@ -117,7 +117,7 @@ impl Preprocessor {
         self.macros.contains_key(word)
     }
 
-    /// What a word stands for: `None` for itself.
+    /// Meaning of a word: `None` for itself.
     pub(super) fn expand(&self, word: &str) -> Result<Option<Expansion>, PreprocessorRefusal> {
         const OTHER: PreprocessorRefusal = (
             "a macro that is neither a name nor a number",
@@ -232,7 +232,7 @@ impl Preprocessor {
         Ok(())
     }
 
-    /// Whether a condition of one word, or one `defined`, holds.
+    /// Tests whether a condition of one word, or one `defined`, holds.
     fn holds(&self, text: &str) -> Result<bool, PreprocessorRefusal> {
         let (text, expected) = match text.strip_prefix('!') {
             Some(text) => (text.trim_start(), false),

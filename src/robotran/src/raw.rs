@@ -18,7 +18,7 @@ pub(super) enum Raw {
     Zeros,
     /// A number of Matlab.
     Number,
-    /// What C or Python takes for one number, with its suffix: `0x1Fu`.
+    /// Lexeme that C or Python takes for one number, with its suffix: `0x1Fu`.
     Numeral,
     Text,
     Preprocessor,

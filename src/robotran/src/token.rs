@@ -92,7 +92,7 @@ pub(super) struct RobotranElement {
     pub(super) column: u32,
 }
 
-/// What the words before a name in a C declaration say.
+/// Words before a name in a C declaration.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub(super) struct TypeWords(u8);
 

@@ -3,7 +3,7 @@
 use super::{ProgramTreatment, StressError, StressVerdict};
 use robovec_ir::Format;
 
-/// What a case makes hard.
+/// Class of cases, by the property that makes them hard.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct CaseClass {
     name: &'static str,
@@ -62,7 +62,7 @@ impl CaseClass {
         CaseClass::ALL.into_iter().find(|class| class.name == name)
     }
 
-    /// What its cases make hard, in one line.
+    /// Property that makes its cases hard, in one line.
     pub fn description(self) -> &'static str {
         self.description
     }
@@ -72,18 +72,18 @@ impl CaseClass {
 pub struct StressCase {
     /// Its name on the command line.
     pub name: String,
-    /// What it makes hard.
+    /// Class of the case.
     pub class: CaseClass,
-    /// How it is built, in a few words.
+    /// Construction, in a few words.
     pub construction: String,
-    /// What it breaks.
+    /// Damage that it does.
     pub breaks: String,
     /// The verdict on the untreated program in binary32. Anything else than
     /// this makes `robovec stress` fail.
     pub expected: StressVerdict,
     /// True when it takes long without optimisation.
     pub long: bool,
-    /// What is measured.
+    /// Measured subject.
     pub(super) subject: Box<dyn StressSubject>,
 }
 
@@ -111,7 +111,7 @@ pub(super) trait StressSubject: Send + Sync {
         Vec::new()
     }
 
-    /// What else may make the error smaller, beside wider formats of
+    /// Treatments that may make the error smaller, beside wider formats of
     /// everything.
     fn candidates(&self) -> Vec<ProgramTreatment> {
         Vec::new()
@@ -140,7 +140,7 @@ pub(super) trait StressSubject: Send + Sync {
 
 /// A subject with its reference.
 pub(super) trait StressBench: Sync {
-    /// How much the result changes, relatively, with the numbers it is
+    /// Condition: the relative change of the result with the numbers it is
     /// computed from: of the mass matrix where accelerations are asked for.
     fn condition(&self) -> f64 {
         let format = Format::BINARY32;
@@ -161,7 +161,7 @@ pub(super) trait StressBench: Sync {
     fn measure(&self, treatment: &ProgramTreatment) -> Result<Measured, StressError>;
 }
 
-/// What a treatment led to.
+/// Result of a treatment.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Measured {
     /// The error that verdicts are about, relative; not finite when there is

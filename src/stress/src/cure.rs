@@ -8,24 +8,24 @@ use robovec_num::{FixedFormat, NumberFormat};
 /// A treatment that was tried.
 #[derive(Clone, PartialEq, Debug)]
 pub struct TreatmentTrial {
-    /// What was done.
+    /// Treatment.
     pub treatment: ProgramTreatment,
     /// The same in a few words.
     pub label: String,
-    /// What came of it.
+    /// Result of it.
     pub measured: Measured,
     /// Operations times bits, relative to the untreated program.
     pub cost: f64,
 }
 
-/// What is known of a case.
+/// Findings on a case.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Findings {
     /// The program that nothing was done to.
     pub untreated: ProgramTreatment,
     /// The error that verdicts are about.
     pub metric: &'static str,
-    /// How much the result changes, relatively, with the data.
+    /// Relative change of the result with the data.
     pub condition: f64,
     /// The error of rounding the data once to binary32.
     pub floor: f64,
@@ -45,12 +45,12 @@ pub struct Findings {
     pub short_cure: Option<usize>,
 }
 
-/// How many times the error of binary64 a cure may leave.
+/// Maximum error that a cure may leave, in parts of that of binary64.
 const CLOSE: f64 = 10.0;
 
-/// How many times smaller the error of another program in the same format must
-/// be for the problem not to be what is hard. Rounding errors of two programs
-/// differ by a bit or two by luck.
+/// Factor by which the error of another program in the same format must be
+/// smaller for the problem not to be the hard part. Rounding errors of two
+/// programs differ by a bit or two by luck.
 const BETTER: f64 = 8.0;
 
 /// The error of a result with one digit: with a larger one nothing is better
@@ -61,8 +61,8 @@ const ONE_DIGIT: f64 = 0.1;
 /// times the rounding of binary32.
 const NARROWEST: u32 = 18;
 
-/// How many times what is wanted the error in the widest format may be for
-/// shorter ones to be tried: luck brings a bit or two.
+/// Maximum error in the widest format, in parts of the wanted one, for shorter
+/// ones to be tried: luck brings a bit or two.
 const HOPELESS: f64 = 100.0;
 
 /// The programs that get a format for every value.
@@ -138,7 +138,7 @@ pub fn examine(case: &StressCase) -> Result<Findings, StressError> {
     Ok(findings)
 }
 
-/// What was tried so far.
+/// Attempts so far.
 struct Attempts<'a> {
     bench: &'a dyn StressBench,
     untreated: ProgramTreatment,

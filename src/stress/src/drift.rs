@@ -363,7 +363,7 @@ fn product<A: Arithmetic>(a: &A, x: &[A::Number], y: &[A::Number]) -> A::Number 
     pairs.fold(a.literal(0.0), |sum, (&x, &y)| a.add(sum, a.mul(x, y)))
 }
 
-/// How fast a row of the loops opens.
+/// Velocity at which a row of the loops opens.
 fn moving<A: Arithmetic>(a: &A, row: &[A::Number], velocities: &[f64]) -> A::Number {
     let velocities: Vec<A::Number> = velocities.iter().map(|&x| a.literal(x)).collect();
     product(a, row, &velocities)
@@ -383,7 +383,7 @@ impl StressBench for DriftBench<'_> {
         f64::NAN
     }
 
-    /// What rounding the state once to the format opens.
+    /// Gap that rounding the state once to the format opens.
     fn floor(&self, format: Format) -> f64 {
         format.unit_roundoff()
     }

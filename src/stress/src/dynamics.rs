@@ -31,7 +31,7 @@ use robovec_robotran::FunctionKind;
 use solution::Solution;
 use std::sync::Arc;
 
-/// Which error verdicts are about.
+/// Error that verdicts are about.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Metric {
     /// Of `M`, relative to its largest entry.

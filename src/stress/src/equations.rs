@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Equations, and the sets of inputs they are evaluated for.
 pub(super) struct EquationsSubject {
     forms: TextForms<Vec<Vec<f64>>>,
-    /// What they compute.
+    /// Result that they compute.
     result: &'static str,
 }
 

@@ -47,7 +47,7 @@ use robovec_dynamics::generate::GenerateError;
 use robovec_dynamics::motion::MotionError;
 use thiserror::Error;
 
-/// Why a case cannot be measured.
+/// Reason why a case cannot be measured.
 #[derive(Clone, PartialEq, Debug, Error)]
 pub enum StressError {
     /// The model gives no equations.

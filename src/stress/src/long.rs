@@ -17,7 +17,7 @@ use robovec_robotran::FunctionKind;
 use std::convert::Infallible;
 use std::ops::Add;
 
-/// What is to stay the same.
+/// Conserved quantity.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Kept {
     /// The energy.
@@ -179,8 +179,8 @@ impl StressBench for LongBench<'_> {
         f64::NAN
     }
 
-    /// What the method leaves out at this step, and what reading the state in
-    /// the format says of the energy.
+    /// Error of the method at this step, and error of the energy by reading the
+    /// state in the format.
     fn floor(&self, format: Format) -> f64 {
         let treatment = ProgramTreatment {
             format: Format::BINARY64,

@@ -1,5 +1,5 @@
-//! What the examination of a case computes once: programs that several formats
-//! run, and runs that take long.
+//! Results that the examination of a case computes once: programs that several
+//! formats run, and runs that take long.
 
 use std::sync::{Mutex, PoisonError};
 

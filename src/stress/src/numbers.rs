@@ -6,7 +6,7 @@ use robovec_num::arithmetic::{Arithmetic, Binary32, Binary64};
 use robovec_num::double_double::{Double, DoubleDouble};
 use robovec_num::soft_float::FormatArithmetic;
 
-/// What something is computed in.
+/// Precision of a computation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum WorkingPrecision {
     /// A number format.
@@ -41,7 +41,7 @@ impl Wide for Double {
 
 /// Work that can be done in any arithmetic.
 pub(super) trait Work {
-    /// What it gives.
+    /// Result.
     type Result;
 
     /// Does it.

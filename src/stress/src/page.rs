@@ -1,4 +1,4 @@
-//! What was found, as a figure and as a page that needs nothing else.
+//! Findings as a figure and as a page that needs nothing else.
 
 use super::view::{by_class, short};
 use super::{CaseFinding, Findings};

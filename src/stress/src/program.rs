@@ -19,7 +19,7 @@ use robovec_num::double_double::Double;
 use robovec_passes::registry::REGISTRY;
 use robovec_robotran::FunctionKind;
 
-/// How a program is made.
+/// Recipe of a program.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub(super) struct ProgramRecipe<'a> {
     /// The recursion.
@@ -202,8 +202,8 @@ impl ModelProgram {
         array
     }
 
-    /// How many of the inputs and values, of those that are not zero, lie
-    /// outside the range of a format's normal numbers.
+    /// Number of inputs and values, of those that are not zero, outside the
+    /// range of a format's normal numbers.
     pub(super) fn out_of_range(&self, format: Format, units: Units, inputs: &[f64]) -> [usize; 2] {
         let scaled: Vec<f64> = inputs
             .iter()

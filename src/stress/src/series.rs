@@ -143,7 +143,7 @@ impl StressSubject for AnglesSubject {
         ProgramTreatment::in_format(Format::BINARY64)
     }
 
-    /// What the series leaves out no format brings back.
+    /// Always false: no format brings back the truncation of the series.
     fn rounds(&self) -> bool {
         false
     }

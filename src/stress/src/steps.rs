@@ -29,7 +29,7 @@ pub(super) struct StepsSubject {
     steps: u64,
 }
 
-/// Where a motion starts.
+/// Beginning of a motion.
 #[derive(Clone)]
 pub(super) struct MotionStart {
     pub(super) state: Vec<f64>,
@@ -37,13 +37,13 @@ pub(super) struct MotionStart {
 }
 
 impl MotionStart {
-    /// What the function reads: the state, then the parameters.
+    /// Inputs of the function: the state, then the parameters.
     fn inputs(&self) -> Vec<f64> {
         [&self.state[..], &self.parameters].concat()
     }
 }
 
-/// How often the watched numbers are looked at.
+/// Number of samples of the watched numbers.
 const SAMPLES: u64 = 50;
 
 impl StepsSubject {
@@ -81,7 +81,7 @@ impl StepsSubject {
 
 struct StepsBench<'a> {
     subject: &'a StepsSubject,
-    /// What is watched, and the state, sample after sample.
+    /// Watched numbers, and the state, sample after sample.
     exact: Vec<Vec<Double>>,
     modules: Memo<ProgramTreatment, Arc<Module>>,
 }
@@ -148,8 +148,7 @@ struct FormRun<'a> {
     states: usize,
     how: TimeStep,
     steps: u64,
-    /// What the state is kept in, where that is not what slopes are computed
-    /// in.
+    /// Format of the state, where it is not that of the slopes.
     state: Option<Format>,
 }
 
@@ -279,7 +278,7 @@ impl StepsBench<'_> {
         Ok(inputs.collect())
     }
 
-    /// How many numbers are watched.
+    /// Number of watched numbers.
     fn watched(&self) -> usize {
         let all = self
             .exact
@@ -330,7 +329,7 @@ impl StepsBench<'_> {
 }
 
 impl StressBench for StepsBench<'_> {
-    /// What moving the start and the parameters once does to the run.
+    /// Effect of moving the start and the parameters once on the run.
     fn floor(&self, format: Format) -> f64 {
         const DRAWS: u64 = 3;
         let numbers = self.subject.forms.plain.numbers.inputs();

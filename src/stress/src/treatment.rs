@@ -1,4 +1,4 @@
-//! What is done to a program so that its error becomes smaller.
+//! Treatments that make the error of a program smaller.
 
 use robovec_dynamics::generate::Formulation;
 use robovec_ir::Format;
@@ -7,9 +7,9 @@ use std::fmt;
 /// The passes that shorten paths by regrouping sums and products.
 pub(super) const BALANCED: &str = "atomise,zero-removal,balance,cse,dce";
 
-/// What is run over the equations of every recursion: regrouping for short
-/// paths and for common factors, and sums that round less. The first list is
-/// empty: the equations as they come.
+/// Passes over the equations of every recursion: regrouping for short paths and
+/// for common factors, and sums that round less. The first list is empty: the
+/// equations as they come.
 pub(super) const PASSES: [&str; 7] = [
     "",
     BALANCED,
@@ -20,14 +20,14 @@ pub(super) const PASSES: [&str; 7] = [
     "atomise,accurate{growth=1000 slack=1000}",
 ];
 
-/// What keeps the loops of a model closed in time.
+/// Method that keeps the loops of a model closed in time.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum LoopStabilisation {
     /// Nothing: accelerations agree with the loops, positions need not.
     #[default]
     None,
-    /// What is open is led back by the accelerations, as a critically damped
-    /// oscillator would (Baumgarte 1972).
+    /// Accelerations lead gaps back, as a critically damped oscillator would
+    /// (Baumgarte 1972).
     Baumgarte,
     /// After every step the dependent joints are put back onto the loops.
     Projection,
@@ -42,8 +42,8 @@ impl LoopStabilisation {
     ];
 }
 
-/// How a program is made and run. The default is what one gets without
-/// asking: the recursion Robotran prints, in binary32.
+/// Making and running of a program. The default is that without asking: the
+/// recursion Robotran prints, in binary32.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ProgramTreatment {
     /// The recursion the equations come from.
@@ -56,15 +56,14 @@ pub struct ProgramTreatment {
     /// Another way to write the same equations, by name; the one that is the
     /// case when empty.
     pub form: &'static str,
-    /// What is computed in.
+    /// Format of the computation.
     pub format: Format,
     /// Every value in the narrowest format with which the outputs keep this
     /// error, up to binary64: the pass `mixed`.
     pub mixed: Option<f64>,
-    /// What keeps loops closed.
+    /// Method that keeps loops closed.
     pub stabilisation: LoopStabilisation,
-    /// What forces (`c`, `Qq`, residuals) are computed in, where that is not
-    /// what masses are computed in.
+    /// Format of forces (`c`, `Qq`, residuals), where it is not that of masses.
     pub forces: Option<Format>,
     /// Steps of iterative refinement of accelerations: each solves again, with
     /// the same factor of `M`, for what the inverse dynamics say is missing.
@@ -135,7 +134,7 @@ impl ProgramTreatment {
         same == *untreated && self != untreated
     }
 
-    /// What it does that another does not, in a few words.
+    /// Difference of it from another, in a few words.
     pub fn label(&self, untreated: &ProgramTreatment) -> String {
         let mut words: Vec<String> = Vec::new();
         if self.formulation != untreated.formulation {

@@ -104,7 +104,7 @@ impl Units {
         times_power_of_two(number, self.shift(dimension))
     }
 
-    /// What a stored number is in SI units.
+    /// Value of a stored number in SI units.
     pub fn meant(self, number: f64, dimension: Dimension) -> f64 {
         times_power_of_two(number, -self.shift(dimension))
     }

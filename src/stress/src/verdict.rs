@@ -20,7 +20,7 @@ pub enum StressVerdict {
     /// Numbers leave the range of the format, and a wider exponent alone
     /// helps.
     OutOfRange,
-    /// What is computed contradicts itself: a mass matrix that is not positive
+    /// Result that contradicts itself: a mass matrix that is not positive
     /// definite.
     Inconsistent,
 }
@@ -53,12 +53,12 @@ impl fmt::Display for StressVerdict {
     }
 }
 
-/// How many times the error of rounded data an error may be before it is the
-/// code's fault. Some tens of units of the last place are usual for the
-/// hundreds of operations that a result depends on.
+/// Maximum error in parts of that of rounded data before it is the code's
+/// fault. Some tens of units of the last place are usual for the hundreds of
+/// operations that a result depends on.
 pub const ALLOWANCE: f64 = 32.0;
 
-/// How many times smaller the error must become with a wider exponent for the
+/// Factor by which the error must become smaller with a wider exponent for the
 /// range to be the reason.
 const RANGE_GAIN: f64 = 4.0;
 

@@ -1,4 +1,4 @@
-//! What was found, as text, table, figure and page.
+//! Findings as text, table, figure and page.
 
 use super::{CaseClass, Findings, LoopStabilisation, ProgramTreatment, StressCase};
 use robovec_ir::Format;
@@ -103,7 +103,7 @@ pub fn steps(findings: &[CaseFinding<'_>]) -> String {
     text
 }
 
-/// How far the loops of each case open, by what keeps them closed; empty
+/// Gaps of the loops of each case, by the method that keeps them closed; empty
 /// without such cases.
 pub fn gaps(findings: &[CaseFinding<'_>]) -> String {
     let mut rows: Vec<Vec<String>> = Vec::new();
@@ -156,8 +156,8 @@ pub(super) fn by_class<'a>(
     classes.filter(|(_, of_class)| !of_class.is_empty())
 }
 
-/// How many cases of each class have which verdict, and whether a cure comes
-/// close to binary64.
+/// Number of cases of each class with each verdict, and the closeness of cures
+/// to binary64.
 pub fn classes(findings: &[CaseFinding<'_>]) -> String {
     let mut text = String::new();
     for (class, of_class) in by_class(findings) {

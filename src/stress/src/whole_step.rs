@@ -17,7 +17,7 @@ use robovec_robotran::FunctionKind;
 /// of its numbers.
 const ROUNDS: usize = 3;
 
-/// What gives the accelerations of a model with loops.
+/// Program for the accelerations of a model with loops.
 pub(super) enum LoopProgram {
     /// `accelred`, in a closed state.
     Accelerations(Box<ModelProgram>),
@@ -98,8 +98,8 @@ impl LoopProgram {
         }
     }
 
-    /// How many of the inputs and values of the accelerations are outside the
-    /// range of normal numbers, and of how many.
+    /// Number of inputs and values of the accelerations outside the range of
+    /// normal numbers, and of how many.
     pub(super) fn out_of_range(&self, format: Format, inputs: &[f64]) -> [usize; 2] {
         match self {
             LoopProgram::Accelerations(program) => program.out_of_range(format, Units::SI, inputs),

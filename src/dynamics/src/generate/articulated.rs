@@ -47,7 +47,7 @@ pub(super) fn accelerations(
     Ok(())
 }
 
-/// What turning the coupling block names.
+/// Names of the quantities that turn the coupling block.
 const COUPLING_NAMES: [&str; 5] = ["YD", "YS", "YW", "YV", "YU"];
 
 /// The blocks of an articulated inertia.
@@ -68,7 +68,7 @@ struct SumBlocks {
     linear: [SumVector; 3],
 }
 
-/// What a joint needs on the way out.
+/// Quantities of a joint on the way out.
 #[derive(Clone, Copy)]
 struct Share {
     /// `U / D` of a free joint, one along the joint.

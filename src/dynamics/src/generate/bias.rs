@@ -45,7 +45,7 @@ impl BiasMotion {
     };
 }
 
-/// What the recursion reads.
+/// Inputs of the recursion.
 pub(super) struct Bias<'a, 'm> {
     parameters: &'a ModelParameters<'m>,
     offsets: &'a [Vector],
@@ -325,7 +325,7 @@ impl<'a, 'm> Bias<'a, 'm> {
         wrench
     }
 
-    /// What `OM_a^2` grows by: its sum before and behind the joint, times `qd`.
+    /// Growth of `OM_a^2`: its sum before and after the joint, times `qd`.
     fn square(
         &self,
         equations: &mut Equations,

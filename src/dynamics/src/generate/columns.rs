@@ -77,7 +77,7 @@ impl Columns<'_, '_, '_, '_> {
         }
     }
 
-    /// What every joint moves, from the leaves on.
+    /// Composite of every joint, from the leaves on.
     fn composites(&mut self) -> Vec<MassAndMoment> {
         let parameters = self.recursion.parameters;
         let equations = &mut *self.recursion.equations;

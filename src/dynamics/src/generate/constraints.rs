@@ -35,7 +35,7 @@ impl ConstraintRow {
     }
 }
 
-/// What of the rows is needed; the rest costs time to write and drop.
+/// Part of the rows that is needed; the rest costs time to write and drop.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum ConstraintPart {
     /// `h` and `Jac`.

@@ -14,7 +14,7 @@ use robovec_ir::{Module, print};
 use robovec_model::Model;
 use robovec_robotran::FunctionKind;
 
-/// How many times as long as the shortest one may be.
+/// Maximum length in parts of the shortest one.
 const LONGEST: usize = 2;
 
 /// A formulation that may be the shortest one of a function.
@@ -28,7 +28,7 @@ pub struct Contender {
     pub operations: usize,
 }
 
-/// What of some formulations came into question.
+/// Formulations that came into question.
 #[derive(Clone, Default, Debug)]
 pub struct Contenders {
     /// Those that may be the shortest, in the order they were named in; of
@@ -85,7 +85,7 @@ pub fn contenders(
     all
 }
 
-/// Whether accelerations come from a mass matrix.
+/// Tests whether accelerations come from a mass matrix.
 fn eliminates(formulation: Formulation) -> bool {
     formulation != Formulation::Articulated
 }

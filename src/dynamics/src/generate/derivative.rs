@@ -246,9 +246,9 @@ impl<'e, 'p, 'm> Derivative<'e, 'p, 'm> {
         moments
     }
 
-    /// What a child carries, in the frame of its parent and seen from its
-    /// origin: with `w` the child's velocity, `P + m w` and
-    /// `N + (P + m w) d^T + w h^T`.
+    /// Adds the load of a child, in the frame of its parent and seen from its
+    /// origin: with `w` the child's velocity, `P + m w` and `N + (P + m w) d^T
+    /// + w h^T`.
     fn add_child(&mut self, child: usize, momentum: &mut SumVector, moments: &mut [SumVector; 3]) {
         let turn = &self.recursion.parameters.turns[child];
         let (moved, swing) = (self.moved[child], self.swings[child]);
@@ -339,9 +339,9 @@ impl<'e, 'p, 'm> Derivative<'e, 'p, 'm> {
         }
     }
 
-    /// What a change of the position of a joint does to the wrench it carries,
-    /// in the frame behind it: the answer of its composite to the other motion
-    /// of its base, and the wrench itself as it turns or is moved.
+    /// Change, by the position of a joint, of the wrench it carries, in the
+    /// frame after it: the answer of its composite to the other motion of its
+    /// base, and the wrench itself as it turns or is moved.
     fn by_position(&mut self, joint: usize) -> Wrench {
         let parameters = self.recursion.parameters;
         let a = parameters.axis(joint);

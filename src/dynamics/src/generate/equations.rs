@@ -72,7 +72,7 @@ impl QuantityLabel {
     }
 }
 
-/// What an atom stands for.
+/// Meaning of an atom.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum Atom {
     Zero,
@@ -107,7 +107,7 @@ pub(super) struct Equation {
     pub(super) body: RightHandSide,
 }
 
-/// How signs and equal equations are treated.
+/// Treatment of signs and equal equations.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct EquationStyle {
     /// Keep the terms in the order of the recursion even when the first is
@@ -132,7 +132,7 @@ pub(super) struct Equations {
     pub(super) outputs: Vec<(u32, [u32; 2], Scalar)>,
     /// Calls of user functions.
     pub(super) calls: Vec<Boundary>,
-    /// Which joints the indices of arrays are.
+    /// Joints of the indices of arrays.
     pub(super) numbers_of_joints: JointNumbers,
     inputs: hashbrown::HashMap<(u32, [u32; 2]), u32, FxBuildHasher>,
     /// Elements of inputs that are computed instead, by array and frame.

@@ -34,7 +34,7 @@ pub(super) fn products(model: &Model) -> usize {
     depths.iter().map(pairs).fold(0, usize::saturating_add)
 }
 
-/// Why an elimination stopped.
+/// Reason why an elimination stopped.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Stop {
     /// The row of this number has no pivot.

@@ -27,7 +27,7 @@ pub enum Formulation {
     Prefix {
         /// In which order paths and subtrees are combined.
         network: PrefixNetwork,
-        /// Which frame is the common one.
+        /// Origin of the common frame.
         origin: MomentOrigin,
     },
     /// Articulated bodies: accelerations of trees in a number of operations
@@ -67,7 +67,7 @@ pub enum MomentOrigin {
     Body,
 }
 
-/// What equations ask of numbers.
+/// Requirements of equations on numbers.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Requirements {
     /// Sine and cosine must lie on the circle: the equations use
@@ -117,7 +117,7 @@ impl Formulation {
         }
     }
 
-    /// What a user should know to choose, in one line.
+    /// Description for the choice, in one line.
     pub fn description(self) -> &'static str {
         match self {
             Formulation::Recursive => "Newton-Euler, column by column: what Robotran prints",
@@ -180,7 +180,7 @@ impl Formulation {
         self != Formulation::Articulated
     }
 
-    /// What the equations of a function need.
+    /// Requirements of the equations of a function.
     pub fn requirements(self, function: FunctionKind) -> Requirements {
         let dynamics = matches!(
             function,

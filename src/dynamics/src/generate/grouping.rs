@@ -14,7 +14,7 @@ use super::frames::ModelFrames;
 use robovec_model::Axis;
 use std::array::from_fn;
 
-/// What a joint moves, about the origin of its frame.
+/// Inertia that a joint moves, about the origin of its frame.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub(super) struct GroupedInertia {
     /// Mass; perhaps none.

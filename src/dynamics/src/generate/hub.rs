@@ -26,7 +26,7 @@ pub(super) fn hubs(parameters: &ModelParameters<'_>) -> Vec<Option<usize>> {
     hubs
 }
 
-/// Where a frame is, seen from its hub.
+/// Pose of a frame, seen from its hub.
 #[derive(Clone, Copy)]
 pub(super) struct Pose {
     /// The frame's axes (rows).
@@ -99,8 +99,8 @@ pub(super) fn turned(
     turned
 }
 
-/// What a unit of a joint's velocity does, in the axes of its hub and about
-/// its origin.
+/// Effect of a unit of a joint's velocity, in the axes of its hub and about its
+/// origin.
 #[derive(Clone, Copy)]
 pub(super) struct Twist {
     /// Angular velocity.

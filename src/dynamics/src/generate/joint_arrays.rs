@@ -1,11 +1,11 @@
-//! Which indices of arrays are joints, and what the arrays of functions make
-//! of frames: constant rotations are in none, and symbols of joints that move
-//! against their axis have the opposite sign.
+//! Joints among the indices of arrays, and frames in the arrays of functions:
+//! constant rotations are in none, and symbols of joints that move against
+//! their axis have the opposite sign.
 
 use super::algebra::Scalar;
 use super::frames::ModelFrames;
 
-/// What an index of an array counts.
+/// Meaning of an index of an array.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum IndexMeaning {
     /// Something else, or nothing.
@@ -16,7 +16,7 @@ enum IndexMeaning {
     Coordinate,
 }
 
-/// What the two indices of an array count.
+/// Meanings of the two indices of an array.
 fn meanings(array: &str) -> [IndexMeaning; 2] {
     use IndexMeaning::{Body, Coordinate, Other};
     match array {

@@ -33,7 +33,7 @@ use robovec_robotran::FunctionKind;
 /// Inputs that accelerations are differentiated by.
 const INPUTS: [&str; 3] = ["q", "qd", "Qq"];
 
-/// What their derivatives are called.
+/// Names of their derivatives.
 const DERIVATIVES: [&str; 3] = ["qdd_q", "qdd_qd", "qdd_Qq"];
 
 /// Writes the derivatives of accelerations of an open model, or the
@@ -282,7 +282,7 @@ impl LinearOutputs<'_> {
         function
     }
 
-    /// Where an element of the derivatives stands among the new outputs.
+    /// Place of an element of the derivatives among the new outputs.
     fn place(
         &self,
         new: &Function,

@@ -9,7 +9,7 @@ use super::equations::{Equations, QuantityLabel};
 use super::parameters::ModelParameters;
 use super::vector::{Matrix, SumVector, Vector, add_cross, sums};
 
-/// What is added to the bodies, by joint.
+/// Loads added to the bodies, by joint.
 pub(super) struct Loads {
     columns: Vec<Option<(SumVector, SumVector)>>,
 }

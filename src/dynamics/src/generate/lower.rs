@@ -99,7 +99,8 @@ pub(super) fn lower(
     module.functions.push(writer.function);
 }
 
-/// How many operations the outputs need, as written: signs in front not counted.
+/// Number of operations that the outputs need, as written: signs in front not
+/// counted.
 pub(super) fn operations(equations: &Equations) -> usize {
     let needed = needed(equations);
     let mut groups: Vec<usize> = Vec::with_capacity(equations.groups.len());
@@ -131,7 +132,7 @@ fn operations_of(sum: &Sum, groups: &[usize]) -> usize {
     sum.terms.iter().map(term).sum::<usize>() + sum.terms.len().saturating_sub(1)
 }
 
-/// Which atoms the outputs need.
+/// Atoms that the outputs need.
 fn needed(equations: &Equations) -> Vec<bool> {
     let mut needed = vec![false; equations.atoms.len()];
     let mut groups = vec![false; equations.groups.len()];

@@ -71,11 +71,11 @@ pub enum TermOrder {
     /// The body's own terms, then what its children carry.
     #[default]
     OwnFirst,
-    /// What the children carry, then the body's own terms.
+    /// Loads of the children, then the body's own terms.
     ChildFirst,
 }
 
-/// What a parameter of the model becomes.
+/// Form of a parameter of the model in the equations.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum ParameterBinding {
     /// An element of an input array, to be given at run time.
@@ -85,7 +85,7 @@ pub enum ParameterBinding {
     Numbers,
 }
 
-/// How equations are generated.
+/// Options of the generator.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Options {
     /// The order of terms in backward sums.
@@ -93,7 +93,7 @@ pub struct Options {
     /// Keep parameters that are zero in the model, and external loads of
     /// fictitious bodies ("All Parameter Symbols included").
     pub all_parameters: bool,
-    /// What parameters become.
+    /// Form of the parameters.
     pub parameters: ParameterBinding,
     /// Include the external forces `frc` and torques `trq` of bodies.
     pub external_forces: bool,
@@ -137,7 +137,7 @@ impl Default for Options {
     }
 }
 
-/// What to generate, and how.
+/// Function to generate, and its options.
 #[derive(Clone, PartialEq, Debug)]
 pub struct GenerationRequest {
     /// The function.
@@ -159,7 +159,7 @@ impl GenerationRequest {
     }
 }
 
-/// Why nothing was generated.
+/// Reason why nothing was generated.
 #[derive(Clone, PartialEq, Eq, Error, Debug)]
 pub enum GenerateError {
     /// The lists of the model do not fit together.
@@ -485,7 +485,7 @@ fn head(model: &Model, request: &GenerationRequest, case: usize) -> Function {
     function
 }
 
-/// What a reader of the equations wants to know of their origin.
+/// Origin of the equations, for their readers.
 fn metadata(model: &Model, request: &GenerationRequest) -> Vec<(String, String)> {
     let mut metadata = vec![
         ("model", model.name.clone()),

@@ -10,7 +10,7 @@
 
 use super::formulation::PrefixNetwork;
 
-/// Where a combination stands: the block of the path that ends at a joint and
+/// Place of a combination: the block of the path that ends at a joint and
 /// begins at a depth. Depth 0 is the first joint of the path.
 #[derive(Clone, Copy)]
 pub(super) struct PathBlock {

@@ -23,7 +23,7 @@ pub(super) struct ModelParameters<'m> {
     pub(super) model: &'m Model,
     /// Gravity, m/s^2.
     pub(super) gravity: Vector,
-    /// Where each joint is attached, in its parent's frame.
+    /// Attachment of each joint, in its parent's frame.
     pub(super) attachments: Vec<Vector>,
     /// Centre of mass in the body's frame, zero for fictitious bodies.
     pub(super) centers: Vec<Vector>,
@@ -41,12 +41,12 @@ pub(super) struct ModelParameters<'m> {
     pub(super) torques: Vec<Vector>,
     /// The rotation of each joint.
     pub(super) turns: Vec<AxisRotation>,
-    /// What joints move, in place of masses, centres and inertias; `None`
-    /// where these are used.
+    /// Inertias that joints move, in place of masses, centres and inertias;
+    /// `None` where these are used.
     pub(super) grouped: Option<Vec<OriginInertia>>,
 }
 
-/// What a joint moves, about the origin of its frame.
+/// Inertia that a joint moves, about the origin of its frame.
 #[derive(Clone, Copy)]
 pub(super) struct OriginInertia {
     /// Mass, first moment and moments of inertia.
@@ -243,7 +243,7 @@ impl<'m> ModelParameters<'m> {
     }
 }
 
-/// What a joint moves.
+/// Properties that a joint moves.
 struct Properties {
     mass: f64,
     center: [f64; 3],
@@ -295,7 +295,8 @@ impl ParameterSource<'_> {
         })
     }
 
-    /// What a joint moves; `None` for a fictitious body without symbols.
+    /// Properties that a joint moves; `None` for a fictitious body without
+    /// symbols.
     fn moved(&self, model: &Model, joint: usize) -> Option<Properties> {
         Properties::of(model, joint, self.options.all_parameters)
     }

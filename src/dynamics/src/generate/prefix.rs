@@ -65,7 +65,7 @@ pub(super) fn inverse(
     form.forces(&twists, &loads)
 }
 
-/// What bodies add up to: a wrench and an inertia about the reference.
+/// Sum over bodies: a wrench and an inertia about the reference.
 #[derive(Clone, Copy)]
 struct CompositeLoad {
     wrench: Wrench,
@@ -393,7 +393,7 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
         define(self.equations, "AX", joint, 0, step)
     }
 
-    /// What a joint's own body gives, about the reference's origin.
+    /// Load of a joint's own body, about the reference's origin.
     fn own(&mut self, joint: usize, pose: &Pose, motion: &BiasMotion) -> CompositeLoad {
         let parameters = self.parameters;
         let equations = &mut *self.equations;

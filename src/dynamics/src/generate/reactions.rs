@@ -17,7 +17,7 @@ use super::reduced::{CoordinateReduction, DependentAccelerations, singular};
 use super::roles::JointRoles;
 use robovec_model::Nature;
 
-/// What the forces at each joint follow from.
+/// Balance that the forces at each joint follow from.
 pub(super) struct ForceBalance<'a> {
     /// `c` of all joints.
     pub(super) bias: &'a [Scalar],

@@ -27,7 +27,7 @@ pub(super) struct FrameMotion {
     pub(super) linear: Vector,
 }
 
-/// What a joint carries.
+/// Load of a joint.
 #[derive(Clone, Copy)]
 pub(super) struct JointLoad {
     pub(super) force: Vector,
@@ -274,7 +274,7 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
             .collect()
     }
 
-    /// What all joints carry.
+    /// Loads of all joints.
     pub(super) fn loads(&mut self) -> Vec<JointLoad> {
         let count = self.parameters.joints();
         let mut loads = vec![
@@ -397,8 +397,8 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
         }
     }
 
-    /// What a joint carries: its own load and that of its children, turned
-    /// into its frame, with the lever arms multiplied out.
+    /// Load of a joint: its own and that of its children, turned into its
+    /// frame, with the lever arms multiplied out.
     pub(super) fn collect(
         &mut self,
         joint: usize,

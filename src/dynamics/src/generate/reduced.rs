@@ -125,7 +125,7 @@ fn sorted(row: &[(usize, Scalar)]) -> SparseRow {
 pub(super) struct DependentAccelerations {
     /// The rows of the loops, in the order of pivots.
     pub(super) rows: Vec<ConstraintRow>,
-    /// How many rows there are, redundant ones included.
+    /// Number of rows, redundant ones included.
     pub(super) all: usize,
     matrix: Vec<SparseRow>,
     rest: Vec<Scalar>,

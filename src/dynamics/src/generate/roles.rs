@@ -93,7 +93,7 @@ impl JointRoles {
     }
 }
 
-/// Where forces act in inverse dynamics.
+/// Joints on which forces act in inverse dynamics.
 pub(super) struct ReactionRoles {
     /// Joints with an actuator, ascending.
     pub(super) actuated: Vec<usize>,

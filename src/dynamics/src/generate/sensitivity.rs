@@ -1,5 +1,5 @@
-//! What accelerations change by: the inverse of the mass matrix, and the
-//! derivatives of forward dynamics.
+//! Change of accelerations: the inverse of the mass matrix, and the derivatives
+//! of forward dynamics.
 //!
 //! `M(q) qdd + c(q, qd) = Qq` holds whatever changes, so that with the
 //! derivatives of the forces of inverse dynamics at these accelerations

@@ -1,4 +1,4 @@
-//! What a single body gives in the axes of a reference: its moments of inertia
+//! Terms of a single body in the axes of a reference: its moments of inertia
 //! and the torque that its own rotation takes.
 
 use super::algebra::Sum;

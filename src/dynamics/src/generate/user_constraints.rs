@@ -34,7 +34,7 @@ pub(super) fn rows(
         .collect()
 }
 
-/// How joints of loops follow from others: `x_v = rest + B x`.
+/// Dependence of the joints of loops on others: `x_v = rest + B x`.
 pub(super) struct DependentJoints<'a> {
     /// The joints.
     pub(super) joints: &'a [usize],

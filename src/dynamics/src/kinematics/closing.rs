@@ -9,7 +9,7 @@ const NEWTON_STEPS: u32 = 25;
 /// Steps of the search for a closed position.
 const ASSEMBLY_STEPS: usize = 200;
 
-/// When rounds of Newton's method end, in the numbers that residuals are
+/// Ends of the rounds of Newton's method, in the numbers that residuals are
 /// evaluated in.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ClosingLimits {
@@ -39,7 +39,7 @@ impl ClosingLimits {
         self.rounds
     }
 
-    /// What the largest residual of a round says: closed, or not yet; `None`
+    /// Verdict on the largest residual of a round: closed, or not yet; `None`
     /// when there is no hope left.
     pub fn look(&mut self, gap: f64) -> Option<bool> {
         self.rounds += 1;

@@ -16,7 +16,7 @@ pub struct CompiledFunction {
     function: Function,
     inputs: InputSources,
     outputs: Vec<(String, usize, Shape)>,
-    /// What computes its sines and cosines, where it says so.
+    /// Unit of its sines and cosines, where one is given.
     unit: Option<TrigonometricUnit>,
 }
 

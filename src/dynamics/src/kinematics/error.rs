@@ -1,4 +1,4 @@
-//! Why a model cannot be brought into a state.
+//! Errors of bringing a model into a state.
 
 use thiserror::Error;
 
@@ -27,7 +27,7 @@ pub enum StateError {
     /// Something became infinite or undefined.
     #[error("at {time:?} s {what} is no finite number")]
     NotFinite {
-        /// What.
+        /// Quantity that is missing.
         what: String,
         /// Time, s.
         time: f64,
@@ -35,7 +35,7 @@ pub enum StateError {
 }
 
 impl StateError {
-    /// What the user can do.
+    /// Advice for the user.
     pub fn advice(&self) -> Option<&'static str> {
         match self {
             StateError::OpenLoop { .. } => Some(

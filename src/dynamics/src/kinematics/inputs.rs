@@ -1,10 +1,10 @@
-//! Where the inputs of equations come from: parameters from the model, the
-//! rest from a state.
+//! Sources of the inputs of equations: parameters from the model, the rest from
+//! a state.
 
 use robovec_ir::{Input, View};
 use robovec_model::{CutKind, Joint, Model};
 
-/// What a model's equations read besides its parameters. Joints, links and
+/// Inputs of a model's equations besides its parameters. Joints, links and
 /// forces are counted from 0.
 #[derive(Clone, PartialEq, Debug)]
 pub struct MotionState {
@@ -60,7 +60,7 @@ impl MotionState {
     }
 }
 
-/// Where one input element comes from.
+/// Source of one input element.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum InputSource {
     Parameter(f64),

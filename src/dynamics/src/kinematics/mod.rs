@@ -1,5 +1,5 @@
-//! Where a model stands: its state, the inputs its equations read there, and
-//! its loops closed.
+//! Models in a state: the inputs that their equations read there, and their
+//! loops closed.
 //!
 //! Equations are given to this room ready made, so that their generator can
 //! use it to choose dependent joints and pivots, and whoever moves a model in

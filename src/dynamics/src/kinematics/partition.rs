@@ -1,4 +1,4 @@
-//! Which joints move freely and which follow from the loops.
+//! Partition of the joints into independent, dependent and driven ones.
 
 use super::linear::{DenseMatrix, Pivot, determinant_sign, eliminate};
 use robovec_model::{Model, Nature};

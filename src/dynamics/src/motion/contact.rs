@@ -37,7 +37,7 @@ impl Default for Contact {
     }
 }
 
-/// What a contact does to its point.
+/// Force of a contact on its point.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub(super) struct ContactForce {
     /// On the point, along the axes of the base, N.
@@ -61,7 +61,7 @@ impl Contact {
         scaled.map(|x| x / length)
     }
 
-    /// How far a point is above the plane, m, and the rate of that, m/s.
+    /// Height of a point above the plane, m, and its rate, m/s.
     pub fn gap(&self, place: [f64; 3], velocity: [f64; 3]) -> [f64; 2] {
         let normal = self.direction();
         let arm: CartesianVector = std::array::from_fn(|k| place[k] - self.place[k]);

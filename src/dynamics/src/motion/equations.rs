@@ -18,7 +18,7 @@ use robovec_robotran::FunctionKind;
 pub struct EquationSetting<'a> {
     /// Way in which they are generated.
     pub formulation: Formulation,
-    /// What is done to them, and the machine it is done for.
+    /// Passes that are run over them, and their machine.
     pub passes: Option<(&'a Pipeline, &'a Machine)>,
     /// The numbers they are evaluated in. What surrounds them (linear
     /// solutions, integration) stays in binary64.

@@ -1,4 +1,4 @@
-//! Where a model stands still under its laws.
+//! Equilibria of a model under its laws.
 //!
 //! Newton's method on the reduced equations `T^T (c - Q) = 0` at rest, with their
 //! derivative `K` ([`super::linearise`]). Steps are halved until the residual is
@@ -18,7 +18,7 @@ pub struct Equilibrium {
     pub state: MotionState,
     /// Small motions around it.
     pub motions: SmallMotions,
-    /// How far each independent joint may be from where it would be without
+    /// Bound of each independent joint's distance from its position without
     /// rounding, m or rad; `None` for one that nothing holds.
     pub errors: Vec<Option<f64>>,
     /// Rounds of Newton's method.

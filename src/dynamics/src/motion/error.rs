@@ -1,4 +1,4 @@
-//! Why a simulation cannot start or go on.
+//! Errors of simulations.
 
 use crate::generate::GenerateError;
 use crate::kinematics::StateError;
@@ -77,7 +77,7 @@ pub enum MotionError {
 }
 
 impl MotionError {
-    /// What the user can do.
+    /// Advice for the user.
     pub fn advice(&self) -> Option<&'static str> {
         match self {
             MotionError::Singular { .. } => Some(

@@ -1,5 +1,5 @@
-//! What a run looks out for: quantities that pass a value, and contacts that
-//! open or close.
+//! Events of a run: quantities that pass a value, and contacts that open or
+//! close.
 //!
 //! Signs at both ends of a step tell that something was passed; where the rate
 //! of a quantity turns round between them, a cubic through values and rates
@@ -13,7 +13,7 @@ use crate::kinematics::MotionState;
 use robovec_model::Model;
 use serde::Deserialize;
 
-/// How exactly the times of events are found where nobody says, s.
+/// Default precision of the times of events, s.
 pub const EVENT_TOLERANCE: f64 = 1e-9;
 
 /// A quantity of a state that events are about.
@@ -25,7 +25,7 @@ pub enum EventQuantity {
     Position,
     /// The velocity of a joint, m/s or rad/s.
     Velocity,
-    /// How far a contact is above its plane, m.
+    /// Height of a contact above its plane, m.
     Gap,
 }
 
@@ -64,11 +64,11 @@ impl EventDirection {
     }
 }
 
-/// What a run looks out for.
+/// Event that a run watches for.
 #[derive(Clone, Copy, PartialEq, Default, Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct EventLaw {
-    /// What is looked at.
+    /// Watched quantity.
     pub quantity: EventQuantity,
     /// The index of the joint, or of the external force whose contact it is.
     #[serde(skip)]
@@ -96,7 +96,7 @@ impl EventLaw {
 pub struct EventRecord {
     /// The index of the event among those of the laws.
     pub event: usize,
-    /// When, s.
+    /// Time of the event, s.
     pub time: f64,
     /// From below, and not from above.
     pub rising: bool,
@@ -120,7 +120,7 @@ pub(super) struct Signal {
     rate: Option<f64>,
 }
 
-/// What a run watches.
+/// Events that a run watches for.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct EventWatch {
     watched: Vec<Watched>,
@@ -244,7 +244,7 @@ impl EventWatch {
     }
 }
 
-/// What a state brought.
+/// Events that a state brought.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub(super) struct ReachedEvents {
     pub(super) records: Vec<EventRecord>,
@@ -258,8 +258,8 @@ fn side(value: f64) -> Option<bool> {
     (value != 0.0).then_some(value > 0.0)
 }
 
-/// Where between 0 and 1 the cubic with these values and slopes at the ends is
-/// least, and how much that is; it falls at 0 and rises at 1.
+/// Place between 0 and 1 of the least value of the cubic with these values and
+/// slopes at the ends, and that value; it falls at 0 and rises at 1.
 fn least_of_cubic([from, to]: [f64; 2], [down, up]: [f64; 2]) -> (f64, f64) {
     let cubic = 2.0 * (from - to) + down + up;
     let square = 3.0 * (to - from) - 2.0 * down - up;
@@ -299,7 +299,7 @@ impl EventBracket {
         self.to - self.from <= tolerance || middle <= self.from || middle >= self.to
     }
 
-    /// Where to look next; `ends` are the values at both ends.
+    /// Next place to evaluate; `ends` are the values at both ends.
     pub(super) fn next(&mut self, tolerance: f64, ends: Option<[f64; 2]>) -> f64 {
         self.turns += 1;
         let width = self.to - self.from;

@@ -23,26 +23,25 @@ pub struct FreeMotion<'m> {
     model: &'m Model,
     function: Function,
     inputs: InputSources,
-    /// Where positions and velocities stand among the inputs, and of which
-    /// joint they are.
+    /// Places of positions and velocities among the inputs, and their joints.
     positions: Vec<(usize, usize)>,
     velocities: Vec<(usize, usize)>,
     /// The joint of each assignment.
     joints: Vec<usize>,
 }
 
-/// How long steps are made.
+/// Length of steps.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Stepping {
     /// Way in which one is made.
     pub how: TimeStep,
-    /// How many.
+    /// Number of steps.
     pub steps: u64,
     /// Number of times energies and momenta are computed.
     pub samples: u64,
 }
 
-/// How far what is to stay the same has moved.
+/// Drift of a conserved quantity.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub struct Drift {
     /// The largest change of the energy, relative to the largest kinetic
@@ -188,7 +187,7 @@ impl<A: Arithmetic, S: Arithmetic> FreeSlopes<'_, A, S> {
     }
 }
 
-/// What looks at energies and momenta.
+/// Monitor of energies and momenta.
 struct EnergyMonitor<'m> {
     model: &'m Model,
     state: MotionState,

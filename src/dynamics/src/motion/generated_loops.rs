@@ -29,7 +29,7 @@ pub enum LoopKeeping {
     Free,
 }
 
-/// What closes the loops of a model, as generated functions.
+/// Generated functions that close the loops of a model.
 pub(super) struct GeneratedLoops {
     positions: CompiledFunction,
     velocities: CompiledFunction,

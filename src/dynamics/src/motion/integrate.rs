@@ -108,8 +108,8 @@ pub fn dormand_prince<E>(
     Ok((place, error))
 }
 
-/// How much the next step may grow (or must shrink) after an error that is
-/// `ratio` times the tolerance.
+/// Factor by which the next step may grow (or must shrink) after an error that
+/// is `ratio` times the tolerance.
 pub fn growth(ratio: f64) -> f64 {
     // A step that failed outright is quartered.
     if !ratio.is_finite() {

@@ -151,7 +151,8 @@ pub struct Support {
     pub damping: [f64; 3],
     /// Place where the springs hold the point, m; `None`: where it starts.
     pub place: Option<[f64; 3]>,
-    /// How far that place moves to both sides, m: a road, a rail, a shaker.
+    /// Amplitude of the place's motion to both sides, m: a road, a rail, a
+    /// shaker.
     pub amplitude: [f64; 3],
     /// The angular frequency of its motion, rad/s.
     pub frequency: f64,
@@ -189,8 +190,7 @@ impl Support {
         self.contact.acts() || parts.concat().iter().any(|&number| number != 0.0)
     }
 
-    /// How far the place is from its mean at a time, m, and its velocity,
-    /// m/s.
+    /// Distance of the place from its mean at a time, m, and its velocity, m/s.
     pub fn ground(&self, time: f64) -> [[f64; 3]; 2] {
         let (sine, cosine) = (self.frequency * time + self.phase).sin_cos();
         let rate = self.frequency * cosine;
@@ -240,7 +240,7 @@ pub struct Laws {
     pub forces: Vec<Support>,
     /// One for each joint; only those of driven joints count.
     pub drives: Vec<Drive>,
-    /// What a run looks out for.
+    /// Events that a run watches for.
     pub events: Vec<EventLaw>,
 }
 
@@ -273,7 +273,7 @@ struct Named {
 }
 
 impl Laws {
-    /// What a model gives itself: the losses of its joints, and driven joints at
+    /// Laws of the model itself: the losses of its joints, and driven joints at
     /// rest. An entry of a file for a joint takes the place of its losses.
     pub fn of_model(model: &Model) -> Laws {
         let losses = model.joints.iter().map(|joint| Spring {
@@ -502,7 +502,7 @@ impl LawReader<'_> {
     }
 }
 
-/// What is wrong with a number of an entry, if anything is.
+/// Fault of a number of an entry, if there is one.
 fn refused(entry: &toml::Table) -> Option<String> {
     entry.iter().find_map(|(key, value)| {
         let numbers = match value {

@@ -36,17 +36,17 @@ pub struct SmallMotions {
     pub stiffness: DenseMatrix,
     /// The motion of all joints for each of the independent ones, `T`.
     pub transform: DenseMatrix,
-    /// What the equations leave over at the state.
+    /// Residual of the equations at the state.
     pub residual: Vec<f64>,
-    /// What of it may be rounding, by the sizes of its terms: an estimate.
+    /// Part of it that may be rounding, by the sizes of its terms: an estimate.
     pub rounding: Vec<f64>,
 }
 
-/// What of a sum of terms of the size of one may be rounding: evaluations take
-/// some dozens of operations one after the other.
+/// Part of a sum of terms of the size of one that may be rounding: evaluations
+/// take some dozens of operations one after the other.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// What stays the same for all directions.
+/// Quantities that are the same for all directions.
 struct LinearisedState<'s> {
     state: &'s MotionState,
     /// The state without forces of links and external forces.
@@ -141,8 +141,8 @@ impl MultibodySystem<'_> {
         })
     }
 
-    /// What the bias is made of, by joint: weights, and forces that act on
-    /// bodies, which cancel each other in it.
+    /// Sizes of the terms of the bias, by joint: weights, and forces that act
+    /// on bodies, which cancel each other in it.
     fn bias_sizes(&self, bare: &MotionState) -> Vec<f64> {
         let mut unloaded = bare.clone();
         unloaded.links.fill(0.0);
@@ -209,7 +209,7 @@ impl MultibodySystem<'_> {
         Ok((0..rows.len()).map(|row| solution[(row, 0)]).collect())
     }
 
-    /// How positions and velocities of all joints change with the position or
+    /// Change of positions and velocities of all joints with the position or
     /// the velocity of an independent one.
     fn direction(
         &self,
@@ -233,7 +233,7 @@ impl MultibodySystem<'_> {
         Ok(direction)
     }
 
-    /// What the residual of the reduced equations changes by.
+    /// Change of the residual of the reduced equations.
     fn change(
         &self,
         around: &LinearisedState<'_>,

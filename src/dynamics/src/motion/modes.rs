@@ -20,8 +20,8 @@ pub type ComplexNumber = Complex<f64>;
 pub struct Mode {
     /// The eigenvalue, 1/s; of a pair the one above the real axis.
     pub eigenvalue: ComplexNumber,
-    /// How far it may be off by rounding, 1/s; `None` where it is one of
-    /// several that fall together and depend on rounding more than linearly.
+    /// Bound of its error by rounding, 1/s; `None` where it is one of several
+    /// that fall together and depend on rounding more than linearly.
     pub error: Option<f64>,
     /// The motion of every joint, the largest one 1.
     pub shape: Vec<ComplexNumber>,
@@ -45,7 +45,7 @@ impl Mode {
 /// The most rounds of the eigenvalues' iteration, for each row.
 const ROUNDS: usize = 100;
 
-/// What of the sum of a row's terms may be rounding.
+/// Part of the sum of a row's terms that may be rounding.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// Steps of the refinement larger than this share of the eigenvalue are not

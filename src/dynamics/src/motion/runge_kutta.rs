@@ -5,9 +5,9 @@ use robovec_num::arithmetic::Arithmetic;
 
 /// Numbers that are integrated.
 pub struct IntegratedState<N> {
-    /// What they are now.
+    /// Present values.
     pub numbers: Vec<N>,
-    /// What additions to them left out so far.
+    /// Parts that additions to them left out so far.
     rest: Vec<N>,
 }
 

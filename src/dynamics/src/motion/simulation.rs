@@ -25,10 +25,10 @@ pub enum IntegrationMethod {
     },
 }
 
-/// What is simulated.
+/// Plan of a simulation.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SimulationPlan {
-    /// How long, s.
+    /// Simulated time, s.
     pub duration: f64,
     /// Number of samples after the first.
     pub samples: u32,
@@ -37,7 +37,7 @@ pub struct SimulationPlan {
     /// Steps, rejected ones and those that look for events included, after
     /// which the run is given up.
     pub step_limit: u64,
-    /// How exactly the times of events are found, s.
+    /// Precision of the times of events, s.
     pub event_tolerance: f64,
 }
 
@@ -48,8 +48,7 @@ pub struct MotionSample {
     pub state: MotionState,
     /// Its energies.
     pub energy: Energy,
-    /// What dampers, constant forces and drives have put in since the start,
-    /// J.
+    /// Work of dampers, constant forces and drives since the start, J.
     pub work: f64,
     /// The largest residual of the constraints.
     pub gap: f64,
@@ -66,13 +65,13 @@ pub struct SimulationRun {
     pub rejected: u64,
     /// Steps that looked for the times of events.
     pub searched: u64,
-    /// What all of them evaluated.
+    /// Evaluations of all of them.
     pub work: EvaluationWork,
     /// The events of the laws that happened, in time.
     pub events: Vec<EventRecord>,
     /// Number of times contacts opened or closed.
     pub contacts: u64,
-    /// When an event ended the run, s.
+    /// Time of the event that ended the run, s.
     pub stopped: Option<f64>,
 }
 
@@ -172,13 +171,13 @@ struct Integrator<'a, 's, 'm> {
     step: f64,
     run: SimulationRun,
     watch: EventWatch,
-    /// What is watched, in the state the run has reached.
+    /// Watched values, in the state the run has reached.
     signals: Vec<Signal>,
 }
 
 /// A step that was tried.
 struct TriedStep {
-    /// How long it is, s.
+    /// Length of the step, s.
     length: f64,
     next: Vec<f64>,
     /// Its error over the tolerance; none where steps are fixed.
@@ -256,7 +255,7 @@ impl Integrator<'_, '_, '_> {
         })
     }
 
-    /// What is watched after a step.
+    /// Watched values after a step.
     fn after(&mut self, time: f64, tried: &TriedStep) -> Result<Vec<Signal>, MotionError> {
         let state = self.system.unpack(time + tried.length, &tried.next)?;
         Ok(self.signals(&state))

@@ -6,10 +6,10 @@ use super::system::{MultibodySystem, not_finite};
 use crate::kinematics::linear::{DenseMatrix, column, dot, largest, solve_positive, solve_square};
 use crate::kinematics::{MotionState, Partition};
 
-/// What the equations say of a state.
+/// Results of the equations in a state.
 pub(super) struct SystemMotion {
     pub(super) accelerations: Vec<f64>,
-    /// What dampers, constant forces and drives put in, W.
+    /// Power of dampers, constant forces and drives, W.
     pub(super) power: f64,
 }
 
@@ -117,8 +117,8 @@ impl MultibodySystem<'_> {
         Ok((solution.select(&every, &columns), offset.collect()))
     }
 
-    /// What the drives put in: the forces that the equations leave open on
-    /// driven joints, less those of the loops.
+    /// Power of the drives: the forces that the equations leave open on driven
+    /// joints, less those of the loops.
     fn drive_power(&self, state: &MotionState, accelerations: &[f64]) -> f64 {
         let Partition {
             dependent: v,

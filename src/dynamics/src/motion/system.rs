@@ -23,19 +23,19 @@ pub struct MultibodySystem<'m> {
     /// The lengths of links there, as the equations give them. Along one axis
     /// of the common frame they have the axis' sign, and keep it.
     pub(super) lengths: Vec<f64>,
-    /// Where springs hold the points of external forces.
+    /// Places where springs hold the points of external forces.
     pub(super) places: Vec<[f64; 3]>,
     pub(super) partition: Partition,
     pub(super) keeping: LoopKeeping,
     pub(super) work: EvaluationWork,
-    /// When the joints that generated functions move first came near a dead
-    /// point, s.
+    /// First time at which the joints that generated functions move came near a
+    /// dead point, s.
     weak_since: Option<f64>,
     /// On which side of a dead point they are.
     side: Option<i8>,
 }
 
-/// What a run has evaluated.
+/// Evaluations of a run.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct EvaluationWork {
     /// Right-hand sides of the differential equation.

@@ -1,4 +1,4 @@
-//! Why a function is not the model's.
+//! Differences of a function from its model.
 
 use super::inputs::is_zero;
 use super::{ArrayElement, Comparison, element, extent, metadata, used};

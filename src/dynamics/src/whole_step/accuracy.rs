@@ -1,4 +1,4 @@
-//! How wrong a step's results are that are computed in a shorter format.
+//! Error of a step's results that are computed in a shorter format.
 //!
 //! Random positions would leave loops open, where the results mean nothing.
 //! So the joints that move freely are drawn around the model's closed initial
@@ -17,11 +17,10 @@ use robovec_num::random::Random;
 const STATES: usize = 16;
 const SEED: u64 = 1;
 
-/// How far joints are drawn from where they start, m or rad.
+/// Maximum distance of drawn joints from their start, m or rad.
 const REACH: f64 = 0.2;
 
-/// How often a state is drawn anew, ever nearer to the start, before it is
-/// given up.
+/// Maximum number of times a state is drawn anew, ever nearer to the start.
 const ATTEMPTS: i32 = 20;
 
 /// The error of the results of a step in a format, against exact results of the

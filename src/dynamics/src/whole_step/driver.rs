@@ -6,7 +6,7 @@ use super::{StepFunction, StepPlan};
 use robovec_cgen::kind::{Generation, ProjectStructure, file_stem};
 use robovec_framework::template::fill;
 
-/// What both functions consist of.
+/// Text that both functions consist of.
 const STEP: &str = include_str!("step.c");
 
 /// The C source, with the generated functions in it.

@@ -50,7 +50,7 @@ impl StepFunction {
         self.kind().name()
     }
 
-    /// What the generator gives of it beside the closing of loops.
+    /// Kind of the generated part beside the closing of loops.
     fn kind(self) -> FunctionKind {
         match self {
             StepFunction::Accelerations => FunctionKind::Accelred,
@@ -67,7 +67,7 @@ impl StepFunction {
     }
 }
 
-/// Why the files of a step cannot be made.
+/// Reason why the files of a step cannot be made.
 #[derive(Clone, PartialEq, Eq, Error, Debug)]
 pub enum WholeStepError {
     /// A part cannot be generated.
@@ -110,13 +110,13 @@ pub fn generate_parts(
     Ok(module)
 }
 
-/// How the files of a step are written.
+/// Style of the files of a step.
 pub struct StepStyle<'a> {
-    /// How equations are written as C.
+    /// Options of the equations as C.
     pub c: &'a c::Options,
     /// The generator whose names the C bears.
     pub generation: Generation,
-    /// What the functions were generated with.
+    /// Options that the functions were generated with.
     pub options: &'a Options,
 }
 
@@ -181,7 +181,7 @@ fn source(
     Ok(source)
 }
 
-/// What the driver of a step must know of a model.
+/// Facts about a model that the driver of a step needs.
 struct StepPlan<'m> {
     model: &'m Model,
     generation: Generation,

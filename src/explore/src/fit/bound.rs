@@ -1,4 +1,4 @@
-//! What is proved of a choice for every state in the ranges.
+//! Proof about a choice for every state in the ranges.
 //!
 //! Trying says nothing of states in between. Enclosures over boxes do
 //! ([`robovec_analysis::interval`]): where the bound of an output's rounding

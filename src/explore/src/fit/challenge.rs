@@ -45,7 +45,7 @@ const PARENTS: usize = 64;
 /// States that are told of a choice that did not hold.
 const TOLD: usize = 16;
 
-/// What came of trying a choice.
+/// Result of trying a choice.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Challenge {
     /// The seed that the fresh states come from.

@@ -18,8 +18,8 @@ use serde::Serialize;
 /// States that are run cycle by cycle.
 const SIMULATED: usize = 8;
 
-/// What was established of a choice on the machine: where it was run, and
-/// what came out.
+/// Confirmation of a choice on the machine: the states it was run at, and the
+/// results.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Confirmation {
     /// States run cycle by cycle.

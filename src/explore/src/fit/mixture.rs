@@ -24,7 +24,7 @@ const NARROWER: u32 = 7;
 /// validation.
 const PARTS: [(f64, u32); 5] = [(0.7, 3), (0.5, 4), (0.35, 5), (0.2, 7), (0.1, 9)];
 
-/// What the values of a program have formats of their own for.
+/// Formats of the single values of a program.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ValueMixture {
     /// Index of the program whose values they are.

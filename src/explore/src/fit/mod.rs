@@ -77,7 +77,7 @@ use std::sync::Arc;
 /// Steps of motions that all choices together may take.
 const MOTION_STEPS: u64 = 2_000_000;
 
-/// What the cheapest is the cheapest by.
+/// Measure of the cheapest.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CostMeasure {
@@ -91,7 +91,7 @@ pub enum CostMeasure {
     Cells,
 }
 
-/// What is searched for, and where.
+/// Task of a search.
 pub struct FitTask<'a> {
     /// The scene.
     pub scene: &'a Scene,
@@ -105,7 +105,7 @@ pub struct FitTask<'a> {
     pub machine: &'a Machine,
     /// Place where sines and cosines are computed.
     pub trigonometry: SinePlace,
-    /// What the cheapest is the cheapest by.
+    /// Measure of the cheapest.
     pub cost: CostMeasure,
     /// The usual sizes of the general function's arrays, by which errors are
     /// measured where the arrays vanish.
@@ -172,7 +172,7 @@ pub struct FitCandidate {
     /// when the scene has no tolerances. States that broke another choice
     /// count as well.
     pub used: f64,
-    /// What it takes of the device, estimated.
+    /// Resources of the device that it takes, estimated.
     pub resources: DeviceShare,
     /// The largest of its shares of the device ([`DeviceShare::share`]).
     pub share: f64,
@@ -186,7 +186,7 @@ pub struct FitCandidate {
     pub meets: bool,
 }
 
-/// What was found.
+/// Result of a search.
 pub struct FitOutcome {
     /// The programs.
     pub programs: Vec<FitProgram>,
@@ -195,17 +195,17 @@ pub struct FitOutcome {
     /// Index of the cheapest candidate that meets everything, by the cost of
     /// the task, then look-up tables, then cycles; `None` when none does.
     pub chosen: Option<usize>,
-    /// What the chosen one was tried with, and held.
+    /// Challenge that the chosen one held.
     pub challenge: Option<Challenge>,
     /// Its error over time; `None` where the scene has no motion.
     pub motion: Option<MotionShare>,
-    /// What is proved of the chosen one; `None` where it has no bound.
+    /// Bound of the chosen one; `None` where it has none.
     pub bound: Option<FitBound>,
     /// Choices before it that did not hold when they were challenged.
     pub broken: u32,
     /// Choices before it that erred too much over time.
     pub drifted: u32,
-    /// What could not be tried, and why.
+    /// Candidates that could not be tried, with the reasons.
     pub untried: Vec<String>,
 }
 

@@ -37,11 +37,11 @@ pub struct MotionShare {
     /// The largest error of a watched joint, in parts of its largest
     /// displacement; infinite where the motion fails.
     pub error: f64,
-    /// What the scene allows.
+    /// Error that the scene allows.
     pub allowed: f64,
     /// The drift of energy, where the scene limits it.
     pub energy: Option<EnergyDrift>,
-    /// How long the motion lasts, s.
+    /// Time of the motion, s.
     pub time: f64,
     /// Steps it was taken in: roundings add up with their number.
     pub steps: u64,
@@ -53,7 +53,7 @@ pub struct MotionShare {
 pub struct EnergyDrift {
     /// The largest in the motion; infinite where the motion fails.
     pub drift: f64,
-    /// What the scene allows.
+    /// Drift that the scene allows.
     pub allowed: f64,
 }
 

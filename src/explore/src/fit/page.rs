@@ -40,7 +40,7 @@ pub fn page(
     page.to_html()
 }
 
-/// What the numbers mean.
+/// Explanation of the numbers.
 const METHOD: &str = "<p>Every formulation is specialised to the scene and rewritten by several \
 pipelines; sines and cosines are left to a host or written as series of the least order that is \
 exact enough; the format is the narrowest that meets the tolerances, beside binary32, and of the \

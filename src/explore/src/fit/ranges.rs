@@ -1,4 +1,4 @@
-//! How large the numbers of a program get, and the exponent that holds them.
+//! Size of the numbers of a program, and the exponent that holds them.
 
 use super::FitProgram;
 use crate::program::view;

@@ -17,8 +17,8 @@ use robovec_ir::count::Counts;
 use robovec_num::{FixedFormat, NumberFormat};
 use robovec_schedule::PlaceError;
 
-/// How many times as many states as the search has the validation has: a
-/// search measures often and can afford few.
+/// Number of states of the validation in parts of those of the search: a search
+/// measures often and can afford few.
 pub(super) const VALIDATION_FACTOR: u32 = 4;
 
 /// Number of the cheapest programs tried with sums that round less.
@@ -52,7 +52,7 @@ pub(super) struct FitSearch<'t, 'a> {
     pub(super) drifted: u32,
     /// Steps of motions that may still be taken.
     pub(super) steps_left: u64,
-    /// What could not be tried, and why.
+    /// Candidates that could not be tried, with the reasons.
     pub(super) untried: Vec<String>,
 }
 
@@ -458,7 +458,7 @@ fn remark(task: &FitTask<'_>, program: &FitProgram, format: Format) -> String {
     }
 }
 
-/// What a program, with its index and its longest chain, costs and reaches in a
+/// Cost and error of a program, with its index and its longest chain, in a
 /// format on a machine it is placed on.
 fn candidate(
     task: &FitTask<'_>,

@@ -71,8 +71,7 @@ const MODEL_PART: f64 = 0.5;
 /// Orders that are tried.
 const ORDERS: [u32; 7] = [1, 3, 5, 7, 9, 11, 13];
 
-/// What is run behind a series: its products shared with others, its sums in
-/// time.
+/// Passes after a series: its products shared with others, its sums in time.
 const BEHIND: &str = "fold{inexact},zero-removal,balance,cse,dce";
 
 /// Writes sines and cosines as series where the task asks for it: every

@@ -1,4 +1,4 @@
-//! How many elements: the fewest that meet the deadline, and more.
+//! Number of elements: the fewest that meet the deadline, and more.
 
 use super::{FitProgram, FitTask};
 use crate::device::{DeviceShare, taken};
@@ -35,12 +35,12 @@ impl SizedMachine {
     }
 }
 
-/// What a sized machine is in a format.
+/// Figures of a sized machine in a format.
 #[derive(Clone, Copy)]
 pub(super) struct SizedFigures {
     /// Its clock.
     pub(super) clock: MachineClock,
-    /// What it takes of the device.
+    /// Resources of the device that it takes.
     pub(super) resources: DeviceShare,
 }
 

@@ -1,4 +1,4 @@
-//! What a search found, as text, table and figure.
+//! Result of a search as text, table and figure.
 
 use super::confirm::Confirmation;
 use super::{
@@ -68,7 +68,7 @@ pub fn text(
     text
 }
 
-/// What a candidate is to the search.
+/// Standing of a candidate in the search.
 fn standing(outcome: &FitOutcome, index: usize) -> &'static str {
     match (
         outcome.chosen == Some(index),
@@ -148,9 +148,9 @@ fn units(outcome: &FitOutcome) -> String {
     text
 }
 
-/// What cannot be chosen, whatever it costs: of every reason the cheapest
-/// candidate that keeps the tolerances, by the cells of its arithmetic; and
-/// what could not even be tried.
+/// Candidates that cannot be chosen, whatever they cost: of every reason the
+/// cheapest that keeps the tolerances, by the cells of its arithmetic; and
+/// those that could not even be tried.
 fn excluded(outcome: &FitOutcome) -> String {
     let mut best: BTreeMap<&str, usize> = BTreeMap::new();
     for (index, candidate) in outcome.candidates.iter().enumerate() {
@@ -294,7 +294,8 @@ fn refusal(task: &FitTask<'_>, outcome: &FitOutcome) -> String {
     text
 }
 
-/// What was established of the choice: where it was tried, and what came out.
+/// Facts established about the choice: the states it was tried at, and the
+/// results.
 fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> String {
     let has_tolerances = task
         .scene
@@ -365,7 +366,7 @@ fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> Stri
     text
 }
 
-/// What came of the scene's motion.
+/// Result of the scene's motion.
 fn over_time(outcome: &FitOutcome, motion: &MotionShare) -> String {
     let mut text = format!(
         "  over time        {} s of the scene's motion in {}: {} of the largest displacement \
@@ -412,7 +413,7 @@ fn scales(task: &FitTask<'_>) -> String {
     sizes.join(", ")
 }
 
-/// What the runs on the machine gave.
+/// Result of the runs on the machine.
 fn run(confirmation: &Confirmation) -> String {
     if !confirmation.remark.is_empty() {
         return format!("  not simulated: {}\n", confirmation.remark);

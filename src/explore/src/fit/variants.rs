@@ -20,14 +20,14 @@ use std::sync::Arc;
 /// operations, short paths, and between the two.
 const SEARCHED: [[u32; 2]; 3] = [[1, 1], [4, 4], [16, 16]];
 
-/// What takes the fewest operations, whatever the length of chains.
+/// Passes for the fewest operations, whatever the length of chains.
 const FACTORED: &str = "dce{order=outputs},fold,cse,factor-trig{path=free},cse,dce";
 
 /// Sums that round less, in the time and with the operations of two programs:
 /// a bit that a format may be narrower by is cheaper than cycles.
 const ACCURATE: &str = "accurate{growth=100 slack=100}";
 
-/// What computes the constants that other passes have made.
+/// Passes that compute the constants other passes have made.
 const FOLDED: &str = "fold{inexact},zero-removal,cse,dce";
 
 /// Every formulation balanced, and what the search of `robovec optimise` finds
@@ -130,7 +130,7 @@ fn fold(task: &FitTask<'_>, program: &mut FitProgram) -> Result<(), ExplorationE
     Ok(())
 }
 
-/// What the search finds from specialised formulations.
+/// Programs that the search finds from specialised formulations.
 fn searched(
     task: &FitTask<'_>,
     formulations: &[(Formulation, Module)],

@@ -1,4 +1,4 @@
-//! What is compared: the choices the thesis could make, and ours.
+//! Choices that are compared: those the thesis could make, and ours.
 //!
 //! The thesis takes Robotran's equations as printed, or with the trees of the
 //! longest path balanced by hand (2.4.3); computes in binary32 (1.1); and puts
@@ -69,9 +69,9 @@ pub fn of_the_thesis() -> Vec<FrontChoice> {
     ]
 }
 
-/// What we offer for a function of so many operations: from the equations,
-/// and, where there is a model, from its other formulations. Angles up to
-/// `angle` (rad) are covered by the series that the elements compute.
+/// Our choices for a function of so many operations: from the equations, and,
+/// where there is a model, from its other formulations. Angles up to `angle`
+/// (rad) are covered by the series that the elements compute.
 pub fn ours(operations: usize, formulations: &[Formulation], angle: f64) -> Vec<FrontChoice> {
     let composite = format!("atomise,{}", steps::COMPOSITE);
     let ahead = |growth: u32| format!("lookahead{{growth={growth}}},balance,cse,dce");
@@ -141,7 +141,7 @@ pub fn ours(operations: usize, formulations: &[Formulation], angle: f64) -> Vec<
     choices
 }
 
-/// What a search found for the numbers of elements asked for.
+/// Choice that a search found for the numbers of elements asked for.
 pub fn found(name: &str, formulation: Option<Formulation>, passes: &str) -> FrontChoice {
     let wide = [Format::BINARY32]
         .into_iter()

@@ -7,7 +7,7 @@ use crate::store::PointKey;
 use robovec_dynamics::generate::Formulation;
 use robovec_ir::Module;
 
-/// What the points of all choices depend on.
+/// Data that the points of all choices depend on.
 pub(super) struct ChoiceKeys {
     /// Of the function as it came, the machine and the states.
     common: Option<PointKey>,

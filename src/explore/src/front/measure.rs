@@ -34,7 +34,7 @@ pub struct FrontPoint {
     pub cycles: Vec<Option<u32>>,
     /// The same in microseconds at the machine's clock.
     pub microseconds: Vec<Option<f64>>,
-    /// What the machine takes of the thesis' device for each number of
+    /// Share of the thesis' device that the machine takes for each number of
     /// elements, with memories for this program: the largest of its shares,
     /// estimated ([`device::DeviceShare::share`]).
     pub shares: Vec<Option<f64>>,

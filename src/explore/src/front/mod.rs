@@ -30,7 +30,7 @@ use robovec_ir::states::States;
 use robovec_ir::{Machine, Module};
 use serde::Serialize;
 
-/// What is asked.
+/// Question.
 #[derive(Clone, Debug)]
 pub struct FrontQuestion<'a> {
     /// The machine.
@@ -39,13 +39,13 @@ pub struct FrontQuestion<'a> {
     pub elements: &'a [u32],
     /// Origin of the states.
     pub states: &'a States,
-    /// How many.
+    /// Number of states.
     pub count: u32,
     /// The largest position of the states, rad.
     pub angle: f64,
     /// Also compile every program with the C compiler and time it here.
     pub cpu: bool,
-    /// Where points are kept, and the share of the choices that is measured.
+    /// Store of the points, and the share of the choices that is measured.
     pub work: SharedWork<'a>,
 }
 
@@ -73,7 +73,7 @@ pub struct Front {
     pub verdicts: Vec<FrontVerdict>,
 }
 
-/// Whether a choice of the thesis is dominated.
+/// Verdict on a choice of the thesis.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct FrontVerdict {
     /// Index of the thesis' point.
@@ -87,7 +87,7 @@ pub struct FrontVerdict {
     pub in_its_format: Option<usize>,
 }
 
-/// What was measured of a share of the choices.
+/// Measurements of a share of the choices.
 #[derive(Clone, PartialEq, Debug)]
 pub struct MeasuredShare {
     /// The choices of the share.
@@ -205,7 +205,8 @@ fn leave_out(
     left
 }
 
-/// What the search of `robovec optimise` finds for the numbers of elements.
+/// Program that the search of `robovec optimise` finds for the numbers of
+/// elements.
 fn searched(
     module: &Module,
     others: &[(Formulation, Module)],
@@ -229,9 +230,9 @@ fn searched(
     Ok(programs.collect())
 }
 
-/// What is compared with a given number of elements: cycles, the median of the
-/// relative errors, the worst normwise error and the share of the device. What
-/// cannot be placed is worse than everything.
+/// Measures compared with a given number of elements: cycles, the median of the
+/// relative errors, the worst normwise error and the share of the device. A
+/// program that cannot be placed is worse than everything.
 fn measures(point: &FrontPoint, elements: usize) -> [f64; 4] {
     let cycles = point.cycles[elements].map_or(f64::INFINITY, f64::from);
     let share = point.shares[elements].unwrap_or(f64::INFINITY);

@@ -42,7 +42,7 @@ pub fn page(fronts: &[Front], machines: &[Machine]) -> String {
     page.to_html()
 }
 
-/// What the numbers mean.
+/// Explanation of the numbers.
 const METHOD: &str = "<p>Every point is a program: a way to write the equations, a pipeline of \
 passes, a treatment of sines and cosines, a number format. It is placed on the machine; the \
 schedule's length is its time. It is then run at random states, and its results are compared with \

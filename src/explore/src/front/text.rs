@@ -14,8 +14,8 @@ use std::fmt::Write;
 /// The unit of errors in figures: the rounding of one operation in binary32.
 const UNIT: f64 = 1.0 / (1u32 << 24) as f64;
 
-/// What a point is worth with a number of elements: on the front, beaten, or
-/// not possible.
+/// Standing of a point with a number of elements: on the front, beaten, or not
+/// possible.
 fn standing(front: &Front, index: usize, elements: usize, undominated: &[usize]) -> String {
     if front.points[index].cycles[elements].is_none() {
         return "does not fit".to_owned();
@@ -170,7 +170,7 @@ struct VerdictRow<'a> {
     alike: Option<&'a FrontPoint>,
 }
 
-/// What the thesis could choose, and what of ours is nowhere worse.
+/// Choices of the thesis, and those of ours that are nowhere worse.
 pub fn verdicts_table(fronts: &[Front]) -> DataTable {
     let mut rows = Vec::new();
     for front in fronts {

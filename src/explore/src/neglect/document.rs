@@ -15,8 +15,8 @@ pub(super) struct SceneTable {
     motion: Table,
 }
 
-/// What the states of the full model are free in, and what a scene may bind to
-/// leave something out.
+/// Arrays in which the states of the full model are free, and which a scene may
+/// bind to leave something out.
 const STATE: [&str; 5] = ["q", "qd", "Qq", "frc", "trq"];
 
 impl SceneTable {

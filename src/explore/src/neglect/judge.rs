@@ -70,7 +70,7 @@ impl SceneOperations {
 /// Positions at the start that differ from those of the model.
 pub(super) type Start = Vec<(usize, f64)>;
 
-/// What every candidate is judged by.
+/// Measures that judge every candidate.
 pub(super) struct NeglectJudge<'a> {
     pub(super) name: &'a str,
     pub(super) folder: &'a Path,
@@ -80,7 +80,7 @@ pub(super) struct NeglectJudge<'a> {
     /// The laws of the full model, every default a number.
     pub(super) laws: Laws,
     pub(super) machine: &'a Machine,
-    /// Where joints are locked: the means of their motions.
+    /// Positions of locked joints: the means of their motions.
     pub(super) means: Vec<f64>,
     /// Number of steps a motion may take.
     pub(super) step_limit: u64,

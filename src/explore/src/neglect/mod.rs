@@ -1,5 +1,5 @@
-//! What a scene need not model: joints, bodies, forces and terms whose absence
-//! changes the motion by less than it allows.
+//! Parts of a model that a scene does not need: joints, bodies, forces and
+//! terms whose absence changes the motion by less than it allows.
 //!
 //! A full model and laws of its forces make a motion, from several starts.
 //! Everything that could be left out ([`Omission`]) is left out alone, the
@@ -60,7 +60,7 @@ pub enum NeglectError {
 }
 
 impl NeglectError {
-    /// What a user can do, if anything.
+    /// Advice for the user, if there is any.
     pub fn advice(&self) -> Option<&'static str> {
         match self {
             NeglectError::NoMotion => {

@@ -1,4 +1,4 @@
-//! What can be left out of a model, thing by thing.
+//! Parts of a model that can be left out, one by one.
 
 use crate::scene::{NeglectKind, NeglectWish};
 use robovec_dynamics::motion::{Laws, Spring, Support};

@@ -42,7 +42,7 @@ pub struct NeglectTask<'a> {
     pub machine: &'a Machine,
 }
 
-/// What leaving out one thing does.
+/// Effect of leaving out one thing.
 #[derive(Clone, PartialEq, Debug)]
 pub struct NeglectFinding {
     /// The thing, in words.
@@ -63,7 +63,7 @@ pub struct NeglectFinding {
 /// Speed, error and cost of one scene.
 #[derive(Clone, Debug)]
 pub struct SceneFigures {
-    /// What it is.
+    /// Kind of the thing.
     pub what: &'static str,
     /// Its operations.
     pub operations: SceneOperations,
@@ -78,7 +78,7 @@ pub struct SceneFigures {
     pub equations: ErrorSpread,
 }
 
-/// What was found.
+/// Findings of the search.
 #[derive(Debug)]
 pub struct NeglectFindings {
     /// The names of the watched joints and their largest displacements from
@@ -95,7 +95,7 @@ pub struct NeglectFindings {
     /// The part of the error allowed that leaving things out does not use up,
     /// of all motions that were compared.
     pub rest: f64,
-    /// What the integrator itself adds: the largest change of the full motion
+    /// Error of the integrator itself: the largest change of the full motion
     /// with a hundredth of the tolerance, in the same parts.
     pub integration: f64,
     /// Every watched joint in the first motion.
@@ -254,7 +254,7 @@ fn error(
     Ok(worst)
 }
 
-/// What leaving out one thing alone does, judged by the first motion.
+/// Effect of leaving out one thing alone, judged by the first motion.
 fn alone(
     judge: &NeglectJudge<'_>,
     full: &FullMotion,
@@ -361,9 +361,8 @@ fn as_many(
     }
 }
 
-/// What is left out besides what goes with something else: the velocity, the
-/// angle and the force of a joint go with the joint, moments of inertia with
-/// the mass.
+/// Omissions that do not follow from others: the velocity, the angle and the
+/// force of a joint go with the joint, moments of inertia with the mass.
 fn without_subsumed(taken: &[Omission], tried: &mut [(Omission, NeglectFinding)]) -> Vec<Omission> {
     let goes = |one: &Omission| one.goes_with().is_some_and(|whole| taken.contains(&whole));
     for (one, finding) in tried.iter_mut() {

@@ -1,4 +1,4 @@
-//! What was found, as text and as a figure.
+//! Findings as text and as a figure.
 
 use super::search::{NeglectFindings, WatchedCurve};
 use robovec_ir::Machine;

@@ -1,6 +1,6 @@
-//! What the search finds, for those who measure programs themselves: fronts,
+//! Results of the search, for those who measure programs themselves: fronts,
 //! fits and sweeps compare them with their own, so that none of them shows as
-//! the best what `robovec optimise` beats.
+//! the best one that `robovec optimise` beats.
 
 use super::start::{self, OptimisationStart};
 use super::{OptimisationQuestion, OptimisationTarget, maker};
@@ -28,7 +28,7 @@ pub struct FoundProgram {
     pub program: Arc<Module>,
 }
 
-/// What is kept of a search: the program follows from it.
+/// Part of a search that is kept: the program follows from it.
 #[derive(Serialize, Deserialize)]
 struct KeptSearch {
     name: String,

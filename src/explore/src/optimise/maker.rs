@@ -31,7 +31,7 @@ use std::sync::{Arc, OnceLock};
 pub struct MadeProgram {
     /// The module, with one function.
     pub module: Arc<Module>,
-    /// What it was made from and by; `None` where nothing is kept.
+    /// Key of its start and passes; `None` where nothing is kept.
     key: Option<PointKey>,
     /// The passes from its start on, where it was read from disk: passes may
     /// go another way from there, since texts do not tell in which order
@@ -39,7 +39,7 @@ pub struct MadeProgram {
     read: Option<String>,
 }
 
-/// What a maker did.
+/// Work of a maker.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct MakerTally {
     /// Programs that were asked for.
@@ -48,7 +48,7 @@ pub struct MakerTally {
     pub found: usize,
 }
 
-/// What is kept of a program.
+/// Part of a program that is kept.
 #[derive(Serialize, Deserialize)]
 enum KeptProgram {
     /// Its text.

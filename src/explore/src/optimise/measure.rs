@@ -11,7 +11,7 @@ use robovec_error::yardstick::{MeasuredErrors, Unmeasurable, Yardstick};
 use robovec_ir::Format;
 use robovec_passes::optimise::search::SearchOutcome;
 
-/// What was measured of a program.
+/// Measurements of a program.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub(super) struct ProgramFigures {
     /// The time of one state in C, ns.
@@ -25,7 +25,7 @@ pub(super) struct ProgramFigures {
     pub(super) remark: String,
 }
 
-/// What was measured of all programs.
+/// Measurements of all programs.
 pub(super) struct MeasuredPrograms {
     /// One for each program.
     pub(super) figures: Vec<ProgramFigures>,

@@ -38,7 +38,7 @@ use serde::Serialize;
 use start::OptimisationStart;
 use std::sync::Arc;
 
-/// What a program is made for.
+/// Target of a program.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum OptimisationTarget {
@@ -51,8 +51,8 @@ pub enum OptimisationTarget {
 }
 
 impl OptimisationTarget {
-    /// What the search looks for: on processors operations decide, and those
-    /// with the fewest are then timed.
+    /// Goal of the search: on processors operations decide, and those with the
+    /// fewest are then timed.
     pub(crate) fn goal(self) -> Goal {
         match self {
             OptimisationTarget::Fpga => Goal::Cycles,
@@ -61,19 +61,19 @@ impl OptimisationTarget {
     }
 }
 
-/// What is asked.
+/// Question.
 pub struct OptimisationQuestion<'a> {
-    /// What the program is for.
+    /// Target of the program.
     pub target: OptimisationTarget,
     /// The machine: with the numbers of elements that are wanted.
     pub machine: &'a Machine,
-    /// What the function is needed for.
+    /// Scene that the function is needed for.
     pub scene: Option<&'a Scene>,
-    /// What programs may rest on.
+    /// Numeric class of programs.
     pub class: VariantClass,
-    /// How far the search goes, at least 1.
+    /// Effort of the search, at least 1.
     pub effort: u32,
-    /// Where random states come from.
+    /// Source of random states.
     pub states: &'a States,
     /// States that errors are measured at.
     pub count: u32,
@@ -92,7 +92,7 @@ pub struct OptimisationQuestion<'a> {
 pub struct OptimisationPoint {
     /// The steps it went through.
     pub name: String,
-    /// What it starts from; empty for the equations as they came.
+    /// Name of the start; empty for the equations as they came.
     pub start: String,
     /// The passes from there.
     pub passes: String,
@@ -123,13 +123,13 @@ pub struct OptimisationPoint {
     pub taken: bool,
 }
 
-/// What was found.
+/// Result of a search.
 pub struct Optimised {
     /// All that was tried, the input as it came first.
     pub points: Vec<OptimisationPoint>,
     /// Index of the point that was taken.
     pub best: usize,
-    /// What was not made, and why.
+    /// Programs that were not made, with the reasons.
     pub skipped: Vec<(String, String)>,
     /// Number of programs that looked like one of them.
     pub alike: usize,
@@ -139,7 +139,7 @@ pub struct Optimised {
     pub program: Arc<Module>,
     /// Index of the start it comes from.
     pub start: usize,
-    /// What was established about it.
+    /// Proof about it.
     pub proof: String,
     /// Its errors.
     pub errors: ErrorAccount,

@@ -1,4 +1,4 @@
-//! What was found, as a page.
+//! Result of a search as a page.
 
 use super::Optimised;
 use super::text::{figure, points_table};
@@ -22,7 +22,7 @@ pub fn page(name: &str, found: &Optimised, facts: &str, commands: &str) -> Strin
     page.to_html()
 }
 
-/// What the numbers mean.
+/// Explanation of the numbers.
 const METHOD: &str = "<p>Programs start from the equations as they came and, where a model was \
 given, from other formulations that were proved to be the same function. Passes make others of \
 them; the most promising ones are taken further. <b>Bound</b>: no schedule of the same \

@@ -60,7 +60,7 @@ pub(super) fn prove(
     Ok(established)
 }
 
-/// What a scene makes of the equations, checked pass by pass.
+/// Equations specialised to a scene, checked pass by pass.
 fn specialised(
     start: &Module,
     prepared: &PreparedStarts,

@@ -1,5 +1,5 @@
-//! What a search starts from: the equations as they came, and those of a
-//! model in other formulations.
+//! Starts of a search: the equations as they came, and those of a model in
+//! other formulations.
 
 use super::OptimisationQuestion;
 use crate::program::{ExplorationError, transformed_by, view};
@@ -25,7 +25,7 @@ use std::sync::Arc;
 pub struct OptimisationStart {
     /// Its name: empty for the equations as they came, else the formulation.
     pub name: String,
-    /// What it is.
+    /// Form of the start.
     pub form: StartForm,
     /// One function.
     pub module: Arc<Module>,
@@ -138,7 +138,7 @@ pub fn formulations(
     (found, left)
 }
 
-/// What a generator may have been told, and how `robovec gen` is told so.
+/// Options of the generator, with the flags of `robovec gen` for them.
 fn ways() -> [(Options, &'static str); 4] {
     let usual = Options::default;
     let bare = || Options {

@@ -1,4 +1,4 @@
-//! What was tried, as a table for the terminal, a file and a figure.
+//! Programs that were tried, as a table for the terminal, a file and a figure.
 
 use super::{OptimisationPoint, Optimised};
 use robovec_error::yardstick::account::{ERROR_HEADS, measure_text};

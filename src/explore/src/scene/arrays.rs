@@ -14,7 +14,7 @@ pub(super) struct KnownArray {
     counts: Option<usize>,
 }
 
-/// What indices of a kind count: the word for it, and names with their
+/// Meaning of the indices of a kind: the word for it, and names with their
 /// numbers from 1.
 struct IndexNames {
     what: &'static str,

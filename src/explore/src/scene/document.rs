@@ -115,7 +115,7 @@ pub(super) fn only_keys(
     }
 }
 
-/// What a key of a table holds.
+/// Value of a key of a table.
 pub(super) fn get<'a, 't>(
     table: &'a DocumentTable<'t>,
     key: &str,

@@ -1,5 +1,5 @@
-//! What a scene is worth: operations, time, error and cost with more and more
-//! of it used.
+//! Worth of a scene: operations, time, error and cost with more and more of it
+//! used.
 
 use super::{SceneFile, SceneSubject};
 use crate::device;
@@ -18,7 +18,7 @@ use thiserror::Error;
 /// The function with a part of the scene used, after the usual pipeline.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SceneEffect {
-    /// What is used.
+    /// Part of the scene in use.
     pub what: &'static str,
     /// Operations: everything but sines, cosines and copies.
     pub operations: usize,

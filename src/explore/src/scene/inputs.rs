@@ -1,5 +1,5 @@
-//! What a scene file says of inputs: parameters, numbers, ranges, and the
-//! joints that are held.
+//! Inputs in a scene file: parameters, numbers, ranges, and the joints that are
+//! held.
 
 use super::INPUT;
 use super::arrays::SceneArrays;
@@ -22,7 +22,7 @@ pub(super) struct InputReader<'r> {
     pub(super) problems: &'r mut DocumentProblems,
 }
 
-/// What the numbers of a section mean.
+/// Meaning of the numbers of a section.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum InputSection {
     Bind,

@@ -1,4 +1,4 @@
-//! What a scene says of input elements, the more specific word winning.
+//! Statements of a scene about input elements, the more specific word winning.
 
 use super::document::{DocumentProblems, DocumentRange};
 use robovec_framework::scene::{Bindings, ElementPattern};
@@ -6,7 +6,7 @@ use robovec_ir::Shape;
 use robovec_ir::states::Ranges;
 use std::collections::BTreeMap;
 
-/// What is said of an element.
+/// Statement about an element.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum ElementKnowledge {
     /// It is an input of any size.
@@ -17,7 +17,7 @@ pub(super) enum ElementKnowledge {
     Range(f64, f64),
 }
 
-/// How much a word is about one element.
+/// Specificity of a word about one element.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) enum Rank {
     /// All parameters of the model, or the limits of its joints.
@@ -54,7 +54,7 @@ struct ElementStatement {
     span: DocumentRange,
 }
 
-/// What is said of every element.
+/// Statements about every element.
 #[derive(Default)]
 pub(super) struct ElementStatements {
     elements: BTreeMap<(String, [u32; 2]), ElementStatement>,

@@ -116,15 +116,15 @@ pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
 /// A scene with what it is about.
 #[derive(Debug)]
 pub struct SceneFile {
-    /// What is needed.
+    /// Scene.
     pub scene: Scene,
     /// The model or the equations.
     pub subject: SceneSubject,
-    /// What the user should know of the model.
+    /// Warnings about the model.
     pub warnings: Report,
     /// The motion that programs are judged by.
     pub motion: Option<SceneMotion>,
-    /// What may be left out.
+    /// Parts that may be left out.
     pub neglect: NeglectWish,
 }
 
@@ -167,7 +167,8 @@ impl SceneFile {
         }
     }
 
-    /// Where no joint is watched: watches those whose accelerations are needed.
+    /// Watches the joints whose accelerations are needed where no joint is
+    /// watched.
     fn watch_what_is_needed(&mut self) {
         let (Some(motion), SceneSubject::Model(subject)) = (&mut self.motion, &self.subject) else {
             return;

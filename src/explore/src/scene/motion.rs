@@ -11,7 +11,7 @@ use robovec_num::limits::NumberLimit;
 use std::path::PathBuf;
 use toml::de::DeValue;
 
-/// How long the motion lasts, in seconds.
+/// Length of the motion, in seconds.
 pub(super) const TIME: NumberLimit =
     NumberLimit::real(1e-6, 1e3, "every candidate is simulated that long");
 
@@ -75,7 +75,7 @@ pub struct SceneMotion {
     /// The file of laws that make the motion, as it is written; without one,
     /// gravity alone does.
     pub laws: Option<PathBuf>,
-    /// How long the motion lasts, s.
+    /// Length of the motion, s.
     pub time: f64,
     /// The error allowed of every watched joint, in parts of its largest
     /// displacement from its mean.
@@ -115,7 +115,7 @@ impl SceneMotion {
     }
 }
 
-/// What a scene may leave out, as its file says.
+/// Parts that a scene may leave out, as its file gives them.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct NeglectWish {
     /// The kinds of things that may be left out; empty: all.
@@ -159,7 +159,7 @@ impl InputReader<'_> {
         small
     }
 
-    /// What the section `[motion]` says.
+    /// Content of the section `[motion]`.
     pub(super) fn motion(&mut self, value: &DocumentValue<'_>) -> Option<SceneMotion> {
         let section = self.section(value, &MOTION_KEYS)?;
         let laws = get(section, "laws").and_then(|value| string(value, self.problems));
@@ -186,7 +186,7 @@ impl InputReader<'_> {
         })
     }
 
-    /// What the section `[neglect]` says.
+    /// Content of the section `[neglect]`.
     pub(super) fn neglect(&mut self, value: &DocumentValue<'_>) -> Option<NeglectWish> {
         let section = self.section(value, &NEGLECT_KEYS)?;
         Some(NeglectWish {

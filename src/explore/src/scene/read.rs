@@ -115,7 +115,7 @@ pub fn read(name: &str, text: &str, folder: &Path) -> Result<SceneFile, Report> 
     }
 }
 
-/// What a scene says of itself and of how it is compiled.
+/// Wishes of a scene about itself and its compilation.
 fn wishes(
     name: &str,
     file: &DocumentTable<'_>,

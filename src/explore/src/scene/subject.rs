@@ -1,4 +1,4 @@
-//! What a scene is about: a model whose equations are made, or equations.
+//! Subject of a scene: a model whose equations are made, or equations.
 
 use super::known::{ElementKnowledge, ElementStatements};
 use robovec_dynamics::generate::{
@@ -10,7 +10,7 @@ use robovec_ir::Module;
 use robovec_model::{Model, Nature};
 use robovec_robotran::FunctionKind;
 
-/// What a scene is about.
+/// Subject of a scene.
 #[derive(Debug)]
 pub enum SceneSubject {
     /// A model and a function of it.

@@ -1,5 +1,5 @@
-//! What a placement takes of its device, and how wrong its program is: the
-//! two figures that stand beside every number of cycles of a study.
+//! Share of its device that a placement takes, and error of its program: the
+//! two figures beside every number of cycles of a study.
 
 use super::program::ProgramFacts;
 use super::results::{Results, StudyPlacement};
@@ -54,7 +54,7 @@ pub(super) fn errors(facts: &ProgramFacts) -> [f64; 2] {
     [normwise.median * UNIT, normwise.worst * UNIT]
 }
 
-/// Where the errors of a program come from, in words.
+/// Source of the errors of a program, in words.
 pub(super) fn states(facts: &ProgramFacts) -> String {
     let rounding = &facts.rounding[1];
     random_states(rounding.states as usize, rounding.seed, false)

@@ -35,7 +35,7 @@ mod tests {
     use robovec_ir::{Format, Machine};
     use robovec_passes::registry::REGISTRY;
 
-    /// What a key is made of.
+    /// Parts of a key.
     struct KeyParts {
         equations: PointKey,
         build: PointKey,

@@ -1,12 +1,12 @@
-//! How many elements a program is worth: the knee, the zones around it, and
-//! what limits each (thesis 3.3).
+//! Number of elements that a program is worth: the knee, the zones around it,
+//! and the limit of each (thesis 3.3).
 
 use super::cost;
 use super::results::{Results, StudyPlacement};
 use super::zone::{Zone, is_saturated, zone};
 use serde::Serialize;
 
-/// What the placements of one program say.
+/// Knee of the placements of one program.
 #[derive(Clone, Debug, Serialize)]
 pub struct Knee {
     /// The longest chain, in cycles.

@@ -1,6 +1,6 @@
-//! How busy the elements are over a run (thesis 3.6): the share of issue
-//! slots used, averaged over a window of cycles that rolls along, against the
-//! share of the run that has passed.
+//! Occupation of the elements over a run (thesis 3.6): the share of issue slots
+//! used, averaged over a window of cycles that rolls along, against the share
+//! of the run that has passed.
 
 use robovec_ir::placement::Schedule;
 use serde::{Deserialize, Serialize};

@@ -8,12 +8,12 @@ use robovec_ir::Operation;
 use robovec_schedule::ElementSpread;
 use serde::{Deserialize, Serialize};
 
-/// What is kept of a placement. Names and numbers of its [`PlacementRequest`] are not
-/// part of it: a point is found by its key.
+/// Part of a placement that is kept. Names and numbers of its
+/// [`PlacementRequest`] are not part of it: a point is found by its key.
 #[derive(Clone, PartialEq, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlacedPoint {
-    /// Why there is no placement; everything else is 0 then.
+    /// Reason why there is no placement; everything else is 0 then.
     pub failure: Option<String>,
     /// Length: the first cycle in which every result can be read.
     pub cycles: u32,
@@ -31,7 +31,7 @@ pub struct PlacedPoint {
     pub ranks: [u32; 9],
 }
 
-/// What the elements of one kind do.
+/// Work of the elements of one kind.
 #[derive(Clone, PartialEq, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KindPoint {

@@ -1,4 +1,4 @@
-//! What the thesis prints in its tables of results, as data.
+//! Tables of results of the thesis, as data.
 //!
 //! Cells that contradict the rest of their row or repeat another row are
 //! marked as doubtful, with the reason, and shown as such wherever they
@@ -48,7 +48,7 @@ pub struct PrintedSystem {
     pub modified: Option<PrintedRow>,
 }
 
-/// How the bodies of a system hang together.
+/// Connection of the bodies of a system.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SystemTopology {
@@ -92,7 +92,7 @@ pub struct PrintedRow {
     /// Names of the cells that cannot be right.
     #[serde(default)]
     pub doubtful: Vec<String>,
-    /// Why they cannot.
+    /// Reason why they cannot.
     #[serde(default)]
     pub remark: String,
 }

@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// Seed of the states at which rounding errors are measured.
 const SEED: u64 = 1;
 
-/// Where programs come from: the caller knows files and models.
+/// Source of programs: the caller knows files and models.
 pub trait ProgramSources: Sync {
     /// The equations of a source: a file, a model, a built-in name.
     ///
@@ -26,7 +26,7 @@ pub trait ProgramSources: Sync {
     fn equations(&self, subject: &StudySubject) -> Result<Module, Report>;
 }
 
-/// What is counted of a program before placement.
+/// Counts of a program before placement.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct ProgramFacts {
     /// The model.
@@ -51,9 +51,9 @@ pub struct ProgramFacts {
     pub asap: u32,
     /// The longest chain, in cycles.
     pub asap_cycle: u32,
-    /// How many of the operations of one longest chain multiply.
+    /// Number of operations of one longest chain that multiply.
     pub path_mul: u32,
-    /// How many of them add or subtract.
+    /// Number of them that add or subtract.
     pub path_add: u32,
     /// Rounding errors in binary32, as read and now, at the same states.
     #[serde(skip)]

@@ -17,7 +17,7 @@ use robovec_analysis::critical_path::Weights;
 use robovec_ir::diagnostic::{Diagnostic, Report};
 use std::collections::BTreeMap;
 
-/// What a plan gave.
+/// Result of a plan.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct StudyOutcome {
     /// Every placement, those that the search for knees added included.

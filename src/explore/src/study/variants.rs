@@ -30,7 +30,7 @@ pub(super) fn is_variant(results: &Results, model: usize) -> bool {
     groups.iter().any(|group| group[1..].contains(&model))
 }
 
-/// What tells a model from others of its group.
+/// Label that tells a model from others of its group.
 pub(super) fn label(subject: &StudySubject) -> String {
     let style = &subject.style;
     match (

@@ -1,4 +1,4 @@
-//! What the study means, in plain words, computed from its points.
+//! Meaning of the study, in plain words, computed from its points.
 
 use super::cost;
 use super::knee::{Knee, Split, knee};
@@ -19,15 +19,15 @@ pub struct StudyVerdict {
     pub model: String,
     /// The system, which models with other equations share.
     pub system: String,
-    /// What tells its equations from others of the system.
+    /// Label that tells its equations from others of the system.
     pub formulation: String,
     /// The pipeline.
     pub pipeline: String,
     /// The answer in one sentence.
     pub answer: String,
-    /// What that takes of the device, and how wrong it is.
+    /// Share of the device and error.
     pub cost: String,
-    /// Why, sentence by sentence.
+    /// Reasons, sentence by sentence.
     pub reasons: Vec<String>,
     /// The three zones: name, range of elements, what limits them.
     pub zones: Vec<[String; 3]>,

@@ -4,8 +4,9 @@ use super::program::ProgramFacts;
 use super::results::StudyPlacement;
 use robovec_present::{MarkFill, MarkZone};
 
-/// How far above its longest chain a schedule may be to count as saturated,
-/// and how far above full use of the scarcer kind to count as parallel.
+/// Maximum length of a schedule that counts as saturated, in parts of its
+/// longest chain, and maximum above full use of the scarcer kind that counts as
+/// parallel.
 pub const SATURATED: f64 = 1.02;
 /// See [`SATURATED`].
 pub const BUSY: f64 = 1.10;

@@ -24,7 +24,7 @@ pub struct MachineDesign {
     pub buffer: Option<u32>,
     /// Instances evaluated at once.
     pub instances: u32,
-    /// How results travel.
+    /// Interconnect that results travel on.
     pub interconnect: Interconnect,
     /// The family of devices it is built on.
     pub device: DeviceFamily,
@@ -52,7 +52,7 @@ impl MachineDesign {
     }
 }
 
-/// What is tried: every combination, but for numbers of adders and
+/// Designs that are tried: every combination, but for numbers of adders and
 /// multipliers that differ by more than a factor of [`DesignSpace::ratio`].
 #[derive(Clone, PartialEq, Debug)]
 pub struct DesignSpace {

@@ -11,14 +11,14 @@ use super::FunctionSweep;
 use robovec_num::limits::NumberLimit;
 use serde::Serialize;
 
-/// What a flag of power can be.
+/// Limit of a flag of power.
 pub const WATTS: NumberLimit = NumberLimit::real(
     0.0,
     10_000.0,
     "watts that a device or a core draws; energy is their product with the time",
 );
 
-/// What draws how much.
+/// Power of the device and of a core.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct PowerFigures {
     /// The device with nothing running, W.
@@ -43,8 +43,8 @@ impl FunctionSweep {
         self.power = Some(power);
     }
 
-    /// Which design takes the least energy, and how the processor compares,
-    /// in lines; empty where neither power nor time of a processor is known.
+    /// Design of the least energy, and comparison with the processor, in lines;
+    /// empty where neither power nor time of a processor is known.
     pub(super) fn energy_text(&self) -> String {
         let fitting = || self.points.iter().filter(|point| point.share <= 1.0);
         let mut text = String::new();

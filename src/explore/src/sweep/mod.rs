@@ -40,7 +40,7 @@ pub const MAX_DESIGNS: u64 = 1_000_000;
 /// A program that may be placed on designs.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct SweptProgram {
-    /// What it is, in words.
+    /// Name in words.
     pub name: String,
     /// Its operations.
     pub operations: usize,
@@ -76,7 +76,7 @@ pub struct SweepPoint {
     /// Energy of an evaluation, µJ, where the power of the device is given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_uj: Option<f64>,
-    /// What the machine takes.
+    /// Resources that the machine takes.
     pub resources: DeviceShare,
     /// The largest of its shares of the device; above 1 it does not
     /// fit.
@@ -86,7 +86,7 @@ pub struct SweepPoint {
     pub on_front: bool,
 }
 
-/// What came of all designs for one function.
+/// Results of all designs for one function.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct FunctionSweep {
     /// The model or file.
@@ -108,7 +108,7 @@ pub struct FunctionSweep {
     pub cpu_us: Option<f64>,
     /// The same per evaluation when eight are made at once.
     pub cpu_batch_us: Option<f64>,
-    /// How much longer one evaluation in a thousand takes there than the
+    /// Time by which one evaluation in a thousand takes longer there than the
     /// median one, µs. A design takes the same cycles every time.
     pub cpu_jitter_us: Option<f64>,
     /// Energy of one evaluation there, µJ, where the power of a core is given.
@@ -268,7 +268,7 @@ fn thesis() -> Machine {
     Machine::built_in("thesis").expect("it ships, and a test parses it")
 }
 
-/// What a design takes, and how long it needs for an evaluation.
+/// Resources of a design, and its time for an evaluation.
 fn point(design: MachineDesign, placement: DesignPlacement) -> SweepPoint {
     let machine = design.machine();
     let cycles = placement.cycles;

@@ -31,7 +31,7 @@ pub fn page(sweeps: &[FunctionSweep]) -> String {
     page.to_html()
 }
 
-/// What the numbers mean.
+/// Explanation of the numbers.
 const METHOD: &str = "<p>Every design is placed operation by operation, and the placement is \
 checked against the machine. Time is cycles over the clock, divided by the instances that are \
 evaluated at once. The clock is estimated by the model of the device that every command asks, and \

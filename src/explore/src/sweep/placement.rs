@@ -31,7 +31,7 @@ pub struct DesignPlacement {
 /// A design and what came of it: a placement, or why there is none.
 pub type PlacedDesign = (MachineDesign, Result<DesignPlacement, String>);
 
-/// What a worker did.
+/// Work of a worker.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PlacedShare {
     /// The designs of the share, in the order of the space.

@@ -106,7 +106,7 @@ fn design_columns<'a>() -> ColumnList<'a, DesignRow<'a>> {
     }
 }
 
-/// Which wins, in a sentence.
+/// Winner, in a sentence.
 fn verdict(sweep: &FunctionSweep) -> String {
     let fitting = sweep.points.iter().filter(|point| point.share <= 1.0);
     let fastest = fitting.min_by(|a, b| a.us_per_evaluation.total_cmp(&b.us_per_evaluation));
@@ -136,7 +136,7 @@ fn verdict(sweep: &FunctionSweep) -> String {
     format!("{text}\n{}\n", jitter(sweep))
 }
 
-/// How much times differ from one evaluation to the next.
+/// Variation of times from one evaluation to the next.
 fn jitter(sweep: &FunctionSweep) -> String {
     let design = "jitter: a design takes the same cycles for every evaluation, 0 us (loading and \
                   reading by the host not counted)";

@@ -1,4 +1,4 @@
-//! What series for sines and cosines do to the results of a model.
+//! Effect of series for sines and cosines on the results of a model.
 //!
 //! [`measure`] replaces the sines and cosines of a function by polynomials,
 //! for several orders and ranges of the joints, and compares the outputs with
@@ -25,7 +25,7 @@ use robovec_passes::registry::REGISTRY;
 use robovec_passes::trigonometry::{AngleOption, CircularMethod, Trigonometry};
 use std::sync::Arc;
 
-/// What is measured.
+/// Settings of the measurement.
 #[derive(Clone, Debug)]
 pub struct TrigonometrySetting {
     /// Way in which sines and cosines are computed.
@@ -40,7 +40,7 @@ pub struct TrigonometrySetting {
     pub format: Format,
     /// Random states of each range.
     pub states: u32,
-    /// Where they come from.
+    /// Seed of the states.
     pub seed: u64,
 }
 

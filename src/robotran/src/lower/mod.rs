@@ -52,7 +52,7 @@ pub(super) struct Lowering<'a, 't> {
     pub(super) warnings: Vec<Diagnostic>,
     /// The file holds a message instead of equations, once it was asked for.
     pub(super) guard: Option<bool>,
-    /// What functions have cost so far; see [`LARGEST_REPETITION`].
+    /// Cost of the functions so far; see [`LARGEST_REPETITION`].
     pub(super) work: u64,
 }
 

@@ -95,7 +95,7 @@ impl Lowering<'_, '_> {
         );
     }
 
-    /// What each part takes from and gives to the others.
+    /// Values that each part takes from and gives to the others.
     fn crossing(
         &self,
         runs: &[&StatementRun],

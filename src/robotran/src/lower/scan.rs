@@ -1,4 +1,4 @@
-//! What a function does with its arrays, found before it is lowered.
+//! Uses of the arrays of a function, found before it is lowered.
 //!
 //! Lowering must know beforehand which arrays become inputs and outputs, and
 //! which elements are read back or written again: only an element written
@@ -30,9 +30,9 @@ pub(super) struct Scan {
     pub(super) written: Vec<bool>,
     /// Per array: it is an argument of a user function.
     pub(super) passed: Vec<bool>,
-    /// How many equations there are.
+    /// Number of equations.
     pub(super) equations: usize,
-    /// How many nodes they have.
+    /// Number of their nodes.
     pub(super) nodes: usize,
     pub(super) errors: Vec<Diagnostic>,
 }

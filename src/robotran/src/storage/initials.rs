@@ -1,4 +1,4 @@
-//! What arrays hold before the function writes them.
+//! Values of arrays before the function writes them.
 
 use super::{Initial, Storage, StorageBuilder, is_array_name};
 use crate::Language;

@@ -26,11 +26,10 @@ const POINTED_AT: u32 = 3;
 /// More elements than this are taken for a slip in an index.
 const LARGEST_STORAGE: u64 = 4_000_000;
 
-/// What an element holds before the function writes it.
+/// Value of an element before the function writes it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Initial {
-    /// What the caller put there: the same element of the input array of this
-    /// name.
+    /// Value from the caller: the same element of the input array of this name.
     Input(Symbol),
     /// Zero: `M = zeros(6,6)`.
     Zero,
@@ -59,7 +58,7 @@ pub(super) struct StoredArray {
 #[derive(Clone, Default, Debug)]
 pub(super) struct Storage {
     pub(super) arrays: Vec<StoredArray>,
-    /// How many elements they have together.
+    /// Number of elements in all.
     pub(super) len: usize,
     names: Vec<RobotranName>,
     numbers: HashMap<RobotranName, u32, FxBuildHasher>,

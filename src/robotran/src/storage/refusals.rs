@@ -1,4 +1,4 @@
-//! Why the arrays of a function are refused.
+//! Reasons why the arrays of a function are refused.
 
 use super::{ArrayUse, LARGEST_STORAGE, Storage, StorageBuilder};
 use crate::explain::refusal;

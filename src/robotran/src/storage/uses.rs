@@ -1,4 +1,4 @@
-//! How many indices each array has, and how large they become.
+//! Number of indices of each array, and their largest values.
 
 use super::{ArrayUse, POINTED_AT, Storage, StorageBuilder};
 use crate::Language;

@@ -15,7 +15,7 @@ use robovec_ir::Symbols;
 use robovec_ir::diagnostic::{Diagnostic, Label};
 use std::ops::Range;
 
-/// Where a run of statements stands.
+/// Place of a run of statements.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) enum Region {
     /// Outside any control structure.
@@ -26,7 +26,7 @@ pub(super) enum Region {
     Others(Vec<u32>),
     /// In a loop or a condition, whose head this is.
     Control(SourceSpan),
-    /// Where control never comes: `default`, or behind a `return`.
+    /// Unreachable place: `default`, or after a `return`.
     Dead,
 }
 
@@ -85,7 +85,7 @@ enum BlockKind {
 
 struct OpenBlock {
     block: BlockKind,
-    /// Where it starts: its column in Python, its statement's span for errors.
+    /// Beginning: its column in Python, its statement's span for errors.
     column: u32,
     span: SourceSpan,
     /// True for the body of an `if` without braces.

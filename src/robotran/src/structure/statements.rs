@@ -1,4 +1,4 @@
-//! What each statement does to the open blocks.
+//! Effect of each statement on the open blocks.
 
 use super::{BlockKind, Cutter, FunctionBlock, OpenBlock, Region, StatementRun};
 use crate::Language;

@@ -1,9 +1,9 @@
-//! What an operation of an expression reads, in 32 bits.
+//! Operands of an expression, in 32 bits.
 
 use crate::token::RobotranName;
 use robovec_ir::Symbol;
 
-/// What an expression reads, packed into 32 bits.
+/// Operand of an expression, packed into 32 bits.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct SyntaxLeaf(u32);
 

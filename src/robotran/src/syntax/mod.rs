@@ -36,11 +36,11 @@ impl SyntaxNode {
 pub(super) struct SyntaxStatement {
     pub(super) kind: StatementKind,
     pub(super) span: SourceSpan,
-    /// How many [`SyntaxTree::elements`] stand before it and in it.
+    /// Number of [`SyntaxTree::elements`] before it and in it.
     pub(super) elements: u32,
 }
 
-/// What a statement says.
+/// Kind of a statement.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum StatementKind {
     /// `target = root`, whose nodes are the run from `first` to `end`.
@@ -108,7 +108,7 @@ pub(super) struct FunctionHeader {
     pub(super) parameters: Vec<RobotranName>,
     /// The parameters of C that are whole numbers.
     pub(super) whole: Vec<RobotranName>,
-    /// What a Matlab function returns.
+    /// Results of a Matlab function.
     pub(super) outputs: Vec<RobotranName>,
     /// The first entry of [`SyntaxTree::elements`] that belongs to the function.
     pub(super) first_element: u32,

@@ -36,7 +36,7 @@ enum OpenOperator {
 }
 
 impl OpenOperator {
-    /// How tightly its right operand is bound; a parenthesis ends it.
+    /// Binding strength of its right operand; a parenthesis ends it.
     fn strength(self) -> u8 {
         match self {
             OpenOperator::Group | OpenOperator::Function(_) => 0,
@@ -339,7 +339,7 @@ mod tests {
     use robovec_ir::Symbols;
     use robovec_num::random::Random;
 
-    /// What the grammar alone makes of a text: the tree and the errors.
+    /// Result of the grammar alone for a text: the tree and the errors.
     fn by_grammar<'s, L: Surface<'s>>(text: &'s str, language: Language) -> String {
         let (mut symbols, mut builder) = (Symbols::new(), SyntaxBuilder::default());
         let mut tokens = TokenStream::<L>::new(text, language, &mut symbols);

@@ -25,8 +25,8 @@ pub(super) const LARGEST_INDEX: u32 = 1_000_000;
 /// A token between its first byte and the byte after it.
 pub(super) type SpannedToken = (u32, RobotranToken, u32);
 
-/// What a parser of tokens reads from, and what it must remember to explain
-/// an error.
+/// Source of a parser of tokens, and its memory for the explanation of an
+/// error.
 pub(super) trait TokenSource: Iterator<Item = Result<SpannedToken, LexicalError>> {
     /// The token given last and the one before it.
     fn recent(&self) -> [Option<SpannedToken>; 2];

@@ -1,4 +1,4 @@
-//! Why a lexeme is no token.
+//! Reasons why a lexeme is no token.
 
 use super::TokenStream;
 use crate::Language;

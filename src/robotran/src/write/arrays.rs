@@ -8,7 +8,7 @@ use hashbrown::HashMap;
 use robovec_ir::{Array, Function, Input, OperandKind, Shape, Symbol, Symbols};
 use rustc_hash::FxBuildHasher;
 
-/// What an array is to the function that is written.
+/// Role of an array in the function that is written.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum ArrayRole {
     /// A parameter of the signature, or what Matlab returns.
@@ -138,9 +138,9 @@ fn larger(a: Shape, b: Shape) -> Shape {
 }
 
 impl FileArray {
-    /// How an input element is written, before the indices. Matlab reads
-    /// everything but the coordinates from the structure, where it keeps the
-    /// value it had at the start.
+    /// Text of an input element, before the indices. Matlab reads everything
+    /// but the coordinates from the structure, where it keeps the value it had
+    /// at the start.
     pub(super) fn input_text(&self, language: Language) -> String {
         let own = matches!(self.role, ArrayRole::Argument | ArrayRole::Result);
         let name = &self.name;
@@ -156,7 +156,7 @@ impl FileArray {
         }
     }
 
-    /// How an output element is written, before the indices.
+    /// Text of an output element, before the indices.
     pub(super) fn output_text(&self, language: Language) -> String {
         match language {
             Language::C => self.name.replace('.', "->"),
@@ -189,7 +189,7 @@ impl FileArray {
     }
 }
 
-/// What decides about the arrays of a function.
+/// Facts that decide about the arrays of a function.
 struct Roles<'a> {
     kind: EquationKind,
     arguments: hashbrown::HashSet<&'a str, FxBuildHasher>,

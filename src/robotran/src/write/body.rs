@@ -24,7 +24,7 @@ pub(super) struct FunctionText {
     section: BodySection,
 }
 
-/// What stands under the title printed last.
+/// Section under the title printed last.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Debug)]
 enum BodySection {
     Start,
@@ -53,7 +53,7 @@ impl RobotranFile<'_> {
         self.switch(body)
     }
 
-    /// What all cases begin with, then the cases.
+    /// Common beginning of all cases, then the cases.
     fn switch(&self, body: &mut FunctionText) -> Result<(), RobotranWriteError> {
         let common = common_prefix(&self.functions) as u32;
         self.function(body, 0, 0, common)?;

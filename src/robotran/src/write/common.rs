@@ -1,9 +1,10 @@
-//! What the cases of a sensor file have in common.
+//! Common parts of the cases of a sensor file.
 
 use robovec_ir::{Function, Node, OperandKind, Operation};
 
-/// How many nodes at the start are the same in all cases of a sensor file:
-/// what Robotran computes before the switch. It ends behind a definition.
+/// Number of nodes at the start that are the same in all cases of a sensor
+/// file: the part that Robotran computes before the switch. It ends after a
+/// definition.
 pub(super) fn common_prefix(functions: &[&Function]) -> usize {
     let Some((&first, others)) = functions.split_first() else {
         return 0;

@@ -1,6 +1,6 @@
-//! Why a module cannot be written as Robotran's files.
+//! Properties of a module for which Robotran's files have no words.
 
-/// What Robotran's files have no words for.
+/// Property for which Robotran's files have no words.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum RobotranWriteError {
     /// There is nothing to write.

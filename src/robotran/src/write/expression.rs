@@ -12,7 +12,7 @@ use hashbrown::HashMap;
 use robovec_ir::{Function, Input, Operand, OperandKind, Operation, Symbols, Value};
 use rustc_hash::FxBuildHasher;
 
-/// What the printer needs to know of a function.
+/// Facts about a function that the printer needs.
 pub(super) struct PrinterSource<'a> {
     pub(super) function: &'a Function,
     pub(super) symbols: &'a Symbols,
@@ -27,7 +27,7 @@ const SUM: u8 = 1;
 const PRODUCT: u8 = 2;
 const PRIMARY: u8 = 3;
 
-/// What remains to be printed of an expression.
+/// Piece of an expression that remains to be printed.
 enum ExpressionPiece {
     /// An operand, and what binds less tightly gets parentheses.
     Operand(Operand, u8),
@@ -44,8 +44,8 @@ pub(super) struct Printer {
 }
 
 impl Printer {
-    /// How many operations were printed so far, as Robotran counts them:
-    /// signs and trigonometry too.
+    /// Number of operations printed so far, as Robotran counts them: signs and
+    /// trigonometry too.
     pub(super) fn count(&self) -> usize {
         self.count
     }

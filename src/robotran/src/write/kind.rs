@@ -8,8 +8,8 @@
 use crate::Language;
 pub(super) use robovec_cgen::kind::EquationKind;
 
-/// What the function of a kind is called in Matlab or Python; in C the names of
-/// a project have a prefix.
+/// Name of the function of a kind in Matlab or Python; in C the names of a
+/// project have a prefix.
 pub(super) fn function_name(kind: EquationKind, language: Language) -> String {
     match (language, kind.name) {
         // MBsysPy finds a `sensor` in both modules.

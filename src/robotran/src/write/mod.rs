@@ -48,7 +48,7 @@ use kind::EquationKind;
 use robovec_ir::{Function, Module};
 use rustc_hash::FxBuildHasher;
 
-/// How files are written.
+/// Options of the writer.
 #[derive(Clone, Default, Debug)]
 pub struct WriteOptions {
     /// The model's name, for file names and headers; by default what the
@@ -111,8 +111,8 @@ pub fn write(
     Ok(files)
 }
 
-/// Where a function belongs: by what its metadata say of the file it came
-/// from, else by its name.
+/// File of a function: by its metadata about the file it came from, else by its
+/// name.
 fn place(function: &Function) -> Result<Member<'_>, RobotranWriteError> {
     if function.metadata("part").is_some() {
         return Err(RobotranWriteError::Part {

@@ -1,4 +1,4 @@
-//! Which statement stands where.
+//! Order of the statements.
 //!
 //! Definitions keep their order, so that reading the file gives the nodes in
 //! the order they had. A call of a user function stands before the first

@@ -1,4 +1,4 @@
-//! What stands before the equations: signature, arrays, aliases.
+//! Text before the equations: signature, arrays, aliases.
 
 use super::arrays::{ArrayRole, FileArray, FileArrays};
 use super::kind::{EquationKind, function_name};
@@ -7,7 +7,7 @@ use crate::Language;
 use robovec_cgen::kind::{Generation, ProjectStructure};
 use robovec_ir::{Function, Shape};
 
-/// What a prologue is written from.
+/// Contents of a prologue.
 pub(super) struct Prologue<'a> {
     pub(super) kind: EquationKind,
     /// Model name, as in file names.

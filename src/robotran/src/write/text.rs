@@ -10,9 +10,9 @@ const WIDTH: usize = 118;
 pub(super) struct FileText {
     pub(super) language: Language,
     out: String,
-    /// Where the line starts.
+    /// Beginning of the line.
     line: usize,
-    /// Where the line can be broken last: behind an operator.
+    /// Last place at which the line can be broken: after an operator.
     breakable: usize,
     /// Continuation lines of this statement, and the most of any.
     continuations: u32,

@@ -200,8 +200,8 @@ impl DynamicsBench<'_> {
         }))
     }
 
-    /// How far the exact result moves when every input moves by a relative
-    /// `amount` in some direction: the largest of some draws.
+    /// Distance that the exact result moves when every input moves by a
+    /// relative `amount` in some direction: the largest of some draws.
     pub(super) fn perturbed(&self, amount: f64) -> f64 {
         const DRAWS: u64 = 6;
         let (kind, name) = match self.subject.metric {

@@ -34,7 +34,7 @@ pub struct CpuTime {
     pub rolled: Option<f64>,
     /// Time per state when eight are evaluated at once.
     pub batch: Option<f64>,
-    /// Why there is no time.
+    /// Reason why there is no time.
     pub remark: String,
     /// The compiler and how it was called.
     pub compiler: String,

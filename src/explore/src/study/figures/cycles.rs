@@ -18,7 +18,7 @@ const NUMBERS: [(u32, &str, &str); 5] = [
     (130, "3.8", "3.13"),
 ];
 
-/// What a figure shows.
+/// Quantity of a figure.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Quantity {
     Cycles,

@@ -8,7 +8,7 @@ use super::super::zone::Zone;
 use robovec_present::number::round;
 use robovec_present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
 
-/// How far the fitted lines are drawn, degrees of freedom.
+/// End of the fitted lines, degrees of freedom.
 const FURTHEST: f64 = 200.0;
 
 /// The topologies the thesis fits.
@@ -21,7 +21,7 @@ pub(in super::super) const TOPOLOGIES: [SystemTopology; 3] = [
 /// A line fitted to points by least squares.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(in super::super) struct LineFit {
-    /// Where it crosses zero degrees of freedom.
+    /// Intercept at zero degrees of freedom.
     pub(in super::super) offset: f64,
     /// Per degree of freedom.
     pub(in super::super) slope: f64,

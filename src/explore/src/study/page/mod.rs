@@ -81,7 +81,7 @@ fn file(name: &str) -> String {
     format!("tables/{name}.csv")
 }
 
-/// What the script works on.
+/// Data of the script.
 fn data(results: &Results, cpu: &[CpuTime]) -> Value {
     let plan = &results.plan;
     let machine = results

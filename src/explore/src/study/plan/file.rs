@@ -16,10 +16,10 @@ pub(super) struct PlanFile {
     /// The model that the verdict at the top of the report is about.
     #[serde(default)]
     pub(super) headline: Option<Spanned<String>>,
-    /// Whether the exact knees are searched for.
+    /// True if the exact knees are searched for.
     #[serde(default, rename = "exact-knees")]
     pub(super) exact_knees: bool,
-    /// How equations are generated.
+    /// Style of the generated equations.
     #[serde(default)]
     pub(super) generate: StyleEntry,
     /// The models.
@@ -28,7 +28,7 @@ pub(super) struct PlanFile {
     /// The pipelines.
     #[serde(rename = "pipeline")]
     pub(super) pipelines: Vec<PipelineEntry>,
-    /// What is placed on what.
+    /// Sweeps: programs and their machines.
     #[serde(rename = "sweep")]
     pub(super) sweeps: Vec<SweepEntry>,
 }
@@ -49,15 +49,15 @@ pub(super) struct ModelEntry {
     /// The system of the thesis it stands for.
     #[serde(default)]
     pub(super) printed: Option<Spanned<String>>,
-    /// Whether only sweeps that name the model have it.
+    /// True if only sweeps that name the model have it.
     #[serde(default, rename = "by-name")]
     pub(super) by_name: bool,
-    /// What is generated differently for this model.
+    /// Style of this model's equations.
     #[serde(default)]
     pub(super) generate: StyleEntry,
 }
 
-/// How equations are generated; what is left out is as usual.
+/// Style of generated equations; an absent key is as usual.
 #[derive(Deserialize, Clone, Default, Debug)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(super) struct StyleEntry {
@@ -85,7 +85,7 @@ pub(super) struct PipelineEntry {
     pub(super) name: Spanned<String>,
     /// Its passes, without placement.
     pub(super) passes: Spanned<String>,
-    /// Which rows of the thesis it is compared with.
+    /// Rows of the thesis it is compared with.
     #[serde(default)]
     pub(super) printed: Option<super::Printed>,
 }

@@ -1,4 +1,4 @@
-//! What a study places: models, pipelines, machines, numbers of elements.
+//! Subjects of a study: models, pipelines, machines, numbers of elements.
 //!
 //! A plan is read from TOML and resolved here once and for all: afterwards
 //! every name is an index, every pipeline is parsed, every machine is read,
@@ -57,7 +57,7 @@ pub struct StudyPlan {
     pub pipelines: Vec<NamedPipeline>,
     /// The machines.
     pub machines: Vec<NamedMachine>,
-    /// Whether the smallest equal numbers that reach the longest chain are
+    /// True if the smallest equal numbers that reach the longest chain are
     /// searched for.
     pub exact_knees: bool,
     /// The placements, sorted, each once.
@@ -79,21 +79,22 @@ pub struct StudySubject {
     pub function: Option<String>,
     /// The system of the thesis' Table 3.1 it stands for.
     pub printed: Option<String>,
-    /// Whether only sweeps that name it have it.
+    /// True if only sweeps that name it have it.
     #[serde(skip)]
     pub by_name: bool,
-    /// How equations are generated from a model; files of equations are taken
+    /// Style of equations generated from a model; files of equations are taken
     /// as they are.
     pub style: GenerationStyle,
 }
 
-/// How equations are generated from a model; see [`robovec_dynamics::generate::Options`].
+/// Style of equations generated from a model; see
+/// [`robovec_dynamics::generate::Options`].
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct GenerationStyle {
     /// The recursion.
     pub formulation: String,
-    /// What children carry stands before a body's own terms.
+    /// True if the loads of children come before a body's own terms.
     pub child_first: bool,
     /// Products are multiplied out as Robotran prints them.
     pub expanded: bool,
@@ -107,7 +108,7 @@ pub struct GenerationStyle {
     pub all_parameters: bool,
 }
 
-/// Which rows of Table 3.1 a pipeline is compared with.
+/// Rows of Table 3.1 a pipeline is compared with.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Printed {
@@ -213,7 +214,7 @@ impl PlacementRequest {
     }
 }
 
-/// What the command line asks for in place of the plan's own choices.
+/// Choices of the command line in place of the plan's own.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct Selection {
     /// The folder of the plan's file, `None` for a built-in plan.

@@ -83,8 +83,8 @@ fn printed_cells(facts: &ProgramFacts, row: &PrintedRow) -> Vec<DataCell> {
     ]
 }
 
-/// Why a row differs from the thesis': what is known of its model, of the
-/// pipeline, and of the printed figures.
+/// Reason why a row differs from the thesis': facts about its model, the
+/// pipeline, and the printed figures.
 fn reason(
     results: &Results,
     system: Option<&'static PrintedSystem>,

@@ -1,4 +1,4 @@
-//! What the pipelines do to the rounding errors.
+//! Effect of the pipelines on the rounding errors.
 
 use super::super::captions;
 use super::super::results::Results;

@@ -1,4 +1,4 @@
-//! How many elements each program is worth.
+//! Number of elements that each program is worth.
 
 use super::super::captions;
 use super::super::cost;

@@ -1,4 +1,4 @@
-//! Why a row of Table 3.1 differs from the thesis': what is known of the
+//! Reasons why a row of Table 3.1 differs from the thesis': facts about the
 //! model, with figures from both sides.
 
 use super::super::plan::{Printed, StudySubject};

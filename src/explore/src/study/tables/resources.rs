@@ -13,10 +13,10 @@ use super::super::results::Results;
 use robovec_fpga::hardware::{MachinePart, MachineShape, PartKind, ResourceUse, parts};
 use robovec_present::{DataCell, DataTable};
 
-/// What the thesis built: adders, multipliers.
+/// Machine that the thesis built: adders, multipliers.
 const BUILT: [u32; 2] = [4, 4];
 
-/// What the thesis prints for one of a part: look-up tables, blocks of
+/// Numbers that the thesis prints for one of a part: look-up tables, blocks of
 /// memory, multiplier blocks; and a remark.
 fn printed(part: PartKind, adds: bool) -> ([&'static str; 3], &'static str) {
     match (part, adds) {

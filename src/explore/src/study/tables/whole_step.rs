@@ -8,8 +8,8 @@ use super::super::variants;
 use robovec_fpga::hardware::clock;
 use robovec_present::{DataCell, DataTable};
 
-/// What the machine of a step takes of its device: that of the function that
-/// takes most.
+/// Share of its device that the machine of a step takes: that of the function
+/// that takes most.
 pub(in crate::study) fn step_share(results: &Results, placed: &PlacedStep<'_>) -> f64 {
     let parts = placed.parts.iter().flatten();
     parts

@@ -32,7 +32,7 @@ pub(super) struct CrossingScalars {
     pub(super) outputs: SymbolSet,
 }
 
-/// What the head and the declarations of a function say.
+/// Head and declarations of a function.
 #[derive(Debug)]
 pub(super) struct FunctionSignature {
     /// Results and parameters, under the names the equations use.
@@ -44,7 +44,7 @@ pub(super) struct FunctionSignature {
     pub(super) whole: Vec<RobotranName>,
 }
 
-/// What all functions of a file share.
+/// Data that all functions of a file share.
 pub(super) struct Shared<'a, 't> {
     pub(super) syntax: &'a SyntaxTree,
     pub(super) text: &'t str,
@@ -55,8 +55,8 @@ pub(super) struct Shared<'a, 't> {
     pub(super) definitions: Vec<Operand>,
 }
 
-/// Where the values of [`Later`] start to count, within each expression; no
-/// function has as many nodes.
+/// Beginning of the values of [`Later`], within each expression; no function
+/// has as many nodes.
 const LATER: u32 = 1 << 29;
 
 /// The expressions of plain outputs. They are resolved where they stand in the

@@ -1,4 +1,4 @@
-//! Why an equation is refused.
+//! Reasons why an equation is refused.
 
 use super::FunctionEmitter;
 use crate::explain::refusal;

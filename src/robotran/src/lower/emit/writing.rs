@@ -1,4 +1,4 @@
-//! What equations define: names, elements and outputs.
+//! Definitions by equations: names, elements and outputs.
 
 use super::{EmittedFunction, FunctionEmitter, LATER, Later, SymbolSet};
 use crate::Language;

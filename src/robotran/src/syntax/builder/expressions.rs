@@ -23,8 +23,8 @@ impl SyntaxBuilder {
         SyntaxLeaf::node(index)
     }
 
-    /// How many bits an operand may have as a whole number of Python, and 0
-    /// for a float. Names stand for whole numbers where any equation says so.
+    /// Number of bits that an operand may have as a whole number of Python, and
+    /// 0 for a float. Names mean whole numbers where any equation has them so.
     pub(super) fn whole_bits(&self, leaf: SyntaxLeaf) -> u8 {
         match leaf.kind() {
             LeafKind::Node(index) => self.syntax.nodes[index as usize].whole_bits,
@@ -182,7 +182,7 @@ impl SyntaxBuilder {
         SyntaxLeaf::element(index)
     }
 
-    /// What a pointer of C points at.
+    /// Target of a pointer of C.
     pub(crate) fn pointed_at(&mut self, name: RobotranName) -> SyntaxLeaf {
         self.element(RobotranElement {
             name,

@@ -1,4 +1,4 @@
-//! What the actions of the grammar write to.
+//! Builder that the actions of the grammar write to.
 //!
 //! Invariant: whatever stands behind the lengths in `complete` belongs to the
 //! statement that is being read, and goes with it when it cannot be read.
@@ -15,7 +15,7 @@ use crate::token::{RobotranElement, RobotranName, RobotranToken, SourceSpan, Typ
 use hashbrown::HashMap;
 use rustc_hash::FxBuildHasher;
 
-/// What an action of the grammar refuses with.
+/// Error of an action of the grammar.
 pub(crate) type ParseFailure = lalrpop_util::ParseError<u32, RobotranToken, LexicalError>;
 
 pub(super) fn refused(span: SourceSpan, message: &'static str, note: &'static str) -> ParseFailure {
@@ -27,7 +27,7 @@ pub(super) fn unkept(Unkept { message, note }: Unkept, span: SourceSpan) -> Pars
     refused(span, message, note)
 }
 
-/// What the actions of the grammar write to.
+/// Builder that the actions of the grammar write to.
 #[derive(Default, Debug)]
 pub(crate) struct SyntaxBuilder {
     pub(crate) syntax: SyntaxTree,
@@ -38,7 +38,7 @@ pub(crate) struct SyntaxBuilder {
     pub(crate) arithmetic: IntegerArithmetic,
     /// Lengths of the arenas behind the last complete statement.
     complete: [usize; 5],
-    /// Where the statements of the current chained assignment start.
+    /// Beginning of the statements of the current chained assignment.
     chain: usize,
     outputs: Vec<RobotranName>,
     parameters: Vec<RobotranName>,

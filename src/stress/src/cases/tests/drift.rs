@@ -14,7 +14,7 @@ const BARS: [[f32; 3]; 3] = [[0.3, 1.5, 0.0115], [0.8, 2.0, 0.107], [0.6, 1.8, 0
 const PIVOT: f64 = 0.9f32 as f64;
 const GRAVITY: f64 = 9.81f32 as f64;
 
-/// Which angles turn a bar: the coupler's is relative to the crank.
+/// Angles that turn a bar: the coupler's is relative to the crank.
 const TURNS: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// Jacobian and velocity terms of a chain of bars up to fractions of

@@ -20,8 +20,8 @@ fn times(matrix: &TurnMatrix, vector: [f64; 3]) -> [f64; 3] {
     matrix.map(|row| (0..3).map(|k| row[k] * vector[k]).sum())
 }
 
-/// Where the tip is, seen from the origin of the body, along the base's
-/// axes: by matrices, from the last joint to the first.
+/// Place of the tip, seen from the origin of the body, along the base's axes:
+/// by matrices, from the last joint to the first.
 fn lever(angles: &[f64]) -> [f64; 3] {
     let mut place = [0.125, 0.0, 0.75];
     for (axis, angle) in [(0, angles[4]), (1, angles[3])] {
