@@ -66,9 +66,10 @@ fn names(view: View<'_>) -> (Vec<String>, Vec<String>) {
     let inputs = inputs.collect();
     let values = function.values().map(|(value, node)| {
         let symbols = &view.tables.symbols;
-        match node.name.is_none() {
-            true => name(&format!("v{}", value.0)),
-            false => name(&node.name.display(symbols)),
+        if node.name.is_none() {
+            name(&format!("v{}", value.0))
+        } else {
+            name(&node.name.display(symbols))
         }
     });
     (inputs, values.collect())
@@ -122,12 +123,11 @@ impl CoreWriter<'_> {
         let inputs: Vec<usize> = inputs.collect();
         let arguments: Vec<&str> = inputs.iter().map(|&i| self.names.0[i].as_str()).collect();
         let _ = writeln!(text, "(FPCore ({})", arguments.join(" "));
-        let title = match only {
-            true => function.name.clone(),
-            false => {
-                let output = print_output(self.view, assignment.output);
-                format!("{}_{}", function.name, word(&output))
-            }
+        let title = if only {
+            function.name.clone()
+        } else {
+            let output = print_output(self.view, assignment.output);
+            format!("{}_{}", function.name, word(&output))
         };
         let _ = writeln!(text, " :name \"{title}\"");
         let precision = match self.real {

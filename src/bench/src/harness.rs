@@ -221,9 +221,12 @@ impl HarnessWriter<'_> {
                 (false, true) => "s == 0",
                 (false, false) => "s < LANES",
             };
-            let place = |own: &str| match shared {
-                true => own.to_owned(),
-                false => self.call.place(own, &extent),
+            let place = |own: &str| {
+                if shared {
+                    own.to_owned()
+                } else {
+                    self.call.place(own, &extent)
+                }
             };
             let (loops, own, from) = match array.shape {
                 Shape::Scalar => (String::new(), "0".to_owned(), String::new()),

@@ -75,9 +75,10 @@ pub fn peers(
         }
         let loops = [("loop", 1), ("batched-loop", LOOP_LANES)];
         for (_, lanes) in loops.into_iter().filter(|(name, _)| wanted(name)) {
-            list.push(match task.is_derivative() {
-                true => asked.missing(TITLES[usize::from(lanes > 1)], NO_DERIVATIVES),
-                false => asked.hand_written(command, lanes),
+            list.push(if task.is_derivative() {
+                asked.missing(TITLES[usize::from(lanes > 1)], NO_DERIVATIVES)
+            } else {
+                asked.hand_written(command, lanes)
             });
         }
         if wanted("pinocchio") {
@@ -265,9 +266,10 @@ impl PeerQuestion<'_> {
             return self.missing(name, "not installed: pip install casadi");
         };
         let sources = [("casadi_functions.py", CASADI), ("main.c", CASADI_MAIN)];
-        let loads = match self.question.has_loads {
-            true => "loads",
-            false => "free",
+        let loads = if self.question.has_loads {
+            "loads"
+        } else {
+            "free"
         };
         let print = format!(
             "casadi_functions.py {} {loads} model.txt function.c",

@@ -336,11 +336,12 @@ impl Work for LoopCorrection<'_> {
         let (joints, rows) = (state.q.len(), bench.rows);
         let array = |name, length| DriftBench::array(a, &bench.position, state, (name, length));
         let jacobian = array("Jac", rows * joints);
-        let open = match self.velocities {
-            false => array("h", rows),
-            true => (0..rows)
+        let open = if self.velocities {
+            (0..rows)
                 .map(|row| moving(a, &jacobian[row * joints..][..joints], &state.qd))
-                .collect(),
+                .collect()
+        } else {
+            array("h", rows)
         };
         // J J' x = what is open, and -J' x is the change.
         let of_row = |row: usize| &jacobian[row * joints..][..joints];

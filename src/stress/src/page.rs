@@ -94,9 +94,10 @@ pub fn page(findings: &[CaseFinding<'_>]) -> String {
             counted(findings.len(), "case"),
             env!("CARGO_PKG_VERSION")
         ),
-        figures: match figure.panels.is_empty() {
-            true => String::new(),
-            false => page::figure(&figure),
+        figures: if figure.panels.is_empty() {
+            String::new()
+        } else {
+            page::figure(&figure)
         },
         points: "Cases",
         tables,

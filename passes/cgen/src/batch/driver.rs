@@ -139,12 +139,13 @@ fn copy(writer: &BatchWriter<'_>, is_gather: bool) -> String {
     // Place of element `i` of state `lane`, and the distance of rows.
     let states = ("lane * next + i".to_owned(), "next".to_owned());
     let runs = (format!("i * {lanes} + lane"), lanes.to_string());
-    let (template, (from, next), (to, step)) = match is_gather {
-        true => (include_str!("gather.c"), states, runs),
-        false => (include_str!("scatter.c"), runs, states),
+    let (template, (from, next), (to, step)) = if is_gather {
+        (include_str!("gather.c"), states, runs)
+    } else {
+        (include_str!("scatter.c"), runs, states)
     };
-    let blocks = match has_blocks(lanes) {
-        true => writer.fill(
+    let blocks = if has_blocks(lanes) {
+        writer.fill(
             include_str!("blocks.c"),
             &[
                 ("from", &from),
@@ -152,8 +153,9 @@ fn copy(writer: &BatchWriter<'_>, is_gather: bool) -> String {
                 ("to", &to),
                 ("step", &step),
             ],
-        ),
-        false => String::new(),
+        )
+    } else {
+        String::new()
     };
     writer.fill(template, &[("blocks", &blocks)]) + "\n"
 }
@@ -208,9 +210,10 @@ fn copies(text: &mut String, writer: &BatchWriter<'_>, arrays: &[Varying<'_>]) {
             ref spans,
             offset,
         } = *array;
-        let (way, copied) = match input {
-            true => ("gather", &mut inputs),
-            false => ("scatter", &mut outputs),
+        let (way, copied) = if input {
+            ("gather", &mut inputs)
+        } else {
+            ("scatter", &mut outputs)
         };
         if spans.is_empty() {
             let _ = writeln!(copied, "    (void){own};");
@@ -280,9 +283,8 @@ fn many(writer: &BatchWriter<'_>, arrays: &[Varying<'_>]) -> String {
             format!("{} + {by} * {}", array.name, array.extent * lanes)
         })
     };
-    let rest = match lanes > 1 && !arrays.is_empty() {
-        true => {
-            "    const long rest = states - batches * @lanes@;
+    let rest = if lanes > 1 && !arrays.is_empty() {
+        "    const long rest = states - batches * @lanes@;
     if (rest > 0) {
         @real@ *memory = malloc(@size@ * sizeof(@real@));
         if (!memory)
@@ -291,8 +293,8 @@ fn many(writer: &BatchWriter<'_>, arrays: &[Varying<'_>]) -> String {
         free(memory);
     }
 "
-        }
-        false => "",
+    } else {
+        ""
     };
     let lines = "    const long batches = states / @lanes@;
 #ifdef _OPENMP
@@ -315,9 +317,10 @@ fn many(writer: &BatchWriter<'_>, arrays: &[Varying<'_>]) -> String {
 
 /// Many states one after the other.
 fn states(writer: &BatchWriter<'_>, arrays: &[Varying<'_>]) -> String {
-    let lines = match arrays.is_empty() {
-        true => "    (void)states;\n    return 0;\n}\n",
-        false => include_str!("states.c"),
+    let lines = if arrays.is_empty() {
+        "    (void)states;\n    return 0;\n}\n"
+    } else {
+        include_str!("states.c")
     };
     let scattered = arguments(arrays, |array| {
         format!("{} + first * {}", array.name, array.extent)

@@ -46,15 +46,14 @@ impl BatchWriter<'_> {
             .filter(|(_, shared)| **shared)
             .map(|(name, _)| name.as_str())
             .collect();
-        let shared = match shared.is_empty() {
-            true => format!(
-                "\n   {name}_prepare fills numbers that are the same for all states, once.\n"
-            ),
-            false => format!(
+        let shared = if shared.is_empty() {
+            format!("\n   {name}_prepare fills numbers that are the same for all states, once.\n")
+        } else {
+            format!(
                 "\n   The same for all states, one number per element: {}.
    {name}_prepare computes what depends on nothing else, once; _many and _states call it.\n",
                 shared.join(", ")
-            ),
+            )
         };
         let inputs = self.function().inputs().iter().zip(&self.names.inputs);
         let outputs = self.function().outputs().iter().zip(&self.names.outputs);

@@ -315,12 +315,13 @@ impl<'a> Interface<'a> {
     fn place(&self, is_output: bool, element: u32) -> (usize, [u32; 2], usize) {
         let (input, output) = (Input(element), Output(element));
         let function = self.function;
-        let (number, (_, indices, rank)) = match is_output {
-            false => (function.input_array(input), function.input_element(input)),
-            true => (
+        let (number, (_, indices, rank)) = if is_output {
+            (
                 function.output_array(output),
                 function.output_element(output),
-            ),
+            )
+        } else {
+            (function.input_array(input), function.input_element(input))
         };
         (number, indices, rank)
     }

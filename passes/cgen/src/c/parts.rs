@@ -124,9 +124,12 @@ impl CodePlan {
             })
             .collect();
         // Angles are not read again once their sines are there.
-        let freed = |part| match part == self.head {
-            true => self.slots.angle_words(),
-            false => 0..0,
+        let freed = |part| {
+            if part == self.head {
+                self.slots.angle_words()
+            } else {
+                0..0
+            }
         };
         Crossing::new(self.inlined.len(), &traffic, self.slots.words(), freed)
     }

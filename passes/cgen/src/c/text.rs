@@ -61,9 +61,12 @@ impl<'a> PlainWriter<'a> {
         let work = names.take("work");
         let values = function
             .values()
-            .map(|(value, _)| match plan.is_inlined(value) {
-                true => String::new(),
-                false => names.take_value(view, value),
+            .map(|(value, _)| {
+                if plan.is_inlined(value) {
+                    String::new()
+                } else {
+                    names.take_value(view, value)
+                }
             })
             .collect();
         PlainWriter {
@@ -183,11 +186,10 @@ impl<'a> PlainWriter<'a> {
             if !self.plan.slots.angles().is_empty() && number == self.plan.head {
                 let _ = writeln!(body.text, "    {}({});", self.sines, self.work);
             }
-            match self.plan.is_flat {
-                true => self.statements(&mut body, number, part),
-                false => {
-                    let _ = writeln!(body.text, "    {}({arguments});", self.parts[number]);
-                }
+            if self.plan.is_flat {
+                self.statements(&mut body, number, part)
+            } else {
+                let _ = writeln!(body.text, "    {}({arguments});", self.parts[number]);
             }
         }
         self.body(&body)

@@ -126,9 +126,12 @@ fn library(name: &str, operand: &BoundText, real: Real, kind: Operands) -> Bound
 
 /// A call of `fma`.
 fn fused(operation: Operation, operands: &[BoundText], real: Real) -> BoundText {
-    let signed = |number: usize, minus: bool| match minus {
-        true => format!("-{}", operands[number].within(Tightness::Primary)),
-        false => operands[number].text.clone(),
+    let signed = |number: usize, minus: bool| {
+        if minus {
+            format!("-{}", operands[number].within(Tightness::Primary))
+        } else {
+            operands[number].text.clone()
+        }
     };
     let function = match real {
         Real::Double => "fma",

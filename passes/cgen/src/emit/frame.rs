@@ -71,9 +71,10 @@ impl ParameterList {
     /// The declarations; C says `void` where there are none.
     pub(crate) fn declared(&self) -> String {
         let declarations: Vec<&str> = self.list.iter().map(|(text, _)| text.as_str()).collect();
-        match declarations.is_empty() {
-            true => "void".to_owned(),
-            false => declarations.join(", "),
+        if declarations.is_empty() {
+            "void".to_owned()
+        } else {
+            declarations.join(", ")
         }
     }
 

@@ -94,9 +94,10 @@ impl CNames {
     /// The name of the variable of a value.
     pub(crate) fn take_value(&mut self, view: View<'_>, value: Value) -> String {
         let name = view.function.node(value).name;
-        match name.is_none() {
-            true => self.take(&format!("inner_{}", value.0)),
-            false => self.take(&name.display(&view.tables.symbols)),
+        if name.is_none() {
+            self.take(&format!("inner_{}", value.0))
+        } else {
+            self.take(&name.display(&view.tables.symbols))
         }
     }
 }

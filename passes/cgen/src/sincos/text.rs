@@ -152,9 +152,10 @@ fn pairs(real: Real, coefficients: &[f64]) -> String {
             [first, second] => format!("{} + z * {}", literal(real, first), literal(real, second)),
             _ => literal(real, pair[0]),
         };
-        text = match text.is_empty() {
-            true => own,
-            false => format!("({own}) + zz * ({text})"),
+        text = if text.is_empty() {
+            own
+        } else {
+            format!("({own}) + zz * ({text})")
         };
     }
     text

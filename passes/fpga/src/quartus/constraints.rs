@@ -10,10 +10,7 @@ use std::fmt::Display;
 /// only at the end of a cycle has a whole cycle from register to register:
 /// instruction words, operators, operands.
 pub(super) fn constraints(shape: &MachineShape, plain: bool) -> String {
-    let pll = match plain {
-        true => "",
-        false => "derive_pll_clocks\n",
-    };
+    let pll = if plain { "" } else { "derive_pll_clocks\n" };
     let text = fill(include_str!("robovec.sdc"), &[("pll", &pll)]);
     match shape.phases() {
         0 | 1 => text,

@@ -169,9 +169,10 @@ impl ElementModule<'_> {
         let hardware = self.hardware;
         let fused = hardware.kind(self.group).is_fused();
         let [enables, addresses, _] = self.writes(0);
-        let addend = match fused {
-            true => self.address(READ + 2),
-            false => format!("{}'d0", hardware.operand_address()),
+        let addend = if fused {
+            self.address(READ + 2)
+        } else {
+            format!("{}'d0", hardware.operand_address())
         };
         self.operands(
             include_str!("pumped.v"),

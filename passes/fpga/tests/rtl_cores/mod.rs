@@ -43,9 +43,10 @@ fn device() -> &'static Device {
 /// places of its registers.
 fn devices(core: OperatorCore) -> Vec<&'static Device> {
     let all = DeviceFamily::ALL.map(DeviceFamily::device);
-    match core.device_parameters(device()).is_empty() {
-        true => vec![device()],
-        false => all.to_vec(),
+    if core.device_parameters(device()).is_empty() {
+        vec![device()]
+    } else {
+        all.to_vec()
     }
 }
 

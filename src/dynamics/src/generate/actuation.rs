@@ -41,9 +41,12 @@ pub(super) fn write(
         ConstraintPart::Acceleration,
     )?;
     let given: Vec<Scalar> = (0..parameters.joints())
-        .map(|joint| match closing.roles.follows(joint) {
-            true => Scalar::ZERO,
-            false => parameters.acceleration(equations, joint),
+        .map(|joint| {
+            if closing.roles.follows(joint) {
+                Scalar::ZERO
+            } else {
+                parameters.acceleration(equations, joint)
+            }
         })
         .collect();
     let names = ["Jalu", "Jal", "Jai", "Jax", "qddv"];
@@ -138,9 +141,10 @@ fn multipliers<'c>(
             named.map(|(column, sum)| equations.define(label("uF").column(column + 1), sum));
         left.matrix.push(named.collect());
     }
-    let of_user = match user.is_empty() {
-        true => Vec::new(),
-        false => solve_unknown(equations, &left),
+    let of_user = if user.is_empty() {
+        Vec::new()
+    } else {
+        solve_unknown(equations, &left)
     };
     let mut all = Vec::with_capacity(count + user.len());
     for (number, (row, solved)) in loops.into_iter().zip(&solution).enumerate() {

@@ -155,13 +155,12 @@ impl<'p, 'm> Closing<'p, 'm> {
             matrix: &matrix,
             rest: &rest,
         };
-        let found = match bound.is_empty() {
-            true => Vec::new(),
-            false => {
-                let rows = (&self.user[..], &bound[..]);
-                let system = ReducedRows::new(equations, ["ua", "ur"], rows, &relation, given);
-                solve_unknown(equations, &system)
-            }
+        let found = if bound.is_empty() {
+            Vec::new()
+        } else {
+            let rows = (&self.user[..], &bound[..]);
+            let system = ReducedRows::new(equations, ["ua", "ur"], rows, &relation, given);
+            solve_unknown(equations, &system)
         };
         let mut all: Vec<(usize, Scalar)> = bound.iter().copied().zip(found.clone()).collect();
         for (place, &joint) in dependent.iter().enumerate() {

@@ -95,9 +95,10 @@ fn eliminates(formulation: Formulation) -> bool {
 /// change how much there is to eliminate.
 fn least_operations(model: &Model, function: FunctionKind, formulation: Formulation) -> usize {
     let is_known = function == FunctionKind::Accelred && model.cuts.is_empty();
-    match is_known && eliminates(formulation) {
-        true => factor::products(model).saturating_mul(2),
-        false => 0,
+    if is_known && eliminates(formulation) {
+        factor::products(model).saturating_mul(2)
+    } else {
+        0
     }
 }
 

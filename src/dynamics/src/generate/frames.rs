@@ -41,9 +41,10 @@ impl<'m> ModelFrames<'m> {
             places.push(frames.len());
             frames.push(Ok(index));
         }
-        let model = match frames.len() == source.joints.len() {
-            true => Cow::Borrowed(source),
-            false => Cow::Owned(with_frames(source)),
+        let model = if frames.len() == source.joints.len() {
+            Cow::Borrowed(source)
+        } else {
+            Cow::Owned(with_frames(source))
         };
         ModelFrames {
             source,

@@ -101,12 +101,13 @@ fn differentiated(
         .filter(|name| INPUTS.contains(name))
         .collect();
     // What depends on none of them has no derivatives.
-    let derivative = match model.cuts.is_empty() || inputs.is_empty() {
-        true => String::new(),
-        false => format!(
+    let derivative = if model.cuts.is_empty() || inputs.is_empty() {
+        String::new()
+    } else {
+        format!(
             ",fold,cse,differentiate{{of=qdd by={} values=false}}",
             inputs.join("+")
-        ),
+        )
     };
     run(own, &format!("atomise{derivative}"))?;
     let free = independent_joints(model, &request.options)?;
@@ -237,16 +238,17 @@ impl LinearOutputs<'_> {
             new.add_input(array.name, array.shape);
         }
         let (joints, states) = (self.model.joints.len() as u32, 2 * self.free.len() as u32);
-        let arrays: &[(&str, Shape)] = match self.is_linear {
-            true => &[
+        let arrays: &[(&str, Shape)] = if self.is_linear {
+            &[
                 ("A", Shape::Matrix(states, states)),
                 ("B", Shape::Matrix(states, joints)),
-            ],
-            false => &[
+            ]
+        } else {
+            &[
                 ("qdd_q", Shape::Matrix(joints, joints)),
                 ("qdd_qd", Shape::Matrix(joints, joints)),
                 ("qdd_Qq", Shape::Matrix(joints, joints)),
-            ],
+            ]
         };
         for (name, shape) in arrays {
             new.add_output(tables.symbols.intern(name), *shape);
@@ -336,9 +338,10 @@ impl LinearOutputs<'_> {
         let outputs = function.outputs().to_vec();
         for array in outputs {
             let last = array.offset + array.shape.len() as u32 - 1;
-            let (wanted, element) = match self.is_linear {
-                true => (last..last + 1, last),
-                false => (array.offset..last + 1, array.offset),
+            let (wanted, element) = if self.is_linear {
+                (last..last + 1, last)
+            } else {
+                (array.offset..last + 1, array.offset)
             };
             let mut outputs = assignments.iter().map(|set| set.output.0);
             if !outputs.any(|output| wanted.contains(&output)) {

@@ -69,9 +69,10 @@ pub(super) fn of<'m>(
         FunctionKind::AccelD | FunctionKind::Linear => frames.source.cuts.is_empty(),
         _ => function.is_derived(),
     };
-    match moves && options.parameters == ParameterBinding::Numbers {
-        true => ModelParameters::grouped(frames, options, equations),
-        false => ModelParameters::new(frames, options, equations),
+    if moves && options.parameters == ParameterBinding::Numbers {
+        ModelParameters::grouped(frames, options, equations)
+    } else {
+        ModelParameters::new(frames, options, equations)
     }
 }
 
@@ -109,9 +110,12 @@ impl<'m> ModelParameters<'m> {
             .collect();
         let qd = joints
             .clone()
-            .map(|i| match model.joints[i].has_velocity {
-                true => equations.input("qd", &[i + 1]),
-                false => Scalar::ZERO,
+            .map(|i| {
+                if model.joints[i].has_velocity {
+                    equations.input("qd", &[i + 1])
+                } else {
+                    Scalar::ZERO
+                }
             })
             .collect();
         let small = |frame: usize| {

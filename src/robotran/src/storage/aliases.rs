@@ -24,9 +24,10 @@ impl StorageBuilder<'_> {
                 _ => None,
             })
             .collect();
-        let first_writings = match storage.joined {
-            true => HashMap::default(),
-            false => self.first_writings(),
+        let first_writings = if storage.joined {
+            HashMap::default()
+        } else {
+            self.first_writings()
         };
         let symbols = self.symbols;
         let is_array = |name: RobotranName| {

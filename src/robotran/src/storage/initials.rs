@@ -47,9 +47,10 @@ impl StorageBuilder<'_> {
                 let array = &mut storage.arrays[number as usize];
                 array.held = (extent.rows, extent.columns.max(1));
                 array.local = local;
-                array.initial = match extent.zeroed {
-                    true => Initial::Zero,
-                    false => Initial::Nothing,
+                array.initial = if extent.zeroed {
+                    Initial::Zero
+                } else {
+                    Initial::Nothing
                 };
             }
         }

@@ -107,9 +107,10 @@ impl ExpressionStacks {
     fn minus(&mut self) {
         let behind_factor = OpenOperator::Binary(Operation::Mul).strength();
         let before = self.operators.last().map_or(0, |last| last.strength());
-        self.operators.push(match before >= behind_factor {
-            true => OpenOperator::NegatedFactor,
-            false => OpenOperator::NegatedProduct,
+        self.operators.push(if before >= behind_factor {
+            OpenOperator::NegatedFactor
+        } else {
+            OpenOperator::NegatedProduct
         });
     }
 
@@ -371,9 +372,10 @@ mod tests {
         symbols: &Symbols,
         errors: &[robovec_ir::diagnostic::Diagnostic],
     ) -> String {
-        match errors.is_empty() {
-            true => format!("{:#?}\n{:?}", builder.syntax, symbols),
-            false => format!("{errors:#?}"),
+        if errors.is_empty() {
+            format!("{:#?}\n{:?}", builder.syntax, symbols)
+        } else {
+            format!("{errors:#?}")
         }
     }
 

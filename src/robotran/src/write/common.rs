@@ -41,9 +41,10 @@ pub(super) fn common_prefix(functions: &[&Function]) -> usize {
         }
     }
     let whole = |(node, used): (&Node, &bool)| *used || !node.name.is_none();
-    match first.nodes()[..end].iter().zip(&used).all(whole) {
-        true => end,
-        false => 0,
+    if first.nodes()[..end].iter().zip(&used).all(whole) {
+        end
+    } else {
+        0
     }
 }
 

@@ -39,9 +39,10 @@ pub(super) fn plan(
         Some(statements) => statements,
         None => calls.in_stages()?,
     };
-    let kept = match shared {
-        true => overwritten(function, &calls.passed),
-        false => Vec::new(),
+    let kept = if shared {
+        overwritten(function, &calls.passed)
+    } else {
+        Vec::new()
     };
     statements.extend(kept.into_iter().map(WrittenStatement::Keep));
     let left = (0..function.assignments.len()).filter(|&index| calls.passed[index].is_none());
@@ -189,9 +190,10 @@ impl<'a> Calls<'a> {
         let mut last: Vec<Option<Value>> = Vec::with_capacity(nodes.len());
         let of = |operand: Operand, last: &[Option<Value>]| {
             let value = operand.value()?;
-            match nodes[value.index()].name.is_none() {
-                true => last[value.index()],
-                false => Some(value),
+            if nodes[value.index()].name.is_none() {
+                last[value.index()]
+            } else {
+                Some(value)
             }
         };
         for node in nodes {

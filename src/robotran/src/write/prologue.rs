@@ -189,9 +189,10 @@ impl Prologue<'_> {
             }
         }
         for array in data {
-            match array.is_input {
-                true => text.line(&format!(" {0} = s.{0};", array.name)),
-                false => self.zeros(text, &array.name, array.rank(), Some(array.shape)),
+            if array.is_input {
+                text.line(&format!(" {0} = s.{0};", array.name))
+            } else {
+                self.zeros(text, &array.name, array.rank(), Some(array.shape))
             }
         }
         text.line("");

@@ -22,9 +22,10 @@ fn waves(length: usize) -> String {
     }
     for index in (1..=length).rev() {
         for chain in 1..=2 {
-            let before = match index == length {
-                true => format!("q[{chain}]"),
-                false => format!("%B{chain}_{}", index + 1),
+            let before = if index == length {
+                format!("q[{chain}]")
+            } else {
+                format!("%B{chain}_{}", index + 1)
             };
             writeln!(text, "  %B{chain}_{index} = {before} + %A{chain}_{index}").expect("a string");
         }

@@ -102,9 +102,10 @@ impl SyntaxBuilder {
         }
         for (row, (_, values)) in rows.into_iter().enumerate() {
             for (column, (_, value)) in values.into_iter().enumerate() {
-                let place = match is_matrix {
-                    true => [row as u32, column as u32],
-                    false => [column as u32, 0],
+                let place = if is_matrix {
+                    [row as u32, column as u32]
+                } else {
+                    [column as u32, 0]
                 };
                 let is_unused = place[0] == 0 || is_matrix && place[1] == 0;
                 if is_unused || value.number() == 0.0 {
