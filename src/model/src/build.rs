@@ -5,8 +5,8 @@
 //! builder therefore collects, and [`ModelBuilder::finish`] numbers.
 //!
 //! ```
-//! use robovec::model::build::{BASE, ModelBuilder};
-//! use robovec::model::{Axis, JointKind};
+//! use robovec_model::build::{BASE, ModelBuilder};
+//! use robovec_model::{Axis, JointKind};
 //!
 //! let mut builder = ModelBuilder::new("pendulum");
 //! let hinge = [JointKind::Revolute(Axis::X)];

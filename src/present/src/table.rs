@@ -5,6 +5,7 @@ use super::number::round;
 use super::text::BETWEEN;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
+use std::fmt::Debug;
 
 /// A table.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -62,9 +63,9 @@ impl DataCell {
         DataCell::Text(text.into())
     }
 
-    /// A count.
-    pub fn count(count: impl TryInto<u64>) -> DataCell {
-        count.try_into().map_or(DataCell::Empty, DataCell::Count)
+    /// A count of things in memory, which fits.
+    pub fn count<C: TryInto<u64, Error: Debug>>(count: C) -> DataCell {
+        DataCell::Count(count.try_into().expect("counts are not negative"))
     }
 
     /// A number with decimals, nothing when it is not finite.
