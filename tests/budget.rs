@@ -58,14 +58,7 @@ fn counted() -> BTreeMap<String, Lines> {
         let manifest: toml::Table = manifest.parse().expect("a well-formed manifest");
         let name = manifest["package"]["name"].as_str().expect("a name");
         let mut lines = Lines::default();
-        // Folders of other crates may lie below one without a manifest.
-        if folder == tree("") {
-            for own in ["src", "tests", "benches", "examples"] {
-                count(&folder.join(own), own == "tests", &mut lines);
-            }
-        } else {
-            count(&folder, false, &mut lines);
-        }
+        count(&folder, false, &mut lines);
         counted.insert(name.to_owned(), lines);
     }
     counted

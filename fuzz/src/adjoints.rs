@@ -35,7 +35,7 @@ const CONTENTS: Contents = Contents {
 ///
 /// # Panics
 ///
-/// When an error is larger than its bound, or is not what was predicted.
+/// Panics when an error is larger than its bound, or is not what was predicted.
 pub fn errors_are_predicted(data: &[u8]) {
     let result = run(&mut Unstructured::new(data));
     STATISTICS.record(&result);

@@ -22,8 +22,8 @@ const CONTENTS: Contents = Contents {
 ///
 /// # Panics
 ///
-/// When an error is above its bound, or when a bound over boxes is above that
-/// of the whole.
+/// Panics when an error is above its bound, or when a bound over boxes is above
+/// that of the whole.
 pub fn bounds_hold_over_boxes(data: &[u8]) {
     // Bytes that run out make a smaller case, never a failure.
     let _ = run(&mut Unstructured::new(data));

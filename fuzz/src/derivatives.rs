@@ -51,8 +51,8 @@ const OTHERS: [&str; 8] = [
 ///
 /// # Panics
 ///
-/// When the check refuses a derivative or lets a wrong one pass, or when a
-/// Jacobian is not what differences are.
+/// Panics when the check refuses a derivative or lets a wrong one pass, or when
+/// a Jacobian is not what differences are.
 pub fn derivatives_hold(data: &[u8]) {
     // Bytes that run out make a smaller case, never a failure.
     let result = run(&mut Unstructured::new(data));

@@ -46,7 +46,7 @@ pub enum DomainFinding {
 ///
 /// # Panics
 ///
-/// When they are called equal without a word about where.
+/// Panics when they are called equal without a word about where.
 pub fn domains_are_compared(data: &[u8]) {
     // Too few bytes for a pair are no finding.
     let _ = compare(&mut Unstructured::new(data));
@@ -56,7 +56,7 @@ pub fn domains_are_compared(data: &[u8]) {
 ///
 /// # Errors
 ///
-/// When the bytes run out.
+/// Fails when the bytes run out.
 ///
 /// # Panics
 ///

@@ -38,7 +38,7 @@ const DEEPEST: u32 = 3;
 ///
 /// # Errors
 ///
-/// When the bytes run out.
+/// Fails when the bytes run out.
 pub fn equations(bytes: &mut Unstructured<'_>, contents: Contents) -> Result<Module> {
     let joints = bytes.int_in_range(1..=4)?;
     let mut module = Module::new();

@@ -36,8 +36,8 @@ const CONTENTS: Contents = Contents {
 ///
 /// # Panics
 ///
-/// When a pass changes the function, with all of its rewrites or with the
-/// first ones; when the result in binary32 is farther from the exact result
+/// Panics when a pass changes the function, with all of its rewrites or with
+/// the first ones; when the result in binary32 is farther from the exact result
 /// of the equations than the bound; or when a pass that is *real* brings in
 /// cancellations.
 pub fn errors_stay_within_bounds(data: &[u8]) {

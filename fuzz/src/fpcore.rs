@@ -65,8 +65,8 @@ const PIECES: [&str; 44] = [
 ///
 /// # Panics
 ///
-/// When a function that was read is not sound, or is another one after it was
-/// written and read; the reader itself must not.
+/// Panics when a function that was read is not sound, or is another one after
+/// it was written and read; the reader itself must not.
 pub fn read_fpcore(data: &[u8]) {
     if let Ok(text) = std::str::from_utf8(data) {
         read_text(text);

@@ -74,7 +74,7 @@ const LARGEST: u32 = 60;
 ///
 /// # Errors
 ///
-/// When the bytes run out.
+/// Fails when the bytes run out.
 pub fn module(bytes: &mut Unstructured<'_>, kind: Kind) -> Result<Module> {
     let mut module = Module::new();
     for file in 0..bytes.int_in_range(0..=2)? {
@@ -93,7 +93,7 @@ pub fn module(bytes: &mut Unstructured<'_>, kind: Kind) -> Result<Module> {
 ///
 /// # Errors
 ///
-/// When the bytes run out.
+/// Fails when the bytes run out.
 pub fn function(
     bytes: &mut Unstructured<'_>,
     tables: &mut Tables,

@@ -22,8 +22,8 @@ use robovec_ir::{Module, View, same_equations};
 ///
 /// # Panics
 ///
-/// When it is not well formed, differs from the recursive formulation, or
-/// reads back as another function.
+/// Panics when it is not well formed, differs from the recursive formulation,
+/// or reads back as another function.
 pub fn generated_functions_hold(data: &[u8]) {
     // Too few bytes for a model are no finding.
     let bytes = &mut Unstructured::new(data);

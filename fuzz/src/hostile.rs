@@ -68,7 +68,7 @@ const PRIMES: [[f64; 2]; 10] = [
 ///
 /// # Errors
 ///
-/// When the bytes run out.
+/// Fails when the bytes run out.
 pub(crate) fn number(bytes: &mut Unstructured<'_>) -> Result<f64> {
     Ok(match bytes.int_in_range(0..=15)? {
         0..=6 => power(bytes)?,
@@ -108,7 +108,7 @@ fn power(bytes: &mut Unstructured<'_>) -> Result<f64> {
 ///
 /// # Errors
 ///
-/// When the bytes run out.
+/// Fails when the bytes run out.
 pub(crate) fn prime(bytes: &mut Unstructured<'_>) -> Result<[f64; 2]> {
     bytes.choose(&PRIMES).copied()
 }

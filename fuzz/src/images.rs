@@ -18,8 +18,8 @@ const INPUTS: u32 = 3;
 ///
 /// # Panics
 ///
-/// When placement refuses the function or the undamaged images do not run;
-/// the simulator itself must not.
+/// Panics when placement refuses the function or the undamaged images do not
+/// run; the simulator itself must not.
 pub fn simulate_garbage(data: &[u8]) {
     // The bytes as they are, too: an image of nobody's making.
     let _ = Image::parse(&String::from_utf8_lossy(data));
@@ -31,7 +31,7 @@ pub fn simulate_garbage(data: &[u8]) {
 ///
 /// # Errors
 ///
-/// When the bytes run out.
+/// Fails when the bytes run out.
 ///
 /// # Panics
 ///

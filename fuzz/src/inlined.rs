@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 ///
 /// # Panics
 ///
-/// When something else comes out, or an equation is too large.
+/// Panics when something else comes out, or an equation is too large.
 pub fn inline_undoes_atomise(data: &[u8]) {
     // Too few bytes for a function are no finding.
     let _ = run(&mut Unstructured::new(data));

@@ -25,7 +25,7 @@ const PIPELINES: [&str; 4] = [
 ///
 /// # Panics
 ///
-/// When the motions differ, a loop opens, or an error says nothing.
+/// Panics when the motions differ, a loop opens, or an error says nothing.
 pub fn whole_steps_move_models(data: &[u8]) {
     // Too few bytes for a model are no finding.
     let _ = moves(&mut Unstructured::new(data));

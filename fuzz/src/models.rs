@@ -12,7 +12,7 @@ use robovec_ir::diagnostic::Report;
 ///
 /// # Panics
 ///
-/// When a law is broken.
+/// Panics when a law is broken.
 pub fn read_model(data: &[u8]) {
     match read_mbs("fuzz.mbs", data) {
         Ok(read) => {
@@ -42,7 +42,7 @@ pub(crate) fn check_refusal(report: &Report) {
 ///
 /// # Panics
 ///
-/// When a law is broken.
+/// Panics when a law is broken.
 pub fn model_round_trip(data: &[u8]) {
     // Too few bytes are no finding.
     let _ = check_random(&mut Unstructured::new(data));

@@ -55,7 +55,7 @@ pub enum Mutant {
 ///
 /// # Panics
 ///
-/// When the check lets a wrong rewrite pass or refuses a right one.
+/// Panics when the check lets a wrong rewrite pass or refuses a right one.
 pub fn check_catches_mutants(data: &[u8]) {
     // Too few bytes for a function and a mutation are no finding.
     let _ = plant(&mut Unstructured::new(data));
@@ -65,7 +65,7 @@ pub fn check_catches_mutants(data: &[u8]) {
 ///
 /// # Errors
 ///
-/// When the bytes run out.
+/// Fails when the bytes run out.
 ///
 /// # Panics
 ///

@@ -27,7 +27,7 @@ const FACTORS: [f64; 8] = [
 ///
 /// # Errors
 ///
-/// When the bytes run out.
+/// Fails when the bytes run out.
 pub(crate) fn mutate(
     bytes: &mut Unstructured<'_>,
     original: &Function,
@@ -84,7 +84,7 @@ pub(crate) fn mutate(
 ///
 /// # Errors
 ///
-/// When the bytes run out.
+/// Fails when the bytes run out.
 pub(crate) fn formats(bytes: &mut Unstructured<'_>, original: &Function) -> Result<[Function; 2]> {
     let narrow: [Format; 3] = ["f16", "bf16", "f32"].map(|name| name.parse().expect("a format"));
     let count = original.nodes().len();

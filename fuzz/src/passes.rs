@@ -13,7 +13,7 @@ use std::fmt::Write;
 ///
 /// # Errors
 ///
-/// When the bytes run out.
+/// Fails when the bytes run out.
 pub fn pipeline(bytes: &mut Unstructured<'_>, most: u32) -> Result<String> {
     Ok(chosen(bytes, most, &["accurate", "mixed", "differentiate"])?.join(","))
 }
@@ -23,7 +23,7 @@ pub fn pipeline(bytes: &mut Unstructured<'_>, most: u32) -> Result<String> {
 ///
 /// # Errors
 ///
-/// When the bytes run out.
+/// Fails when the bytes run out.
 pub fn steps(bytes: &mut Unstructured<'_>, most: u32) -> Result<Vec<String>> {
     chosen(bytes, most, &["differentiate"])
 }

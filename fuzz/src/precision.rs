@@ -11,8 +11,8 @@ use robovec_passes::registry::REGISTRY;
 ///
 /// # Panics
 ///
-/// When a pass changes the function over the prime field, panics or breaks an
-/// invariant.
+/// Panics when a pass changes the function over the prime field, panics or
+/// breaks an invariant.
 pub fn precision_keeps_programs(data: &[u8]) {
     // Bytes that run out make a smaller case, never a failure.
     let _ = run(&mut Unstructured::new(data));

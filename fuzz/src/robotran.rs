@@ -121,8 +121,8 @@ const PIECES: [&str; 104] = [
 ///
 /// # Panics
 ///
-/// When the reader gives a module that the verifier refuses or whose text
-/// does not read back; the reader itself must not.
+/// Panics when the reader gives a module that the verifier refuses or whose
+/// text does not read back; the reader itself must not.
 pub fn read_robotran(data: &[u8]) {
     let Some((&first, rest)) = data.split_first() else {
         return;

@@ -10,7 +10,7 @@ use robovec::model::urdf::{RobotBase, read_urdf};
 ///
 /// # Panics
 ///
-/// When a law is broken.
+/// Panics when a law is broken.
 pub fn read_robot(data: &[u8]) {
     let read = [RobotBase::Fixed, RobotBase::Floating].map(|base| {
         let read = read_urdf("fuzz.urdf", data, base).map_err(|error| check_refusal(&error.report));

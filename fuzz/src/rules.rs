@@ -38,7 +38,7 @@ const TRIALS: usize = 20;
 ///
 /// # Panics
 ///
-/// When the rule check errs; when a pipeline with true rules breaks the
+/// Panics when the rule check errs; when a pipeline with true rules breaks the
 /// program; when a false rule changes the program and is not caught, or is not
 /// reduced to a program of its left side and to the rewrite by it.
 pub fn false_rules_are_caught(data: &[u8]) {

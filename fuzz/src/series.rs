@@ -16,7 +16,7 @@ const SAMPLES: u32 = 24;
 ///
 /// # Panics
 ///
-/// When an error is larger than what is proved.
+/// Panics when an error is larger than what is proved.
 pub fn series_keep_their_errors(data: &[u8]) {
     // Bytes that run out test nothing, and are no failure.
     let _ = run(&mut Unstructured::new(data));

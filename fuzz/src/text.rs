@@ -27,7 +27,7 @@ const PIPELINES: [&str; 6] = [
 ///
 /// # Panics
 ///
-/// When a law is broken.
+/// Panics when a law is broken.
 pub fn parse_text(data: &[u8]) {
     let text = String::from_utf8_lossy(data);
     match parse_module("fuzz", &text) {
@@ -54,7 +54,7 @@ pub fn parse_text(data: &[u8]) {
 ///
 /// # Panics
 ///
-/// When a law is broken, or a pass makes what the verifier refuses.
+/// Panics when a law is broken, or a pass makes what the verifier refuses.
 pub fn round_trip(data: &[u8]) {
     // Too few bytes are no finding.
     let _ = check_random(&mut Unstructured::new(data));

@@ -21,7 +21,7 @@ use std::fmt::Write;
 ///
 /// # Panics
 ///
-/// When what is read is another function, or cannot be read.
+/// Panics when what is read is another function, or cannot be read.
 pub fn written_reads_back(data: &[u8]) {
     // Too few bytes for a function are no finding.
     let made = [

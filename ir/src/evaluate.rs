@@ -11,8 +11,8 @@ use robovec_num::arithmetic::Arithmetic;
 ///
 /// # Panics
 ///
-/// When `inputs` is not [`Function::input_len`] long or the function is not
-/// well formed (the verifier accepts only those that are).
+/// Panics when `inputs` is not [`Function::input_len`] long or the function is
+/// not well formed (the verifier accepts only those that are).
 pub fn evaluate_nodes<A: Arithmetic>(
     function: &Function,
     arithmetic: &A,
@@ -65,7 +65,7 @@ pub fn evaluate<A: Arithmetic>(
 ///
 /// # Panics
 ///
-/// When `values` is not what [`evaluate_nodes`] gives for these inputs.
+/// Panics when `values` is not what [`evaluate_nodes`] gives for these inputs.
 pub fn outputs<A: Arithmetic>(
     function: &Function,
     arithmetic: &A,

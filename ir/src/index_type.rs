@@ -15,7 +15,7 @@ macro_rules! index_types {
             ///
             /// # Panics
             ///
-            /// When the number is `u32::MAX`.
+            /// Panics when the number is `u32::MAX`.
             #[inline]
             $visibility fn new(number: u32) -> $name {
                 // One more than the number, which keeps the order.

@@ -258,10 +258,10 @@ impl Machine {
     ///
     /// # Errors
     ///
-    /// When the text is not TOML with the fields of [`Machine`], or describes
-    /// something that cannot be built: no elements, an unknown operation, an
-    /// operation two kinds perform, a kind whose name is not letters, a number
-    /// beyond its limit ([`fields`]).
+    /// Fails when the text is not TOML with the fields of [`Machine`], or
+    /// describes something that cannot be built: no elements, an unknown
+    /// operation, an operation two kinds perform, a kind whose name is not
+    /// letters, a number beyond its limit ([`fields`]).
     pub fn parse(text: &str) -> Result<Machine, MachineError> {
         let machine: Machine = document::read(text).map_err(|error| MachineError::Syntax {
             message: error.message,

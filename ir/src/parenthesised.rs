@@ -57,7 +57,7 @@ impl<'text> Forest<'text> {
     ///
     /// # Panics
     ///
-    /// When the forest has no tree of that number.
+    /// Panics when the forest has no tree of that number.
     pub fn get(&self, index: u32) -> &TextTree {
         &self.trees[index as usize]
     }
@@ -104,7 +104,7 @@ pub fn error(span: Range<usize>, message: impl Into<String>) -> Diagnostic {
 ///
 /// # Errors
 ///
-/// Where a parenthesis or a quote stands alone.
+/// Fails where a parenthesis or a quote stands alone.
 pub fn read(text: &str) -> Result<Forest<'_>, Diagnostic> {
     let mut forest = Forest {
         text,

@@ -76,7 +76,7 @@ impl Schedule {
     ///
     /// # Panics
     ///
-    /// When the host evaluates the node.
+    /// Panics when the host evaluates the node.
     #[inline]
     pub fn slot(&self, value: Value) -> Slot {
         self.slots[value.index()].expect("the machine computes the node")

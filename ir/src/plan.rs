@@ -141,7 +141,7 @@ impl EvaluationPlan {
     ///
     /// # Panics
     ///
-    /// When `inputs` is not as long as the function's inputs.
+    /// Panics when `inputs` is not as long as the function's inputs.
     pub fn run<A: Arithmetic>(
         &self,
         arithmetic: &A,
@@ -169,7 +169,7 @@ impl EvaluationPlan {
     ///
     /// # Panics
     ///
-    /// When `inputs` is not as long as the function's inputs.
+    /// Panics when `inputs` is not as long as the function's inputs.
     pub fn run_with<T: Clone>(
         &self,
         inputs: &[f64],

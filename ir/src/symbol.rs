@@ -208,7 +208,7 @@ impl Symbols {
     ///
     /// # Panics
     ///
-    /// When the symbol is not of this interner.
+    /// Panics when the symbol is not of this interner.
     #[inline]
     pub fn is_base(&self, symbol: Symbol) -> bool {
         self.bases[symbol.index()]
@@ -353,7 +353,7 @@ impl FreshNames {
     ///
     /// # Panics
     ///
-    /// When the symbol is that of [`Name::NONE`].
+    /// Panics when the symbol is that of [`Name::NONE`].
     #[inline]
     pub fn fresh(&mut self, base: Symbol) -> Name {
         assert!(base != Name::NONE.base, "a fresh name has a symbol");

@@ -51,7 +51,7 @@ impl ValueFormats {
     ///
     /// # Panics
     ///
-    /// When there is no room for the value.
+    /// Panics when there is no room for the value.
     pub fn set(&mut self, value: Value, format: Option<Format>) {
         self.values[value.index()] = format.map_or(0, |format| self.number(format));
     }

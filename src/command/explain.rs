@@ -17,7 +17,7 @@ const MAX_EXCERPTS: usize = 6;
 ///
 /// # Errors
 ///
-/// When there is no such value or output.
+/// Fails when there is no such value or output.
 pub(crate) fn explain(
     asked: &str,
     input: &InputModule,

@@ -55,8 +55,8 @@ impl InputModule {
     ///
     /// # Errors
     ///
-    /// When the file gives some, so that none is ignored. Limits of a model's
-    /// joints describe the robot and are not asked for.
+    /// Fails when the file gives some, so that none is ignored. Limits of a
+    /// model's joints describe the robot and are not asked for.
     pub(crate) fn without_ranges(self, command: &str) -> Result<Module, CommandFailure> {
         if self.ranges.is_empty() || sources::is_model_path(&self.path) {
             return Ok(self.module);

@@ -26,7 +26,7 @@ use robovec_ir::print;
 ///
 /// # Panics
 ///
-/// When a pass changes a value beyond its class.
+/// Panics when a pass changes a value beyond its class.
 pub fn results_stay_in_class(data: &[u8]) {
     // Bytes that run out make a smaller case, never a failure.
     if let Ok(Err(finding)) = examine(&mut Unstructured::new(data), &[]) {
@@ -38,7 +38,7 @@ pub fn results_stay_in_class(data: &[u8]) {
 ///
 /// # Errors
 ///
-/// When the bytes run out; and the finding, if there is one.
+/// Fails when the bytes run out; and the finding, if there is one.
 pub fn examine(
     bytes: &mut Unstructured<'_>,
     without: &[String],
@@ -68,7 +68,7 @@ pub fn examine(
 ///
 /// # Errors
 ///
-/// When the bytes run out.
+/// Fails when the bytes run out.
 pub fn describe_case(bytes: &mut Unstructured<'_>) -> Result<String> {
     let case = Case::draw(bytes, &[])?;
     let program = print::print_module(&case.module);

@@ -26,7 +26,7 @@ const TRIALS: usize = 1;
 ///
 /// # Panics
 ///
-/// When a false rule is proved or a true one refuted.
+/// Panics when a false rule is proved or a true one refuted.
 pub fn rules_are_judged(data: &[u8]) {
     let result = match data.split_first() {
         Some((0..64, rest)) => judge_true(&mut Unstructured::new(rest)),

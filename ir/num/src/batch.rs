@@ -17,7 +17,7 @@ impl<A: Arithmetic, const LANES: usize> Batch<A, LANES> {
     ///
     /// # Panics
     ///
-    /// When a lane has fewer inputs than the first.
+    /// Panics when a lane has fewer inputs than the first.
     pub fn gather(inputs: &[Vec<A::Number>; LANES]) -> Vec<[A::Number; LANES]> {
         (0..inputs.first().map_or(0, Vec::len))
             .map(|index| array::from_fn(|lane| inputs[lane][index]))

@@ -133,7 +133,7 @@ impl Function {
     ///
     /// # Errors
     ///
-    /// When the name is that of no implementation.
+    /// Fails when the name is that of no implementation.
     pub fn trigonometry_unit(&self) -> Option<Result<TrigonometricUnit, ImplementationError>> {
         self.metadata(KEY).map(TrigonometricUnit::named)
     }

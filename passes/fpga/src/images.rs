@@ -62,8 +62,8 @@ impl Artifacts for Vec<Artifact> {
 ///
 /// # Errors
 ///
-/// When the function is not placed on this machine, or the placement cannot
-/// be expressed in the machine's instruction words; see [`ImageError`].
+/// Fails when the function is not placed on this machine, or the placement
+/// cannot be expressed in the machine's instruction words; see [`ImageError`].
 pub fn images(
     view: View<'_>,
     machine: &Machine,

@@ -21,7 +21,7 @@ pub trait OptionValue: Sized + PartialEq {
     ///
     /// # Errors
     ///
-    /// When the text is no such value.
+    /// Fails when the text is no such value.
     fn parse(text: &str) -> Result<Self, String>;
     /// Writes the value so that [`OptionValue::parse`] reads it back.
     fn print(&self) -> String;
@@ -104,7 +104,7 @@ impl OptionValue for Format {
 ///
 /// # Errors
 ///
-/// When one is empty or stands there twice.
+/// Fails when one is empty or stands there twice.
 pub fn joined_names(text: &str) -> Result<Vec<String>, String> {
     let names: Vec<String> = text.split('+').map(str::to_owned).collect();
     if names.iter().any(String::is_empty) {

@@ -7,7 +7,7 @@ use std::fmt::{Display, Write};
 ///
 /// # Panics
 ///
-/// When the template has a word without a value.
+/// Panics when the template has a word without a value.
 pub fn fill(template: &str, words: &[(&str, &dyn Display)]) -> String {
     let mut parts = template.split('@');
     let mut text = parts.next().unwrap_or_default().to_owned();

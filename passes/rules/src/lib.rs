@@ -67,7 +67,7 @@ impl RuleSet {
     ///
     /// # Errors
     ///
-    /// When a name is taken; this set is then unchanged.
+    /// Fails when a name is taken; this set is then unchanged.
     pub fn extend(&mut self, other: RuleSet) -> Result<(), Report> {
         let places = self
             .rules

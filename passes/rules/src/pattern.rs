@@ -168,8 +168,8 @@ impl Pattern {
     ///
     /// # Panics
     ///
-    /// When the pattern is empty or has variables without values; patterns of
-    /// a [`RuleSet`](super::RuleSet) are never empty.
+    /// Panics when the pattern is empty or has variables without values;
+    /// patterns of a [`RuleSet`](super::RuleSet) are never empty.
     pub fn evaluate<A: Arithmetic>(&self, arithmetic: &A, values: &[A::Number]) -> A::Number {
         let all = self.evaluate_all(arithmetic, values);
         all[self.root()]

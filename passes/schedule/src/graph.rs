@@ -72,7 +72,7 @@ impl DependenceGraph {
     ///
     /// # Errors
     ///
-    /// When the function is not atomic, the machine cannot perform an
+    /// Fails when the function is not atomic, the machine cannot perform an
     /// operation, or the longest chain does not fit.
     pub(super) fn new(
         function: &Function,

@@ -107,8 +107,8 @@ pub fn schedule_bound(function: &Function, machine: &Machine) -> Result<u32, Pla
 ///
 /// # Errors
 ///
-/// When the machine cannot perform the function (an operation it lacks, an
-/// angle it would have to compute, a memory too small); the function is then
+/// Fails when the machine cannot perform the function (an operation it lacks,
+/// an angle it would have to compute, a memory too small); the function is then
 /// unchanged.
 pub fn place(
     function: &mut Function,

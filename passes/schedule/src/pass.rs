@@ -89,7 +89,7 @@ pub fn element_counts(numbers: [Option<u32>; 5]) -> ElementCounts {
 ///
 /// # Errors
 ///
-/// When a number is out of range, or the machine has no such kind.
+/// Fails when a number is out of range, or the machine has no such kind.
 pub fn with_counts(machine: &Machine, counts: ElementCounts) -> Result<Machine, PassError> {
     let mut machine = machine.clone();
     for (option, kind, count) in counts {

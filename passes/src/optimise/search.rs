@@ -162,7 +162,7 @@ pub fn schedule_size(function: &Function, machine: &Machine) -> Result<ScheduleS
 ///
 /// # Errors
 ///
-/// When not a single program can be made: what the first pass said.
+/// Fails when not a single program can be made: what the first pass said.
 pub fn search<M: ProgramMaker>(
     maker: &mut M,
     starts: Vec<SearchStart<M::Program>>,

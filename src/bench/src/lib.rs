@@ -99,7 +99,7 @@ pub type BenchProgress<'a> = &'a mut dyn FnMut(&str);
 ///
 /// # Errors
 ///
-/// When the folder cannot be written.
+/// Fails when the folder cannot be written.
 pub fn bench(
     question: &BenchQuestion<'_>,
     contestants: &[Contestant],

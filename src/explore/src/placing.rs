@@ -31,7 +31,7 @@ pub struct PlacedFunction {
 ///
 /// # Errors
 ///
-/// When the machine cannot hold it.
+/// Fails when the machine cannot hold it.
 pub fn placed(
     module: &Module,
     machine: &Machine,

@@ -56,7 +56,7 @@ pub fn transformed(
 ///
 /// # Errors
 ///
-/// When the text is no pipeline, or a pass gives up.
+/// Fails when the text is no pipeline, or a pass gives up.
 pub fn transformed_by(
     module: &Module,
     passes: &str,
@@ -101,8 +101,8 @@ impl<'a> ProgramWorkshop<'a> {
     ///
     /// # Errors
     ///
-    /// When a stage is no pipeline or a pass gives up. A formulation that was
-    /// not added is an error of the caller and gives
+    /// Fails when a stage is no pipeline or a pass gives up. A formulation that
+    /// was not added is an error of the caller and gives
     /// [`ExplorationError::Pass`].
     pub fn program(
         &mut self,

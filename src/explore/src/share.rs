@@ -88,7 +88,7 @@ impl<'a> SharedWork<'a> {
     ///
     /// # Errors
     ///
-    /// When it cannot be written.
+    /// Fails when it cannot be written.
     pub fn point<P: Serialize + DeserializeOwned>(
         &self,
         key: Option<PointKey>,

@@ -82,8 +82,8 @@ impl Write for PointKey {
 ///
 /// # Errors
 ///
-/// When the program cannot be read: nobody knows then which it is, and points
-/// cannot be told apart.
+/// Fails when the program cannot be read: nobody knows then which it is, and
+/// points cannot be told apart.
 pub fn build_key() -> io::Result<PointKey> {
     let program = std::env::current_exe().and_then(fs::read)?;
     let key = PointKey::new().with(env!("CARGO_PKG_VERSION"));
@@ -122,7 +122,7 @@ impl PointStore {
     ///
     /// # Errors
     ///
-    /// When it cannot be made.
+    /// Fails when it cannot be made.
     pub fn open(folder: &Path, reuse: bool) -> io::Result<PointStore> {
         make_folder(folder)?;
         Ok(PointStore {
@@ -147,7 +147,7 @@ impl PointStore {
     ///
     /// # Errors
     ///
-    /// When it cannot be written.
+    /// Fails when it cannot be written.
     pub fn point<P: Serialize + DeserializeOwned>(
         &self,
         key: PointKey,
@@ -165,7 +165,7 @@ impl PointStore {
     ///
     /// # Errors
     ///
-    /// When it cannot be written; a file of that name is then as it was.
+    /// Fails when it cannot be written; a file of that name is then as it was.
     pub fn save(&self, key: PointKey, point: &impl Serialize) -> io::Result<()> {
         let stored = StoredPoint {
             key: key.file_name(),

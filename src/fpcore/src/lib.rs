@@ -89,7 +89,7 @@ pub fn read(file: &str, text: &str, wanted: Option<&str>) -> Result<ReadCore, Re
 ///
 /// # Errors
 ///
-/// Where the text is not made of cores.
+/// Fails where the text is not made of cores.
 pub fn names(file: &str, text: &str) -> Result<Vec<String>, Report> {
     let fail = |diagnostics: Vec<Diagnostic>| Report::of(file, text, diagnostics);
     let forest = parenthesised::read(text).map_err(|error| fail(vec![error]))?;

@@ -71,7 +71,7 @@ impl ModelBuilder {
     ///
     /// # Panics
     ///
-    /// When there is no joint.
+    /// Panics when there is no joint.
     pub fn body(&mut self, name: &str, on: BodyPlace, joints: &[JointKind]) -> BodyRef {
         assert!(!joints.is_empty(), "a body hangs on at least one joint");
         let index = self.model.bodies.len();
@@ -115,7 +115,7 @@ impl ModelBuilder {
     ///
     /// # Panics
     ///
-    /// When the body is the base.
+    /// Panics when the body is the base.
     pub fn mass(&mut self, body: BodyRef, mass: f64, center: [f64; 3], inertia: [f64; 6]) {
         let index = body.0.expect("the base has no mass");
         let body = &mut self.model.bodies[index];
@@ -140,7 +140,7 @@ impl ModelBuilder {
     ///
     /// # Panics
     ///
-    /// When the body has no such joint.
+    /// Panics when the body has no such joint.
     pub fn joint(&mut self, body: BodyRef, number: usize) -> &mut Joint {
         let index = body.0.expect("the base has no joint");
         let joint = self.model.bodies[index].joints.start + number;
@@ -157,7 +157,7 @@ impl ModelBuilder {
     ///
     /// # Panics
     ///
-    /// When the place is an origin: sensors sit on points.
+    /// Panics when the place is an origin: sensors sit on points.
     pub fn sensor(&mut self, name: &str, at: BodyPlace, asks: Asks) {
         let sensor = sensor(name, at, asks);
         self.model.sensors.push(sensor);
@@ -203,7 +203,7 @@ impl ModelBuilder {
     ///
     /// # Panics
     ///
-    /// When a number that was given is not finite.
+    /// Panics when a number that was given is not finite.
     pub fn finish(self) -> Model {
         let mut model = self.model;
         let mut order: Vec<usize> = (0..model.points.len()).collect();

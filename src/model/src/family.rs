@@ -118,7 +118,7 @@ impl ModelFamily {
     ///
     /// # Panics
     ///
-    /// When `joints` is 0 where it matters.
+    /// Panics when `joints` is 0 where it matters.
     pub fn build(self, joints: usize, seed: u64) -> Model {
         match self.members {
             FamilyMembers::Trees(topology) => {
@@ -228,7 +228,7 @@ fn chain(long: usize, rest: usize, parts: usize) -> Vec<usize> {
 ///
 /// # Panics
 ///
-/// When the tree has no body.
+/// Panics when the tree has no body.
 pub fn tree(name: &str, topology: &TrunkTree, seed: u64) -> Model {
     assert!(topology.joints() > 0, "a model has at least one body");
     let mut random = ParameterRandom::new(seed);
@@ -282,7 +282,7 @@ pub fn tree(name: &str, topology: &TrunkTree, seed: u64) -> Model {
 ///
 /// # Panics
 ///
-/// When there is no joint.
+/// Panics when there is no joint.
 pub fn serial(joints: usize, seed: u64) -> Model {
     let name = format!("serial_{joints}");
     tree(&name, &TrunkTree::serial(joints), seed)
@@ -323,7 +323,7 @@ fn inertia(random: &mut ParameterRandom, mass: f64, size: f64) -> [f64; 6] {
 ///
 /// # Panics
 ///
-/// When there is no joint.
+/// Panics when there is no joint.
 pub fn random_tree(seed: u64, joints: usize) -> Model {
     assert!(joints > 0, "a model has at least one joint");
     let mut random = ParameterRandom::new(seed ^ 0x7ee5);

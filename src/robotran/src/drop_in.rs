@@ -44,7 +44,7 @@ pub const TOLERANCE_OF_FLOAT: f64 = 1e-4;
 ///
 /// # Errors
 ///
-/// When the module holds what Robotran's files have no words for.
+/// Fails when the module holds what Robotran's files have no words for.
 pub fn drop_in(
     module: &Module,
     options: &DropInOptions,

@@ -62,8 +62,8 @@ impl<T: LimitedField> LimitedField for Option<T> {
 ///
 /// # Errors
 ///
-/// When the field holds no number, or one that is not allowed; the message
-/// names the field.
+/// Fails when the field holds no number, or one that is not allowed; the
+/// message names the field.
 pub fn deserialize<'de, T, D>(
     name: &str,
     limit: NumberLimit,
@@ -110,7 +110,7 @@ macro_rules! limited_fields {
                 ///
                 /// # Errors
                 ///
-                /// When it holds no number, or one that is not allowed.
+                /// Fails when it holds no number, or one that is not allowed.
                 pub fn deserialize<'de, T, D>(deserializer: D) -> Result<T, D::Error>
                 where
                     T: LimitedField,
@@ -123,7 +123,7 @@ macro_rules! limited_fields {
                 ///
                 /// # Errors
                 ///
-                /// When it is not allowed.
+                /// Fails when it is not allowed.
                 pub fn check<T: LimitedField>(value: &T) -> Result<(), String> {
                     match value.amount() {
                         None => Ok(()),

@@ -46,7 +46,8 @@ impl Blame {
     ///
     /// # Panics
     ///
-    /// When an output does not exist or the run is one of another function.
+    /// Panics when an output does not exist or the run is one of another
+    /// function.
     pub fn add(&mut self, function: &Function, run: &AdjointRun<'_>, outputs: &[usize]) {
         let adjoint = run.adjoint();
         let tape = run.tape();

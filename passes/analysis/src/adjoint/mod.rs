@@ -100,7 +100,7 @@ impl<'a> Adjoint<'a> {
     ///
     /// # Panics
     ///
-    /// When there is not one number per input element.
+    /// Panics when there is not one number per input element.
     pub fn new(tape: &'a Tape, inputs: &[f64]) -> Adjoint<'a> {
         Adjoint::at(tape, &tape.evaluate(&Binary64, inputs))
     }
@@ -109,7 +109,7 @@ impl<'a> Adjoint<'a> {
     ///
     /// # Panics
     ///
-    /// When there is not one number per slot.
+    /// Panics when there is not one number per slot.
     pub fn at(tape: &'a Tape, slots: &[f64]) -> Adjoint<'a> {
         assert_eq!(slots.len(), tape.slots(), "one number per slot");
         let nodes = 0..tape.nodes();
@@ -166,7 +166,8 @@ impl<'a> Adjoint<'a> {
     ///
     /// # Panics
     ///
-    /// When more than [`LANES`] outputs are asked for or one does not exist.
+    /// Panics when more than [`LANES`] outputs are asked for or one does not
+    /// exist.
     pub fn sweep_lanes(
         &self,
         workspace: &mut Workspace,
@@ -182,7 +183,8 @@ impl<'a> Adjoint<'a> {
     ///
     /// # Panics
     ///
-    /// When more than [`LANES`] slots are asked for or one does not exist.
+    /// Panics when more than [`LANES`] slots are asked for or one does not
+    /// exist.
     pub fn sweep_slots(
         &self,
         workspace: &mut Workspace,
@@ -232,7 +234,7 @@ impl<'a> Adjoint<'a> {
     ///
     /// # Panics
     ///
-    /// When an output does not exist.
+    /// Panics when an output does not exist.
     pub fn sweep(&self, outputs: &[usize], mut visit: impl FnMut(&[usize], &[AdjointLanes])) {
         let mut workspace = Workspace::default();
         let mut gradients = Vec::new();
@@ -251,7 +253,7 @@ impl<'a> Adjoint<'a> {
     ///
     /// # Panics
     ///
-    /// When an output does not exist.
+    /// Panics when an output does not exist.
     pub fn jacobian(&self, outputs: &[usize]) -> Vec<Vec<f64>> {
         let tape = self.tape;
         let mut rows = vec![vec![0.0; tape.inputs()]; outputs.len()];

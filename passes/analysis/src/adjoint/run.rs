@@ -56,7 +56,7 @@ impl<'a> AdjointRun<'a> {
     ///
     /// # Panics
     ///
-    /// When there is not one number per input element.
+    /// Panics when there is not one number per input element.
     pub fn new<A>(tape: &'a Tape, arithmetic: &A, format: Format, inputs: &[f64]) -> AdjointRun<'a>
     where
         A: Arithmetic,
@@ -72,7 +72,7 @@ impl<'a> AdjointRun<'a> {
     ///
     /// # Panics
     ///
-    /// When there is not one number per input element.
+    /// Panics when there is not one number per input element.
     pub fn of(
         function: &Function,
         tape: &'a Tape,
@@ -166,7 +166,7 @@ impl<'a> AdjointRun<'a> {
     ///
     /// # Panics
     ///
-    /// When an output does not exist.
+    /// Panics when an output does not exist.
     pub fn outputs(&self, outputs: &[usize]) -> Vec<OutputError> {
         let slots = outputs.iter().map(|&output| self.tape.output_slot(output));
         self.slots(&slots.collect::<Vec<usize>>())
@@ -176,7 +176,7 @@ impl<'a> AdjointRun<'a> {
     ///
     /// # Panics
     ///
-    /// When a slot does not exist.
+    /// Panics when a slot does not exist.
     pub fn slots(&self, slots: &[usize]) -> Vec<OutputError> {
         let adjoint = self.adjoint();
         let mut workspace = Workspace::default();
@@ -233,7 +233,7 @@ impl<'a> AdjointRun<'a> {
     ///
     /// # Panics
     ///
-    /// When an output does not exist.
+    /// Panics when an output does not exist.
     pub fn bounds(&self, outputs: &[usize]) -> Vec<f64> {
         let outputs = self.outputs(outputs);
         outputs.iter().map(|output| output.bound).collect()
@@ -243,7 +243,7 @@ impl<'a> AdjointRun<'a> {
     ///
     /// # Panics
     ///
-    /// When an output does not exist.
+    /// Panics when an output does not exist.
     pub fn predictions(&self, outputs: &[usize]) -> Vec<f64> {
         let outputs = self.outputs(outputs);
         outputs.iter().map(|output| output.predicted).collect()

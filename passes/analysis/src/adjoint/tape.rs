@@ -36,8 +36,8 @@ impl Tape {
     ///
     /// # Panics
     ///
-    /// When the function is not well formed (the verifier accepts only those
-    /// that are).
+    /// Panics when the function is not well formed (the verifier accepts only
+    /// those that are).
     pub fn new(function: &Function) -> Tape {
         let mut tape = Tape {
             operations: Vec::with_capacity(function.nodes().len()),
@@ -146,7 +146,7 @@ impl Tape {
     ///
     /// # Panics
     ///
-    /// When there is not one number per input element.
+    /// Panics when there is not one number per input element.
     pub fn evaluate<A: Arithmetic>(&self, arithmetic: &A, inputs: &[f64]) -> Vec<A::Number> {
         assert_eq!(inputs.len(), self.inputs, "one number per input element");
         let mut slots = Vec::with_capacity(self.slots());

@@ -40,7 +40,7 @@ use super::adjoint::{Adjoint, LANES, Tape, TapeSlot, Workspace};
 ///
 /// # Panics
 ///
-/// When there is not one number per input element, or an output does not
+/// Panics when there is not one number per input element, or an output does not
 /// exist.
 pub fn conditions(tape: &Tape, inputs: &[f64], places: &[usize]) -> Vec<f64> {
     let adjoint = Adjoint::new(tape, inputs);

@@ -49,7 +49,7 @@ impl Sensitivities {
     ///
     /// # Panics
     ///
-    /// When there is not one number per input element.
+    /// Panics when there is not one number per input element.
     pub fn at(&mut self, inputs: &[f64], state: u32) -> Vec<f64> {
         let direction = |(index, &value): (usize, &f64)| {
             let random = mix(mix(u64::from(state)) ^ index as u64);

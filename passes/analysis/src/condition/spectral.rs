@@ -17,7 +17,7 @@ const HALVINGS: usize = 80;
 ///
 /// # Panics
 ///
-/// When the matrix has not `order` squared elements.
+/// Panics when the matrix has not `order` squared elements.
 pub fn condition(matrix: &[f64], order: usize) -> f64 {
     assert_eq!(matrix.len(), order * order, "a square matrix");
     if order == 0 {

@@ -139,7 +139,7 @@ impl<'a> ReferenceEvaluator<'a> {
     ///
     /// # Panics
     ///
-    /// When a state has not one number per input element.
+    /// Panics when a state has not one number per input element.
     pub fn evaluate(&mut self, states: &[Vec<f64>]) -> Vec<Vec<ExactOutput>> {
         let mut results = Vec::with_capacity(states.len());
         for batch in states.chunks(LANES) {

@@ -71,7 +71,7 @@ pub struct Sampled {
 ///
 /// # Errors
 ///
-/// When the format has more than [`MAX_BITS`] bits.
+/// Fails when the format has more than [`MAX_BITS`] bits.
 pub fn supports(format: Format) -> Result<(), Unsupported> {
     Rounder::new(format).map(|_| ())
 }
@@ -81,11 +81,11 @@ pub fn supports(format: Format) -> Result<(), Unsupported> {
 ///
 /// # Errors
 ///
-/// When the format has more than [`MAX_BITS`] bits.
+/// Fails when the format has more than [`MAX_BITS`] bits.
 ///
 /// # Panics
 ///
-/// When there is not one number per input element.
+/// Panics when there is not one number per input element.
 pub fn stochastic(
     tape: &Tape,
     format: Format,
@@ -104,7 +104,7 @@ pub fn stochastic(
 ///
 /// # Panics
 ///
-/// When there is not one number per input element.
+/// Panics when there is not one number per input element.
 pub fn stochastic_slots(
     tape: &Tape,
     format: Format,

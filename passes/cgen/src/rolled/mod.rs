@@ -127,8 +127,8 @@ pub struct Rolled {
 ///
 /// # Errors
 ///
-/// When the loops, unrolled again, are not the function: a mistake of ours,
-/// and no code is written.
+/// Fails when the loops, unrolled again, are not the function: a mistake of
+/// ours, and no code is written.
 pub fn rolled_files(
     view: View<'_>,
     options: impl Into<Options>,

@@ -44,7 +44,7 @@ pub struct HardwareFit {
 ///
 /// # Errors
 ///
-/// When the function has no images at all on the hardware's machine. A
+/// Fails when the function has no images at all on the hardware's machine. A
 /// program that has images but does not fit is no error: see
 /// [`HardwareFit::reasons`].
 pub fn fits(view: View<'_>, hardware: &Hardware) -> Result<HardwareFit, RtlError> {

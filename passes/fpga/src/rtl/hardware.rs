@@ -144,7 +144,7 @@ impl Hardware {
     ///
     /// # Errors
     ///
-    /// When it is none, or one that no robovec of this version wrote.
+    /// Fails when it is none, or one that no robovec of this version wrote.
     pub fn parse(text: &str) -> Result<Hardware, RtlError> {
         let fail = |message: String| RtlError::Description(message);
         let hardware: Hardware =

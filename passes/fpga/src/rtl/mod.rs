@@ -70,7 +70,7 @@ const PUMPED: [(&str, &str); 3] = hdl![
 ///
 /// # Errors
 ///
-/// When the function has no images, the machine is none that is built, or
+/// Fails when the function has no images, the machine is none that is built, or
 /// `artifacts` fails.
 pub fn write_rtl(
     view: View<'_>,
@@ -94,7 +94,7 @@ pub fn write_rtl(
 ///
 /// # Errors
 ///
-/// When the function has no images or does not fit, with all reasons, or
+/// Fails when the function has no images or does not fit, with all reasons, or
 /// `artifacts` fails.
 pub fn write_program(
     view: View<'_>,

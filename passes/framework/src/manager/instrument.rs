@@ -46,7 +46,7 @@ pub trait Dump {
     ///
     /// # Errors
     ///
-    /// When it cannot be written.
+    /// Fails when it cannot be written.
     fn dump(&mut self, state: DumpState<'_>) -> io::Result<()>;
 }
 

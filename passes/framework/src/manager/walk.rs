@@ -65,7 +65,8 @@ impl<'p> PipelineWalk<'p> {
 ///
 /// # Errors
 ///
-/// When the pipeline cannot work at the function's level, or a pass gives up.
+/// Fails when the pipeline cannot work at the function's level, or a pass gives
+/// up.
 pub fn apply(
     pipeline: &Pipeline,
     function: &mut Function,

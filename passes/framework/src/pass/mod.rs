@@ -28,9 +28,9 @@ pub trait Pass {
     ///
     /// # Errors
     ///
-    /// When the function cannot be treated (an operation the machine cannot
-    /// do, a memory that is too small); the function is then not used any
-    /// more.
+    /// Fails when the function cannot be treated (an operation the machine
+    /// cannot do, a memory that is too small); the function is then not used
+    /// any more.
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError>;
 
     /// The numeric class that the semantic check holds this pass to, given the

@@ -38,7 +38,7 @@ impl Registry {
     ///
     /// # Errors
     ///
-    /// When the text does not follow the grammar, names a pass, preset or
+    /// Fails when the text does not follow the grammar, names a pass, preset or
     /// option that does not exist, or gives an option a value it cannot take.
     pub fn pipeline(&'static self, text: &str) -> Result<Pipeline, PipelineError> {
         parse(text, self)

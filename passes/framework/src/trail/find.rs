@@ -29,8 +29,8 @@ pub struct NotFound {
 ///
 /// # Errors
 ///
-/// When no function has or had such a value or output, with the nearest that
-/// exists.
+/// Fails when no function has or had such a value or output, with the nearest
+/// that exists.
 pub fn find(module: &Module, trail: &Trail, asked: &str) -> Result<(usize, TrackedItem), NotFound> {
     let text: String = asked.split_whitespace().collect();
     let bare = text.strip_prefix('%');

@@ -72,8 +72,9 @@ impl<'a> NodeFacts<'a> {
     ///
     /// # Errors
     ///
-    /// When the sides are hardly ever both defined, or when the left side may
-    /// be defined at single points, where what holds in general need not hold.
+    /// Fails when the sides are hardly ever both defined, or when the left side
+    /// may be defined at single points, where what holds in general need not
+    /// hold.
     pub(super) fn of(
         joined: &'a Joined<'a>,
         reals: &'a [Vec<ScaledBall>],

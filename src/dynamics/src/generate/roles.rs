@@ -185,7 +185,7 @@ fn at_rest(model: &Model) -> MotionState {
 ///
 /// # Errors
 ///
-/// When they cannot be generated.
+/// Fails when they cannot be generated.
 pub fn constraints(model: &Model) -> Result<LoopConstraints, GenerateError> {
     let kind = FunctionKind::ConsHJ;
     let Module {

@@ -29,7 +29,7 @@ const ATTEMPTS: i32 = 20;
 ///
 /// # Errors
 ///
-/// When the constraints of the loops cannot be generated.
+/// Fails when the constraints of the loops cannot be generated.
 pub fn step_error(
     model: &Model,
     step: StepFunction,

@@ -127,7 +127,7 @@ pub struct StepStyle<'a> {
 ///
 /// # Errors
 ///
-/// When a function has no signature of Robotran's.
+/// Fails when a function has no signature of Robotran's.
 pub fn files(
     model: &Model,
     steps: &[StepFunction],

@@ -147,7 +147,7 @@ impl ErrorTable {
     ///
     /// # Errors
     ///
-    /// When roundings of the format cannot be sampled.
+    /// Fails when roundings of the format cannot be sampled.
     pub fn measure(view: View<'_>, settings: &ErrorSettings) -> Result<ErrorTable, Unsupported> {
         let tape = Tape::new(view.function);
         let inputs = settings.states.draw(view, settings.state);

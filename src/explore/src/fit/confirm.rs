@@ -58,7 +58,8 @@ pub struct Ready {
 ///
 /// # Errors
 ///
-/// When it cannot be placed any more, which would be a mistake of the search.
+/// Fails when it cannot be placed any more, which would be a mistake of the
+/// search.
 pub fn ready(
     task: &FitTask<'_>,
     program: &FitProgram,

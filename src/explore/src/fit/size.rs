@@ -95,7 +95,7 @@ const UNEVEN: [[u32; 2]; 2] = [[1, 2], [1, 3]];
 ///
 /// # Errors
 ///
-/// When it cannot be placed with any number of elements.
+/// Fails when it cannot be placed with any number of elements.
 pub(super) fn sizes(
     task: &FitTask<'_>,
     program: &FitProgram,

@@ -54,7 +54,7 @@ pub struct FrontPoint {
 ///
 /// # Errors
 ///
-/// When program and yardstick do not fit.
+/// Fails when program and yardstick do not fit.
 pub fn measure(
     choice: &FrontChoice,
     module: &Module,

@@ -105,8 +105,8 @@ pub struct MeasuredShare {
 ///
 /// # Errors
 ///
-/// When a pass gives up on it, a formulation computes something else, or a point
-/// cannot be kept.
+/// Fails when a pass gives up on it, a formulation computes something else, or
+/// a point cannot be kept.
 pub fn front(
     name: &str,
     module: &Module,

@@ -91,7 +91,8 @@ impl NeglectJudge<'_> {
     ///
     /// # Errors
     ///
-    /// When the scene contradicts what is left out, or gives no equations.
+    /// Fails when the scene contradicts what is left out, or gives no
+    /// equations.
     pub(super) fn build(
         &self,
         table: &SceneTable,

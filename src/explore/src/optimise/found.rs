@@ -43,7 +43,7 @@ struct KeptSearch {
 ///
 /// # Errors
 ///
-/// When a pass gives up on the equations.
+/// Fails when a pass gives up on the equations.
 pub fn found(
     starts: &[OptimisationStart],
     machine: &Machine,

@@ -169,7 +169,7 @@ pub enum OptimisationError {
 ///
 /// # Errors
 ///
-/// When a pass gives up on the equations.
+/// Fails when a pass gives up on the equations.
 pub fn search_share(
     starts: &[OptimisationStart],
     question: &OptimisationQuestion<'_>,

@@ -26,7 +26,7 @@ impl SceneFile {
     ///
     /// # Panics
     ///
-    /// When the scene is one of equations, which do not move.
+    /// Panics when the scene is one of equations, which do not move.
     pub fn moving<T>(
         &self,
         (laws, machine): (&Laws, &Machine),

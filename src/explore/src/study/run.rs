@@ -32,9 +32,8 @@ pub struct StudyOutcome {
 ///
 /// # Errors
 ///
-/// When a model cannot be read, a pipeline fails, or a point cannot be
-/// stored. A program that a machine cannot hold is no error: its point says
-/// so.
+/// Fails when a model cannot be read, a pipeline fails, or a point cannot be
+/// stored. A program that a machine cannot hold is no error: its point says so.
 pub fn run(
     plan: &StudyPlan,
     sources: &dyn ProgramSources,

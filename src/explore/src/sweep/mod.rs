@@ -149,8 +149,8 @@ impl SweptProgram {
     ///
     /// # Errors
     ///
-    /// When it reads or computes something that the yardstick's function does
-    /// not.
+    /// Fails when it reads or computes something that the yardstick's function
+    /// does not.
     pub fn new(
         name: String,
         module: Module,
@@ -176,8 +176,8 @@ impl SweptProgram {
 ///
 /// # Errors
 ///
-/// When the designs are too many for the programs' size, interleaving fails, or
-/// a placement cannot be kept.
+/// Fails when the designs are too many for the programs' size, interleaving
+/// fails, or a placement cannot be kept.
 pub fn sweep(
     name: &str,
     programs: Vec<SweptProgram>,
@@ -226,7 +226,7 @@ pub fn sweep(
 ///
 /// # Errors
 ///
-/// When the designs are too many for the programs' size.
+/// Fails when the designs are too many for the programs' size.
 pub fn check_work(programs: &[SweptProgram], space: &DesignSpace) -> Result<(), SweepError> {
     let operations: usize = programs.iter().map(|program| program.operations).sum();
     let (designs, instances) = space.count();

@@ -45,7 +45,7 @@ pub struct PlacedShare {
 ///
 /// # Errors
 ///
-/// When interleaving fails, or a placement cannot be kept.
+/// Fails when interleaving fails, or a placement cannot be kept.
 pub fn place_share(
     programs: &[SweptProgram],
     space: &DesignSpace,

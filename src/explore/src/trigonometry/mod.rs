@@ -90,7 +90,7 @@ pub enum MeasureError {
 ///
 /// # Errors
 ///
-/// When a pass fails, or the equations are not the model's.
+/// Fails when a pass fails, or the equations are not the model's.
 pub fn measure(
     name: &str,
     module: &Module,

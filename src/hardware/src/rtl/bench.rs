@@ -31,8 +31,8 @@ pub enum BenchFailure {
 ///
 /// # Errors
 ///
-/// When the images cannot be loaded or run in the simulator, or are for no
-/// hardware.
+/// Fails when the images cannot be loaded or run in the simulator, or are for
+/// no hardware.
 pub fn bench_files(
     view: View<'_>,
     machine: &Machine,

@@ -133,7 +133,7 @@ pub struct Checked {
 ///
 /// # Errors
 ///
-/// When the tool is missing, the bench cannot be built, or it finds a
+/// Fails when the tool is missing, the bench cannot be built, or it finds a
 /// mistake.
 pub fn check(
     folder: &Path,

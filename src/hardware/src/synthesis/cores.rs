@@ -71,7 +71,7 @@ pub fn design(core: OperatorCore, format: NumberFormat, stages: u32) -> Synthesi
 ///
 /// # Errors
 ///
-/// When yosys cannot be run or refuses it.
+/// Fails when yosys cannot be run or refuses it.
 pub fn map(
     tool: &Yosys,
     core: OperatorCore,

@@ -37,7 +37,7 @@ pub struct ModuleCount {
 ///
 /// # Errors
 ///
-/// When a module instantiates itself.
+/// Fails when a module instantiates itself.
 pub fn count(netlist: &Netlist, top: &str) -> Result<Vec<ModuleCount>, SynthesisError> {
     let order = netlist.bottom_up(top)?;
     let mut totals: BTreeMap<&str, ResourceUse> = BTreeMap::new();

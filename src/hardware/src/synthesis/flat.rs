@@ -104,7 +104,7 @@ impl InstanceNets {
 ///
 /// # Errors
 ///
-/// When a module instantiates itself, or the design has millions of
+/// Fails when a module instantiates itself, or the design has millions of
 /// primitives.
 pub(super) fn flatten<'a>(netlist: &'a Netlist, top: &'a str) -> Result<Flat<'a>, SynthesisError> {
     // Refuses designs that contain themselves, so that the stack empties.

@@ -91,7 +91,7 @@ pub fn design(files: &[(String, String)]) -> SynthesisDesign {
 ///
 /// # Errors
 ///
-/// When yosys cannot be run, refuses the design, or leaves a memory or
+/// Fails when yosys cannot be run, refuses the design, or leaves a memory or
 /// another cell unmapped.
 pub fn map(
     tool: &Yosys,

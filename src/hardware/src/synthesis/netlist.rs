@@ -81,7 +81,7 @@ impl Netlist {
     ///
     /// # Errors
     ///
-    /// When it is not JSON, or not of the form that yosys writes.
+    /// Fails when it is not JSON, or not of the form that yosys writes.
     pub fn parse(text: &str) -> Result<Netlist, SynthesisError> {
         serde_json::from_str(text).map_err(|error| SynthesisError::Netlist(error.to_string()))
     }
@@ -91,7 +91,7 @@ impl Netlist {
     ///
     /// # Errors
     ///
-    /// When there is none.
+    /// Fails when there is none.
     pub fn top(&self) -> Result<&str, SynthesisError> {
         let own = || {
             self.modules
@@ -111,7 +111,7 @@ impl Netlist {
     ///
     /// # Errors
     ///
-    /// When a module instantiates itself.
+    /// Fails when a module instantiates itself.
     pub fn bottom_up(&self, top: &str) -> Result<Vec<&str>, SynthesisError> {
         let mut order = Vec::new();
         let mut state: BTreeMap<&str, bool> = BTreeMap::new();

@@ -62,7 +62,8 @@ impl RoutedMachine {
 ///
 /// # Errors
 ///
-/// When a tool is missing, refuses the design, or says what cannot be read.
+/// Fails when a tool is missing, refuses the design, or says what cannot be
+/// read.
 pub fn place_and_route(
     yosys: &Yosys,
     files: &[(String, String)],

@@ -117,8 +117,8 @@ impl<'a> NetlistTiming<'a> {
     ///
     /// # Errors
     ///
-    /// When a cell is unknown, logic goes in circles, or the design cannot be
-    /// opened.
+    /// Fails when a cell is unknown, logic goes in circles, or the design
+    /// cannot be opened.
     pub fn new(netlist: &'a Netlist, top: &'a str) -> Result<NetlistTiming<'a>, SynthesisError> {
         let flat = flat::flatten(netlist, top)?;
         let model = |primitive: &Primitive<'_>| {

@@ -36,7 +36,7 @@ impl Yosys {
     ///
     /// # Errors
     ///
-    /// When there is none, or only an old one.
+    /// Fails when there is none, or only an old one.
     pub fn find() -> Result<Yosys, SynthesisError> {
         let mut old = None;
         for program in PROGRAMS {
@@ -56,7 +56,7 @@ impl Yosys {
     ///
     /// # Errors
     ///
-    /// When yosys refuses the design or a memory is not mapped.
+    /// Fails when yosys refuses the design or a memory is not mapped.
     pub fn map(&self, design: &SynthesisDesign) -> Result<Netlist, SynthesisError> {
         let folder = TemporaryFolder::new()?;
         let files = design

@@ -33,8 +33,8 @@ fn turn(name: &str) -> u8 {
 ///
 /// # Errors
 ///
-/// When a file may not be replaced, which is found before any is written, or
-/// the system refuses; the folder has then no seal.
+/// Fails when a file may not be replaced, which is found before any is written,
+/// or the system refuses; the folder has then no seal.
 pub fn write_folder(
     folder: &Path,
     files: &[(&str, &str)],

@@ -117,7 +117,7 @@ impl TemporaryFolder {
     ///
     /// # Errors
     ///
-    /// When it cannot be made.
+    /// Fails when it cannot be made.
     pub fn new() -> io::Result<TemporaryFolder> {
         TemporaryFolder::new_in(&std::env::temp_dir())
     }

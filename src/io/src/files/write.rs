@@ -33,7 +33,7 @@ const MAX_LINKS: usize = 40;
 ///
 /// # Errors
 ///
-/// When the system refuses.
+/// Fails when the system refuses.
 pub fn make_folder(path: &Path) -> io::Result<()> {
     fs::create_dir_all(path)
 }
@@ -48,7 +48,8 @@ pub fn make_folder(path: &Path) -> io::Result<()> {
 ///
 /// # Errors
 ///
-/// When something is there that may not be replaced, or the system refuses.
+/// Fails when something is there that may not be replaced, or the system
+/// refuses.
 pub fn write_whole(
     path: &Path,
     replace: Replace,
@@ -88,7 +89,7 @@ pub fn write_whole(
 ///
 /// # Errors
 ///
-/// When something is there that may not be replaced, or cannot be read.
+/// Fails when something is there that may not be replaced, or cannot be read.
 pub fn refuse_foreign(path: &Path, replace: Replace) -> Result<(), FileWriteError> {
     let is_there = fs::metadata(path).is_ok_and(|there| there.is_file());
     let system = |error: io::Error| FileWriteError::System(path.to_owned(), error);

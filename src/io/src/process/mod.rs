@@ -183,7 +183,8 @@ impl ProgramCall {
     ///
     /// # Errors
     ///
-    /// When it cannot be started or reaches a limit; all of it is then dead.
+    /// Fails when it cannot be started or reaches a limit; all of it is then
+    /// dead.
     pub fn run(&self) -> Result<FinishedProcess, ToolError> {
         let mut command = Command::new(&self.program);
         command

@@ -73,7 +73,7 @@ struct Member<'a> {
 ///
 /// # Errors
 ///
-/// When the module holds what Robotran's files have no words for.
+/// Fails when the module holds what Robotran's files have no words for.
 pub fn write(
     module: &Module,
     language: Language,

@@ -71,7 +71,7 @@ impl TrigonometricUnit {
     ///
     /// # Errors
     ///
-    /// When the name is that of no implementation.
+    /// Fails when the name is that of no implementation.
     pub fn named(name: &str) -> Result<TrigonometricUnit, ImplementationError> {
         name.parse().and_then(TrigonometricUnit::new)
     }

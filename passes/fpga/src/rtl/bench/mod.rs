@@ -115,7 +115,7 @@ impl TestBench<'_> {
     ///
     /// # Errors
     ///
-    /// When images and runs do not fit together.
+    /// Fails when images and runs do not fit together.
     pub fn files(&self) -> Result<Vec<(String, String)>, BenchError> {
         let window = self.manifest.window.as_ref().ok_or(BenchError::NoWindow)?;
         self.check_runs()?;
