@@ -120,7 +120,7 @@ fn translation(input: &Path, folder: &Path) {
             .arg(input)
             .args(["--language", language]);
         command.arg("-o").arg(folder.join("written"));
-        let label = format!("robovec write --language {language}");
+        let label = format!("robovec gen --language {language}");
         row(&label, 600_000, command, None);
     }
 }

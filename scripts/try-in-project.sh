@@ -108,7 +108,7 @@ make_set() {
                 -o "$work/$name.rvir" >"$work/log" 2>&1 || { refused "$name"; continue; }
             file=$work/$name.rvir
         fi
-        "$programs/robovec" write "$file" --language c --bounded --passes '$cpu' \
+        "$programs/robovec" gen "$file" --language c --bounded --passes '$cpu' \
             --generation "$generation" -o "$folder" >"$work/log" 2>&1 || refused "$name"
     done
 }

@@ -281,7 +281,11 @@ impl TriedDocument<'_> {
             link.unwrap_or_default();
         }
         fs::write(folder.join("scenes/part.scene.toml"), whole).expect("a folder of our own");
-        printed("robovec scene part/scenes/part.scene.toml", &self.folder).map(drop)
+        printed(
+            "robovec fit --explain part/scenes/part.scene.toml",
+            &self.folder,
+        )
+        .map(drop)
     }
 }
 

@@ -168,7 +168,7 @@ fn the_command_writes_files_that_compile() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/suspension");
     let written = Command::new(env!("CARGO_BIN_EXE_robovec"))
-        .arg("write")
+        .arg("gen")
         .arg(examples.join("mbs_dirdyna_suspension.c"))
         .args([
             "--language",
@@ -223,7 +223,7 @@ fn the_command_writes_files_that_compile() {
     assert!(tried.status.success(), "{text}");
     assert!(text.contains("robotrans_own off by") && text.contains("mbs_dirdyna off by"));
     let refused = Command::new(env!("CARGO_BIN_EXE_robovec"))
-        .arg("write")
+        .arg("gen")
         .arg(examples.join("mbs_dirdyna_suspension.c"))
         .args(["--language", "python", "--bounded", "-o"])
         .arg(folder.path())

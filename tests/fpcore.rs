@@ -200,9 +200,9 @@ fn states_lie_in_the_ranges_of_a_core() {
     };
     for command in [
         "eval CORE --states 20",
-        "errors CORE --state 3",
-        "accuracy CORE --passes atomise",
-        "accuracy CORE --outputs",
+        "error CORE --blame --state 3",
+        "error CORE --passes atomise",
+        "error CORE",
     ] {
         let text = said(&run(command, "tests/fpcore/narrow.fpcore")).to_lowercase();
         assert!(
@@ -223,7 +223,7 @@ fn states_lie_in_the_ranges_of_a_core() {
     }
     for command in [
         "bench CORE",
-        "trig CORE",
+        "error CORE --series",
         "rules bench CORE",
         "rules find CORE",
     ] {
@@ -241,22 +241,27 @@ fn states_lie_in_the_ranges_of_a_core() {
 fn what_is_called_exact_is_certified() {
     let core = "tests/fpcore/lost.fpcore";
     let errors: serde_json::Value =
-        serde_json::from_str(&said(&robovec(&["errors", core, "--json"]))).expect("it is JSON");
+        serde_json::from_str(&said(&robovec(&["error", core, "--blame", "--json"])))
+            .expect("it is JSON");
     let output = &errors[0]["outputs"][0];
     let known = ["exact", "certified", "computed", "error"].map(|key| output[key].clone());
     let known = serde_json::Value::from(known.to_vec());
     assert_eq!(known, serde_json::json!([7.0, true, 0.0, -7.0]));
-    let text = said(&robovec(&["errors", core]));
+    let text = said(&robovec(&["error", core, "--blame"]));
     assert!(
         text.contains("7.000000e0") && text.contains("no sigma"),
         "{text}"
     );
-    let passes = said(&robovec(&["accuracy", core, "--passes", "atomise,balance"]));
+    let passes = said(&robovec(&["error", core, "--passes", "atomise,balance"]));
     assert!(
         !passes.contains("better") && !passes.contains("inf"),
         "{passes}"
     );
-    let undefined = said(&robovec(&["errors", "tests/fpcore/undefined.rvir"]));
+    let undefined = said(&robovec(&[
+        "error",
+        "tests/fpcore/undefined.rvir",
+        "--blame",
+    ]));
     assert!(
         undefined.contains("~inf") && undefined.contains("not certified"),
         "{undefined}"

@@ -263,12 +263,12 @@ fn pages_and_texts_name_what_they_show() {
 #[test]
 fn one_is_counted_in_the_singular() {
     for command in [
-        "accuracy tests/labels/pair.rvir --states 1 --passes atomise",
-        "accuracy tests/labels/pair.rvir --states 1 --outputs --number f32",
-        "errors tests/labels/pair.rvir --outputs y[1]",
+        "error tests/labels/pair.rvir --states 1 --passes atomise",
+        "error tests/labels/pair.rvir --states 1 --number f32",
+        "error tests/labels/pair.rvir --blame --outputs y[1]",
         "eval tests/labels/pair.rvir --states 1",
-        "scene tests/labels/pair.scene.toml",
-        "modal examples/models/double-pendulum.mbs",
+        "fit tests/labels/pair.scene.toml --explain",
+        "sim modal examples/models/double-pendulum.mbs",
         "view tests/labels/pair.rvir -o OUT/view.html",
         "rtl tests/labels/pair.rvir --passes atomise,place -o OUT/rtl",
         "rules check rules/associativity.rules",

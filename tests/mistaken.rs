@@ -40,7 +40,7 @@ use Sample::{
 
 /// The places of command lines that name a file (`@`): the extension it has
 /// there, and the kinds that are taken.
-const PLACES: [(&str, &str, &[Sample]); 61] = [
+const PLACES: [(&str, &str, &[Sample]); 60] = [
     (
         "robovec-opt @ --passes=atomise",
         "rvir",
@@ -63,29 +63,26 @@ const PLACES: [(&str, &str, &[Sample]); 61] = [
         "rules",
         &[Rules],
     ),
-    ("accuracy @", "rvir", &[Equations, Model]),
-    ("accuracy good.rvir --outputs --scene=@", "toml", &[Scene]),
     ("bench @ --peers=none", "c", &[Equations, Model]),
     ("bench good.c --peers=none --model=@", "mbs", &[Model]),
     ("check @ good.rvir", "rvir", &[Equations]),
     ("check good.rvir @", "c", &[Equations]),
     ("check good.rvir good.rvir --zeros=@", "mbs", &[Model]),
     ("check good.rvir good.rvir --model=@", "mbs", &[Model]),
-    ("equilibrium @", "mbs", &[Model]),
-    ("equilibrium good.mbs --laws=@", "toml", &[Laws]),
-    ("errors @", "c", &[Equations, Model]),
-    ("errors good.rvir --scene=@", "toml", &[Scene]),
+    ("error @ --states=8", "rvir", &[Equations, Model]),
+    ("error @ --blame", "c", &[Equations, Model]),
+    ("error @ --series", "rvir", &[Equations, Model]),
+    ("error good.rvir --scene=@", "toml", &[Scene]),
     ("eval @ --states=1", "m", &[Equations, Model]),
     ("eval good.rvir --states=@", "txt", &[States]),
     ("eval good.rvir --states=1 --model=@", "mbs", &[Model]),
     ("fit @", "toml", &[Scene]),
+    ("fit @ --reduce", "toml", &[Scene]),
     ("front @", "py", &[Equations, Model]),
-    ("gen @", "mbs", &[Model]),
-    ("modal @", "urdf", &[Model]),
-    ("modal good.mbs --laws=@", "toml", &[Laws]),
+    ("gen @", "mbs", &[Equations, Model]),
+    ("gen @ --language=c", "m", &[Equations, Model]),
     ("model @", "mbs", &[Model]),
     ("model good.mbs --equations=@", "c", &[Equations]),
-    ("neglect @", "toml", &[Scene]),
     ("optimise @", "c", &[Equations, Model, Scene]),
     ("optimise good.rvir --model=@", "mbs", &[Model]),
     ("optimise good.rvir --scene=@", "toml", &[Scene]),
@@ -112,10 +109,14 @@ const PLACES: [(&str, &str, &[Sample]); 61] = [
     ("rules why y @", "rvir", &[Equations, Model]),
     ("rules why y good.rvir --rules=@", "rules", &[Rules]),
     ("rules why-not a+b b+a --rules=@", "rules", &[Rules]),
-    ("scene @", "toml", &[Scene]),
+    ("fit @ --explain", "toml", &[Scene]),
     ("sim @", "mbs", &[Model]),
     ("sim good.mbs --laws=@", "toml", &[Laws]),
-    ("simulate @", "", &[Images]),
+    ("sim equilibrium @", "mbs", &[Model]),
+    ("sim equilibrium good.mbs --laws=@", "toml", &[Laws]),
+    ("sim modal @", "urdf", &[Model]),
+    ("sim modal good.mbs --laws=@", "toml", &[Laws]),
+    ("rtl simulate @", "", &[Images]),
     ("study --plan=@ -o out", "toml", &[Plan]),
     (
         "study --plan=good.toml --models=@ -o out",
@@ -124,16 +125,20 @@ const PLACES: [(&str, &str, &[Sample]); 61] = [
     ),
     ("sweep @", "c", &[Equations, Model]),
     ("front good.rvir --machine=@", "toml", &[Machine]),
-    ("trig @", "rvir", &[Equations, Model]),
     ("view @", "c", &[Equations, Model]),
     ("view good.rvir --model=@", "mbs", &[Model]),
     ("view good.rvir --scene=@", "toml", &[Scene]),
     ("view good.rvir --rules=@", "rules", &[Rules]),
-    ("write @ --language=c", "m", &[Equations]),
 ];
 
 /// Commands that read no file.
-const WITHOUT_FILES: [&str; 5] = ["completion", "manual", "rules help", "stress", "synthesise"];
+const WITHOUT_FILES: [&str; 5] = [
+    "rtl help",
+    "rtl synthesise",
+    "rules help",
+    "sim help",
+    "stress",
+];
 
 /// Files of every kind, the same for all places.
 const SAMPLES: [(&str, Sample, &[u8]); 16] = [
@@ -215,11 +220,17 @@ fn commands(words: &[&str]) -> BTreeSet<String> {
 fn every_command_is_tried() {
     let mut known = commands(&[]);
     assert!(known.remove("rules"), "{known:?}");
-    known.extend(commands(&["rules"]));
+    for group in ["rtl", "rules", "sim"] {
+        known.extend(commands(&[group]));
+    }
     let of = |line: &str| {
         let words: Vec<&str> = line.split(' ').collect();
-        let count = if words[0] == "rules" { 2 } else { 1 };
-        words[..count].join(" ")
+        let both = words[..2].join(" ");
+        if known.contains(&both) {
+            both
+        } else {
+            words[0].to_owned()
+        }
     };
     let tried = PLACES
         .iter()
@@ -386,7 +397,7 @@ const WITHOUT_TOOLS: [(&str, &str); 12] = [
     ("front good.rvir --cpu -o out", "'cc'"),
     ("sweep good.rvir --cpu -o out", "'cc'"),
     ("study --plan=good.toml --cpu -o out", "'cc'"),
-    ("synthesise", "yosys"),
+    ("rtl synthesise", "yosys"),
     (
         "rtl good.rvir --passes=atomise,place --check=iverilog -o out",
         "'iverilog'",

@@ -152,7 +152,8 @@ fn what_is_written_is_what_was_judged() {
     fs::write(&scene, text).expect("writable");
     let out = folder.path().join("out");
     let told = robovec(&[
-        "neglect",
+        "fit",
+        "--reduce",
         &scene.to_string_lossy(),
         "-o",
         &out.to_string_lossy(),
@@ -258,7 +259,7 @@ fn what_cannot_be_judged_is_told() {
         let path = folder.path().join("carts.scene.toml");
         let text = format!("model = 'carts.mbs'\nfunction = 'accelred'\n{scene}");
         fs::write(&path, text).expect("writable");
-        let output = robovec(&["neglect", &path.to_string_lossy()]);
+        let output = robovec(&["fit", "--reduce", &path.to_string_lossy()]);
         let message = stderr(&output);
         assert_eq!(output.status.code(), Some(1), "{message}");
         for word in words {

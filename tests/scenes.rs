@@ -371,7 +371,7 @@ fn held_joints_are_no_unknowns() {
 fn a_scene_is_told() {
     for name in ["bogie-straight", "quarter-car-rig", "arm-torques"] {
         let path = format!("examples/scenes/{name}.scene.toml");
-        let output = robovec(&["scene", &path]);
+        let output = robovec(&["fit", "--explain", &path]);
         let message = stderr(&output);
         assert!(output.status.success(), "{message}");
         insta::assert_snapshot!(name, String::from_utf8_lossy(&output.stdout));
@@ -381,7 +381,7 @@ fn a_scene_is_told() {
 #[test]
 fn scenes_that_are_wrong_are_refused_with_a_caret() {
     each("tests/scenes/errors", &["toml"], |path| {
-        let output = robovec(&["scene", &path.to_string_lossy()]);
+        let output = robovec(&["fit", "--explain", &path.to_string_lossy()]);
         assert_eq!(output.status.code(), Some(1));
         assert!(output.stdout.is_empty());
         let told = String::from_utf8_lossy(&output.stderr);

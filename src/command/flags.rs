@@ -75,22 +75,35 @@ fn limited(flag: Arg) -> Arg {
 
 /// The limits of a program's flags, subcommands included.
 pub(crate) fn rows(command: &Command) -> Vec<LimitRow> {
-    let mut rows = Vec::new();
+    let mut rows: Vec<LimitRow> = Vec::new();
+    let program = command.get_name();
     let mut rest = vec![(command.get_name().to_owned(), command)];
     while let Some((place, command)) = rest.pop() {
-        rows.extend(command.get_arguments().filter_map(|flag| {
-            let &FlagLimit(limit) = flag.get::<FlagLimit>()?;
+        for flag in command.get_arguments() {
+            let Some((&FlagLimit(limit), long)) = flag.get::<FlagLimit>().zip(flag.get_long())
+            else {
+                continue;
+            };
             let usual = flag.get_default_values().iter();
             let usual: Vec<String> = usual
                 .map(|value| value.to_string_lossy().into_owned())
                 .collect();
-            Some(LimitRow {
-                place: place.clone(),
-                name: format!("--{}", flag.get_long()?),
-                limit,
-                usual: usual.join(","),
-            })
-        }));
+            // A global flag is one, in however many commands it is.
+            let own = if flag.is_global_set() {
+                program
+            } else {
+                &place
+            };
+            let name = format!("--{long}");
+            if !rows.iter().any(|row| row.place == own && row.name == name) {
+                rows.push(LimitRow {
+                    place: own.to_owned(),
+                    name,
+                    limit,
+                    usual: usual.join(","),
+                });
+            }
+        }
         let inner = command.get_subcommands();
         let mut inner: Vec<(String, &Command)> = inner
             .map(|inner| (format!("{place} {}", inner.get_name()), inner))

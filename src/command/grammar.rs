@@ -6,6 +6,7 @@
 //! group and has examples, which tests read as command lines. The page
 //! `docs/commands.md` is made from here.
 
+use super::former::{FORMER, FormerCommand};
 use clap::{Arg, Command};
 use std::fmt::Write;
 
@@ -121,54 +122,27 @@ const WORDS: [GrammarWord; 20] = [
 ];
 
 /// Commands by what one does with them.
-pub(super) const GROUPS: [(&str, &[&str]); 6] = [
+pub(super) const GROUPS: [(&str, &[&str]); 5] = [
     ("Get the best program", &["optimise", "view", "bench"]),
-    (
-        "From models to equations",
-        &["model", "gen", "write", "equilibrium", "modal", "sim"],
-    ),
+    ("From models to equations", &["model", "gen", "sim"]),
     (
         "Are they right, and how exact",
-        &["eval", "check", "errors", "accuracy", "trig", "stress"],
-    ),
-    ("Only what is needed", &["scene", "neglect", "fit", "front"]),
-    (
-        "Hardware",
-        &["rtl", "simulate", "synthesise", "sweep", "study"],
+        &["eval", "check", "error", "stress"],
     ),
     (
-        "Rules, and this program",
-        &["rules", "manual", "completion"],
+        "Only what is needed, on which hardware",
+        &["fit", "front", "sweep", "study", "rtl"],
     ),
+    ("Research on rewriting", &["rules"]),
 ];
 
 /// Examples of every command, as they are typed in the root of the repository.
 const EXAMPLES: &[(&str, &[&str])] = &[
     (
-        "accuracy",
-        &[
-            "robovec accuracy examples/suspension/mbs_dirdyna_suspension.m -o accuracy",
-            "robovec accuracy examples/models/quarter-car.mbs --outputs --number f32,f16",
-        ],
-    ),
-    (
         "bench",
         &[
             "robovec bench serial-23 bogie",
             "robovec bench examples/robots/arm.urdf --function invdyna_d --peers none",
-        ],
-    ),
-    (
-        "equilibrium",
-        &[
-            "robovec equilibrium examples/models/quarter-car.mbs --laws examples/laws/quarter-car.toml",
-        ],
-    ),
-    (
-        "errors",
-        &[
-            "robovec errors bogie",
-            "robovec errors examples/models/bogie.mbs --outputs 'c[3]' --number f16",
         ],
     ),
     (
@@ -179,8 +153,22 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "error",
+        &[
+            "robovec error examples/models/quarter-car.mbs --number f32,f16",
+            "robovec error examples/suspension/mbs_dirdyna_suspension.m --passes '$shorten'",
+            "robovec error examples/models/bogie.mbs --blame --outputs 'c[3]' --number f16",
+            "robovec error examples/rounding/benchmarks.fpcore --function doppler1 --prove",
+            "robovec error examples/models/bogie.mbs --series -o series",
+        ],
+    ),
+    (
         "fit",
-        &["robovec fit examples/scenes/bogie-1e-4.scene.toml -o fitted"],
+        &[
+            "robovec fit examples/scenes/bogie-1e-4.scene.toml -o fitted",
+            "robovec fit examples/scenes/bogie-straight.scene.toml --explain",
+            "robovec fit examples/scenes/car-ride.scene.toml --reduce -o reduced",
+        ],
     ),
     ("front", &["robovec front bogie serial-23 -o results"]),
     (
@@ -188,11 +176,8 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         &[
             "robovec gen bogie --formulation composite -o bogie.rvir",
             "robovec gen examples/robots/arm.urdf --function invdyna_d --numbers --language c -o jacobians",
+            "robovec gen examples/suspension/mbs_dirdyna_suspension.m --language c --passes '$cpu' -o new",
         ],
-    ),
-    (
-        "modal",
-        &["robovec modal examples/models/bogie.mbs --laws examples/laws/bogie.toml"],
     ),
     (
         "model",
@@ -202,22 +187,12 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         ],
     ),
     (
-        "neglect",
-        &["robovec neglect examples/scenes/car-ride.scene.toml -o reduced"],
-    ),
-    (
-        "scene",
-        &["robovec scene examples/scenes/bogie-straight.scene.toml"],
-    ),
-    (
         "sim",
         &[
             "robovec sim examples/models/quarter-car.mbs --laws examples/laws/quarter-car.toml --time 2 -o ride.csv",
+            "robovec sim equilibrium examples/models/quarter-car.mbs --laws examples/laws/quarter-car.toml",
+            "robovec sim modal examples/models/bogie.mbs --laws examples/laws/bogie.toml",
         ],
-    ),
-    (
-        "simulate",
-        &["robovec simulate images --machine thesis --inputs 0.1,0.2"],
     ),
     (
         "check",
@@ -236,6 +211,8 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         "rtl",
         &[
             "robovec rtl bogie --passes '$shorten,place' --machine side-split -o hardware --check verilator",
+            "robovec rtl simulate images --machine thesis --inputs 0.1,0.2",
+            "robovec rtl synthesise --add 5 --multiply 3",
         ],
     ),
     (
@@ -245,8 +222,6 @@ const EXAMPLES: &[(&str, &[&str])] = &[
     ("stress", &["robovec stress", "robovec stress --list"]),
     ("study", &["robovec study -o results"]),
     ("sweep", &["robovec sweep bogie --cpu -o results"]),
-    ("synthesise", &["robovec synthesise --add 5 --multiply 3"]),
-    ("trig", &["robovec trig bogie -o series"]),
     (
         "view",
         &[
@@ -255,14 +230,6 @@ const EXAMPLES: &[(&str, &[&str])] = &[
             "robovec view bogie --dot bogie.dot --value 'c[3]' --trace bogie.json",
         ],
     ),
-    (
-        "write",
-        &[
-            "robovec write examples/suspension/mbs_dirdyna_suspension.m --language c --passes '$cpu' -o new",
-        ],
-    ),
-    ("manual", &["robovec manual -o manual"]),
-    ("completion", &["robovec completion bash"]),
 ];
 
 /// The command with the words of the grammar written alike, its examples and,
@@ -370,7 +337,7 @@ pub fn manual() -> String {
     text.push_str(
         "| `-o`, `--output` | where results go: a file, or a folder for several |\n| `--force` | \
          replace files that robovec did not write |\n| `--base`, `--right-angles` | how robots \
-         (`.urdf`) are read ([robots.md](robots.md)) |\n| `--tool-seconds` | when compilers and \
+         (`.urdf`) are read, where models are ([robots.md](robots.md)) |\n| `--tool-seconds` | when compilers and \
          simulators are stopped |\n",
     );
     for (title, names) in GROUPS {
@@ -388,6 +355,10 @@ pub fn manual() -> String {
     text.truncate(text.trim_end().len());
     text.push('\n');
     text.push_str(SHARES);
+    text.push_str("\n## Former commands\n\n| before | now | results |\n|---|---|---|\n");
+    for FormerCommand { line, now, results } in FORMER {
+        let _ = writeln!(text, "| `robovec {line}` | `robovec {now}` | {results} |");
+    }
     text
 }
 
@@ -404,7 +375,7 @@ mod tests {
     #[test]
     fn every_command_is_in_one_group_and_has_examples_that_are_read() {
         let [_, tool] = super::super::commands();
-        for sub in tool.get_subcommands() {
+        for sub in tool.get_subcommands().filter(|sub| !sub.is_hide_set()) {
             let name = sub.get_name();
             let groups = GROUPS.iter().filter(|(_, names)| names.contains(&name));
             assert_eq!(groups.count(), 1, "{name} stands in one group");

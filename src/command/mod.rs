@@ -5,16 +5,16 @@
 //! ends in a diagnostic and exit code 1; wrong use of the command line is
 //! exit code 2.
 
-mod accuracy;
 pub(crate) mod arguments;
 mod bench;
 mod compare;
 mod dump;
-mod errors;
+mod error;
 mod eval;
 mod explain;
 pub(crate) mod fit;
 pub(crate) mod flags;
+mod former;
 mod front;
 mod generation;
 pub mod grammar;
@@ -25,36 +25,28 @@ mod manual;
 mod memory;
 mod model;
 mod names;
-mod neglect;
 pub mod opt;
 mod optimise;
 mod output;
-mod output_errors;
 mod placed;
 mod progress;
 mod reduction;
 mod reproducer;
 mod robot_bench;
 mod rtl;
-mod rtl_bench;
 mod rules;
-mod scene;
 mod shares;
 mod sim;
 mod simulation;
-mod standing;
 mod stress;
 mod study;
 mod subjects;
 mod summary;
 mod sweep;
-mod synthesise;
 mod tables;
 mod telling;
 pub mod tool;
-mod trig;
 mod view;
-mod write;
 
 use robovec_bench::Compiler;
 use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};

@@ -18,7 +18,7 @@ pub(super) fn refuse_wrong(path: &Path, is_text: bool) -> Result<(), CommandFail
             "c" | "h" => "for C, end the pipeline with codegen{target=c} and name a folder",
             "mif" | "hex" => "for images, end the pipeline with place,codegen{target=mif}",
             "v" | "sv" => "for hardware, end the pipeline with place,codegen{target=rtl}",
-            "m" | "py" => "'robovec write' writes Matlab and Python",
+            "m" | "py" => "'robovec gen' writes Matlab and Python",
             _ => "what else is told of a program goes into other files: --report FILE",
         };
         let notes = vec![

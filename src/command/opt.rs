@@ -313,16 +313,20 @@ pub(super) fn completion(program: &str, shell: &str) -> Result<String, CommandFa
 }
 
 pub(super) fn select(module: &mut Module, name: &str) -> Result<(), CommandFailure> {
+    select_all(module, &[name.to_owned()])
+}
+
+/// Keeps the functions of several names.
+pub(super) fn select_all(module: &mut Module, wanted: &[String]) -> Result<(), CommandFailure> {
     let names: Vec<String> = module.functions.iter().map(|f| f.name.clone()).collect();
     // The name of a kind stands for all its cases: `sensor` for `sensor_1` ….
-    let case = |function: &Function| {
-        let rest = function.name.strip_prefix(name)?.strip_prefix('_')?;
-        rest.bytes().all(|byte| byte.is_ascii_digit()).then_some(())
+    let is = |function: &Function, name: &String| {
+        let case = function.name.strip_prefix(name.as_str());
+        let case = case.and_then(|rest| rest.strip_prefix('_'));
+        function.name == *name || case.is_some_and(|rest| rest.bytes().all(|b| b.is_ascii_digit()))
     };
-    module
-        .functions
-        .retain(|function| function.name == name || case(function).is_some());
-    if module.functions.is_empty() {
+    let missing = |name: &&String| !module.functions.iter().any(|function| is(function, name));
+    if let Some(name) = wanted.iter().find(missing) {
         let notes = if names.is_empty() {
             vec!["the model has nothing of this kind".to_owned()]
         } else {
@@ -333,6 +337,8 @@ pub(super) fn select(module: &mut Module, name: &str) -> Result<(), CommandFailu
             notes,
         ));
     }
+    let kept = |function: &Function| wanted.iter().any(|name| is(function, name));
+    module.functions.retain(kept);
     Ok(())
 }
 

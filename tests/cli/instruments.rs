@@ -126,9 +126,11 @@ fn errors_are_compared_before_and_after_every_pass() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let results = folder.path().join("results");
     let mut command = Command::new(env!("CARGO_BIN_EXE_robovec"));
-    command.arg("accuracy").arg(example(SUSPENSION));
+    command.arg("error").arg(example(SUSPENSION));
     command.arg(example("models/quarter-car.mbs"));
-    let output = run(command.args(["--states", "32", "-o"]).arg(&results));
+    let output = run(command
+        .args(["--passes", "$shorten", "--states", "32", "-o"])
+        .arg(&results));
     assert!(output.status.success(), "{}", stderr(&output));
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     for part in [
@@ -139,15 +141,15 @@ fn errors_are_compared_before_and_after_every_pass() {
     ] {
         assert!(text.contains(part), "no '{part}' in\n{text}");
     }
-    let table = fs::read_to_string(results.join("accuracy.csv")).expect("it was asked for");
+    let table = fs::read_to_string(results.join("passes.csv")).expect("it was asked for");
     let passes = table
         .lines()
         .filter(|line| line.contains(",balance,"))
         .count();
     assert_eq!(passes, 2, "{table}");
-    let figure = fs::read_to_string(results.join("accuracy.svg")).expect("it was asked for");
+    let figure = fs::read_to_string(results.join("passes.svg")).expect("it was asked for");
     assert!(figure.starts_with("<svg") && figure.contains("as read"));
-    let json = fs::read_to_string(results.join("accuracy.json")).expect("it was asked for");
+    let json = fs::read_to_string(results.join("passes.json")).expect("it was asked for");
     serde_json::from_str::<serde_json::Value>(&json).expect("it is JSON");
 
     let report = folder.path().join("report.json");
@@ -172,11 +174,10 @@ fn every_output_is_measured_in_any_format() {
     let model = example("models/quarter-car.mbs");
     let accuracy = |arguments: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_robovec"));
-        run(command.arg("accuracy").arg(&model).args(arguments))
+        run(command.arg("error").arg(&model).args(arguments))
     };
     let results = folder.path().join("results");
     let output = accuracy(&[
-        "--outputs",
         "--formats",
         "f32,float(8,17),f64",
         "--states",
@@ -206,14 +207,14 @@ fn every_output_is_measured_in_any_format() {
     assert_eq!(csv.lines().count(), lines.len() + 1);
 
     // A state is printed so that the evaluator reads it.
-    let state = accuracy(&["--outputs", "--print-state", "5"]);
+    let state = accuracy(&["--print-state", "5"]);
     let file = folder.path().join("state.txt");
     fs::write(&file, &state.stdout).expect("the folder is there");
     let mut command = Command::new(env!("CARGO_BIN_EXE_robovec"));
     let output = run(command.arg("eval").arg(&model).arg("--states").arg(&file));
     assert!(output.status.success(), "{}", stderr(&output));
 
-    let output = accuracy(&["--outputs", "--formats", "f31"]);
+    let output = accuracy(&["--formats", "f31"]);
     assert!(!output.status.success() && stderr(&output).contains("expected a number format"));
 }
 
@@ -249,7 +250,7 @@ fn help_lists_what_there_is() {
 fn errors_name_equations_with_their_places_and_refuse_what_they_cannot_do() {
     let errors = |arguments: &[&str]| {
         run(Command::new(env!("CARGO_BIN_EXE_robovec"))
-            .arg("errors")
+            .args(["error", "--blame"])
             .arg(example(SUSPENSION))
             .args(arguments))
     };
@@ -266,7 +267,6 @@ fn errors_name_equations_with_their_places_and_refuse_what_they_cannot_do() {
     }
     for (arguments, message) in [
         ("--outputs M[9,9]", "has no output 'M[9,9]'"),
-        ("--format f31", "expected a number format"),
         ("--format f64 --method stochastic", "more than 40 bits"),
         ("--function nothing", "no function 'nothing'"),
     ] {

@@ -46,9 +46,12 @@ pub(crate) const NOT_RUN: &[(&str, &str)] = &[
         "robovec optimise examples/scenes/…",
         "searches long; tests/optimise.rs has smaller scenes",
     ),
-    ("robovec fit …", "takes a minute; tests/front.rs is smaller"),
     (
-        "robovec neglect …",
+        "robovec fit examples/scenes/bogie-1e-4…",
+        "takes a minute; tests/front.rs is smaller",
+    ),
+    (
+        "robovec fit examples/scenes/car-ride…",
         "takes minutes; tests/neglect.rs is smaller",
     ),
     (
@@ -71,7 +74,7 @@ pub(crate) const NOT_RUN: &[(&str, &str)] = &[
         "takes a minute; tests/rules.rs is smaller",
     ),
     (
-        "robovec simulate images …",
+        "robovec rtl simulate images …",
         "needs images of a program of its own",
     ),
     ("robovec stress --class …", "takes long; one case is run"),
@@ -83,7 +86,7 @@ pub(crate) const NOT_RUN: &[(&str, &str)] = &[
         "robovec sweep arm.mbs …",
         "takes minutes; a smaller space is run",
     ),
-    ("robovec synthesise…", "needs yosys"),
+    ("robovec rtl synthesise…", "needs yosys"),
 ];
 
 /// Beginnings of commands that take long, and what is run in their place, once:
@@ -94,8 +97,8 @@ pub(crate) const SMALLER: &[(&str, &str)] = &[
         "robovec bench quarter-car --peers none --milliseconds 1 --rounds 1",
     ),
     (
-        "robovec modal examples/models/bogie.mbs",
-        "robovec modal examples/models/bogie.mbs --laws examples/laws/bogie.toml",
+        "robovec sim modal examples/models/bogie.mbs",
+        "robovec sim modal examples/models/bogie.mbs --laws examples/laws/bogie.toml",
     ),
     (
         "robovec optimise examples/models/bogie.mbs --for cpu",
@@ -159,8 +162,8 @@ pub(crate) fn fill(folder: &Path) {
     };
     run("gen bogie.mbs --function dirdyna -o bogie.rvir");
     run("gen bogie.mbs --function dirdyna,accelred --language c -o symbolicR");
-    run("write bogie.rvir --language matlab -o symbolicR");
-    run("write bogie.rvir --language python -o symbolicR");
+    run("gen bogie.rvir --language matlab -o symbolicR");
+    run("gen bogie.rvir --language python -o symbolicR");
     let model = "examples/models/double-pendulum.mbs";
     let place = [
         "-passes=$shorten,place",

@@ -176,12 +176,12 @@ fn files_beyond_their_limits_are_refused_unread() {
             "model" => "robovec model large.mbs",
             "pipeline" => "robovec-opt f.rvir -passes=@large",
             "machine" => "robovec-opt f.rvir -passes=atomise --machine large.toml",
-            "scene" => "robovec scene large",
+            "scene" => "robovec fit --explain large",
             "file of laws" => "robovec sim p.mbs --laws large",
             "plan" => "robovec study --plan large -o out",
             "file of rules" => "robovec rules check large.rules",
             "file of states" => "robovec eval f.rvir --states large",
-            "memory image" => "robovec simulate images --inputs=1,1",
+            "memory image" => "robovec rtl simulate images --inputs=1,1",
             other => panic!("nothing reads a {other}"),
         };
         let mut words = line.split(' ').map(str::to_owned);

@@ -122,10 +122,12 @@ fn flag(row: &LimitRow, value: &str) -> Option<Invocation> {
         ("robovec-opt", _) => "f.rvir -passes=atomise --check-each=1 -o out.rvir",
         ("robovec", "--right-angles") => "model p.mbs",
         ("robovec", "--tool-seconds") => "eval f.rvir --random=1",
-        ("robovec accuracy", "--most" | "--print-state") => "f.rvir --outputs --states=8",
-        ("robovec accuracy", _) => "f.rvir --states=8",
         ("robovec bench", _) => "serial-1 --peers=none --milliseconds=1 --rounds=1",
-        ("robovec errors", _) => "f.rvir",
+        ("robovec error", "--state" | "--window" | "--samples" | "--boxes") => "f.rvir --prove",
+        ("robovec error", "--orders" | "--angles" | "--halvings") => {
+            "p.mbs --series --states=4 --orders=1 --angles=0.1"
+        }
+        ("robovec error", _) => "f.rvir --states=8",
         ("robovec eval", _) => "f.rvir --random=1",
         ("robovec fit", _) => "s.scene.toml --states=8 --formulation=recursive",
         ("robovec gen", _) => "p.mbs --function accelred -o out.rvir",
@@ -135,7 +137,7 @@ fn flag(row: &LimitRow, value: &str) -> Option<Invocation> {
         ("robovec view", _) => "f.rvir --passes=atomise -o out.html",
         ("robovec sim", "--step") => "p.mbs --time=0.1 --method=rk4 --max-steps=1000",
         ("robovec sim", _) => "p.mbs --time=0.1 --samples=2 --max-steps=1000",
-        ("robovec simulate", _) => "img --inputs=1,1",
+        ("robovec rtl simulate", _) => "img --inputs=1,1",
         ("robovec check", "--tolerance") => "f.rvir f.rvir --model p.mbs",
         ("robovec check", _) => "f.rvir f.rvir",
         ("robovec rtl", _) => "f.rvir --passes=atomise,place -o out --check=iverilog --runs=1",
@@ -152,8 +154,7 @@ fn flag(row: &LimitRow, value: &str) -> Option<Invocation> {
             "serial-1 --adders=1 --multipliers=1 --couples=3-3 --memories=unified --buffers=16 \
              --instances=1"
         }
-        ("robovec synthesise", _) => "--add=3 --multiply=3",
-        ("robovec trig", _) => "p.mbs --states=4 --orders=1 --angles=0.1",
+        ("robovec rtl synthesise", _) => "--add=3 --multiply=3",
         _ => return None,
     };
     let subcommand = row.place.strip_prefix("robovec ").map(words);
@@ -288,7 +289,7 @@ fn scene(row: &LimitRow, value: &str, folder: &Path) -> Vec<Invocation> {
     };
     write(folder, "t.scene.toml", &text);
     vec![
-        robovec("scene t.scene.toml"),
+        robovec("fit t.scene.toml --explain"),
         opt("t.scene.toml -passes=atomise,specialise,balance,cse,dce,accurate,mixed -o out.rvir"),
         robovec("fit t.scene.toml --states=8"),
     ]
@@ -398,7 +399,7 @@ fn robotran(row: &LimitRow, value: &str, folder: &Path) -> Vec<Invocation> {
     vec![
         opt("t.m -passes=atomise,cse,place,codegen --check-each=1 -o out"),
         robovec("eval t.m --random=2"),
-        robovec("write t.m --language c -o out"),
+        robovec("gen t.m --language c -o out"),
     ]
 }
 

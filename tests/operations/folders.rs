@@ -28,7 +28,12 @@ fn images_that_differ_from_their_manifest_are_refused() {
             &["blend.rvir", passes, "-o", "images"],
         ));
     };
-    let simulate = || robovec_in(folder.path(), &["simulate", "images", "--inputs", "2,3"]);
+    let simulate = || {
+        robovec_in(
+            folder.path(),
+            &["rtl", "simulate", "images", "--inputs", "2,3"],
+        )
+    };
     make();
     assert_eq!(said(&simulate()), "M = 11.0\n");
     let all = files(&images, ".mif");

@@ -61,7 +61,7 @@ fn a_copy_of_a_machine_with_its_name_is_another_machine() {
         &["placed.rvir", "--simulate", "--machine", "mine.toml"],
     ));
     // The images know it as well.
-    let simulate = ["simulate", "images", "--inputs", "2,3"];
+    let simulate = ["rtl", "simulate", "images", "--inputs", "2,3"];
     let message = refused(&robovec_in(folder.path(), &simulate));
     assert!(message.contains("machine with hash"), "{message}");
     let simulate = [&simulate[..], &["--machine", "copy.toml"]].concat();

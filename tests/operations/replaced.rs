@@ -49,14 +49,7 @@ fn files_of_robotran_stay() {
         &["gen", &model, "-o", "blend.rvir"],
     ));
     let language = |name: &str, more: &[&str]| {
-        let arguments = [
-            "write",
-            "blend.rvir",
-            "--language",
-            name,
-            "--model",
-            "Blend",
-        ];
+        let arguments = ["gen", "blend.rvir", "--language", name, "--model", "Blend"];
         robovec_in(folder.path(), &[&arguments[..], more].concat())
     };
     for (name, files) in [
@@ -111,7 +104,7 @@ fn the_name_of_a_file_does_not_promise_another_language() {
     for (passes, name, advice) in [
         ("cse", "x.c", "codegen{target=c}"),
         ("cse,place", "x.mif", "codegen{target=mif}"),
-        ("cse", "x.m", "robovec write"),
+        ("cse", "x.m", "robovec gen"),
         ("codegen{target=rolled}", "x.rvir", "a name for one"),
         ("codegen{target=c signature=plain}", "x.c", "-o FOLDER"),
     ] {
@@ -178,15 +171,18 @@ fn refusals_come_before_work_and_look_behind_links() {
         ("start.rvir", "optimise nothing.rvir -o ."),
         ("program.rvir", "fit nothing.toml -o ."),
         ("machine.toml", "fit nothing.toml -o ."),
-        ("nothing-reduced.mbs", "neglect nothing.scene.toml -o ."),
+        (
+            "nothing-reduced.mbs",
+            "fit nothing.scene.toml --reduce -o .",
+        ),
         ("x.py", "sim nothing.mbs -o x.py"),
         ("x.py", "sim nothing.mbs --plot x.py"),
         ("x.py", "sim nothing.mbs --events x.py"),
         ("x.py", "view nothing.rvir -o x.py"),
         ("x.py", "view nothing.rvir --dot x.py"),
         ("x.py", "view nothing.rvir --trace x.py"),
-        ("x.py", "modal nothing.mbs -o x.py"),
-        ("x.py", "equilibrium nothing.mbs -o x.py"),
+        ("x.py", "sim modal nothing.mbs -o x.py"),
+        ("x.py", "sim equilibrium nothing.mbs -o x.py"),
         ("x.rules", "rules find nothing.rvir -o x.rules"),
         (
             "x.rules",

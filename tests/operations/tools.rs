@@ -83,7 +83,7 @@ fn wait_for(what: &str, holds: impl Fn() -> bool) {
     panic!("{what}");
 }
 
-const SYNTHESISE: [&str; 5] = ["synthesise", "--add", "3", "--multiply", "3"];
+const SYNTHESISE: [&str; 6] = ["rtl", "synthesise", "--add", "3", "--multiply", "3"];
 
 /// A yosys that tells its version and then does something else.
 fn yosys(then: &str) -> Tools {

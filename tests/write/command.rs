@@ -70,7 +70,7 @@ fn the_command_writes_files_and_names_them() {
     let input =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/suspension/mbs_cons_hJ_suspension.m");
     let written = Command::new(env!("CARGO_BIN_EXE_robovec"))
-        .arg("write")
+        .arg("gen")
         .arg(&input)
         .args(["--language", "c", "--model", "other", "--zeros"])
         .args(["--passes", "atomise,cse,inline", "-o"])
@@ -89,7 +89,7 @@ fn the_command_writes_files_and_names_them() {
     assert_eq!(jacobian, 5 * rows);
     assert!(text.contains("\nJac[1][1] = 0;\n"));
     let over = Command::new(env!("CARGO_BIN_EXE_robovec"))
-        .arg("write")
+        .arg("gen")
         .arg(folder.path().join("mbs_cons_hJ_other.c"))
         .args(["--language", "c", "-o"])
         .arg(folder.path())
@@ -98,7 +98,7 @@ fn the_command_writes_files_and_names_them() {
     assert!(!over.status.success());
     assert!(String::from_utf8_lossy(&over.stderr).contains("would be overwritten"));
     let several = Command::new(env!("CARGO_BIN_EXE_robovec"))
-        .arg("write")
+        .arg("gen")
         .arg(&input)
         .arg(input.with_file_name("mbs_link_suspension.py"))
         .args(["--language", "matlab", "-o"])
@@ -107,7 +107,7 @@ fn the_command_writes_files_and_names_them() {
         .expect("it runs");
     assert_eq!(String::from_utf8_lossy(&several.stdout).lines().count(), 2);
     let refused = Command::new(env!("CARGO_BIN_EXE_robovec"))
-        .arg("write")
+        .arg("gen")
         .arg(input.with_file_name("README.md"))
         .args(["--language", "matlab", "-o"])
         .arg(folder.path().join("none"))

@@ -190,7 +190,7 @@ fn commands(arguments: &OptimiseArguments, given: &GivenStarts, found: &Optimise
             let machine = machine.map_or_else(String::new, |name| format!(" --machine {name}"));
             format!("robovec-opt {PROGRAM}{machine} '-passes=codegen{{target=rtl}}' -o rtl\n")
         }
-        OptimisationTarget::Cpu => format!("robovec write {PROGRAM} --language c --bounded -o .\n"),
+        OptimisationTarget::Cpu => format!("robovec gen {PROGRAM} --language c --bounded -o .\n"),
         OptimisationTarget::Batch => {
             format!("robovec-opt {PROGRAM} '-passes=codegen{{target=batch}}' -o .\n")
         }

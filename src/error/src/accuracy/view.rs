@@ -134,7 +134,7 @@ pub fn table(subjects: &[FunctionAccuracy]) -> DataTable {
         .flat_map(|subject| subject.steps.iter().map(move |step| (subject, step)))
         .collect();
     columns().table(
-        "accuracy",
+        "passes",
         "Rounding errors in binary32 after every pass",
         "All outputs in all states as one population, in units of the rounding of \
                   one operation, 2^-24; relative to the element, and to the largest element \
@@ -151,7 +151,7 @@ pub fn figure(subjects: &[FunctionAccuracy]) -> Figure {
         .map(panel)
         .collect();
     Figure::new(
-        "accuracy",
+        "passes",
         "Speed against error, pass by pass",
         "The longest path and the median of the relative error in binary32 after every pass.",
         panels.len().clamp(1, 3),

@@ -20,7 +20,7 @@ pub fn files(
     if let Some(machine) = machine {
         scene.set("machine", machine.to_owned());
     }
-    let head = "Written by robovec neglect: a scene that leaves out what it may.";
+    let head = "Written by robovec: a scene that leaves out what it may.";
     // The declaration of XML comes before everything else.
     let model = write_mbs(&findings.model).replacen("?>\n", &format!("?>\n<!-- {head} -->\n"), 1);
     let laws = findings.laws.to_text(&findings.model);

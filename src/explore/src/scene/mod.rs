@@ -36,7 +36,7 @@
 //! error = 0.01                    # of the largest displacement of …
 //! watch = ["T3_Frame"]            # … these joints
 //!
-//! [neglect]                       # what may be left out (`robovec neglect`)
+//! [neglect]                       # what may be left out (`robovec fit --reduce`)
 //! kinds = ["joints", "angles"]    # by default all
 //! keep = ["Motor"]
 //! ```

@@ -78,13 +78,13 @@ impl FileKind {
             }
             FileKind::Pipeline => "'robovec-opt --passes @FILE' takes it",
             FileKind::Machine => "'robovec-opt --machine FILE' takes it",
-            FileKind::Scene => "'robovec scene', 'robovec fit' and the option '--scene' take it",
+            FileKind::Scene => "'robovec fit' and the option '--scene' take it",
             FileKind::Laws => "'robovec sim MODEL --laws FILE' takes it",
             FileKind::Plan => "'robovec study --plan FILE' takes it",
             FileKind::Rules => "'robovec rules check' and the option '--rules' take it",
             FileKind::ForeignRules => "'robovec rules import' takes it",
             FileKind::States => "'robovec eval EQUATIONS --states FILE' takes it",
-            FileKind::Image => "'robovec simulate' takes the folder of it",
+            FileKind::Image => "'robovec rtl simulate' takes the folder of it",
             FileKind::Hardware => "'robovec rtl PROGRAM --fits FILE' takes it",
         }
     }

@@ -1,12 +1,9 @@
-//! `robovec write`: equations as Robotran's files.
+//! Equations as Robotran's C, Matlab or Python files.
 
-use super::arguments::InputLanguage;
-use super::{CommandFailure, input, output, telling};
+use crate::command::{CommandFailure, output};
 use clap::{Args, ValueEnum};
 use robovec_cgen::c::{Options, Real};
 use robovec_cgen::kind::Generation;
-use robovec_framework::manager::{self, Config};
-use robovec_framework::pipeline::Pipeline;
 use robovec_io::files::Replace;
 use robovec_ir::Module;
 use robovec_robotran::Language;
@@ -16,30 +13,27 @@ use std::collections::HashSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Options of `robovec write`.
+/// Way in which files are written.
 #[derive(Args, Debug)]
-pub(crate) struct WriteArguments {
-    /// Robotran files or robovec texts
-    #[arg(required = true, value_name = "FILE")]
-    files: Vec<PathBuf>,
-    /// Language to write
+#[command(next_help_heading = "Files of Robotran")]
+pub(super) struct FileArguments {
+    /// Language of Robotran's to write files in, instead of robovec's text
     #[arg(long, value_enum)]
-    language: OutputLanguage,
-    /// Folder for the files
-    #[arg(short, long, value_name = "FOLDER", default_value = ".")]
-    output: PathBuf,
+    pub(super) language: Option<OutputLanguage>,
     /// Name of the model, in file names and headers; by default the input's
-    #[arg(long = "name", alias = "model", value_name = "NAME")]
+    #[arg(
+        long = "name",
+        alias = "model",
+        value_name = "NAME",
+        requires = "language"
+    )]
     model: Option<String>,
-    /// Passes to run before, as in robovec-opt
-    #[arg(long, value_name = "PIPELINE")]
-    passes: Option<String>,
     /// Set also the output elements that are zero whatever the state
-    #[arg(long)]
+    #[arg(long, requires = "language")]
     zeros: bool,
     /// C in functions of bounded length, fast to compile and to run; it does
     /// not read back
-    #[arg(long)]
+    #[arg(long, requires = "language")]
     bounded: bool,
     /// With --bounded: a main program that tries each function, and a header
     /// to compile it without MBsysC
@@ -54,15 +48,50 @@ pub(crate) struct WriteArguments {
         requires = "test_main"
     )]
     rivals: Vec<String>,
-    /// With --bounded: compute in this type
-    #[arg(long, value_enum, default_value = "double", requires = "bounded")]
-    number: CFloat,
-    /// Language of the input; by default told by its name and content
+    /// With --bounded or --whole-step: compute in this type; loops are closed in binary64
+    #[arg(long, value_enum, default_value = "double", requires = "drop_in")]
+    pub(super) number: CFloat,
+    /// Generator whose names C bears; by default the one a file was written for, 8.1 of a model
     #[arg(long, value_enum)]
-    input_language: Option<InputLanguage>,
-    /// Generator whose names C bears, instead of the one the file was written for
-    #[arg(long, value_enum)]
-    generation: Option<GenerationName>,
+    pub(super) generation: Option<GenerationName>,
+}
+
+impl FileArguments {
+    /// Files of a module that was read from a path.
+    pub(super) fn write(
+        &self,
+        module: &Module,
+        language: OutputLanguage,
+        path: &Path,
+    ) -> Result<Vec<(String, String)>, CommandFailure> {
+        let options = WriteOptions {
+            model: self.model.clone(),
+            zeros: self.zeros,
+        };
+        let written = if self.bounded {
+            if language != OutputLanguage::C {
+                return Err(CommandFailure::advised(
+                    "only C is written in functions of bounded length".to_owned(),
+                    vec!["leave --bounded out: Matlab and Python are not compiled".to_owned()],
+                ));
+            }
+            drop_in(
+                module,
+                &DropInOptions {
+                    c: Options {
+                        real: self.number.real(),
+                        ..Options::default()
+                    },
+                    write: options,
+                    test_main: self.test_main,
+                    rivals: self.rivals.clone(),
+                },
+            )
+        } else {
+            write(module, language.into(), &options)
+        };
+        written.map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))
+    }
 }
 
 /// The type that C computes in.
@@ -127,77 +156,8 @@ impl From<OutputLanguage> for Language {
     }
 }
 
-/// Writes the files; gives their names, one per line.
-pub(crate) fn run(arguments: &WriteArguments) -> Result<String, CommandFailure> {
-    let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
-    let options = WriteOptions {
-        model: arguments.model.clone(),
-        zeros: arguments.zeros,
-    };
-    let mut files = Vec::new();
-    for path in &arguments.files {
-        let mut module = equations(path, arguments.input_language, &pipeline)?;
-        if let Some(generation) = arguments.generation {
-            let functions = module.functions.iter_mut();
-            functions.for_each(|function| Generation::from(generation).mark(function));
-        }
-        let written = if arguments.bounded {
-            drop_in(&module, &bounded(arguments, &options)?)
-        } else {
-            write(&module, arguments.language.into(), &options)
-        };
-        let written = written
-            .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
-        files.extend(written);
-    }
-    refuse_losses(&arguments.files, &files, &arguments.output)?;
-    save(&files, &arguments.output)
-}
-
-/// Way in which bounded C is written.
-fn bounded(
-    arguments: &WriteArguments,
-    write: &WriteOptions,
-) -> Result<DropInOptions, CommandFailure> {
-    if arguments.language != OutputLanguage::C {
-        return Err(CommandFailure::advised(
-            "only C is written in functions of bounded length".to_owned(),
-            vec!["leave --bounded out: Matlab and Python are not compiled".to_owned()],
-        ));
-    }
-    let real = arguments.number.real();
-    Ok(DropInOptions {
-        c: Options {
-            real,
-            ..Options::default()
-        },
-        write: write.clone(),
-        test_main: arguments.test_main,
-        rivals: arguments.rivals.clone(),
-    })
-}
-
-/// Reads a file and runs the passes.
-fn equations(
-    path: &Path,
-    language: Option<InputLanguage>,
-    pipeline: &Pipeline,
-) -> Result<Module, CommandFailure> {
-    let mut input = input::equations_or_stubs(path, language)?;
-    let machine = input::machine("thesis")?;
-    let scene = input.scene(None);
-    let mut log = telling::remarks();
-    let config = Config {
-        scene: scene.as_ref(),
-        ..Config::new(&machine, &mut log)
-    };
-    manager::run(&mut input.module, pipeline, config)
-        .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
-    Ok(input.module)
-}
-
 /// An error when one file would take the place of another, or of an input.
-fn refuse_losses(
+pub(super) fn refuse_losses(
     inputs: &[PathBuf],
     files: &[(String, String)],
     folder: &Path,
@@ -225,19 +185,7 @@ fn refuse_losses(
     Ok(())
 }
 
-/// Writes all functions of a module into a folder; gives the names of the
-/// files, one per line.
-pub(super) fn write_files(
-    module: &Module,
-    language: OutputLanguage,
-    options: &WriteOptions,
-    folder: &Path,
-) -> Result<String, CommandFailure> {
-    let files = write(module, language.into(), options)
-        .map_err(|error| CommandFailure::plain(error.to_string()))?;
-    save(&files, folder)
-}
-
+/// Writes files into a folder; gives their names, one per line.
 pub(super) fn save(files: &[(String, String)], folder: &Path) -> Result<String, CommandFailure> {
     let texts: Vec<(&str, &str)> = files
         .iter()

@@ -1,7 +1,7 @@
-//! `robovec scene`: what a scene means.
+//! `robovec fit --explain`: meaning of a scene.
 
-use super::{CommandFailure, input};
-use clap::Args;
+use super::FitArguments;
+use crate::command::{CommandFailure, input};
 use robovec_explore::scene::{SceneEffect, SceneFile, SceneSubject, effects};
 use robovec_fpga::hardware;
 use robovec_framework::scene::{Hold, Scene};
@@ -10,30 +10,14 @@ use robovec_ir::{Input, Machine, Module, View};
 use robovec_present::number::{exponential, or_dash};
 use robovec_present::text_table;
 use std::fmt::Write;
-use std::path::PathBuf;
 
-/// Arguments of `scene`.
-#[derive(Args, Debug)]
-pub(super) struct SceneArguments {
-    /// Scene (.scene.toml)
-    scene: PathBuf,
-    /// Machine that cycles are counted for; by default the scene's, else thesis, or solver
-    /// for equations that divide
-    #[arg(long, value_name = "MACHINE")]
-    machine: Option<String>,
-}
-
-/// Runs the command.
-pub(super) fn run(arguments: &SceneArguments) -> Result<String, CommandFailure> {
+/// Explains the scene.
+pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
     let file = input::scene(&arguments.scene)?;
     let fail =
         |error: String| CommandFailure::plain(format!("{}: {error}", arguments.scene.display()));
     let module = file.module().map_err(|error| fail(error.to_string()))?;
-    let named = arguments.machine.as_ref().or(file.scene.machine.as_ref());
-    let machine = input::machine(match named {
-        Some(name) => name,
-        None => input::usual_machine(&module.functions[0])?,
-    })?;
+    let machine = super::machine(arguments, &file, &module)?;
     let effects = effects(&file, &machine).map_err(|error| fail(error.to_string()))?;
     let mut text = format!("{}\n", file.scene.name);
     if !file.scene.description.is_empty() {

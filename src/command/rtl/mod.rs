@@ -1,10 +1,16 @@
-//! `robovec rtl`: hardware for a placed program, and programs for hardware.
+//! `robovec rtl`: hardware for a placed program, programs for hardware, memory
+//! images run without any (`simulate`), and the cells of operators
+//! (`synthesise`).
+
+mod bench;
+mod images;
+mod synthesise;
 
 use super::flags::whole;
 use super::opt::select;
-use super::rtl_bench::{self, RtlBenchArguments};
 use super::{CommandFailure, input, output, placed, telling};
-use clap::{Args, ValueEnum};
+use bench::RtlBenchArguments;
+use clap::{Args, Subcommand, ValueEnum};
 use robovec_analysis::rounding::usual_states;
 use robovec_error::yardstick::Yardstick;
 use robovec_error::yardstick::account::{ErrorAccount, random_states};
@@ -25,11 +31,31 @@ use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Write hardware in Verilog and the images it runs, or tell whether a program fits hardware
+/// Write hardware in Verilog and the images it runs, test whether a program fits hardware, run
+/// images cycle by cycle, or map operators
 #[derive(Args, Debug)]
-pub(super) struct RtlArguments {
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub(super) struct RtlCommand {
+    #[command(subcommand)]
+    other: Option<HardwareCommand>,
+    #[command(flatten)]
+    hardware: RtlArguments,
+}
+
+#[derive(Subcommand, Debug)]
+enum HardwareCommand {
+    /// Run memory images cycle by cycle on given inputs
+    Simulate(images::ImageArguments),
+    /// Map operators to a Cyclone V with yosys: cells and speed
+    Synthesise(synthesise::SynthesiseArguments),
+}
+
+/// Arguments of a build.
+#[derive(Args, Debug)]
+struct RtlArguments {
     /// Placed program (.rvir), or equations with '--passes'
-    input: PathBuf,
+    #[arg(required = true)]
+    input: Option<PathBuf>,
     /// Machine to build: a name or a .toml file; by default the one the program is placed on
     #[arg(long)]
     machine: Option<String>,
@@ -73,10 +99,18 @@ enum CrossbarExtent {
 }
 
 /// Runs the command: the text for the standard output.
-pub(super) fn run(arguments: &RtlArguments) -> Result<String, CommandFailure> {
-    rtl_bench::require_simulator(&arguments.bench)?;
+pub(super) fn run(command: &RtlCommand) -> Result<String, CommandFailure> {
+    match &command.other {
+        Some(HardwareCommand::Simulate(arguments)) => images::run(arguments),
+        Some(HardwareCommand::Synthesise(arguments)) => synthesise::run(arguments),
+        None => program_or_hardware(&command.hardware),
+    }
+}
+
+fn program_or_hardware(arguments: &RtlArguments) -> Result<String, CommandFailure> {
+    bench::require_simulator(&arguments.bench)?;
     if arguments.synthesise || arguments.place_and_route.is_some() {
-        super::synthesise::require_tools(arguments.place_and_route.is_some())?;
+        synthesise::require_tools(arguments.place_and_route.is_some())?;
     }
     match &arguments.fits {
         Some(path) => fits(arguments, &hardware(path)?),
@@ -106,18 +140,18 @@ fn build(arguments: &RtlArguments) -> Result<String, CommandFailure> {
         rtl::write_rtl(view, &machine, choice, &mut files).map_err(|error| failure(&error))?;
     let shape = MachineShape::built(&hardware);
     files.add_project(&hardware, &shape)?;
-    let benches = rtl_bench::benches(&arguments.bench, view, &machine, scene.as_ref(), &files.0)?;
+    let benches = bench::benches(&arguments.bench, view, &machine, scene.as_ref(), &files.0)?;
     files.0.extend(benches);
     files.write(folder)?;
     let mut text = summary(&hardware, &shape, view, scene.as_ref());
     let _ = writeln!(text, "written to {}", folder.display());
     text += "quartus/ has a project for the DE10-Nano; Quartus has not been run on it\n";
-    text += &rtl_bench::checked(&arguments.bench, folder, folder)?;
+    text += &bench::checked(&arguments.bench, folder, folder)?;
     if arguments.synthesise {
-        text += &super::synthesise::machine(&shape, &files.verilog(), cycles(function))?;
+        text += &synthesise::machine(&shape, &files.verilog(), cycles(function))?;
     }
     if let Some(seeds) = &arguments.place_and_route {
-        text += &super::synthesise::routed(
+        text += &synthesise::routed(
             (&hardware.machine, &shape),
             &files.verilog(),
             seeds,
@@ -158,13 +192,12 @@ fn fits(arguments: &RtlArguments, hardware: &Hardware) -> Result<String, Command
         let mut files = CollectedFiles::default();
         rtl::write_program(view, hardware, &mut files).map_err(|error| failure(&error))?;
         let machine = &hardware.machine;
-        let benches =
-            rtl_bench::benches(&arguments.bench, view, machine, scene.as_ref(), &files.0)?;
+        let benches = bench::benches(&arguments.bench, view, machine, scene.as_ref(), &files.0)?;
         files.0.extend(benches);
         files.write(folder)?;
         let _ = writeln!(text, "its images are in {}", folder.join("img").display());
         if let Some(there) = &arguments.fits {
-            text += &rtl_bench::checked(&arguments.bench, folder, there)?;
+            text += &bench::checked(&arguments.bench, folder, there)?;
         }
     }
     Ok(text)
@@ -223,8 +256,12 @@ fn program(
 ) -> Result<(Module, Machine, Option<Scene>), CommandFailure> {
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
     let function = arguments.function.as_deref();
-    let input = input::equations_or_model(&arguments.input, None, function)?;
-    let mut input = input;
+    // Absent only where a subcommand has its own.
+    let path = arguments
+        .input
+        .as_ref()
+        .expect("the command line requires it");
+    let mut input = input::equations_or_model(path, None, function)?;
     if let Some(name) = function {
         select(&mut input.module, name)?;
     }
@@ -233,10 +270,7 @@ fn program(
     let equations = |function: &Function| function.placement.is_none();
     if arguments.passes.is_none() && module.functions.iter().any(equations) {
         return Err(CommandFailure::advised(
-            format!(
-                "{}: hardware runs placed programs",
-                arguments.input.display()
-            ),
+            format!("{}: hardware runs placed programs", path.display()),
             vec![
                 "place it here: --passes atomise,zero-removal,balance,cse,dce,place".to_owned(),
                 "or run robovec-opt with these passes, and give its output".to_owned(),

@@ -1,8 +1,8 @@
-//! `robovec equilibrium` and `robovec modal`: where a model stands under its
-//! laws, and how it moves around that place.
+//! `robovec sim equilibrium` and `robovec sim modal`: the state in which a
+//! model is at rest under its laws, and small motions around it.
 
-use super::sim::{failure, hold, refuse_left_out};
-use super::{CommandFailure, input, output};
+use super::{MovedModel, failure};
+use crate::command::{CommandFailure, output};
 use clap::{Args, ValueEnum};
 use robovec_dynamics::motion::{
     EquationSetting, Equilibrium, Laws, Mode, MotionError, MultibodySystem, SmallMotions, modes,
@@ -16,14 +16,8 @@ use std::path::PathBuf;
 /// A model and its laws.
 #[derive(Args, Debug)]
 pub(super) struct EquilibriumArguments {
-    /// Model (.mbs, .urdf)
-    model: PathBuf,
-    /// Laws of springs, dampers, forces and driven joints (TOML)
-    #[arg(long, value_name = "FILE")]
-    laws: Option<PathBuf>,
-    /// Joints held where they start, whatever the model calls them
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    hold: Vec<String>,
+    #[command(flatten)]
+    subject: MovedModel,
     /// JSON file for all numbers
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -48,30 +42,10 @@ pub(super) struct ModalArguments {
     at: PlaceChoice,
 }
 
-/// A model with its laws.
-struct Subject {
-    model: Model,
-    laws: Laws,
-}
-
-fn subject(arguments: &EquilibriumArguments) -> Result<Subject, CommandFailure> {
-    let mut read = input::model(&arguments.model)?;
-    refuse_left_out(&read)?;
-    hold(&mut read.model, &arguments.hold)?;
-    let laws = match &arguments.laws {
-        None => Laws::of_model(&read.model),
-        Some(path) => input::laws(&read.model, path)?,
-    };
-    Ok(Subject {
-        model: read.model,
-        laws: laws.standing(),
-    })
-}
-
-/// Runs `robovec equilibrium`: the text for the standard output.
+/// Runs `robovec sim equilibrium`: the text for the standard output.
 pub(super) fn equilibrium(arguments: &EquilibriumArguments) -> Result<String, CommandFailure> {
-    let Subject { model, laws } = subject(arguments)?;
-    let found = rest(&model, laws).map_err(failure)?;
+    let (model, laws) = arguments.subject.read()?;
+    let found = rest(&model, laws.standing()).map_err(failure)?;
     if let Some(path) = &arguments.output {
         write(path, &equilibrium_json(&model, &found))?;
     }
@@ -83,10 +57,10 @@ fn rest(model: &Model, laws: Laws) -> Result<Equilibrium, MotionError> {
     system.equilibrium(&initial)
 }
 
-/// Runs `robovec modal`: the text for the standard output.
+/// Runs `robovec sim modal`: the text for the standard output.
 pub(super) fn modal(arguments: &ModalArguments) -> Result<String, CommandFailure> {
-    let Subject { model, laws } = subject(&arguments.standing)?;
-    let (motions, found) = around(&model, laws, arguments.at).map_err(failure)?;
+    let (model, laws) = arguments.standing.subject.read()?;
+    let (motions, found) = around(&model, laws.standing(), arguments.at).map_err(failure)?;
     if let Some(path) = &arguments.standing.output {
         write(path, &modal_json(&model, &motions, &found))?;
     }

@@ -1,8 +1,11 @@
-//! `robovec sim`: a model in motion.
+//! `robovec sim`: a model in motion, at rest (`equilibrium`), and around a
+//! state (`modal`).
+
+mod standing;
 
 use super::flags::{real, whole};
 use super::{CommandFailure, input, output, progress};
-use clap::{Args, ValueEnum};
+use clap::{Args, Subcommand, ValueEnum};
 use robovec_dynamics::motion::{
     EVENT_TOLERANCE, EquationSetting, IntegrationMethod, Laws, LoopKeeping, MotionError,
     MultibodySystem, SimulationPlan, SimulationRun, plot, simulate,
@@ -44,11 +47,59 @@ enum KeepingChoice {
     None,
 }
 
-/// Arguments of `sim`.
+/// Integrate a model in time, or find its equilibrium or its modes
 #[derive(Args, Debug)]
-pub(super) struct SimArguments {
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub(super) struct SimCommand {
+    #[command(subcommand)]
+    standing: Option<StandingCommand>,
+    #[command(flatten)]
+    motion: SimArguments,
+}
+
+#[derive(Subcommand, Debug)]
+enum StandingCommand {
+    /// Find where a model stands still under its laws
+    Equilibrium(standing::EquilibriumArguments),
+    /// Find the modes of a model under its laws: frequencies, damping, shapes
+    Modal(standing::ModalArguments),
+}
+
+/// A model with its laws, as the user names them.
+#[derive(Args, Debug)]
+struct MovedModel {
     /// Model (.mbs, .urdf)
-    model: PathBuf,
+    #[arg(required = true)]
+    model: Option<PathBuf>,
+    /// Laws of springs, dampers, forces and driven joints (TOML)
+    #[arg(long, value_name = "FILE")]
+    laws: Option<PathBuf>,
+    /// Joints held where they start, whatever the model calls them
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    hold: Vec<String>,
+}
+
+impl MovedModel {
+    /// Reads the model, joints held, and its laws.
+    fn read(&self) -> Result<(Model, Laws), CommandFailure> {
+        // Absent only where a subcommand has its own.
+        let path = self.model.as_ref().expect("the command line requires it");
+        let mut read = input::model(path)?;
+        refuse_left_out(&read)?;
+        hold(&mut read.model, &self.hold)?;
+        let laws = match &self.laws {
+            None => Laws::of_model(&read.model),
+            Some(path) => input::laws(&read.model, path)?,
+        };
+        Ok((read.model, laws))
+    }
+}
+
+/// Arguments of a run.
+#[derive(Args, Debug)]
+struct SimArguments {
+    #[command(flatten)]
+    subject: MovedModel,
     /// Simulated time, s
     #[arg(long, value_name = "SECONDS", default_value_t = 1.0,
           add = real(1e-12, 1e6, "the run is given up after --max-steps"))]
@@ -72,12 +123,6 @@ pub(super) struct SimArguments {
     #[arg(long, value_name = "N", default_value_t = 10_000_000,
           add = whole(1, 1_000_000_000, "every step evaluates the model several times"))]
     max_steps: u64,
-    /// Laws of springs, dampers, forces and driven joints (TOML)
-    #[arg(long, value_name = "FILE")]
-    laws: Option<PathBuf>,
-    /// Joints held where they start, whatever the model calls them
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    hold: Vec<String>,
     /// Format the equations are evaluated in: f16, bf16, f32, f64,
     /// float(EXPONENT,MANTISSA) or fixed(INTEGER,FRACTION)
     #[arg(long, value_name = "FORMAT", default_value_t = Format::BINARY64)]
@@ -124,18 +169,20 @@ pub(super) struct SimArguments {
 }
 
 /// Runs the command: the text for the standard output.
-pub(super) fn run(arguments: &SimArguments) -> Result<String, CommandFailure> {
+pub(super) fn run(command: &SimCommand) -> Result<String, CommandFailure> {
+    match &command.standing {
+        Some(StandingCommand::Equilibrium(arguments)) => standing::equilibrium(arguments),
+        Some(StandingCommand::Modal(arguments)) => standing::modal(arguments),
+        None => motion(&command.motion),
+    }
+}
+
+fn motion(arguments: &SimArguments) -> Result<String, CommandFailure> {
     // Everything the user wrote is read before any work is done.
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
     let machine = input::machine(&arguments.machine)?;
-    let mut read = input::model(&arguments.model)?;
-    refuse_left_out(&read)?;
-    hold(&mut read.model, &arguments.hold)?;
-    let model = &read.model;
-    let laws = match &arguments.laws {
-        None => Laws::of_model(model),
-        Some(path) => input::laws(model, path)?,
-    };
+    let (model, laws) = arguments.subject.read()?;
+    let model = &model;
     let setting = EquationSetting {
         formulation: super::generation::formulation(&arguments.formulation),
         passes: arguments.passes.is_some().then_some((&pipeline, &machine)),
@@ -184,7 +231,7 @@ pub(super) fn run(arguments: &SimArguments) -> Result<String, CommandFailure> {
 
 /// Refuses a model with forces that are in no equation: its motion would be
 /// that of another model.
-pub(super) fn refuse_left_out(read: &ReadModel) -> Result<(), CommandFailure> {
+fn refuse_left_out(read: &ReadModel) -> Result<(), CommandFailure> {
     let (false, Some(file)) = (read.left_out.is_empty(), read.left_out.files().first()) else {
         return Ok(());
     };
@@ -205,7 +252,7 @@ pub(super) fn refuse_left_out(read: &ReadModel) -> Result<(), CommandFailure> {
 }
 
 /// Makes joints driven, which holds them unless a law moves them.
-pub(super) fn hold(model: &mut Model, names: &[String]) -> Result<(), CommandFailure> {
+fn hold(model: &mut Model, names: &[String]) -> Result<(), CommandFailure> {
     for name in names {
         let Some(joint) = model.joints.iter_mut().find(|joint| joint.name == *name) else {
             let known = model.joints.iter().map(|joint| joint.name.as_str());
@@ -246,7 +293,7 @@ fn keeping(arguments: &SimArguments) -> LoopKeeping {
     }
 }
 
-pub(super) fn failure(error: MotionError) -> CommandFailure {
+fn failure(error: MotionError) -> CommandFailure {
     let notes = error.advice().map(str::to_owned).into_iter().collect();
     CommandFailure::advised(error.to_string(), notes)
 }

@@ -1,7 +1,7 @@
-//! `robovec synthesise`: hardware mapped to the cells of a Cyclone V.
+//! `robovec rtl synthesise`: hardware mapped to the cells of a Cyclone V.
 
-use super::CommandFailure;
-use super::flags::whole;
+use crate::command::CommandFailure;
+use crate::command::flags::whole;
 use clap::Args;
 use robovec_error::yardstick::account::{measure_text, share_cell};
 use robovec_explore::device;
@@ -21,7 +21,6 @@ use std::fmt::Write;
 
 /// Arguments of `synthesise`.
 #[derive(Args, Debug)]
-#[command(about = "Map operators to a Cyclone V with yosys: what they take, and how fast they are")]
 pub(super) struct SynthesiseArguments {
     /// Stages of the adders
     #[arg(long, value_name = "STAGES", value_delimiter = ',',
@@ -170,7 +169,9 @@ pub(super) fn routed(
 /// An error of the mapping, told to the user.
 pub(super) fn failure(error: SynthesisError) -> CommandFailure {
     let notes = match &error {
-        SynthesisError::Tool(ToolError::Time { .. }) => vec![super::tool::TIME_ADVICE.to_owned()],
+        SynthesisError::Tool(ToolError::Time { .. }) => {
+            vec![crate::command::tool::TIME_ADVICE.to_owned()]
+        }
         _ => Vec::new(),
     };
     CommandFailure::advised(error.to_string(), notes)

@@ -1,4 +1,8 @@
-//! `robovec fit`: the cheapest program and machine for a scene.
+//! `robovec fit`: the cheapest program and machine for a scene, its meaning
+//! (`--explain`), and what it need not model (`--reduce`).
+
+mod explanation;
+mod neglect;
 
 use super::flags::{SEED, states, whole};
 use super::output::result_files;
@@ -21,38 +25,49 @@ use robovec_present::json::json_text;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
+/// Questions that search for no program.
+const SEARCHLESS: [&str; 2] = ["explain", "reduce"];
+
 /// Find the cheapest program, number format and machine that meet a scene
 #[derive(Args, Debug)]
 pub(super) struct FitArguments {
     /// The scene (.scene.toml)
     scene: PathBuf,
+    /// Check the scene and print its joints, outputs, inputs and the gain of each, without a search
+    #[arg(long, conflicts_with_all = ["reduce", "output"])]
+    explain: bool,
+    /// Find the joints, bodies, forces and terms that the scene, with its section [motion], need
+    /// not model, instead of a program
+    #[arg(long)]
+    reduce: bool,
     /// Machine whose elements, memories and clock are used; by default the scene's, else thesis, or solver
     /// for equations that divide
     #[arg(long)]
     machine: Option<String>,
     /// Only these formulations; by default the scene's, or all that may be the best
-    #[arg(long, value_delimiter = ',', value_parser = super::generation::formulations())]
+    #[arg(long, conflicts_with_all = SEARCHLESS, value_delimiter = ',', value_parser = super::generation::formulations())]
     formulation: Vec<String>,
     /// Place where sines and cosines are computed; by default as the scene
     /// says, or on the host
-    #[arg(long, value_enum)]
+    #[arg(long, conflicts_with_all = SEARCHLESS, value_enum)]
     trigonometry: Option<Where>,
     /// Measure of the cheapest
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, conflicts_with_all = SEARCHLESS, value_enum, default_value_t)]
     cost: Cost,
     /// Random states of the scene; by default the more the smaller the function is
-    #[arg(long, default_value_t = 0, hide_default_value = true,
+    #[arg(long, conflicts_with_all = SEARCHLESS, default_value_t = 0, hide_default_value = true,
           add = states(0, 100_000))]
     states: u32,
     /// Seed of the states
-    #[arg(long, default_value_t = 1, add = SEED)]
+    #[arg(long, conflicts_with_all = SEARCHLESS, default_value_t = 1, add = SEED)]
     seed: u64,
     /// Number of times the usual number of states a choice is tried with before
     /// it is believed
-    #[arg(long, default_value_t = 1,
+    #[arg(long, conflicts_with_all = SEARCHLESS, default_value_t = 1,
           add = whole(1, 16, "the time grows with it, and the share of states established hardly"))]
     effort: u32,
-    /// Folder for the choice (program.rvir, machine.toml) and fit.html, fit.csv, fit.json, fit.svg
+    /// Folder for the choice (program.rvir, machine.toml) and fit.html, fit.csv, fit.json, fit.svg;
+    /// with --reduce for the reduced scene, its model and laws, the report and the motions
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
 }
@@ -81,6 +96,12 @@ enum Cost {
 
 /// Runs the command.
 pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
+    if arguments.explain {
+        return explanation::run(arguments);
+    }
+    if arguments.reduce {
+        return neglect::run(arguments);
+    }
     let folder = arguments.output.as_deref();
     output::refuse_foreign(folder, &["program.rvir", "machine.toml"], Replace::Results)?;
     let file = input::scene(&arguments.scene)?;

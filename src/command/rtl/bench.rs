@@ -1,7 +1,7 @@
 //! `robovec rtl`: the benches beside the hardware, and `--check`.
 
-use super::flags::{NUMBER, SEED, whole};
-use super::{CommandFailure, input};
+use crate::command::flags::{NUMBER, SEED, whole};
+use crate::command::{CommandFailure, input};
 use clap::{Args, ValueEnum};
 use robovec_framework::scene::Scene;
 use robovec_hardware::rtl::{CheckFailure, Checked, Door, HardwareSimulator, bench_files, check};
@@ -184,7 +184,9 @@ fn failure(error: &CheckFailure) -> CommandFailure {
             "the first mismatch counts, the others may be its consequences".to_owned(),
             "the files are kept: run the benches again with the scripts in tb/".to_owned(),
         ],
-        CheckFailure::Tool(ToolError::Time { .. }) => vec![super::tool::TIME_ADVICE.to_owned()],
+        CheckFailure::Tool(ToolError::Time { .. }) => {
+            vec![crate::command::tool::TIME_ADVICE.to_owned()]
+        }
         CheckFailure::Tool(_) | CheckFailure::Hardware(..) | CheckFailure::Build(_) => Vec::new(),
     };
     CommandFailure::advised(error.to_string(), notes)

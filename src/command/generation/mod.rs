@@ -1,56 +1,50 @@
-//! `robovec gen`: equations from a model.
+//! `robovec gen`: equations of a model or a file, in any language.
 
+mod files;
+mod whole_step;
+
+use super::arguments::InputLanguage;
 use super::flags::whole;
-use super::write::{CFloat, GenerationName, OutputLanguage, save, write_files};
-use super::{CommandFailure, input, names, output, telling};
-use clap::Args;
+use super::{CommandFailure, input, names, opt, output, telling};
 use clap::builder::{PossibleValue, PossibleValuesParser};
-use robovec_cgen::c::{self, Real};
+use clap::{ArgGroup, Args};
+use files::{FileArguments, GenerationName, OutputLanguage, refuse_losses};
 use robovec_cgen::kind::Generation;
 use robovec_dynamics::generate::{
-    Formulation, GenerateError, GenerationRequest, Options, ParameterBinding, TermOrder,
-    contenders, cuts_of_rows, generate_into, redundant_rows, refuse_empty,
+    Formulation, GenerationRequest, Options, ParameterBinding, TermOrder, contenders,
+    generate_into, refuse_empty,
 };
-use robovec_dynamics::whole_step::accuracy::step_error;
-use robovec_dynamics::whole_step::{self, StepFunction, StepStyle};
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
+use robovec_framework::scene::Scene;
 use robovec_io::files::Replace;
+use robovec_io::sources;
 use robovec_ir::count::Counts;
-use robovec_ir::{Format, Module, print};
+use robovec_ir::{Module, print};
 use robovec_model::Model;
 use robovec_passes::registry::REGISTRY;
 use robovec_robotran::FunctionKind;
-use robovec_robotran::write::WriteOptions;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Arguments of `gen`.
+/// Generate the equations of a model, or write those of files, in robovec's text or Robotran's
+/// languages
 #[derive(Args, Debug)]
+#[command(group = ArgGroup::new("drop_in").args(["bounded", "whole_step"]).multiple(true))]
 pub(super) struct GenArguments {
-    /// Model (.mbs, .urdf)
-    model: PathBuf,
-    /// Functions, separated by commas; 'all' for every one but those of the whole step
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "dirdyna",
-          default_value_if("whole_step", "true", "accelred"),
-          value_parser = PossibleValuesParser::new(function_names()))]
+    /// Models (.mbs, .urdf) or files of equations
+    #[arg(required = true, value_name = "SUBJECT")]
+    subjects: Vec<PathBuf>,
+    /// Functions, separated by commas: of a file by default all, of a model dirdyna; 'all' for
+    /// every one but those of the whole step
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     function: Vec<String>,
-    /// Language of Robotran's to write files in, instead of robovec's text
-    #[arg(long, value_enum)]
-    language: Option<OutputLanguage>,
     /// Write C that does the whole step of MBsysC: driven joints, closing of loops, forces,
     /// accelerations (--function accelred, the default here), or forces of actuators
     /// (--function invdynared); unless said otherwise in the formulation with the fewest
     /// operations, after the preset $cpu
-    #[arg(long, requires = "output", conflicts_with = "language")]
+    #[arg(long, requires = "output", conflicts_with_all = ["language", "bounded"])]
     whole_step: bool,
-    /// With --whole-step: compute accelerations or forces of actuators in this type; loops are
-    /// closed in binary64
-    #[arg(long, value_enum, default_value = "double", requires = "whole_step")]
-    number: CFloat,
-    /// Generator whose names C bears
-    #[arg(long, value_enum, default_value = "8.1")]
-    generation: GenerationName,
     /// Recursion the equations come from; all but recursive need sin^2 + cos^2 = 1 [default:
     /// recursive]
     #[arg(long, value_parser = formulations_or_fewest())]
@@ -84,16 +78,41 @@ pub(super) struct GenArguments {
     #[arg(long, value_name = "ROWS", default_value_t = 0,
           add = whole(0, 32, "each is eliminated with all joints"))]
     user_constraints: usize,
-    /// Pipeline run over the equations, e.g. atomise,cse,dce
+    /// Language of files of equations; by default told by their names and content
+    #[arg(long, value_enum)]
+    input_language: Option<InputLanguage>,
+    /// Passes that run over the equations, e.g. atomise,cse,dce
     #[arg(long, value_name = "PIPELINE")]
     passes: Option<String>,
-    /// File (with --language: folder) to write instead of the standard output
-    #[arg(short, long, value_name = "PATH", required_if_eq_any = [
-        ("language", "c"), ("language", "matlab"), ("language", "python")])]
+    /// File (with --language or --whole-step: folder, by default the current one) to write instead
+    /// of the standard output
+    #[arg(short, long, value_name = "PATH")]
     output: Option<PathBuf>,
+    // Last, since its heading holds for all that follow.
+    #[command(flatten)]
+    files: FileArguments,
 }
 
 impl GenArguments {
+    /// An option given that only models take.
+    fn of_models(&self) -> Option<&'static str> {
+        let given = [
+            ("--whole-step", self.whole_step),
+            ("--formulation", self.formulation.is_some()),
+            ("--child-first", self.child_first),
+            ("--all-parameters", self.all_parameters),
+            ("--numbers", self.numbers),
+            ("--no-forces", self.no_forces),
+            ("--leading-signs", self.leading_signs),
+            ("--expanded", self.expanded),
+            ("--any-angles", self.any_angles),
+            ("--multipliers", self.multipliers),
+            ("--user-constraints", self.user_constraints > 0),
+        ];
+        let mut given = given.into_iter().filter(|(_, is_given)| *is_given);
+        given.next().map(|(name, _)| name)
+    }
+
     /// The formulation asked for, or else one by name.
     fn formulation(&self, model: &Model, function: FunctionKind, usual: &str) -> Formulation {
         match self.formulation.as_deref().unwrap_or(usual) {
@@ -126,20 +145,24 @@ impl GenArguments {
     }
 }
 
-fn function_names() -> Vec<&'static str> {
-    let names = FunctionKind::ALL.map(FunctionKind::name);
-    ["all"].into_iter().chain(names).collect()
-}
-
 /// The functions asked for, each once, in the order of Robotran's numbers.
-fn kinds(names: &[String]) -> Vec<FunctionKind> {
+fn kinds(names: &[String]) -> Result<Vec<FunctionKind>, CommandFailure> {
+    let known = |name: &&String| *name == "all" || FunctionKind::from_name(name).is_some();
+    if let Some(name) = names.iter().find(|name| !known(name)) {
+        return Err(input::no_such_kind(name));
+    }
     // The parts of a whole step are generated on request only, as in Robotran.
     let asked = |kind: &FunctionKind| {
         names
             .iter()
             .any(|name| name == kind.name() || name == "all" && !kind.is_special())
     };
-    FunctionKind::ALL.into_iter().filter(asked).collect()
+    let kinds: Vec<FunctionKind> = FunctionKind::ALL.into_iter().filter(asked).collect();
+    Ok(if names.is_empty() {
+        vec![FunctionKind::Dirdyna]
+    } else {
+        kinds
+    })
 }
 
 /// The formulations as values of an option, each with its description.
@@ -215,18 +238,99 @@ fn add(
 
 /// Runs the command.
 pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
-    if let (true, Some(folder)) = (arguments.whole_step, &arguments.output) {
-        return write_whole_step(arguments, folder);
+    if arguments.whole_step {
+        return whole_step::run(arguments);
     }
     let pipeline = input::passes_or_empty(arguments.passes.as_deref())?;
-    if let (None, Some(path)) = (arguments.language, &arguments.output) {
-        names::refuse_wrong(path, true)?;
-        output::refuse_foreign(Some(path), &[""], Replace::Own)?;
+    let Some(language) = arguments.files.language else {
+        return text(arguments, &pipeline);
+    };
+    let folder = arguments.output.as_deref().unwrap_or(Path::new("."));
+    let mut files = Vec::new();
+    for path in &arguments.subjects {
+        let mut module = equations(path, arguments, &pipeline)?;
+        let generation = arguments.files.generation;
+        let usual = sources::is_model_path(path).then_some(GenerationName::Current);
+        if let (Some(generation), OutputLanguage::C) = (generation.or(usual), language) {
+            let functions = module.functions.iter_mut();
+            functions.for_each(|function| Generation::from(generation).mark(function));
+        }
+        files.extend(arguments.files.write(&module, language, path)?);
     }
-    let kinds = kinds(&arguments.function);
+    refuse_losses(&arguments.subjects, &files, folder)?;
+    files::save(&files, folder)
+}
+
+/// Prints or writes robovec's text of one subject.
+fn text(arguments: &GenArguments, pipeline: &Pipeline) -> Result<String, CommandFailure> {
+    let [path] = &arguments.subjects[..] else {
+        return Err(CommandFailure::advised(
+            "robovec's text is written of one subject at a time",
+            vec!["several are written as files of Robotran: --language c".to_owned()],
+        ));
+    };
+    if let Some(file) = &arguments.output {
+        names::refuse_wrong(file, true)?;
+        output::refuse_foreign(Some(file), &[""], Replace::Own)?;
+    }
+    let module = equations(path, arguments, pipeline)?;
+    match &arguments.output {
+        None => Ok(print::print_module(&module)),
+        Some(file) => {
+            output::write_over(file, Replace::Own, |writer| {
+                print::write_module(&module, writer)
+            })?;
+            Ok(String::new())
+        }
+    }
+}
+
+/// The equations of a subject after the passes.
+fn equations(
+    path: &Path,
+    arguments: &GenArguments,
+    pipeline: &Pipeline,
+) -> Result<Module, CommandFailure> {
+    if sources::is_model_path(path) && arguments.input_language.is_none() {
+        let mut module = of_model(path, arguments)?;
+        transform(&mut module, pipeline)?;
+        return Ok(module);
+    }
+    if let Some(option) = arguments.of_models() {
+        return Err(not_a_model(option, path));
+    }
+    let mut input = input::equations_or_stubs(path, arguments.input_language)?;
+    if !arguments.function.is_empty() {
+        opt::select_all(&mut input.module, &arguments.function)?;
+    }
+    let scene = input.scene(None);
+    run_passes(
+        &mut input.module,
+        pipeline,
+        scene.as_ref(),
+        &mut telling::remarks(),
+    )
+    .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
+    Ok(input.module)
+}
+
+/// The failure for an option of models that is given with equations.
+fn not_a_model(option: &str, path: &Path) -> CommandFailure {
+    CommandFailure::advised(
+        format!(
+            "{option} generates from a model, and {} holds equations",
+            path.display()
+        ),
+        vec!["name the model (.mbs, .urdf) they come from".to_owned()],
+    )
+}
+
+/// Generates the functions asked for.
+fn of_model(path: &Path, arguments: &GenArguments) -> Result<Module, CommandFailure> {
+    let kinds = kinds(&arguments.function)?;
     let whole = [FunctionKind::Accelred, FunctionKind::Invdynared];
     let whole = kinds.iter().find(|kind| whole.contains(kind));
-    if let (Some(kind), Some(OutputLanguage::C)) = (whole, arguments.language) {
+    if let (Some(kind), Some(OutputLanguage::C)) = (whole, arguments.files.language) {
         let _ = writeln!(
             telling::remarks(),
             "remark: {name} takes forces as given and loops as closed, and MBsysC asks more of \
@@ -235,7 +339,7 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
         );
     }
     let forces = kinds.iter().find(|kind| kind.depends_on_link_forces());
-    let read = input::model_for(&arguments.model, forces.copied())?;
+    let read = input::model_for(path, forces.copied())?;
     let options = arguments.options();
     let mut module = Module::new();
     let mut empty = Vec::new();
@@ -257,109 +361,7 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
             names.join(", ")
         );
     }
-    transform(&mut module, &pipeline)?;
-    if arguments.language == Some(OutputLanguage::C) {
-        let functions = module.functions.iter_mut();
-        functions.for_each(|function| Generation::from(arguments.generation).mark(function));
-    }
-    if let (Some(language), Some(folder)) = (arguments.language, &arguments.output) {
-        return write_files(&module, language, &WriteOptions::default(), folder);
-    }
-    match &arguments.output {
-        None => Ok(print::print_module(&module)),
-        Some(path) => {
-            output::write_over(path, Replace::Own, |writer| {
-                print::write_module(&module, writer)
-            })?;
-            Ok(String::new())
-        }
-    }
-}
-
-/// Writes the C of the whole step; gives the names of the files.
-fn write_whole_step(arguments: &GenArguments, folder: &Path) -> Result<String, CommandFailure> {
-    let pipeline = input::passes(arguments.passes.as_deref().unwrap_or("$cpu"))?;
-    let steps = steps(&arguments.function)?;
-    let model = input::model_for(&arguments.model, Some(FunctionKind::Accelred))?.model;
-    let formulation = arguments.formulation(&model, FunctionKind::Accelred, FEWEST);
-    let options = arguments.options();
-    let mut module = whole_step::generate_parts(&model, &steps, formulation, &options)
-        .map_err(|error| CommandFailure::plain(error.to_string()))?;
-    tell_redundant(&model)?;
-    // Passes of the preset that do not suit one of the parts have nothing to
-    // tell whoever did not ask for them.
-    match arguments.passes {
-        Some(_) => transform(&mut module, &pipeline)?,
-        None => transform_remarking(&mut module, &pipeline, &mut std::io::sink())?,
-    }
-    let real = arguments.number.real();
-    let style = StepStyle {
-        c: &c::Options {
-            real,
-            ..c::Options::default()
-        },
-        generation: arguments.generation.into(),
-        options: &options,
-    };
-    let files = whole_step::files(&model, &steps, &module, &style)
-        .map_err(|error| CommandFailure::plain(error.to_string()))?;
-    let saved = save(&files, folder)?;
-    match real {
-        Real::Double => Ok(saved),
-        Real::Float => Ok(saved + &error_lines(&model, &steps, &module)?),
-    }
-}
-
-/// Names the rows of loops that say what others say.
-fn tell_redundant(model: &Model) -> Result<(), CommandFailure> {
-    let failed = |error: GenerateError| CommandFailure::plain(error.to_string());
-    let cuts = cuts_of_rows(model).map_err(failed)?;
-    for row in redundant_rows(model).map_err(failed)? {
-        let _ = writeln!(
-            telling::remarks(),
-            "remark: row {} of the constraints (cut '{}') says what other rows say, and is left out",
-            row + 1,
-            model.cuts[cuts[row]].name
-        );
-    }
-    Ok(())
-}
-
-/// Effect of binary32 on the results of steps, a line each.
-fn error_lines(
-    model: &Model,
-    steps: &[StepFunction],
-    module: &Module,
-) -> Result<String, CommandFailure> {
-    let mut text = String::new();
-    for &step in steps {
-        let account = step_error(model, step, module, Format::BINARY32)
-            .map_err(|error| CommandFailure::plain(error.to_string()))?;
-        text += &match account {
-            Some(account) => format!("{}: {}\n", step.name(), account.text()),
-            None => format!(
-                "{}: error in f32 not measured: no states with closed loops were found, or \
-                 constraints of the user are part of it\n",
-                step.name()
-            ),
-        };
-    }
-    Ok(text)
-}
-
-/// The steps asked for; without a word on functions it is that of accelerations.
-fn steps(names: &[String]) -> Result<Vec<StepFunction>, CommandFailure> {
-    let all = [StepFunction::Accelerations, StepFunction::ActuatorForces];
-    let known = |name: &String| all.iter().any(|step| step.name() == name);
-    match names.iter().find(|name| !known(name)) {
-        None => {
-            let asked = |step: &StepFunction| names.iter().any(|name| name == step.name());
-            Ok(all.into_iter().filter(asked).collect())
-        }
-        Some(name) => Err(CommandFailure::plain(format!(
-            "--whole-step writes accelred and invdynared, and '{name}' is neither"
-        ))),
-    }
+    Ok(module)
 }
 
 /// Runs a pipeline over a module, for the machine of the thesis; what passes
@@ -374,8 +376,20 @@ pub(super) fn transform_remarking(
     pipeline: &Pipeline,
     remarks: &mut dyn Write,
 ) -> Result<(), CommandFailure> {
-    let machine = input::machine("thesis")?;
-    manager::run(module, pipeline, Config::new(&machine, remarks))
-        .map(drop)
-        .map_err(|error| CommandFailure::plain(error.to_string()))
+    run_passes(module, pipeline, None, remarks).map_err(CommandFailure::plain)
+}
+
+fn run_passes(
+    module: &mut Module,
+    pipeline: &Pipeline,
+    scene: Option<&Scene>,
+    remarks: &mut dyn Write,
+) -> Result<(), String> {
+    let machine = input::machine("thesis").expect("the machine ships");
+    let config = Config {
+        scene,
+        ..Config::new(&machine, remarks)
+    };
+    let outcome = manager::run(module, pipeline, config);
+    outcome.map(drop).map_err(|error| error.to_string())
 }

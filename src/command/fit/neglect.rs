@@ -1,30 +1,16 @@
-//! `robovec neglect`: what a scene need not model.
+//! `robovec fit --reduce`: parts that a scene need not model.
 
-use super::{CommandFailure, input, output, progress};
-use clap::Args;
+use super::FitArguments;
+use crate::command::{CommandFailure, input, output, progress};
 use robovec_explore::neglect::{self, NeglectError, NeglectTask};
 use robovec_explore::scene::SceneSubject;
 use robovec_io::files::{Replace, limited};
 use robovec_model::mbs::unsayable;
 use robovec_present::plot;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// Find the joints, bodies, forces and terms that a scene need not model
-#[derive(Args, Debug)]
-pub(super) struct NeglectArguments {
-    /// The scene (.scene.toml), with a section [motion]
-    scene: PathBuf,
-    /// Machine that speed and cost are told of; by default the scene's, else thesis, or solver
-    /// for equations that divide
-    #[arg(long, value_name = "MACHINE")]
-    machine: Option<String>,
-    /// Folder for the reduced scene, its model and laws, the report and the motions (SVG)
-    #[arg(short, long, value_name = "FOLDER")]
-    output: Option<PathBuf>,
-}
-
-/// Runs the command.
-pub(super) fn run(arguments: &NeglectArguments) -> Result<String, CommandFailure> {
+/// Reduces the scene.
+pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
     let path = &arguments.scene;
     let name = path.file_name().unwrap_or(path.as_os_str());
     let name = name.to_string_lossy();
@@ -57,11 +43,7 @@ pub(super) fn run(arguments: &NeglectArguments) -> Result<String, CommandFailure
             vec!["without -o the findings are told".to_owned()],
         ));
     }
-    let named = arguments.machine.as_ref().or(file.scene.machine.as_ref());
-    let machine = input::machine(match named {
-        Some(name) => name,
-        None => input::usual_machine(&module.functions[0])?,
-    })?;
+    let machine = super::machine(arguments, &file, &module)?;
     let task = NeglectTask {
         file: &file,
         name: &name,

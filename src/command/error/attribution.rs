@@ -1,0 +1,178 @@
+//! Errors of one state attributed to equations, and bounds.
+
+use super::{ErrorAnswer, ErrorArguments, ErrorSetting, chosen};
+use crate::command::CommandFailure;
+use crate::command::flags::whole;
+use crate::command::input;
+use clap::{Args, ValueEnum};
+use robovec_analysis::interval::GivenData;
+use robovec_analysis::stochastic;
+use robovec_error::errors::{self, ErrorMethod, ErrorSettings, ErrorTable};
+use robovec_ir::{Format, View};
+
+/// Options of `--blame` and `--prove`.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "With --blame and --prove")]
+pub(super) struct AttributionArguments {
+    /// Estimates for every output; by default bound, predict and, where the
+    /// format is narrow enough, stochastic; with --prove bound and interval
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        value_enum,
+        requires = "attribution"
+    )]
+    method: Option<Vec<ErrorMethod>>,
+    /// State of the table, counted from 0
+    #[arg(long, default_value_t = 0, requires = "attribution",
+          add = whole(0, 1_000_000_000, "states are drawn by their number"))]
+    state: u32,
+    /// Operations of a window, for the method interval
+    #[arg(long, default_value_t = 1000, requires = "attribution",
+          add = whole(1, 100_000, "intervals over more operations say nothing"))]
+    window: u32,
+    /// States from which ranges inside a function are assumed, for the method
+    /// interval
+    #[arg(long, default_value_t = 32, requires = "attribution",
+          add = whole(1, 10_000, "the function is evaluated at every state, and all values are kept"))]
+    samples: u32,
+    /// Enclosures of a window at most, for the method interval: boxes into
+    /// which ranges are cut
+    #[arg(long, default_value_t = 2000, requires = "attribution",
+          add = whole(1, 1_000_000, "all operations of the window are enclosed in every box"))]
+    boxes: u32,
+    /// Kind of inputs and literals for the method interval: numbers of the
+    /// format, or real numbers that are rounded first
+    #[arg(
+        long,
+        value_name = "WHAT",
+        value_enum,
+        default_value = "held",
+        requires = "attribution"
+    )]
+    data: GivenWord,
+}
+
+/// Kind of inputs and literals before the run.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+enum GivenWord {
+    /// Inputs are numbers of the format, literals of binary64
+    Held,
+    /// Inputs are real numbers, literals the decimals written
+    Real,
+}
+
+/// Methods of `--blame`; the last one has formats it cannot sample.
+const BLAME: [ErrorMethod; 3] = [
+    ErrorMethod::Bound,
+    ErrorMethod::Predict,
+    ErrorMethod::Stochastic,
+];
+
+/// Methods of `--prove`.
+const PROVE: [ErrorMethod; 2] = [ErrorMethod::Bound, ErrorMethod::Interval];
+
+/// Maximum cost of differentiating all outputs, in values times outputs; where
+/// it would be more, matrices are left out unless they are asked for.
+const WORK: usize = 1 << 31;
+
+/// Equations named as the hottest.
+const USUAL_TOP: usize = 12;
+
+/// Attributes the errors of all files.
+pub(super) fn run(
+    arguments: &ErrorArguments,
+    setting: &ErrorSetting,
+) -> Result<ErrorAnswer, CommandFailure> {
+    let mut tables = Vec::new();
+    let mut remarks = String::new();
+    for path in &arguments.files {
+        let mut subject = setting.subject(arguments, path)?;
+        setting.transform(&mut subject)?;
+        let usual = [subject.read.format.unwrap_or(Format::BINARY32)];
+        let formats = arguments.formats.as_ref();
+        for &format in formats.map_or(&usual[..], |list| &list.0) {
+            let (methods, remark) = methods(arguments, format);
+            remarks += &remark;
+            for (_, view) in subject.functions() {
+                let options = &arguments.attribution;
+                let settings = ErrorSettings {
+                    format,
+                    states: input::states(subject.scene.as_ref(), arguments.seed),
+                    state: options.state,
+                    blamed: arguments.states.unwrap_or(1),
+                    methods: methods.clone(),
+                    outputs: outputs(view, arguments.outputs.as_deref())?,
+                    most_equations: arguments.top.unwrap_or(USUAL_TOP),
+                    window: options.window as usize,
+                    samples: options.samples,
+                    boxes: options.boxes as usize,
+                    data: match options.data {
+                        GivenWord::Held => GivenData::Held,
+                        GivenWord::Real => GivenData::Real,
+                    },
+                };
+                let table = ErrorTable::measure(view, &settings).map_err(|error| {
+                    let help = "leave it out: --method bound,predict".to_owned();
+                    CommandFailure::advised(format!("method stochastic: {error}"), vec![help])
+                })?;
+                tables.push(table);
+            }
+        }
+    }
+    let texts: Vec<String> = tables.iter().map(errors::text).collect();
+    let (csv, json) = (errors::csv(&tables), errors::json(&tables));
+    Ok(ErrorAnswer {
+        text: texts.join("\n") + &remarks,
+        files: vec![
+            ("errors.csv".to_owned(), csv.clone()),
+            ("errors.json".to_owned(), json.clone()),
+        ],
+        csv,
+        json,
+    })
+}
+
+/// Methods for a format, and a remark on one that was left out.
+fn methods(arguments: &ErrorArguments, format: Format) -> (Vec<ErrorMethod>, String) {
+    if let Some(methods) = &arguments.attribution.method {
+        return (methods.clone(), String::new());
+    }
+    let mut methods = Vec::new();
+    if arguments.blame {
+        methods.extend(BLAME);
+    }
+    if arguments.prove {
+        methods.extend(PROVE);
+    }
+    methods.sort_unstable();
+    methods.dedup();
+    let mut remark = String::new();
+    if let (true, Err(reason)) = (arguments.blame, stochastic::supports(format)) {
+        methods.retain(|method| *method != ErrorMethod::Stochastic);
+        remark = format!("\nno sigma: {reason}\n");
+    }
+    (methods, remark)
+}
+
+/// The assignments whose errors are attributed: those of a list, else all, of
+/// large functions only scalars and vectors.
+fn outputs(view: View<'_>, list: Option<&str>) -> Result<Vec<usize>, CommandFailure> {
+    if let Some(list) = list {
+        return chosen(view, list);
+    }
+    let function = view.function;
+    let all = 0..function.assignments.len();
+    if all.len().saturating_mul(function.nodes().len()) > WORK {
+        let is_vector = |&place: &usize| {
+            let output = function.assignments[place].output;
+            function.output_element(output).2 <= 1
+        };
+        let vectors: Vec<usize> = all.clone().filter(is_vector).collect();
+        if !vectors.is_empty() {
+            return Ok(vectors);
+        }
+    }
+    Ok(all.collect())
+}

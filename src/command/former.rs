@@ -1,0 +1,75 @@
+//! Former commands, answered with the present ones.
+
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+
+/// A command line of former versions.
+pub(super) struct FormerCommand {
+    pub(super) line: &'static str,
+    /// Command line with the same results.
+    pub(super) now: &'static str,
+    /// Results under other names than before.
+    pub(super) results: &'static str,
+}
+
+const fn former(line: &'static str, now: &'static str, results: &'static str) -> FormerCommand {
+    FormerCommand { line, now, results }
+}
+
+pub(super) const FORMER: [FormerCommand; 12] = [
+    former(
+        "accuracy FILE…",
+        "error FILE… --passes '$shorten'",
+        "`accuracy.csv`, `.json`, `.svg` are `passes.csv`, `.json`, `.svg`; the errors of every \
+         output of the result follow",
+    ),
+    former(
+        "accuracy FILE… --outputs",
+        "error FILE…",
+        "`--most` is `--top`; with `--passes` the errors after every pass come first",
+    ),
+    former("equilibrium MODEL", "sim equilibrium MODEL", ""),
+    former(
+        "errors FILE",
+        "error FILE… --blame",
+        "`-o` writes `errors.csv`, `errors.json`",
+    ),
+    former(
+        "errors FILE --method interval",
+        "error FILE… --prove",
+        "with the bound of one state",
+    ),
+    former("modal MODEL", "sim modal MODEL", ""),
+    former("neglect SCENE", "fit SCENE --reduce", ""),
+    former("scene SCENE", "fit SCENE --explain", ""),
+    former("simulate FOLDER", "rtl simulate FOLDER", ""),
+    former("synthesise", "rtl synthesise", ""),
+    former(
+        "trig FILE…",
+        "error FILE… --series",
+        "`--method` is `--polynomials`",
+    ),
+    former(
+        "write FILE… --language LANGUAGE",
+        "gen FILE… --language LANGUAGE",
+        "",
+    ),
+];
+
+/// The error of the command line, with advice where it names a former command.
+pub(super) fn answer(mut error: clap::Error) -> clap::Error {
+    let name = match error.get(ContextKind::InvalidSubcommand) {
+        Some(ContextValue::String(name)) if error.kind() == ErrorKind::InvalidSubcommand => name,
+        Some(_) | None => return error,
+    };
+    let is_it = |former: &&FormerCommand| former.line.split(' ').next() == Some(name);
+    let advice: Vec<_> = FORMER
+        .iter()
+        .filter(is_it)
+        .map(|former| format!("'robovec {}' is 'robovec {}' now", former.line, former.now).into())
+        .collect();
+    if !advice.is_empty() {
+        error.remove(ContextKind::SuggestedSubcommand);
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(advice));
+    }
+    error
+}
