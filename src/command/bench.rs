@@ -198,7 +198,7 @@ fn load(subject: &str, arguments: &BenchArguments) -> Result<LoadedSubject, Comm
             replaced,
         });
     }
-    let mut module = input::equations(path, None)?.without_ranges("bench")?;
+    let mut module = input::without_ranges(input::equations(path, None)?, "bench")?;
     if module.functions.len() != 1 || wanted.is_some() {
         opt::select(&mut module, wanted.unwrap_or(BenchTask::default().name()))?;
     }

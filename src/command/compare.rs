@@ -8,12 +8,13 @@
 
 use super::CommandFailure;
 use super::flags::{SEED, real, whole};
-use super::input::{self, InputModule};
+use super::input;
 use clap::Args;
 use robovec_analysis::class::NumericClass;
 use robovec_dynamics::kinematics::parameter;
 use robovec_dynamics::stale::zero;
 use robovec_framework::check::check;
+use robovec_io::sources::ReadEquations;
 use robovec_ir::diagnostic::counted;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;
@@ -123,8 +124,8 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<String, CommandFailure> 
 }
 
 /// Random states in the ranges that the files give, the first one first.
-fn states(before: &InputModule, after: &InputModule, seed: u64) -> States {
-    let scene = after.scene(before.scene(None));
+fn states(before: &ReadEquations, after: &ReadEquations, seed: u64) -> States {
+    let scene = input::scene_of(after, input::scene_of(before, None));
     input::states(scene.as_ref(), seed)
 }
 

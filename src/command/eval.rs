@@ -167,7 +167,7 @@ fn read(arguments: &EvalArguments) -> Result<(Module, States), CommandFailure> {
         arguments.language,
         arguments.function.first().map(String::as_str),
     )?;
-    let states = input::states(input.scene(None).as_ref(), arguments.seed);
+    let states = input::states(input::scene_of(&input, None).as_ref(), arguments.seed);
     let mut module = input.module;
     let asked = &arguments.function;
     if let Some(name) = asked.iter().find(|name| module.function(name).is_none()) {

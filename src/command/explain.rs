@@ -1,9 +1,9 @@
 //! `robovec-opt --explain`: the story of one value.
 
 use super::CommandFailure;
-use super::input::InputModule;
 use robovec_error::errors;
 use robovec_framework::trail::{self, Account, DefinitionChange, Moment, PassEntry, Trail};
+use robovec_io::sources::ReadEquations;
 use robovec_ir::diagnostic::{Diagnostic, Label, Report};
 use robovec_ir::states::States;
 use robovec_ir::{Function, HistoryStep, Machine, SourcePlace, SourceSet, View, print};
@@ -20,7 +20,7 @@ const MAX_EXCERPTS: usize = 6;
 /// Fails when there is no such value or output.
 pub(crate) fn explain(
     asked: &str,
-    input: &InputModule,
+    input: &ReadEquations,
     trail: &Trail,
     machine: &Machine,
     states: &States,
@@ -74,7 +74,7 @@ pub(crate) fn explain(
 }
 
 /// The source equations, with their lines where the file is at hand.
-fn origin(account: &Account, function: &Function, input: &InputModule) -> String {
+fn origin(account: &Account, function: &Function, input: &ReadEquations) -> String {
     let sources = &input.module.tables.sources;
     let mut places: Vec<SourcePlace> = Vec::new();
     for place in account.sources.iter().flat_map(|&set| sources.places(set)) {
@@ -120,12 +120,12 @@ fn origin(account: &Account, function: &Function, input: &InputModule) -> String
     report.render_plain()
 }
 
-fn describe(input: &InputModule, place: SourcePlace) -> String {
+fn describe(input: &ReadEquations, place: SourcePlace) -> String {
     let file = &input.module.tables.sources.files[place.file as usize];
     format!("{file}, line {}, column {}", place.line, place.column)
 }
 
-fn print_entry(entry: &PassEntry, input: &InputModule, text: &mut String) {
+fn print_entry(entry: &PassEntry, input: &ReadEquations, text: &mut String) {
     let mut rules: Vec<String> = Vec::new();
     for rule in entry.changes.iter().flat_map(|change| &change.rules) {
         if !rules.contains(rule) {
@@ -149,7 +149,7 @@ fn describe_step(step: &HistoryStep) -> String {
     }
 }
 
-fn print_change(change: &DefinitionChange, input: &InputModule, text: &mut String) {
+fn print_change(change: &DefinitionChange, input: &ReadEquations, text: &mut String) {
     let DefinitionChange {
         before,
         after,
@@ -177,7 +177,7 @@ fn print_change(change: &DefinitionChange, input: &InputModule, text: &mut Strin
     }
 }
 
-fn list_places(input: &InputModule, sources: SourceSet) -> String {
+fn list_places(input: &ReadEquations, sources: SourceSet) -> String {
     let places = input.module.tables.sources.places(sources);
     let rest = places.len().saturating_sub(MAX_EXCERPTS);
     let places = places.take(MAX_EXCERPTS);

@@ -11,75 +11,48 @@ use robovec_explore::scene::{SceneFile, SceneSubject};
 use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;
 use robovec_io::files::limited::{self, FileLimit};
-use robovec_io::sources::{self, EquationLanguage, ReadEquations, display_name};
+use robovec_io::sources::{self, EquationLanguage, ReadEquations};
 use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
-use robovec_ir::states::{Ranges, States};
-use robovec_ir::{Format, Function, Machine, Module, Operation};
+use robovec_ir::states::States;
+use robovec_ir::{Function, Machine, Module, Operation};
 use robovec_model::Model;
 use robovec_model::mbs::ReadModel;
 use robovec_passes::registry::REGISTRY;
 use robovec_robotran::FunctionKind;
 use robovec_robotran::Language;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// Equations as read, with the text messages point into.
-pub(crate) struct InputModule {
-    /// The functions.
-    pub(crate) module: Module,
-    /// The ranges that the file gives its inputs.
-    pub(crate) ranges: Ranges,
-    /// The format that the file computes in, where it names one.
-    pub(crate) format: Option<Format>,
-    /// Name of the file.
-    pub(crate) name: String,
-    /// Place where its text can be read again for a message.
-    pub(crate) path: PathBuf,
+/// The scene with the ranges that a file gives inputs of which it says
+/// nothing; none where nobody says anything.
+pub(crate) fn scene_of(read: &ReadEquations, given: Option<Scene>) -> Option<Scene> {
+    if read.ranges.is_empty() {
+        return given;
+    }
+    let mut scene = given.unwrap_or_else(|| Scene {
+        name: read.name.clone(),
+        ..Scene::default()
+    });
+    scene.ranges.add_missing(&read.ranges);
+    Some(scene)
 }
 
-impl InputModule {
-    /// The scene with the ranges that the file gives inputs of which it says
-    /// nothing; none where nobody says anything.
-    pub(crate) fn scene(&self, given: Option<Scene>) -> Option<Scene> {
-        if self.ranges.is_empty() {
-            return given;
-        }
-        let mut scene = given.unwrap_or_else(|| Scene {
-            name: self.name.clone(),
-            ..Scene::default()
-        });
-        scene.ranges.add_missing(&self.ranges);
-        Some(scene)
+/// The module for a command that knows no ranges.
+///
+/// # Errors
+///
+/// Fails when the file gives some, so that none is ignored. Limits of a
+/// model's joints describe the robot and are not asked for.
+pub(crate) fn without_ranges(read: ReadEquations, command: &str) -> Result<Module, CommandFailure> {
+    if read.ranges.is_empty() || sources::is_model_path(&read.path) {
+        return Ok(read.module);
     }
-
-    /// The module for a command that knows no ranges.
-    ///
-    /// # Errors
-    ///
-    /// Fails when the file gives some, so that none is ignored. Limits of a
-    /// model's joints describe the robot and are not asked for.
-    pub(crate) fn without_ranges(self, command: &str) -> Result<Module, CommandFailure> {
-        if self.ranges.is_empty() || sources::is_model_path(&self.path) {
-            return Ok(self.module);
-        }
-        Err(CommandFailure::advised(
-            format!(
-                "{}: '{command}' knows no ranges of inputs, which ':pre' gives",
-                self.name
-            ),
-            vec!["remove ':pre' to run it on any state".to_owned()],
-        ))
-    }
-
-    /// The text of the file once more, for a message that points into it;
-    /// keeping it from the start would double the memory of a large file.
-    /// `None` when it cannot be had again.
-    pub(crate) fn text(&self) -> Option<String> {
-        if self.path == Path::new("-") {
-            return None;
-        }
-        let bytes = limited::read(&self.path, &limited::EQUATIONS).ok()?;
-        Some(String::from_utf8_lossy(&bytes).into_owned())
-    }
+    Err(CommandFailure::advised(
+        format!(
+            "{}: '{command}' knows no ranges of inputs, which ':pre' gives",
+            read.name
+        ),
+        vec!["remove ':pre' to run it on any state".to_owned()],
+    ))
 }
 
 /// Reads equations in any language, or generates them from a model: the
@@ -88,7 +61,7 @@ pub(crate) fn equations_or_model(
     path: &Path,
     language: Option<InputLanguage>,
     function: Option<&str>,
-) -> Result<InputModule, CommandFailure> {
+) -> Result<ReadEquations, CommandFailure> {
     let is_model = sources::is_model_path(path);
     if !is_model || language.is_some() {
         return equations_of(path, language, function);
@@ -98,12 +71,9 @@ pub(crate) fn equations_or_model(
     let read = model_for(path, Some(kind))?;
     let module = generate_asked(&read.model, &GenerationRequest::new(kind))
         .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
-    Ok(InputModule {
-        module,
+    Ok(ReadEquations {
         ranges: sources::limits_of_joints(&read.model),
-        format: None,
-        name: display_name(path),
-        path: path.to_owned(),
+        ..ReadEquations::of(path, module)
     })
 }
 
@@ -123,16 +93,16 @@ pub(crate) fn no_such_kind(name: &str) -> CommandFailure {
 pub(crate) fn equations_or_stubs(
     path: &Path,
     language: Option<InputLanguage>,
-) -> Result<InputModule, CommandFailure> {
+) -> Result<ReadEquations, CommandFailure> {
     let read = sources::equations_or_stubs(path, language.map(known), None);
-    Ok(told(read.map_err(CommandFailure)?, path))
+    Ok(told(read?))
 }
 
 /// Reads equations in any language.
 pub(crate) fn equations(
     path: &Path,
     language: Option<InputLanguage>,
-) -> Result<InputModule, CommandFailure> {
+) -> Result<ReadEquations, CommandFailure> {
     equations_of(path, language, None)
 }
 
@@ -142,9 +112,9 @@ pub(crate) fn equations_of(
     path: &Path,
     language: Option<InputLanguage>,
     function: Option<&str>,
-) -> Result<InputModule, CommandFailure> {
+) -> Result<ReadEquations, CommandFailure> {
     let read = sources::equations(path, language.map(known), function);
-    Ok(told(read.map_err(CommandFailure)?, path))
+    Ok(told(read?))
 }
 
 fn known(language: InputLanguage) -> EquationLanguage {
@@ -158,15 +128,9 @@ fn known(language: InputLanguage) -> EquationLanguage {
 }
 
 /// Prints what the reader remarked.
-fn told(read: ReadEquations, path: &Path) -> InputModule {
+fn told(read: ReadEquations) -> ReadEquations {
     tell(&read.warnings);
-    InputModule {
-        module: read.module,
-        ranges: read.ranges,
-        format: read.format,
-        name: read.name,
-        path: path.to_owned(),
-    }
+    read
 }
 
 /// Reads a model.
@@ -180,7 +144,7 @@ pub(crate) fn model_for(
     path: &Path,
     kind: Option<FunctionKind>,
 ) -> Result<ReadModel, CommandFailure> {
-    let read = sources::model(path).map_err(CommandFailure)?;
+    let read = sources::model(path)?;
     match kind {
         Some(kind) => tell(&read.warnings_for(kind)),
         None => tell(&read.warnings),
@@ -190,7 +154,7 @@ pub(crate) fn model_for(
 
 /// Reads a scene, and what it names.
 pub(crate) fn scene(path: &Path) -> Result<SceneFile, CommandFailure> {
-    let file = SceneFile::load(path).map_err(CommandFailure)?;
+    let file = SceneFile::load(path)?;
     tell(&file.warnings);
     Ok(file)
 }
@@ -264,8 +228,7 @@ pub(crate) const WITH_DIVIDER: &str = "solver";
 pub(crate) fn usual_machine(function: &Function) -> Result<&'static str, CommandFailure> {
     let mut nodes = function.nodes().iter();
     let divides = nodes.any(|node| node.operation == Operation::Div);
-    let lacks_divider = || Ok(machine(USUAL_MACHINE)?.kind_of(Operation::Div).is_none());
-    if divides && lacks_divider()? {
+    if divides && machine(USUAL_MACHINE)?.kind_of(Operation::Div).is_none() {
         Ok(WITH_DIVIDER)
     } else {
         Ok(USUAL_MACHINE)

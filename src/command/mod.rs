@@ -78,6 +78,12 @@ impl CommandFailure {
     }
 }
 
+impl From<Report> for CommandFailure {
+    fn from(report: Report) -> CommandFailure {
+        CommandFailure(report)
+    }
+}
+
 /// An error when the C compiler of `--cpu` is asked for and does not run.
 fn require_compiler(asked: bool) -> Result<(), CommandFailure> {
     if asked {

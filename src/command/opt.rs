@@ -2,7 +2,7 @@
 
 use super::arguments::{self, OptimiserArguments, TableFormat, USUAL_MACHINE};
 use super::dump::DumpFolder;
-use super::input::{self, InputModule};
+use super::input;
 use super::summary::RunSummary;
 use super::tables::{self, MeasuredStage};
 use super::{
@@ -19,8 +19,9 @@ use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;
 use robovec_framework::trail::Trail;
 use robovec_io::files::{Replace, limited, set_force};
+use robovec_io::sources::ReadEquations;
 use robovec_ir::diagnostic::{Diagnostic, Label, Report};
-use robovec_ir::states::{Ranges, States};
+use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, SourceSet, print};
 use robovec_rules::RuleSet;
 use robovec_view::report::{self, ReadCounts};
@@ -97,7 +98,7 @@ struct GivenInputs {
     rules: RuleSet,
     scene: Option<Scene>,
     machine: Machine,
-    input: InputModule,
+    input: ReadEquations,
     /// The reading of equations, scene and machine.
     stage: MeasuredStage,
 }
@@ -251,24 +252,13 @@ fn measured(
 fn scene_and_input(
     arguments: &OptimiserArguments,
     path: &Path,
-) -> Result<(Option<Scene>, InputModule), CommandFailure> {
+) -> Result<(Option<Scene>, ReadEquations), CommandFailure> {
     if path.to_string_lossy().ends_with(".scene.toml") && arguments.scene.is_none() {
         let file = input::scene(path)?;
         let module = file
             .module()
             .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
-        let input = InputModule {
-            module,
-            ranges: Ranges::default(),
-            format: None,
-            name: path
-                .file_name()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned(),
-            path: path.to_owned(),
-        };
-        return Ok((Some(file.scene), input));
+        return Ok((Some(file.scene), ReadEquations::of(path, module)));
     }
     let scene = match &arguments.scene {
         None => None,
@@ -277,7 +267,7 @@ fn scene_and_input(
     let wished = scene.as_ref().and_then(|scene| scene.function.as_deref());
     let function = arguments.function.as_deref().or(wished);
     let input = input::equations_or_model(path, arguments.language, function)?;
-    Ok((input.scene(scene), input))
+    Ok((input::scene_of(&input, scene), input))
 }
 
 /// Answers that need no input.
@@ -362,7 +352,7 @@ fn transform(
     arguments: &OptimiserArguments,
     pipeline: &Pipeline,
     (machine, rules, scene): (&Machine, &RuleSet, Option<&Scene>),
-    input: &mut InputModule,
+    input: &mut ReadEquations,
     trail: Option<&mut Trail>,
 ) -> Result<RunOutcome, CommandFailure> {
     let mut dump = arguments
@@ -422,7 +412,7 @@ fn transform(
 fn describe(
     error: RunError,
     arguments: &OptimiserArguments,
-    input: &InputModule,
+    input: &ReadEquations,
     machine: &Machine,
 ) -> CommandFailure {
     match error {
@@ -473,7 +463,7 @@ fn located(
     message: String,
     sources: SourceSet,
     help: Option<String>,
-    input: &InputModule,
+    input: &ReadEquations,
 ) -> CommandFailure {
     let mut report = Report::new();
     let mut diagnostic = Diagnostic::error().with_message(message);

@@ -1,15 +1,15 @@
 //! Placed text that is wrong: the file is told of, not a pass.
 
 use super::CommandFailure;
-use super::input::InputModule;
 use robovec_framework::manager::{RunError, check_schedules};
+use robovec_io::sources::ReadEquations;
 use robovec_ir::Machine;
 use robovec_ir::diagnostic::{Diagnostic, Report};
 use robovec_ir::parse::{VerificationTarget, parse_placed};
 
 /// Refuses input with a schedule of another machine, or a placement that is
 /// wrong on its own.
-pub(super) fn check(input: &InputModule, machine: &Machine) -> Result<(), CommandFailure> {
+pub(super) fn check(input: &ReadEquations, machine: &Machine) -> Result<(), CommandFailure> {
     check_schedules(&input.module, machine).map_err(|error| match &error {
         RunError::Given { help, .. } => refusal(&error.to_string(), help, input, machine),
         _ => CommandFailure::plain(error.to_string()),
@@ -21,7 +21,7 @@ pub(super) fn check(input: &InputModule, machine: &Machine) -> Result<(), Comman
 pub(super) fn refusal(
     message: &str,
     help: &str,
-    input: &InputModule,
+    input: &ReadEquations,
     machine: &Machine,
 ) -> CommandFailure {
     let functions = &input.module.functions;

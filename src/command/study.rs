@@ -148,7 +148,7 @@ fn compute(
     let outcome = pool.install(|| run::run(&plan, &SubjectFiles, store, &progress));
     bar.finish_and_clear();
     Ok(Results {
-        outcome: outcome.map_err(CommandFailure)?,
+        outcome: outcome?,
         plan,
     })
 }
@@ -187,7 +187,7 @@ fn time(arguments: &StudyArguments, results: &Results) -> Result<Vec<CpuTime>, C
         })
     };
     for (index, subject) in plan.models.iter().enumerate() {
-        let equations = StudyEquations::load(subject, &SubjectFiles).map_err(CommandFailure)?;
+        let equations = StudyEquations::load(subject, &SubjectFiles)?;
         for (pipeline, named) in plan.pipelines.iter().enumerate() {
             bar.inc(1);
             bar.set_message(format!("{} on one core", subject.name));

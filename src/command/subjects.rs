@@ -91,7 +91,7 @@ fn equations(subject: &StudySubject) -> Result<Module, CommandFailure> {
         SubjectSource::Model(model) => *model,
         SubjectSource::ModelFile(path) => input::model_for(&path, kind)?.model,
         SubjectSource::Equations(path) => {
-            return input::equations(&path, None)?.without_ranges("study");
+            return input::without_ranges(input::equations(&path, None)?, "study");
         }
     };
     // Sensors are functions with numbers: sensor_1.

@@ -2,7 +2,7 @@
 
 use super::arguments::InputLanguage;
 use super::flags::{SEED, whole};
-use super::input::{self, InputModule, USUAL_MACHINE};
+use super::input::{self, USUAL_MACHINE};
 use super::opt::{pass_records, select};
 use super::{CommandFailure, output, rules};
 use clap::Args;
@@ -11,6 +11,7 @@ use robovec_framework::scene::Scene;
 use robovec_framework::trail::{self, Trail};
 use robovec_io::files::{Replace, limited};
 use robovec_io::sources;
+use robovec_io::sources::ReadEquations;
 use robovec_ir::View;
 use robovec_ir::diagnostic::counted;
 use robovec_view::report::{PassRunRecord, ReadCounts};
@@ -83,7 +84,7 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<String, CommandFailure> {
     if let Some(name) = function {
         select(&mut read.module, name)?;
     }
-    let scene = read.scene(given);
+    let scene = input::scene_of(&read, given);
     let counts = ReadCounts::of(&read.module);
     let files = equations(&mut read, arguments);
     let model = model(arguments)?;
@@ -117,7 +118,7 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<String, CommandFailure> {
 
 /// The text of the equations with its name. Equations of a model have none:
 /// they are printed, and take their places from what is printed.
-fn equations(read: &mut InputModule, arguments: &ViewArguments) -> Vec<(String, String)> {
+fn equations(read: &mut ReadEquations, arguments: &ViewArguments) -> Vec<(String, String)> {
     let name = if sources::is_model_path(&arguments.file) {
         format!("equations of {}", read.name)
     } else {
@@ -136,7 +137,7 @@ fn model(arguments: &ViewArguments) -> Result<Option<ModelText>, CommandFailure>
     };
     let read = match own {
         // Its warnings were told when the equations were made.
-        Some(path) => sources::model(path).map_err(CommandFailure)?,
+        Some(path) => sources::model(path)?,
         None => input::model(path)?,
     };
     let joints = read.model.joints.iter();
@@ -155,7 +156,7 @@ fn model(arguments: &ViewArguments) -> Result<Option<ModelText>, CommandFailure>
 /// Writes what was asked for, and tells where it is.
 fn write(
     arguments: &ViewArguments,
-    read: &InputModule,
+    read: &ReadEquations,
     viewed: &ViewedRun<'_>,
     scene: Option<&Scene>,
 ) -> Result<String, CommandFailure> {

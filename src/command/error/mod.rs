@@ -10,13 +10,14 @@ mod series;
 
 use super::arguments::InputLanguage;
 use super::flags::{SEED, states, whole};
-use super::input::{self, InputModule};
+use super::input;
 use super::{CommandFailure, opt, output};
 use attribution::AttributionArguments;
 use clap::{ArgGroup, Args};
 use outputs::MeasureArguments;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::scene::Scene;
+use robovec_io::sources::ReadEquations;
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use robovec_ir::print::print_output;
 use robovec_ir::{Format, Machine, View};
@@ -162,7 +163,7 @@ struct ErrorSetting {
 /// A file as read.
 struct ErrorSubject {
     name: String,
-    read: InputModule,
+    read: ReadEquations,
     /// The scene, with ranges that the file gives.
     scene: Option<Scene>,
 }
@@ -190,7 +191,7 @@ impl ErrorSetting {
         }
         Ok(ErrorSubject {
             name: input::stem(path),
-            scene: read.scene(self.scene.clone()),
+            scene: input::scene_of(&read, self.scene.clone()),
             read,
         })
     }

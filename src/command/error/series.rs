@@ -88,7 +88,7 @@ pub(super) fn run(
         let mut subject = setting.subject(arguments, path)?;
         setting.transform(&mut subject)?;
         let failure = |error: String| CommandFailure::plain(format!("{}: {error}", path.display()));
-        let module = subject.read.without_ranges("error --series")?;
+        let module = input::without_ranges(subject.read, "error --series")?;
         let model = if sources::is_model_path(path) {
             Some(input::model(path)?.model)
         } else {

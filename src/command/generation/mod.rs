@@ -303,7 +303,7 @@ fn equations(
     if !arguments.function.is_empty() {
         opt::select_all(&mut input.module, &arguments.function)?;
     }
-    let scene = input.scene(None);
+    let scene = input::scene_of(&input, None);
     run_passes(
         &mut input.module,
         pipeline,

@@ -91,7 +91,7 @@ fn equations(
         }
         (None, path) => {
             let read = input::equations(Path::new(&arguments.input), None)?;
-            scene = read.scene(scene);
+            scene = input::scene_of(&read, scene);
             let module = read.module;
             let model: Option<Model> = match path {
                 Some(path) => Some(input::model(path)?.model),

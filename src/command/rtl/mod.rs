@@ -265,7 +265,7 @@ fn program(
     if let Some(name) = function {
         select(&mut input.module, name)?;
     }
-    let scene = input.scene(None);
+    let scene = input::scene_of(&input, None);
     let module = &input.module;
     let equations = |function: &Function| function.placement.is_none();
     if arguments.passes.is_none() && module.functions.iter().any(equations) {

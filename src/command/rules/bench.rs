@@ -126,7 +126,7 @@ pub(super) fn run(arguments: &RuleBenchArguments) -> Result<String, CommandFailu
     for (number, path) in arguments.inputs.iter().enumerate() {
         let input = input::equations_or_model(path, None, None)?;
         let name = input.name.clone();
-        let mut module = input.without_ranges("rules bench")?;
+        let mut module = input::without_ranges(input, "rules bench")?;
         compile(&mut module, &before, &machine, &RuleSet::default())?;
         let measured = bench.measure(number, &module)?;
         match arguments.shares.shard {

@@ -62,8 +62,7 @@ pub(super) struct ExportArguments {
 pub(super) fn import(arguments: &ImportArguments) -> Result<String, CommandFailure> {
     let text = input::text(&arguments.file, &limited::FOREIGN_RULES)?;
     let name = arguments.file.display().to_string();
-    let (mut set, mut report) =
-        syntax::import(&text, &name, arguments.syntax.syntax()).map_err(CommandFailure)?;
+    let (mut set, mut report) = syntax::import(&text, &name, arguments.syntax.syntax())?;
     if set.rules.is_empty() {
         let message = format!("{name} gives no rule");
         let note = "egglog has (rewrite left right), Herbie (define-rules group [name left right])";

@@ -6,14 +6,11 @@ use super::super::{CommandFailure, input, progress};
 use super::exchange::deliver;
 use super::{list, read};
 use clap::Args;
-use robovec_dynamics::generate::{GenerationRequest, generate};
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
 use robovec_ir::diagnostic::counted;
 use robovec_ir::{Function, Machine, Module};
-use robovec_model::family::built_in;
 use robovec_present::text_table;
-use robovec_robotran::FunctionKind;
 use robovec_rules::RuleSet;
 use robovec_rules::find::{self, Found, MinedRules, MiningSpace, RuleSearch, TermSpace};
 use serde_json::{Value, json};
@@ -206,12 +203,8 @@ fn modules(
     let mut modules = Vec::new();
     for name in names {
         check_number(name)?;
-        let mut module = match built_in(name) {
-            Some(model) => generate(&model, &GenerationRequest::new(FunctionKind::Dirdyna))
-                .map_err(|error| CommandFailure::plain(format!("{name}: {error}")))?,
-            None => input::equations_or_model(Path::new(name), None, None)?
-                .without_ranges("rules find")?,
-        };
+        let read = input::equations_or_model(Path::new(name), None, None)?;
+        let mut module = input::without_ranges(read, "rules find")?;
         manager::run(&mut module, before, Config::new(machine, &mut io::sink()))
             .map_err(|error| CommandFailure::plain(format!("{name}: {error}")))?;
         modules.push(module);

@@ -15,7 +15,7 @@ pub(super) fn read(names: &[String]) -> Result<RuleSet, CommandFailure> {
         if names[..index].contains(name) {
             continue;
         }
-        all.extend(one(name)?).map_err(CommandFailure)?;
+        all.extend(one(name)?)?;
     }
     Ok(all)
 }
@@ -68,6 +68,6 @@ pub(crate) fn sound(names: &[String], with_default: bool) -> Result<RuleSet, Com
     warnings
         .emit_to_stderr(ColorChoice::Auto)
         .unwrap_or_default();
-    all.extend(sound).map_err(CommandFailure)?;
+    all.extend(sound)?;
     Ok(all)
 }

@@ -48,7 +48,7 @@ pub(super) fn run(arguments: &WhyArguments) -> Result<String, CommandFailure> {
     let machine = input::machine(&arguments.machine)?;
     let rules = read::sound(&arguments.rules, true)?;
     let read = input::equations_or_model(&arguments.input, None, None)?;
-    let mut module = read.without_ranges("rules why")?;
+    let mut module = input::without_ranges(read, "rules why")?;
     let compile = |module: &mut Module, passes: &Pipeline| {
         let mut log = Vec::new();
         let config = Config {

@@ -51,7 +51,7 @@ pub(super) fn run(arguments: &WhyNotArguments) -> Result<String, CommandFailure>
         "rule question: {} => {} class={};",
         arguments.left, arguments.right, class
     );
-    let question = RuleSet::parse(&text, "<question>").map_err(CommandFailure)?;
+    let question = RuleSet::parse(&text, "<question>")?;
     let Some(rule) = question.rules.first() else {
         return Err(CommandFailure::plain("there is no question".to_owned()));
     };

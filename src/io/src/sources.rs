@@ -13,7 +13,7 @@ use robovec_model::mbs::{ReadModel, read_mbs};
 use robovec_model::urdf::{RobotBase, RobotReading, read_urdf};
 use robovec_model::{Model, family};
 use robovec_robotran::Language;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// A language that equations are written in.
@@ -32,6 +32,8 @@ pub enum EquationLanguage {
 pub struct ReadEquations {
     /// The functions.
     pub module: Module,
+    /// Place of the file; `-` for the standard input.
+    pub path: PathBuf,
     /// Name of the file, without its folder.
     pub name: String,
     /// The ranges that the file gives its inputs.
@@ -40,6 +42,32 @@ pub struct ReadEquations {
     pub format: Option<Format>,
     /// Remarks of the reader.
     pub warnings: Report,
+}
+
+impl ReadEquations {
+    /// A module that was not read as equations: one without ranges, format and
+    /// remarks.
+    pub fn of(path: &Path, module: Module) -> ReadEquations {
+        ReadEquations {
+            module,
+            path: path.to_owned(),
+            name: display_name(path),
+            ranges: Ranges::default(),
+            format: None,
+            warnings: Report::new(),
+        }
+    }
+
+    /// The text of the file once more, for a message that points into it;
+    /// keeping it from the start would double the memory of a large file.
+    /// `None` when it cannot be had again.
+    pub fn text(&self) -> Option<String> {
+        if self.path == Path::new("-") {
+            return None;
+        }
+        let bytes = limited::read(&self.path, &limited::EQUATIONS).ok()?;
+        Some(String::from_utf8_lossy(&bytes).into_owned())
+    }
 }
 
 /// Name of a file in messages: only the last part, so that results do not
@@ -98,35 +126,33 @@ pub fn equations_or_stubs(
     let looks_core = || name.ends_with(".fpcore") || bytes.starts_with(b"(FPCore");
     let language = match language {
         Some(EquationLanguage::Robotran(language)) => Some(language),
-        Some(EquationLanguage::Rvir) => return own_text(name, bytes),
-        Some(EquationLanguage::Fpcore) => return core(name, bytes, function),
-        None if looks_own() => return own_text(name, bytes),
-        None if looks_core() => return core(name, bytes, function),
+        Some(EquationLanguage::Rvir) => return own_text(path, bytes),
+        Some(EquationLanguage::Fpcore) => return core(path, bytes, function),
+        None if looks_own() => return own_text(path, bytes),
+        None if looks_core() => return core(path, bytes, function),
         None => None,
     };
     let read = robovec_robotran::read(&name, &bytes, language).map_err(|error| error.report)?;
     Ok(ReadEquations {
-        module: read.module,
-        name,
-        ranges: Ranges::default(),
-        format: None,
         warnings: read.warnings,
+        ..ReadEquations::of(path, read.module)
     })
 }
 
-fn core(name: String, bytes: Vec<u8>, function: Option<&str>) -> Result<ReadEquations, Report> {
+fn core(path: &Path, bytes: Vec<u8>, function: Option<&str>) -> Result<ReadEquations, Report> {
+    let name = display_name(path);
     let text = utf8(&name, bytes).map_err(|message| Report::error(message, Vec::new()))?;
     let read = robovec_fpcore::read(&name, &text, function)?;
     Ok(ReadEquations {
-        module: read.module,
-        name,
         ranges: read.ranges,
         format: read.format,
         warnings: read.warnings,
+        ..ReadEquations::of(path, read.module)
     })
 }
 
-fn own_text(name: String, bytes: Vec<u8>) -> Result<ReadEquations, Report> {
+fn own_text(path: &Path, bytes: Vec<u8>) -> Result<ReadEquations, Report> {
+    let name = display_name(path);
     let text = utf8(&name, bytes).map_err(|message| {
         let note = "robovec's own text is UTF-8; is this another kind of file?".to_owned();
         Report::error(message, vec![note])
@@ -139,13 +165,7 @@ fn own_text(name: String, bytes: Vec<u8>) -> Result<ReadEquations, Report> {
                 vec![note],
             ))
         }
-        Ok(module) => Ok(ReadEquations {
-            module,
-            name,
-            ranges: Ranges::default(),
-            format: None,
-            warnings: Report::new(),
-        }),
+        Ok(module) => Ok(ReadEquations::of(path, module)),
         Err(diagnostics) => Err(Report::of(&name, text, diagnostics)),
     }
 }
