@@ -17,6 +17,7 @@ mod finish;
 mod header;
 mod lexer;
 mod names;
+mod parts;
 mod problems;
 mod syntax;
 mod undefined;

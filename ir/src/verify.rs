@@ -87,10 +87,11 @@ mod timing;
 
 use crate::entity::{Constant, Operand, Value};
 use crate::function::Level;
+use crate::machine::Machine;
 use crate::module::View;
 use crate::print;
 use crate::source::SourcePlace;
-pub use placement::verify_placement;
+use placement::PlacementCheck;
 
 /// The number of violations that are described; the rest is counted.
 const MAX_DESCRIBED: usize = 100;
@@ -219,6 +220,44 @@ pub fn verify(view: View<'_>) -> Vec<Violation> {
         && let Some(placement) = &function.placement
     {
         placed::check(&mut collector, schedule, placement);
+    }
+    collector.finish()
+}
+
+/// Checks a placed function against its machine, after [`verify`] finds
+/// nothing; the form of the result is the same.
+///
+/// 1. Every operation is on a kind of element that performs it, of the
+///    machine's stages; memories have the machine's style.
+/// 2. A result departs in its write-back cycle (`issue + stages + 1`) or,
+///    if it is in a buffer, later, and is written as long after that as it
+///    takes to the memory, over a crossbar at once; it is in a buffer only if
+///    it departs later for one of its writes.
+/// 3. Every operand is read from a word that holds it when the operation
+///    starts, and every output stays in a word that holds it at the end.
+/// 4. No memory takes more words in a cycle than the machine writes, and no
+///    word is written twice in a cycle.
+/// 5. A buffer word is not taken anew before the cycle after its last read,
+///    and a buffer hands out no more words in a cycle than the machine reads.
+/// 6. No link of a network carries more words in a cycle than it can.
+/// 7. Addresses and buffer words lie within the memories and buffers.
+pub fn verify_placement(view: View<'_>, machine: &Machine) -> Vec<Violation> {
+    let violations = verify(view);
+    if !violations.is_empty() {
+        return violations;
+    }
+    let mut collector = ViolationCollector::new(view);
+    let function = view.function;
+    let (Some(schedule), Some(placement)) = (&function.schedule, &function.placement) else {
+        let message = || "only a placed function can be checked against a machine".to_owned();
+        collector.add(ViolationSubject::Function, message);
+        return collector.finish();
+    };
+    if let Some(check) = PlacementCheck::new(view, (schedule, placement), machine, &mut collector) {
+        check.preloads(&mut collector);
+        check.values(&mut collector);
+        replay::check(&check, &mut collector);
+        check.links(&mut collector);
     }
     collector.finish()
 }

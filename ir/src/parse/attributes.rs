@@ -3,38 +3,17 @@
 //! Attributes may stand in any order. They are collected here and given to
 //! the definition or assignment when its line ends.
 
-use super::builder::{ADDRESS, CYCLE, ModuleBuilder, Span};
+use super::builder::{ADDRESS, CYCLE, ModuleBuilder};
+use super::parts::Span;
 use super::problems::{also, error};
 use crate::diagnostic::{clip, did_you_mean};
 use crate::entity::Operand;
 use crate::function::{Level, Timing};
 use crate::history::History;
-use crate::placement::{Address, BufferWord, Slot, Word, Write};
+use crate::placement::{Address, BufferWord, Slot, Write};
 use crate::source::{SourcePlace, SourceSet};
-use robovec_num::format::Format;
 
 const TIMING_KEYS: [&str; 5] = ["asap", "alap", "asap_cycle", "alap_cycle", "mobility"];
-
-/// The attributes of one statement, each with its place.
-#[derive(Clone, Default)]
-pub(super) struct Attributes {
-    pub(super) sources: Option<(SourceSet, Span)>,
-    pub(super) slot: Option<(Option<Slot>, Span)>,
-    pub(super) reads: Option<([Option<Address>; Operand::MAX_COUNT], Span)>,
-    pub(super) buffer: Option<(BufferWord, Span)>,
-    pub(super) write: Option<Span>,
-    pub(super) home: Option<(Word, Span)>,
-    pub(super) timing: Option<(Timing, Span)>,
-    pub(super) history: Option<(History, Span)>,
-    pub(super) format: Option<(Format, Span)>,
-    entries: [Option<u32>; 5],
-}
-
-impl Attributes {
-    pub(super) fn sources(&self) -> SourceSet {
-        self.sources.map_or(SourceSet::EMPTY, |(set, _)| set)
-    }
-}
 
 impl ModuleBuilder<'_> {
     fn once(&mut self, first: Option<Span>, span: Span, what: &str) -> bool {

@@ -1,6 +1,7 @@
 //! Definitions, assignments and their expressions.
 
-use super::builder::{Head, Indices, ModuleBuilder, PendingAssignment, Span};
+use super::builder::ModuleBuilder;
+use super::parts::{Head, Indices, PendingAssignment, Span};
 use super::problems::{also, error};
 use crate::diagnostic::{clip, did_you_mean};
 use crate::entity::{Input, Operand, Output, Value};

@@ -6,23 +6,18 @@
 //! start, its end gives the last of them the name.
 
 use super::VerificationTarget;
-use super::attributes::Attributes;
 use super::names::{NameTable, Recent};
+use super::parts::{Attributes, FastMap, Head, PendingAssignment, PendingPreload, Span, Undefined};
 use super::problems::{Problems, also, error};
-use super::undefined::Undefined;
 use crate::diagnostic::{Diagnostic, clip};
-use crate::entity::{Operand, Output, Value};
+use crate::entity::Value;
 use crate::function::{Function, Level};
 use crate::history::History;
 use crate::module::Module;
-use crate::placement::{Word, Write};
+use crate::placement::Write;
 use crate::source::SourceSet;
-use crate::symbol::Name;
-use hashbrown::HashMap;
 use robovec_num::fnv::Fnv;
 use robovec_num::limits::NumberLimit;
-use rustc_hash::FxBuildHasher;
-use std::ops::Range;
 
 /// Cycles of a schedule, and times of values.
 pub(super) const CYCLE: NumberLimit = NumberLimit::whole(
@@ -40,87 +35,6 @@ pub(super) const ADDRESS: NumberLimit = NumberLimit::whole(
 
 /// Elements of a kind in a schedule.
 pub(super) const ELEMENT: NumberLimit = crate::machine::fields::count::LIMIT;
-
-pub(super) type FastMap<Key, Content> = HashMap<Key, Content, FxBuildHasher>;
-
-/// Bytes of the text.
-#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub(super) struct Span {
-    pub(super) start: u32,
-    pub(super) end: u32,
-}
-
-impl Span {
-    pub(super) fn new(start: u32, end: u32) -> Span {
-        Span { start, end }
-    }
-
-    pub(super) fn range(self) -> Range<usize> {
-        self.start as usize..self.end as usize
-    }
-}
-
-/// The indices of an element, or the extents of an array.
-#[derive(Clone, Copy, Default, Debug)]
-pub(super) struct Indices {
-    /// The first two.
-    pub(super) values: [u32; 2],
-    /// Their number.
-    pub(super) count: u32,
-    /// Their place, brackets included.
-    pub(super) span: Span,
-}
-
-impl Indices {
-    /// One more.
-    pub(super) fn and(mut self, value: u32) -> Indices {
-        if let Some(place) = self.values.get_mut(self.count as usize) {
-            *place = value;
-        }
-        self.count = self.count.saturating_add(1);
-        self
-    }
-
-    pub(super) fn at(self, span: Span) -> Indices {
-        Indices { span, ..self }
-    }
-
-    /// The indices kept.
-    pub(super) fn list(&self) -> &[u32] {
-        &self.values[..(self.count as usize).min(2)]
-    }
-}
-
-/// The statement being read.
-#[derive(Clone, Copy, Default, Debug)]
-pub(super) enum Head {
-    /// Neither of the two.
-    #[default]
-    Other,
-    /// `%x =`: the name and where it stands.
-    Definition(Name, Span),
-    /// `M[1,2] =`: the element, when it exists, and where it stands.
-    Assignment(Option<Output>, Span),
-}
-
-/// An assignment, before they are sorted.
-pub(super) struct PendingAssignment {
-    pub(super) output: Output,
-    pub(super) operand: Operand,
-    pub(super) sources: SourceSet,
-    pub(super) home: Option<Word>,
-    pub(super) history: History,
-    pub(super) span: Span,
-    /// The nodes of its expression.
-    pub(super) nodes: Range<u32>,
-}
-
-/// An initial word, before values have names.
-pub(super) struct PendingPreload {
-    pub(super) word: Word,
-    pub(super) operand: Result<Operand, Span>,
-    pub(super) span: Span,
-}
 
 /// The function being read.
 pub(super) struct Open<'t> {

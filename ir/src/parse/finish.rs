@@ -1,6 +1,7 @@
 //! The end of a function: what could not be done before all of it was read.
 
-use super::builder::{ModuleBuilder, Open, PendingAssignment, Span};
+use super::builder::{ModuleBuilder, Open};
+use super::parts::{PendingAssignment, Span};
 use super::problems::error;
 use crate::entity::{Operand, Value};
 use crate::function::{Assignment, Function, Level, Node, Timing};

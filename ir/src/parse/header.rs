@@ -1,7 +1,8 @@
 //! Statements that come before the definitions: functions, arrays, places,
 //! user calls, schedules.
 
-use super::builder::{ADDRESS, CYCLE, ELEMENT, Indices, ModuleBuilder, Open, PendingPreload, Span};
+use super::builder::{ADDRESS, CYCLE, ELEMENT, ModuleBuilder, Open};
+use super::parts::{Indices, PendingPreload, Span};
 use super::problems::{also, error};
 use crate::diagnostic::{clip, did_you_mean};
 use crate::entity::Operand;

@@ -1,6 +1,6 @@
 //! The errors found so far: a bounded list.
 
-use super::builder::Span;
+use super::parts::Span;
 use crate::diagnostic::{Diagnostic, Label};
 
 /// The largest number of errors that are shown.

@@ -1,7 +1,8 @@
 //! Errors of the grammar, said for people.
 
-use super::builder::{Head, ModuleBuilder, Open, Span};
+use super::builder::{ModuleBuilder, Open};
 use super::lexer::{ModuleToken, Spanned, Tokens};
+use super::parts::{Head, Span};
 use super::problems::{also, error};
 use crate::diagnostic::clip;
 use crate::function::Level;

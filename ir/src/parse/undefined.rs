@@ -4,7 +4,8 @@
 //! message: that it is defined later, that its definition goes in a circle
 //! (shown), or what may have been meant.
 
-use super::builder::{FastMap, ModuleBuilder, Span};
+use super::builder::ModuleBuilder;
+use super::parts::{FastMap, Span};
 use super::problems::{also, error};
 use crate::diagnostic::{Diagnostic, clip, did_you_mean};
 use crate::entity::Value;
@@ -13,30 +14,11 @@ use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
 use std::collections::VecDeque;
 
-/// Uses beyond this number are not looked at.
-const MAX_USES: usize = 100_000;
-
 /// The largest number of definitions of a circle that are shown.
 const MAX_SHOWN: usize = 6;
 
 /// The largest number of names compared with a misspelt one.
 const MAX_COMPARED: usize = 20_000;
-
-/// Uses of names that no value bore when they were read.
-#[derive(Default)]
-pub(super) struct Undefined {
-    /// The place of the name, and the number of nodes before its statement's
-    /// root, at most.
-    uses: Vec<(Span, u32)>,
-}
-
-impl Undefined {
-    pub(super) fn push(&mut self, span: Span, node: u32) {
-        if self.uses.len() < MAX_USES {
-            self.uses.push((span, node));
-        }
-    }
-}
 
 /// A definition that reads a value defined later.
 struct Forward {

@@ -4,15 +4,15 @@
 //! [`crate::machine::interconnect`] and writes down which wire it is on in
 //! which cycle. Nothing is shared with the placer.
 
-use super::placement::PlacementCheck;
-use super::{ViolationCollector, ViolationSubject};
-use crate::entity::Value;
 use crate::machine::interconnect::{Interconnect, LinkNetwork, Topology, places};
 use crate::placement::Element;
 
 /// A point of a network: a place and, behind the switches of an omega
 /// network, how many of them lie before it.
 type NetworkPoint = (u32, u32);
+
+/// A wire, by the points at its ends.
+pub(super) type NetworkWire = (NetworkPoint, NetworkPoint);
 
 /// The network a placement is for.
 pub(super) struct Routes {
@@ -32,8 +32,18 @@ impl Routes {
         }
     }
 
+    /// Number of words that a link carries in a cycle.
+    pub(super) fn words(&self) -> usize {
+        self.network.words as usize
+    }
+
+    /// The name of the topology.
+    pub(super) fn topology(&self) -> &'static str {
+        self.network.topology.name()
+    }
+
     /// The wires between two elements, as pairs of points.
-    fn wires(&self, from: Element, to: Element) -> Vec<(NetworkPoint, NetworkPoint)> {
+    fn wires(&self, from: Element, to: Element) -> Vec<NetworkWire> {
         let (mut at, end) = (self.places[from.index()], self.places[to.index()]);
         let mut wires = Vec::new();
         if from == to {
@@ -91,7 +101,7 @@ impl Routes {
     }
 
     /// The wires a word is on, and how long after its departure.
-    fn uses(&self, from: Element, to: Element) -> Vec<((NetworkPoint, NetworkPoint), u64)> {
+    pub(super) fn uses(&self, from: Element, to: Element) -> Vec<(NetworkWire, u64)> {
         let hop = u64::from(self.network.hop);
         let wires = self.wires(from, to).into_iter();
         let mut uses: Vec<_> = (0..).zip(wires).map(|(k, wire)| (wire, k * hop)).collect();
@@ -111,64 +121,5 @@ fn step(at: u32, end: u32, length: u32, ring: bool) -> u32 {
         (at + 1) % length
     } else {
         (at + length - 1) % length
-    }
-}
-
-/// A word on a wire in a cycle: wire, cycle, value, departure.
-type Use = ((NetworkPoint, NetworkPoint), u64, u32, u64);
-
-/// Reports every wire that carries more words than it can, and every buffer
-/// that hands out more.
-pub(super) fn check(
-    check: &PlacementCheck<'_>,
-    routes: &Routes,
-    collector: &mut ViolationCollector<'_>,
-) {
-    let mut uses: Vec<Use> = Vec::new();
-    let mut sent: Vec<(Element, u64, u32)> = Vec::new();
-    for value in check.placed_values() {
-        let from = check.slot(value).element;
-        let back = check.write_back(value);
-        for write in check.placement.writes_of(value) {
-            let to = write.word.element;
-            let departs = u64::from(write.cycle).saturating_sub(routes.latency(from, to));
-            let used = routes.uses(from, to).into_iter();
-            uses.extend(used.map(|(wire, after)| (wire, departs + after, value.0, departs)));
-            if departs > back && check.placement.buffers[value.index()].is_some() {
-                sent.push((from, departs, value.0));
-            }
-        }
-    }
-    uses.sort_unstable();
-    uses.dedup();
-    let words = routes.network.words as usize;
-    for group in uses.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-        if group.len() > words {
-            let (count, cycle) = (group.len(), group[0].1);
-            let name = routes.network.topology.name();
-            collector.value(Value(group[words].2), || {
-                format!(
-                    "is one of {count} words on one link of the {name} at cycle {cycle}, which \
-                     carries {words}"
-                )
-            });
-        }
-    }
-    let Some(limit) = check.machine.buffer.and_then(|buffer| buffer.reads) else {
-        return;
-    };
-    sent.sort_unstable();
-    sent.dedup();
-    for group in sent.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-        if group.len() > limit as usize {
-            let (kind, number) = check.schedule.element_name(group[0].0);
-            let cycle = group[0].1;
-            collector.add(ViolationSubject::Schedule, || {
-                format!(
-                    "more words of the buffer of {kind}{number} are read at cycle {cycle} than the \
-                     {limit} it hands out"
-                )
-            });
-        }
     }
 }

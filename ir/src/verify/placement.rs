@@ -6,63 +6,13 @@
 //! `t + L + 1`; a word written in cycle `w` can be read from `w + 1` on; a
 //! write later than the result comes from the buffer of the element.
 
-use super::network::{self, Routes};
-use super::{Violation, ViolationCollector, ViolationSubject, replay, verify};
+use super::network::{NetworkWire, Routes};
+use super::{ViolationCollector, ViolationSubject};
 use crate::entity::Value;
 use crate::machine::{Machine, MemoryStyle};
 use crate::module::View;
-use crate::placement::{Bank, Placement, Schedule, Slot, Word, Write};
+use crate::placement::{Bank, Element, Placement, Schedule, Slot, Word, Write};
 use robovec_num::operation::Operation;
-
-/// Checks a placed function against its machine, after [`verify`] finds
-/// nothing; the form of the result is the same.
-///
-/// 1. Every operation is on a kind of element that performs it, of the
-///    machine's stages; memories have the machine's style.
-/// 2. A result departs in its write-back cycle (`issue + stages + 1`) or,
-///    if it is in a buffer, later, and is written as long after that as it
-///    takes to the memory, over a crossbar at once; it is in a buffer only if
-///    it departs later for one of its writes.
-/// 3. Every operand is read from a word that holds it when the operation
-///    starts, and every output stays in a word that holds it at the end.
-/// 4. No memory takes more words in a cycle than the machine writes, and no
-///    word is written twice in a cycle.
-/// 5. A buffer word is not taken anew before the cycle after its last read,
-///    and a buffer hands out no more words in a cycle than the machine reads.
-/// 6. No link of a network carries more words in a cycle than it can.
-/// 7. Addresses and buffer words lie within the memories and buffers.
-pub fn verify_placement(view: View<'_>, machine: &Machine) -> Vec<Violation> {
-    let violations = verify(view);
-    if !violations.is_empty() {
-        return violations;
-    }
-    let mut collector = ViolationCollector::new(view);
-    let function = view.function;
-    let (Some(schedule), Some(placement)) = (&function.schedule, &function.placement) else {
-        let message = || "only a placed function can be checked against a machine".to_owned();
-        collector.add(ViolationSubject::Function, message);
-        return collector.finish();
-    };
-    let Some(elements) = elements(&mut collector, schedule, machine) else {
-        return collector.finish();
-    };
-    let counts: Vec<u32> = schedule.kinds.iter().map(|kind| kind.count).collect();
-    let check = PlacementCheck {
-        view,
-        machine,
-        schedule,
-        placement,
-        elements,
-        routes: Routes::new(machine.interconnect, &counts),
-    };
-    check.preloads(&mut collector);
-    check.values(&mut collector);
-    replay::check(&check, &mut collector);
-    if let Some(routes) = &check.routes {
-        network::check(&check, routes, &mut collector);
-    }
-    collector.finish()
-}
 
 /// Numbers of the machine about a processing element.
 #[derive(Clone, Copy)]
@@ -102,6 +52,9 @@ fn elements(
     Some(facts)
 }
 
+/// A word on a wire in a cycle: wire, cycle, value, departure.
+type WireUse = (NetworkWire, u64, u32, u64);
+
 pub(super) struct PlacementCheck<'a> {
     pub(super) view: View<'a>,
     pub(super) machine: &'a Machine,
@@ -110,6 +63,27 @@ pub(super) struct PlacementCheck<'a> {
     elements: Vec<ElementFacts>,
     /// The routes of words, unless there is a crossbar.
     pub(super) routes: Option<Routes>,
+}
+
+impl<'a> PlacementCheck<'a> {
+    /// The check of a placed function; `None` where its schedule is for
+    /// another machine.
+    pub(super) fn new(
+        view: View<'a>,
+        (schedule, placement): (&'a Schedule, &'a Placement),
+        machine: &'a Machine,
+        collector: &mut ViolationCollector<'_>,
+    ) -> Option<PlacementCheck<'a>> {
+        let counts: Vec<u32> = schedule.kinds.iter().map(|kind| kind.count).collect();
+        Some(PlacementCheck {
+            view,
+            machine,
+            schedule,
+            placement,
+            elements: elements(collector, schedule, machine)?,
+            routes: Routes::new(machine.interconnect, &counts),
+        })
+    }
 }
 
 impl PlacementCheck<'_> {
@@ -169,7 +143,7 @@ impl PlacementCheck<'_> {
         }
     }
 
-    fn preloads(&self, collector: &mut ViolationCollector<'_>) {
+    pub(super) fn preloads(&self, collector: &mut ViolationCollector<'_>) {
         for (index, preload) in self.placement.preloads.iter().enumerate() {
             if !self.fits(preload.word) {
                 collector.add(ViolationSubject::Preload(index), || {
@@ -180,7 +154,7 @@ impl PlacementCheck<'_> {
     }
 
     /// Who performs every operation, and where and when its result is written.
-    fn values(&self, collector: &mut ViolationCollector<'_>) {
+    pub(super) fn values(&self, collector: &mut ViolationCollector<'_>) {
         for value in self.placed_values() {
             let operation = self.view.function.node(value).operation;
             let element = self.slot(value).element;
@@ -244,6 +218,61 @@ impl PlacementCheck<'_> {
             collector.value(value, || {
                 format!("is in buffer word {word}, but the buffers have {words} words")
             });
+        }
+    }
+
+    /// Reports every wire that carries more words than it can, and every buffer
+    /// that hands out more.
+    pub(super) fn links(&self, collector: &mut ViolationCollector<'_>) {
+        let Some(routes) = &self.routes else {
+            return;
+        };
+        let mut uses: Vec<WireUse> = Vec::new();
+        let mut sent: Vec<(Element, u64, u32)> = Vec::new();
+        for value in self.placed_values() {
+            let from = self.slot(value).element;
+            let back = self.write_back(value);
+            for write in self.placement.writes_of(value) {
+                let to = write.word.element;
+                let departs = u64::from(write.cycle).saturating_sub(routes.latency(from, to));
+                let used = routes.uses(from, to).into_iter();
+                uses.extend(used.map(|(wire, after)| (wire, departs + after, value.0, departs)));
+                if departs > back && self.placement.buffers[value.index()].is_some() {
+                    sent.push((from, departs, value.0));
+                }
+            }
+        }
+        uses.sort_unstable();
+        uses.dedup();
+        let words = routes.words();
+        for group in uses.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            if group.len() > words {
+                let (count, cycle) = (group.len(), group[0].1);
+                let name = routes.topology();
+                collector.value(Value(group[words].2), || {
+                    format!(
+                        "is one of {count} words on one link of the {name} at cycle {cycle}, which \
+                         carries {words}"
+                    )
+                });
+            }
+        }
+        let Some(limit) = self.machine.buffer.and_then(|buffer| buffer.reads) else {
+            return;
+        };
+        sent.sort_unstable();
+        sent.dedup();
+        for group in sent.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            if group.len() > limit as usize {
+                let (kind, number) = self.schedule.element_name(group[0].0);
+                let cycle = group[0].1;
+                collector.add(ViolationSubject::Schedule, || {
+                    format!(
+                        "more words of the buffer of {kind}{number} are read at cycle {cycle} than the \
+                         {limit} it hands out"
+                    )
+                });
+            }
         }
     }
 }

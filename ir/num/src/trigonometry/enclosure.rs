@@ -15,6 +15,7 @@
 //! enclosure meets a number above the sum of all `|D_k| t^k` at the end of
 //! the range, whose 2^-88 part is therefore added as a margin.
 
+use super::bound::worst;
 use super::polynomial::{Circular, LARGEST_RANGE, Polynomial};
 use crate::double_double::Double;
 use crate::interval::Interval;
@@ -35,6 +36,19 @@ const NEGLIGIBLE: f64 = 1.0 / (1u64 << 60) as f64;
 
 /// And no farther than this many terms: enough for [`LARGEST_RANGE`].
 const MAX_TERMS: usize = 100;
+
+impl Polynomial {
+    /// The largest absolute distance from the true function for angles of at
+    /// most `range` radians: never below it, and at most a few per cent above.
+    ///
+    /// Infinite beyond [`LARGEST_RANGE`] and for ranges that are no number.
+    pub fn proved_error(&self, range: f64) -> f64 {
+        let enclosure = ErrorEnclosure::new(self, range);
+        enclosure.map_or(f64::INFINITY, |enclosure| {
+            worst(range, |low, high| enclosure.error(low, high))
+        })
+    }
+}
 
 impl ErrorEnclosure {
     /// The error for angles up to `range` radians of either sign; `None` for

@@ -121,17 +121,6 @@ impl Polynomial {
             Circular::Cosine => sum,
         }
     }
-
-    /// The largest absolute distance from the true function for angles of at
-    /// most `range` radians: never below it, and at most a few per cent above.
-    ///
-    /// Infinite beyond [`LARGEST_RANGE`] and for ranges that are no number.
-    pub fn proved_error(&self, range: f64) -> f64 {
-        let enclosure = super::enclosure::ErrorEnclosure::new(self, range);
-        enclosure.map_or(f64::INFINITY, |enclosure| {
-            super::bound::worst(range, |low, high| enclosure.error(low, high))
-        })
-    }
 }
 
 #[cfg(test)]
