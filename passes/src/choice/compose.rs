@@ -18,9 +18,10 @@
 //! Coefficients are the same for all right-hand sides of a recursion (the
 //! columns of a mass matrix), and are found to be.
 
-use super::forms::{ChoiceForm, ProductTerm};
+use super::forms::ChoiceForm;
 use super::import::{Import, import};
-use super::network::{ChoiceNetwork, Class, FORMS_PER_OPERATION, OwnForms};
+use super::network::{ChoiceNetwork, FORMS_PER_OPERATION, OwnForms};
+use super::term::{Class, ProductTerm};
 use super::timing::Arrivals;
 use robovec_analysis::critical_path::Weights;
 use robovec_framework::fingerprint::Images;

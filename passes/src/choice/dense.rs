@@ -3,8 +3,9 @@
 //! Classes are in order of rank, so that operands come first and lie near
 //! their users.
 
-use super::forms::{ChoiceForm, ProductTerm};
-use super::network::{ChoiceNetwork, Class};
+use super::forms::ChoiceForm;
+use super::network::ChoiceNetwork;
+use super::term::{Class, ProductTerm};
 use crate::sums::earliest::{LatestTwo, joined, levels};
 use robovec_analysis::critical_path::Weights;
 use robovec_ir::Operation;

@@ -1,9 +1,10 @@
 //! Writing the chosen forms as a function.
 
-use super::forms::{ChoiceForm, ProductTerm};
+use super::forms::ChoiceForm;
 use super::import::Import;
 use super::map::{Mapper, Mapping};
-use super::network::{ChoiceNetwork, Class, SignedClass};
+use super::network::ChoiceNetwork;
+use super::term::{Class, ProductTerm, SignedClass};
 use crate::sums::earliest::TieOrder;
 use crate::sums::groups::GroupFamily;
 use crate::sums::writer::{SignedOperand, SumWriter, ValueNaming};

@@ -1,80 +1,12 @@
 //! Forms and their terms, packed: there are several for every class, and
 //! networks have millions of classes.
 
-use super::network::Class;
+use super::term::{Class, ProductTerm};
 use crate::sums::places::PlaceTable;
 use robovec_ir::Input;
 use rustc_hash::FxBuildHasher;
-use std::cmp::Ordering;
 use std::hash::BuildHasher;
 use std::ops::Range;
-
-/// A signed product of two classes; the second is [`Class::ONE`] for a plain
-/// term. Ordered by the classes, then by the sign.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(crate) struct ProductTerm {
-    pub(crate) a: Class,
-    /// The second class, shifted left, and the sign.
-    second: u32,
-}
-
-impl Ord for ProductTerm {
-    #[inline]
-    fn cmp(&self, other: &ProductTerm) -> Ordering {
-        // One comparison: terms are sorted more often than anything else.
-        let key = |term: &ProductTerm| u64::from(term.a.0) << 32 | u64::from(term.second);
-        key(self).cmp(&key(other))
-    }
-}
-
-impl PartialOrd for ProductTerm {
-    #[inline]
-    fn partial_cmp(&self, other: &ProductTerm) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl ProductTerm {
-    pub(crate) fn new(a: Class, b: Class, negative: bool) -> ProductTerm {
-        let second = b.0 << 1 | u32::from(negative);
-        ProductTerm { a, second }
-    }
-
-    #[inline]
-    pub(crate) fn b(self) -> Class {
-        Class(self.second >> 1)
-    }
-
-    #[inline]
-    pub(crate) fn negative(self) -> bool {
-        self.second & 1 == 1
-    }
-
-    #[inline]
-    pub(crate) fn is_product(self) -> bool {
-        self.b() != Class::ONE
-    }
-
-    pub(crate) fn opposite(self) -> ProductTerm {
-        let second = self.second ^ 1;
-        ProductTerm { second, ..self }
-    }
-
-    pub(crate) fn opposite_if(self, negative: bool) -> ProductTerm {
-        let second = self.second ^ u32::from(negative);
-        ProductTerm { second, ..self }
-    }
-
-    /// The same product, its classes in order and 1 behind.
-    pub(crate) fn ordered(self) -> ProductTerm {
-        let (a, b) = (self.a, self.b());
-        if a == Class::ONE || b != Class::ONE && b < a {
-            ProductTerm::new(b, a, self.negative())
-        } else {
-            self
-        }
-    }
-}
 
 /// A form in which a class can be computed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -1,8 +1,8 @@
 //! Functions as a network of choices: of one function one form per class.
 
-use super::forms::ProductTerm;
-use super::network::{ChoiceNetwork, Class, Opaque, RANK_STEP, SignedClass};
+use super::network::{ChoiceNetwork, Opaque, RANK_STEP};
 use super::order::common_levels;
+use super::term::{Class, ProductTerm, SignedClass};
 use super::timing::{Arrivals, NEVER};
 use crate::sums::groups::{GroupFamily, GroupLeaf, GroupReach, OperandGroups, single_product};
 use robovec_analysis::critical_path::{Weights, arrivals};

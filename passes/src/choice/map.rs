@@ -4,7 +4,8 @@
 //! what both need is here.
 
 use super::dense::FormsByClass;
-use super::network::{ChoiceNetwork, Class, SignedClass};
+use super::network::ChoiceNetwork;
+use super::term::{Class, SignedClass};
 use super::timing::NEVER;
 use robovec_analysis::critical_path::Weights;
 

@@ -25,6 +25,7 @@
 pub(crate) mod chooser;
 pub(crate) mod compose;
 mod curve_map;
+mod curve_update;
 mod curves;
 mod dense;
 pub(crate) mod emit;
@@ -36,5 +37,6 @@ pub(crate) mod network;
 mod order;
 mod recent;
 pub(crate) mod search;
+pub(crate) mod term;
 pub(crate) mod timing;
 mod trial;

@@ -1,48 +1,14 @@
 //! Classes of equal values and their forms.
 
-use super::forms::{ChoiceForm, FormStore, ProductTerm, hash};
+use super::forms::{ChoiceForm, FormStore, hash};
 use super::recent::RecentSums;
+use super::term::{Class, ProductTerm, SignedClass};
 use crate::sums::terms::cancel;
 use crate::sums::values::ValueTable;
 use robovec_framework::fingerprint::{Fingerprint, Images};
 use robovec_ir::{Input, Operand, Operation, SourceSet, Symbol};
 use robovec_num::arithmetic::Arithmetic;
 use smallvec::SmallVec;
-
-/// A class: one value up to its sign. Counted from 0.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub(crate) struct Class(pub(crate) u32);
-
-impl Class {
-    /// The class of the number 1.
-    pub(crate) const ONE: Class = Class(0);
-
-    pub(crate) fn index(self) -> usize {
-        self.0 as usize
-    }
-}
-
-/// A class with a sign.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(crate) struct SignedClass {
-    pub(crate) class: Class,
-    pub(crate) negative: bool,
-}
-
-impl SignedClass {
-    /// The negation, when it is asked for.
-    pub(crate) fn flip(self, negative: bool) -> SignedClass {
-        SignedClass {
-            negative: self.negative ^ negative,
-            ..self
-        }
-    }
-
-    /// The product with another class, or its negation.
-    pub(crate) fn times(self, other: Class, negative: bool) -> ProductTerm {
-        ProductTerm::new(self.class, other, self.negative ^ negative)
-    }
-}
 
 /// An operation that is taken as it is.
 #[derive(Clone, Copy, Debug)]

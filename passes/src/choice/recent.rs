@@ -1,7 +1,6 @@
 //! Sums that were looked for a short while ago.
 
-use super::forms::ProductTerm;
-use super::network::SignedClass;
+use super::term::{ProductTerm, SignedClass};
 use rustc_hash::FxBuildHasher;
 use smallvec::SmallVec;
 use std::hash::BuildHasher;

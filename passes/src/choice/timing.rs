@@ -4,8 +4,9 @@
 //! [equal sums](Weights::with_equal_sums): signs are not settled before a
 //! network is written.
 
-use super::forms::{ChoiceForm, ProductTerm};
-use super::network::{ChoiceNetwork, Class};
+use super::forms::ChoiceForm;
+use super::network::ChoiceNetwork;
+use super::term::{Class, ProductTerm};
 use crate::sums::earliest::finish;
 use robovec_analysis::critical_path::Weights;
 use robovec_ir::Operation;

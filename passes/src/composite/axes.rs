@@ -12,9 +12,8 @@
 //! the whole may be turned.
 
 use super::bodies::{CompositeInertia, JointAxis};
-use super::model::ModelInputs;
-use super::probe::{MatrixProbe, ProbedMatrix, SystemInput, UsualState, near};
-use super::tree::AncestorTree;
+use super::model::{AncestorTree, ModelInputs, SystemInput};
+use super::probe::{MatrixProbe, ProbedMatrix, UsualState, near};
 
 /// Comparisons of pairs of joints before the rest is left unexplained.
 const MAX_COMPARISONS: usize = 20_000_000;

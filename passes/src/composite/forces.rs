@@ -25,8 +25,7 @@
 use super::bodies::{
     CompositeInertia, JointAxis, RingMatrix, RingVector, Stand, UnitWrench, cross,
 };
-use super::matrix::BodySystem;
-use super::tree::JointPlacement;
+use super::matrix::{BodySystem, JointPlacement};
 
 /// A tree of bodies that moves, in the numbers of a ring.
 pub(super) trait MovingSystem: BodySystem {

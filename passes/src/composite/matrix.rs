@@ -1,7 +1,21 @@
 //! The mass matrix from composite bodies, over any ring.
 
-use super::bodies::{CompositeInertia, RigidBody, Ring, Stand};
-use super::tree::JointPlacement;
+use super::bodies::{CompositeInertia, JointAxis, RigidBody, Ring, Stand};
+
+/// The placement of a joint on its parent.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) struct JointPlacement {
+    /// The joint before it, counted from 0.
+    pub(super) parent: Option<usize>,
+    /// Its kind.
+    pub(super) joint: JointAxis,
+    /// The points of the parent, in [`ModelInputs::points`](super::model::ModelInputs::points), whose sum it
+    /// stands on: one, or none for the origin. Where joints that only slide
+    /// follow one another, all of their points may stand here.
+    pub(super) points: Vec<usize>,
+    /// The inertia of its body is mirrored about the diagonal.
+    pub(super) symmetric: bool,
+}
 
 /// A tree of bodies in the numbers of a ring. Joints are counted from 0, and
 /// the body of a joint is the one that it moves last.

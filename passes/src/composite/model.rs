@@ -1,10 +1,62 @@
 //! The mass matrix that a function computes, and the inputs of its system.
 
 use super::bodies::RigidBody;
-use super::probe::SystemInput;
 use crate::factor::network::{FactorKind, FactorNetwork};
 use hashbrown::HashSet;
 use robovec_ir::{Array, Function, Input, Shape, Tables};
+use robovec_num::random::mix;
+
+/// An input element of the system, with what it belongs to; everything is
+/// counted from 0.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum SystemInput {
+    /// The coordinate of a joint.
+    Coordinate(usize),
+    /// The mass of a body.
+    Mass(usize),
+    /// A component of the centre of mass of a body.
+    Centre(usize, usize),
+    /// An entry of the inertia of a body: row and column.
+    Inertia(usize, [usize; 2]),
+    /// A component of an attachment point.
+    Point(usize, usize),
+}
+
+impl SystemInput {
+    /// The body it is a parameter of.
+    pub(super) fn body(self) -> Option<usize> {
+        match self {
+            SystemInput::Mass(body)
+            | SystemInput::Centre(body, _)
+            | SystemInput::Inertia(body, _) => Some(body),
+            SystemInput::Coordinate(_) | SystemInput::Point(..) => None,
+        }
+    }
+
+    /// A number for it that stands in no relation to those of others, as a
+    /// system might have it: masses and diagonal inertias are positive, the
+    /// two products of inertia of a pair of axes are equal, and no angle is
+    /// near a multiple of a right one.
+    pub(super) fn usual(self) -> f64 {
+        let (kind, first, second) = match self {
+            SystemInput::Coordinate(joint) => (0, joint, 0),
+            SystemInput::Mass(body) => (1, body, 0),
+            SystemInput::Centre(body, axis) => (2, body, axis),
+            SystemInput::Inertia(body, [r, c]) => (3, body, 3 * r.min(c) + r.max(c)),
+            SystemInput::Point(point, axis) => (4, point, axis),
+        };
+        let bits = mix(mix(first as u64) ^ (kind << 8 | second as u64));
+        let unit = (bits >> 12) as f64 / (1u64 << 52) as f64;
+        let sign = if bits & 1 == 1 { -1.0 } else { 1.0 };
+        match self {
+            SystemInput::Coordinate(_) => sign * (0.3 + 0.9 * unit),
+            SystemInput::Mass(_) => 1.0 + unit,
+            SystemInput::Inertia(_, [r, c]) if r == c => 3.0 + 4.0 * unit,
+            SystemInput::Inertia(..) => sign * (0.2 + 0.5 * unit),
+            SystemInput::Centre(..) | SystemInput::Point(..) => sign * (0.5 + unit),
+        }
+    }
+}
 
 /// The input elements of the system; `None` for an element that is zero in the
 /// model and so never read.
@@ -178,4 +230,29 @@ fn read_inputs(network: &FactorNetwork) -> HashSet<Input> {
         _ => None,
     });
     inputs.collect()
+}
+
+/// Tree of the joints: each with the one it is attached to.
+pub(super) struct AncestorTree {
+    /// The joint before each, counted from 0.
+    pub(super) parents: Vec<Option<usize>>,
+    /// The bodies behind each joint, counted from 0 as the joint that moves
+    /// them last.
+    pub(super) behind: Vec<Vec<usize>>,
+    /// True for each joint that is prismatic.
+    pub(super) slides: Vec<bool>,
+}
+
+impl AncestorTree {
+    /// A joint and those before it, the nearest first.
+    pub(super) fn chain(&self, joint: usize) -> impl Iterator<Item = usize> + '_ {
+        std::iter::successors(Some(joint), |&joint| self.parents[joint])
+    }
+
+    /// The sum of the masses behind a joint in their usual state.
+    pub(super) fn mass(&self, joint: usize, model: &ModelInputs) -> f64 {
+        let bodies = self.behind[joint].iter();
+        let heavy = bodies.filter(|&&body| model.bodies[body].mass.is_some());
+        heavy.map(|&body| SystemInput::Mass(body).usual()).sum()
+    }
 }

@@ -8,10 +8,9 @@
 //! feels has no place, and needs none.
 
 use super::bodies::{JointAxis, cross};
-use super::matrix::BodySystem;
-use super::model::ModelInputs;
-use super::probe::{MatrixProbe, SystemInput, UsualState, near};
-use super::tree::{AncestorTree, JointPlacement};
+use super::matrix::{BodySystem, JointPlacement};
+use super::model::{AncestorTree, ModelInputs, SystemInput};
+use super::probe::{MatrixProbe, UsualState, near};
 
 /// Children of one body of which every set is tried; of more only single ones
 /// and all of them.

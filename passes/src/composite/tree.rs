@@ -19,51 +19,11 @@
 
 use super::axes;
 use super::bodies::{CompositeInertia, JointAxis};
-use super::matrix::{BodySystem, mass_matrix};
-use super::model::ModelInputs;
+use super::matrix::{BodySystem, JointPlacement, mass_matrix};
+use super::model::{AncestorTree, ModelInputs, SystemInput};
 use super::points;
-use super::probe::{MatrixProbe, ProbedMatrix, SystemInput, UsualState, near};
+use super::probe::{MatrixProbe, ProbedMatrix, UsualState, near};
 use robovec_ir::Function;
-
-/// The placement of a joint on its parent.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) struct JointPlacement {
-    /// The joint before it, counted from 0.
-    pub(super) parent: Option<usize>,
-    /// Its kind.
-    pub(super) joint: JointAxis,
-    /// The points of the parent, in [`ModelInputs::points`], whose sum it
-    /// stands on: one, or none for the origin. Where joints that only slide
-    /// follow one another, all of their points may stand here.
-    pub(super) points: Vec<usize>,
-    /// The inertia of its body is mirrored about the diagonal.
-    pub(super) symmetric: bool,
-}
-
-/// Tree of the joints: each with the one it is attached to.
-pub(super) struct AncestorTree {
-    /// The joint before each, counted from 0.
-    pub(super) parents: Vec<Option<usize>>,
-    /// The bodies behind each joint, counted from 0 as the joint that moves
-    /// them last.
-    pub(super) behind: Vec<Vec<usize>>,
-    /// True for each joint that is prismatic.
-    pub(super) slides: Vec<bool>,
-}
-
-impl AncestorTree {
-    /// A joint and those before it, the nearest first.
-    pub(super) fn chain(&self, joint: usize) -> impl Iterator<Item = usize> + '_ {
-        std::iter::successors(Some(joint), |&joint| self.parents[joint])
-    }
-
-    /// The sum of the masses behind a joint in their usual state.
-    pub(super) fn mass(&self, joint: usize, model: &ModelInputs) -> f64 {
-        let bodies = self.behind[joint].iter();
-        let heavy = bodies.filter(|&&body| model.bodies[body].mass.is_some());
-        heavy.map(|&body| SystemInput::Mass(body).usual()).sum()
-    }
-}
 
 /// The number at a state with the mass of one body only.
 fn alone(body: usize) -> impl Fn(SystemInput) -> f64 {

@@ -1,11 +1,9 @@
 //! The equations of composite bodies.
 
-use super::bodies::{CompositeInertia, RingVector, UnitWrench};
-use super::bodies::{JointAxis, RigidBody, Ring, Stand};
+use super::bodies::{CompositeInertia, JointAxis, RigidBody, Ring, RingVector, Stand, UnitWrench};
 use super::forces::{MovingSystem, bias_forces};
-use super::matrix::{BodySystem, mass_matrix};
+use super::matrix::{BodySystem, JointPlacement, mass_matrix};
 use super::model::ModelInputs;
-use super::tree::JointPlacement;
 use crate::factor::network::{Edge, FactorKind, FactorNetwork, NodeOrigin, ONE, ZERO};
 use robovec_framework::rewrite::output_symbol;
 use robovec_ir::{Function, Input, Name, Operand, Operation, Tables};

@@ -14,6 +14,15 @@ use robovec_analysis::critical_path::Weights;
 use robovec_ir::Operation;
 use rustc_hash::FxBuildHasher;
 
+/// A result that is wanted, and when.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct RequiredResult {
+    pub(crate) class: u32,
+    /// The result may be as late as this; when it cannot be that early, it is
+    /// made as early as it can be.
+    pub(crate) required: u32,
+}
+
 /// The operation of an alternative on its children.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum AlternativeKind {

@@ -3,8 +3,7 @@
 //! Small e-graphs are searched to the end, so that what is extracted from them
 //! is the optimum; larger ones keep what was found before the search.
 
-use super::alternatives::{Alternatives, SurroundingTimes};
-use super::extract::RequiredResult;
+use super::alternatives::{Alternatives, RequiredResult, SurroundingTimes};
 
 /// A search among all covers that keep the required times.
 pub(crate) struct ExactExtractor<'a> {

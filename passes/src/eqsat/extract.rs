@@ -10,19 +10,10 @@
 //! alternatives: fronts have a fixed size, and changes a fixed budget. At the
 //! end all covers are tried, as far as a fixed number of steps reaches.
 
-use super::alternatives::{Alternatives, SurroundingTimes};
+use super::alternatives::{Alternatives, RequiredResult, SurroundingTimes};
 use super::exact::ExactExtractor;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
-
-/// A result that is wanted, and when.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) struct RequiredResult {
-    pub(crate) class: u32,
-    /// The result may be as late as this; when it cannot be that early, it is
-    /// made as early as it can be.
-    pub(crate) required: u32,
-}
 
 /// One form for every class that is needed.
 #[derive(Clone, PartialEq, Eq, Debug)]

@@ -1,8 +1,8 @@
 //! One round over a function: windows in program order, each with the times
 //! that the windows before it have reached.
 
-use super::alternatives::{Alternatives, SurroundingTimes};
-use super::extract::{Cover, RequiredResult, extract};
+use super::alternatives::{Alternatives, RequiredResult, SurroundingTimes};
+use super::extract::{Cover, extract};
 use super::graph::{EquivalenceGraph, FormMaker};
 use super::pattern::BagRule;
 use super::plain::{self, PlainRule};

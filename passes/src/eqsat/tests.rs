@@ -1,9 +1,9 @@
 //! Proofs by test: bags against saturated associativity and commutativity,
 //! and extraction against trying everything.
 
-use super::alternatives::{Alternatives, SurroundingTimes};
+use super::alternatives::{Alternatives, RequiredResult, SurroundingTimes};
 use super::exact::ExactExtractor;
-use super::extract::{RequiredResult, extract};
+use super::extract::extract;
 use super::form::{ClassAnalysis, ClassReference, EquivalentForm};
 use super::graph::EquivalenceGraph;
 use super::pattern::BagRule;

@@ -5,6 +5,7 @@
 //! writes them as polynomials ([`robovec_num::trigonometry`]) whose error on
 //! the range of each angle is proved, and says what it proved.
 
+mod builder;
 mod choose;
 mod emit;
 mod host;

@@ -8,8 +8,8 @@
 //! early ones that with the fewest operations. A sine's factor `x` may stand
 //! before everything, or travel into the parts, where it waits for nobody.
 
+use super::builder::RecipeBuilder;
 use super::options::Scheme;
-use super::recipe::RecipeBuilder;
 use robovec_ir::{Operand, Operation};
 use robovec_num::trigonometry::{Circular, Polynomial};
 

@@ -33,7 +33,7 @@ mod tests;
 
 pub use blame::{Blame, EquationBlame, output_weights};
 pub use local::half_ulp;
-pub use run::{AdjointRun, OutputError};
+pub use run::AdjointRun;
 pub use tape::{Tape, TapeSlot};
 
 use partials::{EvaluationPair, secant, tangent, third};
@@ -79,6 +79,27 @@ impl AdjointLanes {
                 *sum += factor * lane;
             }
         }
+    }
+}
+
+/// The findings of sweeps about one output.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct OutputError {
+    /// The exact value, to binary64.
+    pub exact: f64,
+    /// Computed less exact.
+    pub actual: f64,
+    /// The signed prediction of `actual`.
+    pub predicted: f64,
+    /// No smaller than the size of `actual`; infinite where nothing can be
+    /// said, as after an overflow or a division by zero.
+    pub bound: f64,
+}
+
+impl OutputError {
+    /// Part that the prediction misses.
+    fn miss(&self) -> f64 {
+        (self.predicted - self.actual).abs()
     }
 }
 

@@ -6,8 +6,8 @@
 //! sweeps are for one output at a time, and every operation of theirs costs far
 //! more.
 
+use super::OutputError;
 use super::partials::third;
-use super::run::OutputError;
 use super::tape::Tape;
 use crate::reference::precise::operate;
 use crate::reference::rounding::{from_binary64, to_binary64};

@@ -1,7 +1,7 @@
 //! A run of a function in a number format, beside the exact one.
 
 use super::precise::PreciseRun;
-use super::{Adjoint, AdjointLanes, LANES, Tape, Workspace, local};
+use super::{Adjoint, AdjointLanes, LANES, OutputError, Tape, Workspace, local};
 use robovec_ir::evaluate::evaluate_mixed_nodes;
 use robovec_ir::{Format, Function, Value};
 use robovec_num::arithmetic::Arithmetic;
@@ -23,27 +23,6 @@ pub struct AdjointRun<'a> {
     errors: Vec<f64>,
     local: Vec<f64>,
     bounds: Vec<f64>,
-}
-
-/// The findings of sweeps about one output.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct OutputError {
-    /// The exact value, to binary64.
-    pub exact: f64,
-    /// Computed less exact.
-    pub actual: f64,
-    /// The signed prediction of `actual`.
-    pub predicted: f64,
-    /// No smaller than the size of `actual`; infinite where nothing can be
-    /// said, as after an overflow or a division by zero.
-    pub bound: f64,
-}
-
-impl OutputError {
-    /// Part that the prediction misses.
-    fn miss(&self) -> f64 {
-        (self.predicted - self.actual).abs()
-    }
 }
 
 /// Covers the rounding of the sums over adjoints themselves, which are

@@ -1,6 +1,6 @@
 //! The failure that broke a claim, and where to look first.
 
-use super::pairing::Pairs;
+use super::pairing::{Pairs, Unpaired};
 use super::states::StatePlace;
 use robovec_analysis::slice::slice;
 use robovec_ir::evaluate::evaluate_nodes;
@@ -113,6 +113,21 @@ impl Failure {
             first_difference: None,
             inputs: Vec::new(),
         }
+    }
+}
+
+impl Unpaired {
+    /// As the failure of a check.
+    pub(super) fn failure(self, before: View<'_>, after: View<'_>) -> Failure {
+        let kind = FailureKind::Signature {
+            reason: self.reason,
+        };
+        let mut failure = Failure::about(kind, after);
+        failure.output = self.output;
+        if let Some(output) = self.output {
+            failure.name = print_output(before, output);
+        }
+        failure
     }
 }
 

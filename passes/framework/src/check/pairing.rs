@@ -1,12 +1,10 @@
 //! The pairing of the inputs and outputs of two versions.
 
-use super::failure::{Failure, FailureKind};
-use super::states;
 use crate::instances::Instances;
 use crate::scene::Scene;
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
-use robovec_ir::{Array, Function, Input, Operation, Output, Shape, View};
+use robovec_ir::{Array, Function, Input, Operand, Operation, Output, Shape, View};
 use robovec_num::field::{Field, Prime};
 use robovec_num::random::mix;
 use std::collections::BTreeMap;
@@ -98,7 +96,7 @@ impl<'a> Pairs<'a> {
             after,
             list,
             inputs: Inputs::Same,
-            sizes: states::sizes([before.function, after.function]),
+            sizes: sizes([before.function, after.function]),
         })
     }
 
@@ -159,7 +157,7 @@ impl<'a> Pairs<'a> {
                 bound: scene.bound.of(before),
                 places,
             }),
-            sizes: states::sizes([before.function, after.function]),
+            sizes: sizes([before.function, after.function]),
         })
     }
 
@@ -204,7 +202,7 @@ impl<'a> Pairs<'a> {
                 count: instances.count,
                 places: inputs,
             }),
-            sizes: states::sizes([before.function, after.function]),
+            sizes: sizes([before.function, after.function]),
         })
     }
 
@@ -352,21 +350,6 @@ fn owners<'b>(
     }
 }
 
-impl Unpaired {
-    /// As the failure of a check.
-    pub(super) fn failure(self, before: View<'_>, after: View<'_>) -> Failure {
-        let kind = FailureKind::Signature {
-            reason: self.reason,
-        };
-        let mut failure = Failure::about(kind, after);
-        failure.output = self.output;
-        if let Some(output) = self.output {
-            failure.name = print_output(before, output);
-        }
-        failure
-    }
-}
-
 fn input_key(view: View<'_>, index: usize) -> (&str, [u32; 2]) {
     let (array, indices, _) = view.function.input_element(Input(index as u32));
     (view.tables.symbols.text(array.name), indices)
@@ -450,4 +433,22 @@ fn under_roots(function: &Function) -> Vec<f64> {
         }
     }
     found
+}
+
+/// The sizes of the constants of functions, each once, in order.
+pub(super) fn sizes<'a>(functions: impl IntoIterator<Item = &'a Function>) -> Vec<f64> {
+    let mut sizes: Vec<f64> = functions
+        .into_iter()
+        .flat_map(|function| {
+            let read = function.nodes().iter().flat_map(|node| node.operands());
+            let set = function.assignments.iter().map(|set| &set.operand);
+            read.chain(set)
+                .filter_map(|&operand: &Operand| function.number(operand))
+        })
+        .map(f64::abs)
+        .filter(|size| size.is_finite() && *size > 0.0)
+        .collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    sizes.dedup();
+    sizes
 }

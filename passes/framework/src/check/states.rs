@@ -2,7 +2,6 @@
 
 use super::pairing::Pairs;
 use robovec_ir::states::States;
-use robovec_ir::{Function, Operand};
 use robovec_num::random::mix;
 use std::fmt;
 
@@ -90,24 +89,6 @@ impl fmt::Display for StatePlace {
         };
         write!(formatter, "{name} {}", self.number)
     }
-}
-
-/// The sizes of the constants of functions, each once, in order.
-pub(super) fn sizes<'a>(functions: impl IntoIterator<Item = &'a Function>) -> Vec<f64> {
-    let mut sizes: Vec<f64> = functions
-        .into_iter()
-        .flat_map(|function| {
-            let read = function.nodes().iter().flat_map(|node| node.operands());
-            let set = function.assignments.iter().map(|set| &set.operand);
-            read.chain(set)
-                .filter_map(|&operand: &Operand| function.number(operand))
-        })
-        .map(f64::abs)
-        .filter(|size| size.is_finite() && *size > 0.0)
-        .collect();
-    sizes.sort_unstable_by(f64::total_cmp);
-    sizes.dedup();
-    sizes
 }
 
 /// The inputs of a state of one of the scales that no array has a say in.

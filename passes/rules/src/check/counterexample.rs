@@ -6,8 +6,6 @@
 use super::ball::ScaledBall;
 use super::joined::Joined;
 use super::point::{RealPoint, SideValue, evaluate};
-use super::states::RulePoints;
-use super::zeros;
 use std::fmt;
 
 /// Numbers at which the two sides of a rule differ.
@@ -81,21 +79,6 @@ pub(super) fn number(number: f64) -> String {
 
 /// Points tried one after the other, smallest first.
 const EXHAUSTIVE: usize = 20_000;
-/// Points tried at random when no small one refutes the rule.
-const RANDOM: usize = 3_000;
-
-/// Numbers that refute a rule of one direction: the smallest integers at
-/// which the sides differ; if there are none, numbers near those that stand
-/// in the rule, and near the zeros of what it divides by and of what is under
-/// its roots.
-pub(super) fn search(joined: &Joined<'_>) -> Option<Counterexample> {
-    smallest(joined)
-        .or_else(|| {
-            let mut states = RulePoints::of(joined.rule, 1);
-            (0..RANDOM).find_map(|_| compare(joined, &RealPoint::exactly(states.next())))
-        })
-        .or_else(|| zeros::search(joined))
-}
 
 /// The first point that refutes a rule, by largest magnitude, then in the
 /// order 0, 1, -1, 2, -2 … of the last variable, the one before, ….

@@ -3,12 +3,12 @@
 use super::super::rule::Rule;
 use super::agree::{Agreement, agree};
 use super::ball::ScaledBall;
-use super::counterexample::{Counterexample, compare, search, smallest};
+use super::counterexample::{Counterexample, compare, smallest};
 use super::facts::NodeFacts;
 use super::joined::Joined;
 use super::point::{RealPoint, evaluate};
 use super::states::RulePoints;
-use super::{RuleVerdict, domain};
+use super::{RuleVerdict, domain, zeros};
 use robovec_ir::Operation;
 use std::fmt;
 
@@ -234,4 +234,20 @@ fn apart(left: &[ScaledBall], right: &[ScaledBall]) -> f64 {
         }
         _ => f64::INFINITY,
     }
+}
+
+/// Points tried at random when no small one refutes the rule.
+const RANDOM: usize = 3_000;
+
+/// Numbers that refute a rule of one direction: the smallest integers at
+/// which the sides differ; if there are none, numbers near those that stand
+/// in the rule, and near the zeros of what it divides by and of what is under
+/// its roots.
+fn search(joined: &Joined<'_>) -> Option<Counterexample> {
+    smallest(joined)
+        .or_else(|| {
+            let mut states = RulePoints::of(joined.rule, 1);
+            (0..RANDOM).find_map(|_| compare(joined, &RealPoint::exactly(states.next())))
+        })
+        .or_else(|| zeros::search(joined))
 }

@@ -3,7 +3,6 @@
 use super::super::pattern::{Pattern, PatternNode};
 use super::super::profile::{earliest_of, operations};
 use super::super::rule::Rule;
-use super::mine::freed;
 use robovec_analysis::critical_path::{Weights, arrivals, tails};
 use robovec_ir::{Function, Machine, Operand, OperandKind, Operation, Value};
 
@@ -48,6 +47,26 @@ impl<'a> Timed<'a> {
         }
     }
 
+    /// Of the values of a window those that nothing needs any more once the root
+    /// is computed otherwise, the root among them.
+    pub(super) fn freed(&self, window: &[Value]) -> Vec<Value> {
+        let mut order = window.to_vec();
+        // Users before what they use.
+        order.sort_unstable_by_key(|&value| std::cmp::Reverse(value));
+        order.dedup();
+        let mut freed: Vec<Value> = Vec::with_capacity(order.len());
+        for &value in &order {
+            let reads = freed
+                .iter()
+                .flat_map(|&user| self.function.node(user).operands())
+                .filter(|operand| operand.value() == Some(value));
+            if freed.is_empty() || reads.count() == self.uses[value.index()] as usize {
+                freed.push(value);
+            }
+        }
+        freed
+    }
+
     /// True for an operation of the machine: sines, cosines and copies are
     /// none.
     fn counts(&self, value: Value) -> bool {
@@ -74,7 +93,7 @@ pub(super) fn gain(rule: &Rule, functions: &[Timed<'_>], machine: &Machine) -> R
                 if covered.iter().any(|inner| touched[inner.index()]) {
                     return None;
                 }
-                let freed = freed(timed.function, &timed.uses, &covered);
+                let freed = timed.freed(&covered);
                 let counted = freed.iter().filter(|&&value| timed.counts(value));
                 Some((counted.count() as i64 - new_operations, found))
             });

@@ -18,7 +18,7 @@ mod equations;
 
 use super::failure::{Failure, FailureKind, Values};
 use super::numbers::{LANES, MAX_PRECISE, every_scale, is_lost};
-use super::pairing::{Unpaired, described, primes, same_arrays};
+use super::pairing::{Unpaired, described, primes, same_arrays, sizes};
 use super::states::{self, StatePlace, StateScale};
 use super::{CheckVerdict, nth_seed};
 use crate::differentiation::{DerivativeResult, Differentiation};
@@ -110,7 +110,7 @@ impl<'a> DerivativeCheck<'a> {
             result: differentiation.result,
             columns: arrays.columns(),
             rows: arrays.rows().len(),
-            sizes: states::sizes([before.function, after.function]),
+            sizes: sizes([before.function, after.function]),
             before,
             after,
         })

@@ -12,8 +12,6 @@ mod shape;
 mod solve;
 mod window;
 
-pub(super) use window::freed;
-
 use super::super::RuleSet;
 use super::super::graph::GraphBudget;
 use super::super::pattern::{Pattern, PatternNode};
@@ -189,7 +187,7 @@ impl Gathered {
     }
 
     fn window(&mut self, timed: &Timed<'_>, window: &[Value]) {
-        let freed = freed(timed.function, &timed.uses, window).len() as i64;
+        let freed = timed.freed(window).len() as i64;
         let late = timed.critical[window[0].index()] && window.len() <= LATE_WINDOW;
         if !late && (freed < 2 || !has_repeated_leaf(timed.function, window)) {
             return;

@@ -76,23 +76,3 @@ pub(super) fn each(
     }
     true
 }
-
-/// Of the values of a window those that nothing needs any more once the root
-/// is computed otherwise, the root among them.
-pub(in super::super) fn freed(function: &Function, uses: &[u32], window: &[Value]) -> Vec<Value> {
-    let mut order = window.to_vec();
-    // Users before what they use.
-    order.sort_unstable_by_key(|&value| std::cmp::Reverse(value));
-    order.dedup();
-    let mut freed: Vec<Value> = Vec::with_capacity(order.len());
-    for &value in &order {
-        let reads = freed
-            .iter()
-            .flat_map(|&user| function.node(user).operands())
-            .filter(|operand| operand.value() == Some(value));
-        if freed.is_empty() || reads.count() == uses[value.index()] as usize {
-            freed.push(value);
-        }
-    }
-    freed
-}
