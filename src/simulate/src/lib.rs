@@ -27,6 +27,5 @@ mod trace;
 
 pub use error::{Hazard, LoadError};
 pub use occupation::{ElementOccupation, MachineOccupation};
-pub use program::LoadedProgram;
-pub use run::SimulatedOutputs;
+pub use program::{LoadedProgram, SimulatedOutputs};
 pub use trace::{LoadedWord, Trace, TracedResult};

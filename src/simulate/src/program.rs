@@ -113,3 +113,15 @@ impl LoadedProgram {
             .map(|output| (output.name.as_str(), output.index))
     }
 }
+
+/// Results of a run.
+#[derive(Clone, PartialEq, Debug)]
+pub struct SimulatedOutputs {
+    /// The output elements that the program sets, in order of
+    /// [`LoadedProgram::outputs`]; numbers of the machine's format, held exactly.
+    pub values: Vec<f64>,
+    /// The same as words of the machine.
+    pub words: Vec<u64>,
+    /// Cycles the run took.
+    pub cycles: u32,
+}

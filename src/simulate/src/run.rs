@@ -7,22 +7,10 @@
 
 use super::decode::{BufferWrite, Issue, MemoryWrite};
 use super::error::Hazard;
-use super::program::{LoadedProgram, OutputPlace};
+use super::program::{LoadedProgram, OutputPlace, SimulatedOutputs};
 use super::trace::{Observer, Silent};
 use robovec_fpga::manifest::ValueReference;
 use robovec_num::arithmetic::Arithmetic;
-
-/// Results of a run.
-#[derive(Clone, PartialEq, Debug)]
-pub struct SimulatedOutputs {
-    /// The output elements that the program sets, in order of
-    /// [`LoadedProgram::outputs`]; numbers of the machine's format, held exactly.
-    pub values: Vec<f64>,
-    /// The same as words of the machine.
-    pub words: Vec<u64>,
-    /// Cycles the run took.
-    pub cycles: u32,
-}
 
 impl LoadedProgram {
     /// Loads the inputs and what the host computes from them, runs, and

@@ -6,8 +6,7 @@
 //! machine's format. A test bench replays the former and compares the latter.
 
 use super::error::Hazard;
-use super::program::LoadedProgram;
-use super::run::SimulatedOutputs;
+use super::program::{LoadedProgram, SimulatedOutputs};
 use robovec_num::soft_float::FormatArithmetic;
 
 /// Observer of a run while it goes on. A run without an observer ([`Silent`])

@@ -16,12 +16,12 @@
 
 use super::algebra::{Scalar, Sum};
 use super::blocks::solve_blocks;
-use super::closing::{Closing, dependent_entries};
+use super::closing::Closing;
 use super::constraints::{ConstraintPart, ConstraintRow};
 use super::equations::{Equations, QuantityLabel};
 use super::factor::{SparseRow, entry};
 use super::parameters::ModelParameters;
-use super::reduced::singular;
+
 use super::roles::ReactionRoles;
 use super::user_constraints::{ReducedRows, solve_unknown};
 use super::{GenerateError, GenerationRequest, formulation};
@@ -106,7 +106,7 @@ fn multipliers<'c>(
     // J_w^T lambda = phi_w - U_w^T mu: a side for phi, and one for each mu.
     let mut rows: Vec<SparseRow> = vec![SparseRow::new(); count];
     for (number, row) in loops.iter().enumerate() {
-        for (place, value) in dependent_entries(row, &roles.of_loops) {
+        for (place, value) in row.dependent_entries(&roles.of_loops) {
             rows[place].push((number, value));
         }
     }
@@ -117,8 +117,9 @@ fn multipliers<'c>(
         row.retain(|(_, value)| !value.is_zero());
     }
     let names = ["Jwlu", "Jwl", "Jwi", "Jwx", "lamw"];
-    let solution = solve_blocks(equations, names, &rows, 1 + user.len())
-        .map_err(|place| singular(closing.parameters.model, roles.of_loops[place]))?;
+    let solution = solve_blocks(equations, names, &rows, 1 + user.len()).map_err(|place| {
+        GenerateError::singular(closing.parameters.model, roles.of_loops[place])
+    })?;
     // At the joints left: (U^T - J^T L) mu = phi - J^T lambda_0.
     let mut left = ReducedRows {
         matrix: Vec::new(),

@@ -19,11 +19,11 @@
 
 use super::algebra::{Scalar, Sum};
 use super::equations::{Equations, QuantityLabel};
-use super::inertia::{Inertia, SumInertia, SumWrench, Wrench, turn_general, turn_symmetric};
+use super::inertia::{SumInertia, SumWrench, Wrench, turn_general, turn_symmetric};
 use super::parameters::ModelParameters;
-use super::reduced::residual_input;
+use super::reduction::residual_input;
 use super::vector::{
-    AxisRotation, Matrix, SumVector, Vector, ZERO, add_cross, cyclic, define, sums,
+    AxisRotation, Inertia, Matrix, SumVector, Vector, ZERO, add_cross, cyclic, define, sums,
 };
 use super::{Options, recursive};
 use robovec_model::Nature;

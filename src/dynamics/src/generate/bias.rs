@@ -16,9 +16,9 @@
 
 use super::algebra::{Scalar, Sum};
 use super::equations::{Equations, QuantityLabel};
-use super::inertia::{Inertia, SumWrench, Wrench};
+use super::inertia::{SumWrench, Wrench};
 use super::parameters::ModelParameters;
-use super::vector::{Matrix, SumVector, Vector, ZERO, add_cross, cyclic, define};
+use super::vector::{Inertia, Matrix, SumVector, Vector, ZERO, add_cross, cyclic, define};
 
 /// The motion of a frame without joint accelerations.
 #[derive(Clone, Copy)]

@@ -23,7 +23,7 @@ use super::constraints::{self, ConstraintPart, ConstraintRow};
 use super::equations::{Equations, QuantityLabel};
 use super::factor::{SparseRow, entry};
 use super::parameters::ModelParameters;
-use super::reduced::singular;
+
 use super::roles::JointRoles;
 use super::user_constraints::{self, DependentJoints, ReducedRows, solve_unknown};
 use super::{GenerateError, Options};
@@ -130,7 +130,7 @@ impl<'p, 'm> Closing<'p, 'm> {
         let mut rows = Vec::with_capacity(dependent.len());
         for &number in &self.roles.rows {
             let constraint = &self.constraints[number];
-            let mut row = dependent_entries(constraint, dependent);
+            let mut row = constraint.dependent_entries(dependent);
             let sum = given(equations, constraint);
             let label = QuantityLabel::new("bv", 0, number + 1);
             row.push((dependent.len(), equations.define(label, sum)));
@@ -141,7 +141,7 @@ impl<'p, 'm> Closing<'p, 'm> {
             rows.push(row);
         }
         let solution = solve_blocks(equations, names, &rows, 1 + bound.len())
-            .map_err(|place| singular(self.parameters.model, dependent[place]))?;
+            .map_err(|place| GenerateError::singular(self.parameters.model, dependent[place]))?;
         // x_v = rest + B x_w, with w for the joints that the user's rows bind.
         let rest: Vec<Scalar> = solution.iter().map(|row| -entry(row, 0)).collect();
         let behind =
@@ -173,15 +173,4 @@ impl<'p, 'm> Closing<'p, 'm> {
         }
         Ok(all)
     }
-}
-
-/// The entries of a row of `Jv`: places among the dependent joints, ascending.
-pub(super) fn dependent_entries(constraint: &ConstraintRow, dependent: &[usize]) -> SparseRow {
-    let place = |joint: &usize| dependent.iter().position(|other| other == joint);
-    let entries = constraint.jacobian.iter();
-    let mut row: SparseRow = entries
-        .filter_map(|(joint, value)| Some((place(joint)?, *value)))
-        .collect();
-    row.sort_unstable_by_key(|&(column, _)| column);
-    row
 }

@@ -7,9 +7,11 @@
 //! `AM_i,k`, with the first moment `MD_i` as its lever. This holds for true
 //! sines and cosines only (`sin^2 + cos^2 = 1`).
 
+use super::Options;
 use super::algebra::{Scalar, Sum};
-use super::equations::QuantityLabel;
-use super::recursive::{FrameMotion, JointLoad, Recursion};
+use super::equations::{Equations, QuantityLabel};
+use super::parameters::ModelParameters;
+use super::recursive::{DIRECT, FrameMotion, JointLoad, Recursion};
 use super::vector::{SumVector, Vector, ZERO, add_cross, add_matrix_product, define, sums, unit};
 
 /// Mass and first moment (about the joint's origin, in its frame) of all that
@@ -19,13 +21,23 @@ struct MassAndMoment {
     moment: Vector,
 }
 
-/// Writes `M`.
-pub(super) fn write(recursion: &mut Recursion<'_, '_, '_>, true_angles: bool) {
+/// Writes `M` and `c`.
+pub(super) fn direct(
+    equations: &mut Equations,
+    parameters: &ModelParameters<'_>,
+    options: &Options,
+) {
+    let mut recursion = Recursion::new(equations, parameters, options, &DIRECT);
+    recursion.forward(&[]);
+    let bias = recursion.backward();
     let mut columns = Columns {
-        recursion,
+        recursion: &mut recursion,
         composites: None,
     };
-    columns.write(true_angles);
+    columns.write(options.true_angles);
+    for (joint, value) in bias.into_iter().enumerate() {
+        recursion.equations.output("c", &[joint + 1], value);
+    }
 }
 
 struct Columns<'r, 'e, 'p, 'm> {

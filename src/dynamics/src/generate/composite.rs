@@ -11,10 +11,10 @@
 use super::algebra::Scalar;
 use super::bias::Bias;
 use super::equations::{EquationStyle, Equations};
-use super::inertia::{Inertia, Wrench};
+use super::inertia::Wrench;
 use super::lower::operations;
 use super::parameters::ModelParameters;
-use super::vector::Vector;
+use super::vector::{Inertia, Vector};
 use super::{Options, recursive};
 
 /// `M`, its lower triangle by rows, and `c`.

@@ -13,9 +13,9 @@ use super::algebra::{Scalar, Sum};
 use super::composite::{MassAndBias, bias, carry};
 use super::equations::{Equations, QuantityLabel};
 use super::hub::{Pose, Twist, hubs};
-use super::inertia::{Inertia, Wrench};
+use super::inertia::Wrench;
 use super::parameters::ModelParameters;
-use super::vector::{Vector, add_cross, define};
+use super::vector::{Inertia, Vector, add_cross, define};
 
 /// `M` and `c`.
 pub(super) fn dynamics(

@@ -13,6 +13,7 @@ use super::Options;
 use super::algebra::{Scalar, Sum};
 use super::chain::Chain;
 use super::equations::{Equations, QuantityLabel};
+use super::factor::SparseRow;
 use super::parameters::{ModelParameters, ParameterSource};
 use super::vector::{Vector, ZERO, define_as, subtracted};
 use robovec_model::{Anchor, Cut, CutKind, JointCoupling};
@@ -24,6 +25,19 @@ pub(super) struct ConstraintRow {
     /// Entries of the Jacobian by joint; joints that are missing are zero.
     pub(super) jacobian: Vec<(usize, Scalar)>,
     pub(super) jdqd: Scalar,
+}
+
+impl ConstraintRow {
+    /// The entries of a row of `Jv`: places among the dependent joints, ascending.
+    pub(super) fn dependent_entries(&self, dependent: &[usize]) -> SparseRow {
+        let place = |joint: &usize| dependent.iter().position(|other| other == joint);
+        let entries = self.jacobian.iter();
+        let mut row: SparseRow = entries
+            .filter_map(|(joint, value)| Some((place(joint)?, *value)))
+            .collect();
+        row.sort_unstable_by_key(|&(column, _)| column);
+        row
+    }
 }
 
 impl ConstraintRow {

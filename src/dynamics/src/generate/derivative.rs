@@ -30,12 +30,12 @@ use super::Options;
 use super::algebra::{Scalar, Sum};
 use super::composite::carry;
 use super::equations::{Equations, QuantityLabel};
-use super::inertia::{Inertia, SumWrench, Wrench, turn_general};
+use super::inertia::{SumWrench, Wrench, turn_general};
 use super::parameters::ModelParameters;
 use super::recursive::{JointLoad, Recursion};
 use super::vector::{
-    Matrix, SumVector, Vector, ZERO, add_cross, add_matrix_product, add_sums, add_vector, cyclic,
-    define, sums, unit,
+    Inertia, Matrix, SumVector, Vector, ZERO, add_cross, add_matrix_product, add_sums, add_vector,
+    cyclic, define, sums, unit,
 };
 
 /// An entry of a matrix of joints: the row, the column and the value.

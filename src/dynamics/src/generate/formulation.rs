@@ -3,10 +3,12 @@
 use super::algebra::Scalar;
 use super::composite::MassAndBias;
 use super::equations::Equations;
+use super::hub::MomentOrigin;
+use super::network::PrefixNetwork;
 use super::parameters::ModelParameters;
 use super::{
-    FunctionKind, GenerateError, GenerationRequest, articulated, composite, composite_base, factor,
-    prefix, recursive, reduced,
+    FunctionKind, GenerateError, GenerationRequest, articulated, columns, composite,
+    composite_base, factor, prefix, recursive, reduced,
 };
 use robovec_model::{Model, Nature};
 
@@ -33,38 +35,6 @@ pub enum Formulation {
     /// Articulated bodies: accelerations of trees in a number of operations
     /// that grows with the number of joints alone. Gives no `M` and `c`.
     Articulated,
-}
-
-/// In which order values along a path are combined.
-#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub enum PrefixNetwork {
-    /// One after another: the fewest operations.
-    Serial,
-    /// In twice logarithmic depth with at most twice the operations.
-    BrentKung,
-    /// In logarithmic depth: the shortest path.
-    #[default]
-    Sklansky,
-}
-
-impl PrefixNetwork {
-    /// All networks.
-    pub const ALL: [PrefixNetwork; 3] = [
-        PrefixNetwork::Serial,
-        PrefixNetwork::BrentKung,
-        PrefixNetwork::Sklansky,
-    ];
-}
-
-/// The frame whose origin moments are about.
-#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub enum MomentOrigin {
-    /// The base.
-    Base,
-    /// The first body with mass on each path: it moves with the system, so
-    /// that moments stay small and short number formats keep small entries.
-    #[default]
-    Body,
 }
 
 /// Requirements of equations on numbers.
@@ -265,7 +235,7 @@ pub(super) fn direct(
 ) {
     let options = &request.options;
     match request.formulation {
-        Formulation::Recursive => recursive::direct(equations, parameters, options),
+        Formulation::Recursive => columns::direct(equations, parameters, options),
         Formulation::Composite => {
             composite::dynamics(equations, parameters, options).output(equations);
         }
@@ -324,7 +294,7 @@ pub(super) fn accelerations(
 ) -> Result<(), GenerateError> {
     if request.formulation == Formulation::Articulated {
         return articulated::accelerations(equations, parameters, &request.options)
-            .map_err(|joint| reduced::singular(parameters.model, joint));
+            .map_err(|joint| GenerateError::singular(parameters.model, joint));
     }
     direct(equations, parameters, request);
     let dynamics = MassAndBias::take(equations, parameters.joints());

@@ -12,6 +12,7 @@
 
 use super::algebra::Scalar;
 use super::equations::{Equations, QuantityLabel};
+use super::joint_arrays::JointNumbers;
 use super::vector::AxisRotation;
 use robovec_model::{Joint, JointKind, JointMounting, Model, Nature};
 use std::borrow::Cow;
@@ -77,6 +78,20 @@ impl<'m> ModelFrames<'m> {
     /// The joint of a frame, from 0; `None` for a constant rotation.
     pub(super) fn joint(&self, frame: usize) -> Option<usize> {
         self.frames[frame].ok()
+    }
+
+    /// The numbers of the joints.
+    pub(super) fn joint_numbers(&self) -> JointNumbers {
+        let all = 0..self.model.joints.len();
+        let plain = |frame| self.joint(frame) == Some(frame) && !self.is_reversed(frame);
+        if all.clone().all(plain) {
+            return JointNumbers::default();
+        }
+        let number = |frame| self.joint(frame).map_or(0, |joint| joint as u32 + 1);
+        JointNumbers {
+            numbers: all.clone().map(number).collect(),
+            reversed: all.map(|frame| self.is_reversed(frame)).collect(),
+        }
     }
 
     /// The angle of a constant rotation, rad; `None` for a joint.

@@ -13,6 +13,17 @@ use super::vector::{
     AxisRotation, Matrix, SumVector, Vector, ZERO, add_cross, cyclic, define, sums,
 };
 
+/// The frame whose origin moments are about.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum MomentOrigin {
+    /// The base.
+    Base,
+    /// The first body with mass on each path: it moves with the system, so
+    /// that moments stay small and short number formats keep small entries.
+    #[default]
+    Body,
+}
+
 /// For every joint its hub: itself for a hub, none for joints of a stem.
 pub(super) fn hubs(parameters: &ModelParameters<'_>) -> Vec<Option<usize>> {
     let mut hubs: Vec<Option<usize>> = Vec::with_capacity(parameters.joints());

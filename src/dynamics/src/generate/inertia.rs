@@ -10,20 +10,9 @@ use super::equations::{Equations, QuantityLabel};
 use super::hub::Twist;
 use super::parameters::ModelParameters;
 use super::vector::{
-    AxisRotation, Matrix, SumVector, Vector, ZERO, add_cross, add_matrix_product, add_sums,
-    add_vector, cyclic, define, sums, sums_of,
+    AxisRotation, Inertia, Matrix, SumVector, Vector, ZERO, add_cross, add_matrix_product,
+    add_sums, add_vector, cyclic, define, sums, sums_of,
 };
-
-/// The inertia of a set of bodies about the origin of a frame and in its axes.
-#[derive(Clone, Copy)]
-pub(super) struct Inertia {
-    /// Mass.
-    pub(super) mass: Scalar,
-    /// First moment: mass times centre of mass.
-    pub(super) first: Vector,
-    /// Moments of inertia, a symmetric matrix.
-    pub(super) moments: Matrix,
-}
 
 /// An inertia that is not named yet; of the moments only the upper triangle.
 pub(super) struct SumInertia {

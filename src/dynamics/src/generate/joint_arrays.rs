@@ -3,7 +3,6 @@
 //! their axis have the opposite sign.
 
 use super::algebra::Scalar;
-use super::frames::ModelFrames;
 
 /// Meaning of an index of an array.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -36,25 +35,11 @@ fn meanings(array: &str) -> [IndexMeaning; 2] {
 #[derive(Clone, Default, Debug)]
 pub(super) struct JointNumbers {
     /// By frame: 0 for a constant rotation. Empty where frames are joints.
-    numbers: Vec<u32>,
-    reversed: Vec<bool>,
+    pub(super) numbers: Vec<u32>,
+    pub(super) reversed: Vec<bool>,
 }
 
 impl JointNumbers {
-    /// The numbers of a model's joints.
-    pub(super) fn new(frames: &ModelFrames<'_>) -> JointNumbers {
-        let all = 0..frames.model.joints.len();
-        let plain = |frame| frames.joint(frame) == Some(frame) && !frames.is_reversed(frame);
-        if all.clone().all(plain) {
-            return JointNumbers::default();
-        }
-        let number = |frame| frames.joint(frame).map_or(0, |joint| joint as u32 + 1);
-        JointNumbers {
-            numbers: all.clone().map(number).collect(),
-            reversed: all.map(|frame| frames.is_reversed(frame)).collect(),
-        }
-    }
-
     /// The indices of an element in arrays of joints, and whether its sign
     /// changes; `None` for one of a constant rotation.
     pub(super) fn element(&self, array: &str, mut indices: [u32; 2]) -> Option<([u32; 2], bool)> {

@@ -42,6 +42,7 @@ mod prefix;
 mod reactions;
 mod recursive;
 mod reduced;
+mod reduction;
 mod regressor;
 mod roles;
 mod sensitivity;
@@ -53,9 +54,11 @@ mod vector;
 use self::algebra::Scalar;
 pub use self::contenders::{Contender, Contenders, contenders};
 use self::equations::{EquationStyle, Equations};
-pub use self::formulation::{Formulation, MomentOrigin, PrefixNetwork, Requirements};
+pub use self::formulation::{Formulation, Requirements};
 use self::frames::ModelFrames;
+pub use self::hub::MomentOrigin;
 use self::lower::Extents;
+pub use self::network::PrefixNetwork;
 pub use self::roles::{
     constraints as loop_constraints, cuts_of_rows, independent_joints, redundant_rows,
 };
@@ -300,6 +303,13 @@ pub enum GenerateError {
     /// The loops cannot be closed at the model's initial state.
     #[error("the dependent joints cannot be chosen: {0}")]
     Loops(String),
+}
+
+impl GenerateError {
+    /// The error of a joint that forces cannot move in a determined way.
+    fn singular(model: &Model, joint: usize) -> GenerateError {
+        GenerateError::Singular(model.joints[joint].name.clone())
+    }
 }
 
 /// The most pairs of a joint and one of its ancestors or itself: those of a

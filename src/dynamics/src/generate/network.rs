@@ -8,7 +8,26 @@
 //! counted from the root. Such blocks depend on the ancestors alone, so all
 //! branches behind a joint share the blocks before it.
 
-use super::formulation::PrefixNetwork;
+/// In which order values along a path are combined.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum PrefixNetwork {
+    /// One after another: the fewest operations.
+    Serial,
+    /// In twice logarithmic depth with at most twice the operations.
+    BrentKung,
+    /// In logarithmic depth: the shortest path.
+    #[default]
+    Sklansky,
+}
+
+impl PrefixNetwork {
+    /// All networks.
+    pub const ALL: [PrefixNetwork; 3] = [
+        PrefixNetwork::Serial,
+        PrefixNetwork::BrentKung,
+        PrefixNetwork::Sklansky,
+    ];
+}
 
 /// Place of a combination: the block of the path that ends at a joint and
 /// begins at a depth. Depth 0 is the first joint of the path.

@@ -9,9 +9,9 @@ use super::algebra::Scalar;
 use super::equations::{Equations, QuantityLabel};
 use super::frames::ModelFrames;
 use super::grouping::grouped;
-use super::inertia::Inertia;
-use super::joint_arrays::JointNumbers;
-use super::vector::{AxisRotation, Matrix, SumVector, Vector, ZERO, add_vector, define_as, sums};
+use super::vector::{
+    AxisRotation, Inertia, Matrix, SumVector, Vector, ZERO, add_vector, define_as, sums,
+};
 use super::{GenerationRequest, Options, ParameterBinding};
 use robovec_model::Model;
 use robovec_robotran::FunctionKind;
@@ -85,7 +85,7 @@ impl<'m> ModelParameters<'m> {
     ) -> Self {
         let model: &Model = &frames.model;
         let joints = 0..model.joints.len();
-        equations.numbers_of_joints = JointNumbers::new(frames);
+        equations.numbers_of_joints = frames.joint_numbers();
         let mut source = ParameterSource { options, equations };
         let gravity = [0, 1, 2].map(|i| source.parameter("g", &[i + 1], model.gravity[i]));
         // Symbols are numbered as they are named: one array after the other.

@@ -24,14 +24,14 @@ use super::algebra::{Scalar, Sum};
 use super::bias::{Bias, BiasMotion, tilde};
 use super::composite::{MassAndBias, carry};
 use super::equations::{Equations, QuantityLabel};
-use super::formulation::{MomentOrigin, PrefixNetwork};
-use super::hub::{Pose, Twist, hubs, turned};
-use super::inertia::{Inertia, SumInertia, Wrench};
-use super::network::{PathBlock, paths, subtrees};
+use super::hub::{MomentOrigin, Pose, Twist, hubs, turned};
+use super::inertia::{SumInertia, Wrench};
+use super::network::{PathBlock, PrefixNetwork, paths, subtrees};
 use super::parameters::ModelParameters;
 use super::turned_body::{euler, turned_moments};
 use super::vector::{
-    Matrix, SumVector, Vector, ZERO, add_cross, add_matrix_product, add_vector, define, sums,
+    Inertia, Matrix, SumVector, Vector, ZERO, add_cross, add_matrix_product, add_vector, define,
+    sums,
 };
 
 /// `M` and `c`.

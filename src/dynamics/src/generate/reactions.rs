@@ -9,11 +9,12 @@
 use super::GenerateError;
 use super::algebra::{Scalar, Sum};
 use super::blocks::solve_blocks;
-use super::closing::dependent_entries;
+use super::reduction::{CoordinateReduction, DependentAccelerations};
+
 use super::constraints::ConstraintRow;
 use super::equations::QuantityLabel;
 use super::factor::{SparseRow, entry};
-use super::reduced::{CoordinateReduction, DependentAccelerations, singular};
+
 use super::roles::JointRoles;
 use robovec_model::Nature;
 
@@ -82,7 +83,7 @@ fn of_loops(
     let v = &roles.dependent;
     let mut rows: Vec<SparseRow> = vec![SparseRow::new(); v.len()];
     for (number, row) in loops.rows.iter().enumerate() {
-        for (column, value) in dependent_entries(row, v) {
+        for (column, value) in row.dependent_entries(v) {
             rows[column].push((number, value));
         }
     }
@@ -107,6 +108,6 @@ fn of_loops(
     }
     let names = ["Jtlu", "Jtl", "Jti", "Jtx", "lam"];
     let solution = solve_blocks(reduction.equations, names, &rows, 1)
-        .map_err(|place| singular(reduction.parameters.model, v[place]))?;
+        .map_err(|place| GenerateError::singular(reduction.parameters.model, v[place]))?;
     Ok(solution.iter().map(|row| entry(row, 0)).collect())
 }

@@ -35,7 +35,7 @@ pub(super) struct JointLoad {
 }
 
 /// The names of the quantities of a function.
-struct RecursionNames {
+pub(super) struct RecursionNames {
     angular: &'static str,
     linear: &'static str,
     tilde: &'static str,
@@ -45,7 +45,7 @@ struct RecursionNames {
     torque: &'static str,
 }
 
-const DIRECT: RecursionNames = RecursionNames {
+pub(super) const DIRECT: RecursionNames = RecursionNames {
     angular: "OA",
     linear: "AF",
     tilde: "BEF",
@@ -64,21 +64,6 @@ const INVERSE: RecursionNames = RecursionNames {
     turned: "FqR",
     torque: "Cq",
 };
-
-/// Writes `M` and `c`.
-pub(super) fn direct(
-    equations: &mut Equations,
-    parameters: &ModelParameters<'_>,
-    options: &Options,
-) {
-    let mut recursion = Recursion::new(equations, parameters, options, &DIRECT);
-    recursion.forward(&[]);
-    let bias = recursion.backward();
-    super::columns::write(&mut recursion, options.true_angles);
-    for (joint, value) in bias.into_iter().enumerate() {
-        recursion.equations.output("c", &[joint + 1], value);
-    }
-}
 
 /// The bias force `c` alone.
 pub(super) fn bias(
@@ -119,7 +104,7 @@ pub(super) struct Recursion<'e, 'p, 'm> {
 }
 
 impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
-    fn new(
+    pub(super) fn new(
         equations: &'e mut Equations,
         parameters: &'p ModelParameters<'m>,
         options: &Options,
@@ -156,7 +141,7 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
 
     /// Velocities and accelerations from the base to the leaves; without
     /// joint accelerations when the list is empty.
-    fn forward(&mut self, accelerations: &[Scalar]) {
+    pub(super) fn forward(&mut self, accelerations: &[Scalar]) {
         for joint in 0..self.parameters.joints() {
             let acceleration = accelerations.get(joint).copied().unwrap_or(Scalar::ZERO);
             let velocity = self.velocity(joint);
@@ -267,7 +252,7 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
 
     /// Forces and torques from the leaves to the base; the joints' own
     /// components.
-    fn backward(&mut self) -> Vec<Scalar> {
+    pub(super) fn backward(&mut self) -> Vec<Scalar> {
         let loads = self.loads();
         let each = loads.iter().enumerate();
         each.map(|(joint, load)| self.component(joint, load))

@@ -20,7 +20,8 @@ use super::derivative::{ForceDerivatives, JointEntry, output};
 use super::equations::Equations;
 use super::factor::{SparseRow, Stop, solve_symmetric};
 use super::parameters::ModelParameters;
-use super::reduced::{residual_input, singular, too_large};
+use super::reduced::too_large;
+use super::reduction::residual_input;
 use super::{GenerateError, Options};
 use robovec_model::Nature;
 
@@ -61,7 +62,7 @@ impl FreeMasses {
     ) -> Result<Vec<Vec<Scalar>>, GenerateError> {
         let model = parameters.model;
         solve_symmetric(equations, &self.rows, sides, &self.joints).map_err(|stop| match stop {
-            Stop::NoPivot(place) => singular(model, self.joints[place]),
+            Stop::NoPivot(place) => GenerateError::singular(model, self.joints[place]),
             Stop::TooLarge => too_large(model),
         })
     }

@@ -19,6 +19,17 @@ pub(super) type SumVector = [Sum; 3];
 /// The vector without components.
 pub(super) const ZERO: Vector = [Scalar::ZERO; 3];
 
+/// The inertia of a set of bodies about the origin of a frame and in its axes.
+#[derive(Clone, Copy)]
+pub(super) struct Inertia {
+    /// Mass.
+    pub(super) mass: Scalar,
+    /// First moment: mass times centre of mass.
+    pub(super) first: Vector,
+    /// Moments of inertia, a symmetric matrix.
+    pub(super) moments: Matrix,
+}
+
 /// The axes after an axis, in cyclic order.
 pub(super) fn cyclic(axis: usize) -> (usize, usize) {
     ((axis + 1) % 3, (axis + 2) % 3)

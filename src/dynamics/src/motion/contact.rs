@@ -2,8 +2,17 @@
 //! pull, and dry friction along the plane.
 
 use super::energy::{CartesianVector, dot};
-use super::laws::{SLIP_VELOCITY, friction_share};
 use serde::Deserialize;
+
+/// The velocity around which friction turns over when a law does not say, m/s
+/// or rad/s.
+pub const SLIP_VELOCITY: f64 = 0.01;
+
+/// The share of dry friction that acts at a velocity: with its sign, smooth,
+/// and 0.7 at `slip`. At rest it lets a load creep instead of holding it.
+pub fn friction_share(velocity: f64, slip: Option<f64>) -> f64 {
+    velocity / velocity.hypot(slip.unwrap_or(SLIP_VELOCITY))
+}
 
 /// Contact of the point of an external force with a plane.
 #[derive(Clone, Copy, PartialEq, Debug, Deserialize)]

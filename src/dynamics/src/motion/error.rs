@@ -77,6 +77,16 @@ pub enum MotionError {
 }
 
 impl MotionError {
+    /// The error of something that has become infinite or undefined.
+    pub(super) fn not_finite(what: &str, time: f64) -> MotionError {
+        MotionError::State(StateError::NotFinite {
+            what: what.to_owned(),
+            time,
+        })
+    }
+}
+
+impl MotionError {
     /// Advice for the user.
     pub fn advice(&self) -> Option<&'static str> {
         match self {

@@ -6,7 +6,7 @@
 //! cannot be closed there ends, and says which joint is undetermined.
 
 use super::MotionError;
-use super::system::not_finite;
+
 use crate::kinematics::linear::largest;
 use crate::kinematics::{ClosingLimits, CompiledFunction, LoopConstraints, MotionState, Partition};
 use robovec_model::{Model, Nature};
@@ -141,11 +141,11 @@ impl GeneratedLoops {
     ) -> MotionError {
         let (residual, jacobian) = constraints.evaluate(state);
         if !largest(&residual).is_finite() {
-            return not_finite("the residual of a loop", state.time);
+            return MotionError::not_finite("the residual of a loop", state.time);
         }
         // Functions without dependent joints close nothing.
         let Some(weakest) = self.partition(model).weakest(&jacobian) else {
-            return not_finite("the residual of a loop", state.time);
+            return MotionError::not_finite("the residual of a loop", state.time);
         };
         MotionError::DeadPoint {
             joint: model.joints[weakest.column].name.clone(),

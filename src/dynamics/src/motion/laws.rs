@@ -56,8 +56,8 @@
 //! phase = 0.0          # rad
 //! ```
 
-use super::contact::Contact;
-use super::events::{EventLaw, EventQuantity};
+use super::contact::{Contact, SLIP_VELOCITY, friction_share};
+use super::event_law::{EventLaw, EventQuantity};
 use robovec_ir::diagnostic::{Diagnostic, Label, clip, did_you_mean};
 use robovec_ir::document::{self, DocumentError};
 use robovec_model::{Model, Nature};
@@ -124,16 +124,6 @@ pub struct Spring {
     /// The velocity around which friction turns over; `None`:
     /// [`SLIP_VELOCITY`].
     pub slip: Option<f64>,
-}
-
-/// The velocity around which friction turns over when a law does not say, m/s
-/// or rad/s.
-pub const SLIP_VELOCITY: f64 = 0.01;
-
-/// The share of dry friction that acts at a velocity: with its sign, smooth,
-/// and 0.7 at `slip`. At rest it lets a load creep instead of holding it.
-pub fn friction_share(velocity: f64, slip: Option<f64>) -> f64 {
-    velocity / velocity.hypot(slip.unwrap_or(SLIP_VELOCITY))
 }
 
 /// An external force on a point, along the axes of the base: constant, and

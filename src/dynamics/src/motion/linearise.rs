@@ -18,7 +18,7 @@
 
 use super::MotionError;
 use super::solving::stack;
-use super::system::{MultibodySystem, not_finite};
+use super::system::MultibodySystem;
 use super::{Spring, Support};
 use crate::kinematics::linear::{DenseMatrix, column, dot, largest, solve_square};
 use crate::kinematics::{MotionState, Partition};
@@ -108,7 +108,7 @@ impl MultibodySystem<'_> {
         let residual = transform.transposed_times(&left);
         let rounding: Vec<f64> = rounding.collect();
         if !largest(&residual).is_finite() {
-            return Err(not_finite("a force", state.time));
+            return Err(MotionError::not_finite("a force", state.time));
         }
         let around = LinearisedState {
             state: &loaded,
@@ -265,7 +265,10 @@ impl MultibodySystem<'_> {
         });
         let left: Vec<f64> = left.collect();
         if !largest(&left).is_finite() {
-            return Err(not_finite("the derivative of a force", state.time));
+            return Err(MotionError::not_finite(
+                "the derivative of a force",
+                state.time,
+            ));
         }
         Ok(around.transform.transposed_times(&left))
     }
@@ -309,5 +312,5 @@ impl MultibodySystem<'_> {
 }
 
 fn undetermined(state: &MotionState) -> MotionError {
-    not_finite("the motion of a dependent joint", state.time)
+    MotionError::not_finite("the motion of a dependent joint", state.time)
 }

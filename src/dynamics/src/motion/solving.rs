@@ -2,7 +2,7 @@
 //! partitioning.
 
 use super::MotionError;
-use super::system::{MultibodySystem, not_finite};
+use super::system::MultibodySystem;
 use crate::kinematics::linear::{DenseMatrix, column, dot, largest, solve_positive, solve_square};
 use crate::kinematics::{MotionState, Partition};
 
@@ -22,7 +22,7 @@ impl MultibodySystem<'_> {
             None => self.solve(state)?,
         };
         if !largest(&accelerations).is_finite() {
-            return Err(not_finite("an acceleration", state.time));
+            return Err(MotionError::not_finite("an acceleration", state.time));
         }
         // A joint that is held takes no power.
         let moves = |&joint: &usize| self.model.joints[joint].has_velocity;
@@ -39,7 +39,7 @@ impl MultibodySystem<'_> {
     fn solve(&self, state: &MotionState) -> Result<Vec<f64>, MotionError> {
         let (matrix, bias) = self.equations.dynamics(state);
         if !largest(&bias).is_finite() {
-            return Err(not_finite("a force", state.time));
+            return Err(MotionError::not_finite("a force", state.time));
         }
         let Partition {
             independent: u,
@@ -109,8 +109,9 @@ impl MultibodySystem<'_> {
             right[(place, u.len())] = -quadratic[row] - dot(jacobian.row(row), given);
         }
         let square = jacobian.select(rows, v);
-        let solution = solve_square(square, right)
-            .ok_or_else(|| not_finite("the motion of a dependent joint", state.time))?;
+        let solution = solve_square(square, right).ok_or_else(|| {
+            MotionError::not_finite("the motion of a dependent joint", state.time)
+        })?;
         let every: Vec<usize> = (0..rows.len()).collect();
         let columns: Vec<usize> = (0..u.len()).collect();
         let offset = (0..rows.len()).map(|row| solution[(row, u.len())]);

@@ -10,7 +10,7 @@ use super::equations::EquationSetting;
 use super::generated_loops::LoopKeeping;
 use super::{Laws, MotionEquations, MotionError, energy};
 use crate::kinematics::linear::largest;
-use crate::kinematics::{LoopClosure, MotionState, Partition, StateError};
+use crate::kinematics::{LoopClosure, MotionState, Partition};
 use robovec_model::{Model, Nature};
 
 /// A model with its equations and the laws of its forces.
@@ -169,7 +169,7 @@ impl<'m> MultibodySystem<'m> {
     pub(super) fn unpack(&mut self, time: f64, packed: &[f64]) -> Result<MotionState, MotionError> {
         let joints = self.model.joints.len();
         if !largest(packed).is_finite() {
-            return Err(not_finite("a position or velocity", time));
+            return Err(MotionError::not_finite("a position or velocity", time));
         }
         let mut state = MotionState::initial(self.model);
         state.time = time;
@@ -274,12 +274,4 @@ impl<'m> MultibodySystem<'m> {
     pub fn gap(&self, state: &MotionState) -> f64 {
         largest(&self.equations.constraints().evaluate(state).0)
     }
-}
-
-/// The error of something that has become infinite or undefined.
-pub(super) fn not_finite(what: &str, time: f64) -> MotionError {
-    MotionError::State(StateError::NotFinite {
-        what: what.to_owned(),
-        time,
-    })
 }

@@ -1,7 +1,7 @@
 //! Laws as the text of a file.
 
 use super::contact::Contact;
-use super::events::EventLaw;
+use super::event_law::EventLaw;
 use super::laws::{Drive, Laws, Spring, Support};
 use robovec_model::Model;
 use toml::{Table, Value};

@@ -6,89 +6,12 @@
 //! and pipes that a shell makes (`<(…)`) have a writer, and are read up to
 //! the limit.
 
-use super::look::{FileLook, look};
+use super::look::{FileKind, FileLook, look};
 use robovec_ir::diagnostic::Report;
 use robovec_num::limits::NumberLimit;
 use std::fs::{self, File, FileType};
 use std::io::{self, Read};
 use std::path::Path;
-
-/// A kind of file.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum FileKind {
-    /// Equations, in any language.
-    Equations,
-    /// A model.
-    Model,
-    /// A pipeline.
-    Pipeline,
-    /// A machine.
-    Machine,
-    /// A scene.
-    Scene,
-    /// Laws of forces.
-    Laws,
-    /// A plan of a study.
-    Plan,
-    /// Rules.
-    Rules,
-    /// Rules of another tool.
-    ForeignRules,
-    /// States.
-    States,
-    /// A memory image or its manifest.
-    Image,
-    /// A description of hardware.
-    Hardware,
-}
-
-impl FileKind {
-    /// The name of such a file, with its article, for messages.
-    pub fn noun(self) -> &'static str {
-        match self {
-            FileKind::Equations => "a file of equations",
-            FileKind::Model => "a model (.mbs, .urdf)",
-            FileKind::Pipeline => "a pipeline",
-            FileKind::Machine => "a machine",
-            FileKind::Scene => "a scene",
-            FileKind::Laws => "a file of laws",
-            FileKind::Plan => "a plan of a study",
-            FileKind::Rules => "a file of rules",
-            FileKind::ForeignRules => "a file of rules of another tool",
-            FileKind::States => "a file of states",
-            FileKind::Image => "a memory image",
-            FileKind::Hardware => "a description of hardware (machine.json)",
-        }
-    }
-
-    fn is_toml(self) -> bool {
-        matches!(
-            self,
-            FileKind::Machine | FileKind::Scene | FileKind::Laws | FileKind::Plan
-        )
-    }
-
-    /// The commands that take such a file.
-    fn takers(self) -> &'static str {
-        match self {
-            FileKind::Equations => "'robovec-opt', 'robovec optimise' and 'robovec eval' take it",
-            FileKind::Model => {
-                "'robovec gen' and 'robovec sim' take it, and others when its name ends in .mbs or \
-                 .urdf"
-            }
-            FileKind::Pipeline => "'robovec-opt --passes @FILE' takes it",
-            FileKind::Machine => "'robovec-opt --machine FILE' takes it",
-            FileKind::Scene => "'robovec fit' and the option '--scene' take it",
-            FileKind::Laws => "'robovec sim MODEL --laws FILE' takes it",
-            FileKind::Plan => "'robovec study --plan FILE' takes it",
-            FileKind::Rules => "'robovec rules check' and the option '--rules' take it",
-            FileKind::ForeignRules => "'robovec rules import' takes it",
-            FileKind::States => "'robovec eval EQUATIONS --states FILE' takes it",
-            FileKind::Image => "'robovec rtl simulate' takes the folder of it",
-            FileKind::Hardware => "'robovec rtl PROGRAM --fits FILE' takes it",
-        }
-    }
-}
 
 /// The largest file of a kind, in bytes.
 #[derive(Clone, Copy, Debug)]

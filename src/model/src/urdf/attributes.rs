@@ -1,6 +1,7 @@
 //! Attributes and children of elements, and messages about those that are
 //! missing, repeated or no numbers.
 
+use crate::rotation::{FramePose, Rotation3, to_right_angle};
 use crate::xml::{Messages, parse_number, place, second};
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use roxmltree::Node;
@@ -167,4 +168,46 @@ pub(super) fn triple(
         return default;
     }
     values
+}
+
+/// The pose that an `origin` says.
+pub(super) fn read_pose(
+    node: Node<'_, '_>,
+    (title, right_angle): (&str, f64),
+    messages: &mut Messages,
+) -> FramePose {
+    let title = format!("the origin of {title}");
+    let origin = triple(node, "xyz", &title, [0.0; 3], messages);
+    let angles = triple(node, "rpy", &title, [0.0; 3], messages);
+    let angles = angles.map(|angle| to_right_angle(angle, right_angle));
+    FramePose {
+        rotation: Rotation3::from_roll_pitch_yaw(angles),
+        origin,
+    }
+}
+
+/// The number of a required attribute of a child.
+pub(super) fn value_of(
+    node: Node<'_, '_>,
+    child: Option<Node<'_, '_>>,
+    (element, title): (&str, &str),
+    messages: &mut Messages,
+) -> f64 {
+    match child {
+        Some(child) => required(
+            child,
+            "value",
+            &format!("the {element} of {title}"),
+            messages,
+        ),
+        None => {
+            messages.error(
+                place(node),
+                &format!("{title} has no `{element}`"),
+                "in this element",
+                &format!("add `<{element} value=\"…\"/>`"),
+            );
+            0.0
+        }
+    }
 }

@@ -1,9 +1,9 @@
 //! Elements of a robot.
 
-use super::attributes::{children, name, number, place_of, remark_unknown, required, triple};
+use super::attributes::{children, name, number, place_of, read_pose, remark_unknown, triple};
 use super::inertial::{LinkInertial, read_inertial};
 use crate::JointLosses;
-use crate::rotation::{FramePose, Rotation3, to_right_angle};
+use crate::rotation::FramePose;
 use crate::xml::{Messages, place, second};
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use roxmltree::Node;
@@ -448,46 +448,4 @@ fn read_losses(
         "only joints about or along one axis have damping and friction",
     );
     JointLosses::default()
-}
-
-/// The pose that an `origin` says.
-pub(super) fn read_pose(
-    node: Node<'_, '_>,
-    (title, right_angle): (&str, f64),
-    messages: &mut Messages,
-) -> FramePose {
-    let title = format!("the origin of {title}");
-    let origin = triple(node, "xyz", &title, [0.0; 3], messages);
-    let angles = triple(node, "rpy", &title, [0.0; 3], messages);
-    let angles = angles.map(|angle| to_right_angle(angle, right_angle));
-    FramePose {
-        rotation: Rotation3::from_roll_pitch_yaw(angles),
-        origin,
-    }
-}
-
-/// The number of a required attribute of a child.
-pub(super) fn value_of(
-    node: Node<'_, '_>,
-    child: Option<Node<'_, '_>>,
-    (element, title): (&str, &str),
-    messages: &mut Messages,
-) -> f64 {
-    match child {
-        Some(child) => required(
-            child,
-            "value",
-            &format!("the {element} of {title}"),
-            messages,
-        ),
-        None => {
-            messages.error(
-                place(node),
-                &format!("{title} has no `{element}`"),
-                "in this element",
-                &format!("add `<{element} value=\"…\"/>`"),
-            );
-            0.0
-        }
-    }
 }

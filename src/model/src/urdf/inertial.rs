@@ -1,7 +1,6 @@
 //! Masses of links, and of bodies that are made of several.
 
-use super::attributes::{children, place_of, required};
-use super::elements::{read_pose, value_of};
+use super::attributes::{children, place_of, read_pose, required, value_of};
 use crate::rotation::{FramePose, Rotation3, add, scaled};
 use crate::xml::{Messages, place};
 use roxmltree::Node;

@@ -4,34 +4,12 @@ use super::arrays::ArrayRole;
 use super::calls;
 use super::common::common_prefix;
 use super::error::RobotranWriteError;
-use super::expression::{Printer, PrinterSource};
+use super::expression::PrinterSource;
 use super::file::RobotranFile;
+use super::function_text::{BodySection, FunctionText};
 use super::plan::WrittenStatement;
-use super::text::FileText;
 use crate::Language;
-use hashbrown::HashSet;
 use robovec_ir::{Assignment, Boundary, Function, Output, Shape, Symbol, Value};
-use rustc_hash::FxBuildHasher;
-
-/// The text being written, and what it has come to.
-pub(super) struct FunctionText {
-    pub(super) text: FileText,
-    pub(super) printer: Printer,
-    /// C's declarations of the temporaries, in order.
-    pub(super) declarations: String,
-    /// Those that several cases of a sensor file may have.
-    known: HashSet<Box<str>, FxBuildHasher>,
-    section: BodySection,
-}
-
-/// Section under the title printed last.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Debug)]
-enum BodySection {
-    Start,
-    Trigonometry,
-    Main,
-    Outputs,
-}
 
 impl RobotranFile<'_> {
     /// Writes them.
@@ -300,34 +278,5 @@ impl RobotranFile<'_> {
             (BodySection::Main, _) => "Equations",
         };
         body.text.section(title);
-    }
-}
-
-impl FunctionText {
-    pub(super) fn new(language: Language) -> FunctionText {
-        FunctionText {
-            text: FileText::new(language),
-            printer: Printer::default(),
-            declarations: String::new(),
-            known: HashSet::default(),
-            section: BodySection::Start,
-        }
-    }
-
-    /// Declares a temporary, for the header of C.
-    fn declare(&mut self, name: &str) {
-        if self.text.language == Language::C {
-            self.declarations.push_str("double    ");
-            self.declarations.push_str(name);
-            self.declarations.push_str(";\n");
-        }
-    }
-
-    /// As [`FunctionText::declare`], for what other cases may have declared before.
-    fn declare_once(&mut self, name: &str) {
-        if self.text.language == Language::C && !self.known.contains(name) {
-            self.known.insert(name.into());
-            self.declare(name);
-        }
     }
 }

@@ -1,8 +1,8 @@
 //! A file: header comments, prologue, statements, end.
 
 use super::arrays::FileArrays;
-use super::body::FunctionText;
 use super::error::RobotranWriteError;
+use super::function_text::FunctionText;
 use super::identifiers::{identifiers, kept};
 use super::kind::EquationKind;
 use super::names::FileIdentifiers;

@@ -32,6 +32,7 @@ mod error;
 mod expression;
 mod extents;
 mod file;
+mod function_text;
 mod identifiers;
 mod kind;
 mod names;
