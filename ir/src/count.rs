@@ -89,10 +89,6 @@ impl Counts {
 /// The longest chain of equations; see [`Counts::vectors`].
 fn vectors(function: &Function) -> usize {
     let mut levels: Vec<u32> = Vec::with_capacity(function.nodes().len());
-    let level = |levels: &[u32], operand: Operand| {
-        let value = operand.value();
-        value.map_or(0, |value| levels[value.index()])
-    };
     for node in function.nodes() {
         let inside = node.values().map(|value| levels[value.index()]);
         let inside = inside.fold(0, u32::max);
@@ -101,10 +97,10 @@ fn vectors(function: &Function) -> usize {
     }
     let outputs = function.assignments.iter().map(|assignment| {
         let own = !is_same_equation(function, assignment);
-        level(&levels, assignment.operand) + u32::from(own)
+        assignment.operand.entry_or_default(&levels) + u32::from(own)
     });
-    let longest = outputs.chain(levels.iter().copied()).max();
-    longest.unwrap_or(0) as usize
+    let longest = outputs.chain(levels.iter().copied());
+    longest.fold(0, u32::max) as usize
 }
 
 /// True when an output element takes the value of a named node that was made

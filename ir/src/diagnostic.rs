@@ -267,9 +267,9 @@ pub fn did_you_mean<'a>(
         return None;
     }
     let limit = (length / 3).clamp(1, 3);
-    let mut best: Option<(usize, &str)> = None;
+    let mut allowed = limit;
+    let mut best = None;
     for candidate in candidates {
-        let allowed = best.map_or(limit, |(distance, _)| distance - 1);
         if candidate.len() > 4 * (length + limit) {
             continue;
         }
@@ -281,14 +281,15 @@ pub fn did_you_mean<'a>(
             continue;
         }
         if distance <= allowed {
-            best = Some((distance, candidate));
-            if distance == 1 {
+            best = Some(candidate);
+            allowed = distance - 1;
+            if allowed == 0 {
                 break;
             }
         }
     }
     // A word of one or two letters resembles every other one.
-    best.filter(|_| length > 1).map(|(_, candidate)| candidate)
+    best.filter(|_| length > 1)
 }
 
 #[cfg(test)]

@@ -124,6 +124,13 @@ impl Operand {
         table.get(self.0 as usize)
     }
 
+    /// The same, or the default of what is no value: inputs and constants are
+    /// there from the start.
+    #[inline]
+    pub fn entry_or_default<T: Copy + Default>(self, table: &[T]) -> T {
+        self.entry(table).copied().unwrap_or_default()
+    }
+
     /// The constant, when the operand is one.
     #[inline]
     pub fn constant(self) -> Option<Constant> {

@@ -154,8 +154,7 @@ pub(crate) fn same_histories(left: Option<&Histories>, right: Option<&Histories>
         let translate = |list: &[History]| -> Vec<History> {
             let new = list.iter().map(|history| translation[history.0 as usize]);
             let mut new: Vec<History> = new.collect();
-            let last = new.iter().rposition(|history| *history != History::NONE);
-            new.truncate(last.map_or(0, |last| last + 1));
+            while new.pop_if(|last| *last == History::NONE).is_some() {}
             new
         };
         (translate(&histories.values), translate(&histories.outputs))

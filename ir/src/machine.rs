@@ -156,6 +156,13 @@ pub struct MemoryDescription {
     pub writes: Option<u32>,
 }
 
+impl MemoryDescription {
+    /// Maximum number of words written per cycle into one memory.
+    pub fn write_limit(&self) -> u32 {
+        self.writes.unwrap_or(u32::MAX)
+    }
+}
+
 /// The buffer of one processing element: it takes the element's own results
 /// and hands them to the crossbar in a later cycle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
@@ -167,6 +174,13 @@ pub struct BufferDescription {
     /// Distinct words that can be read per cycle; absent means unlimited.
     #[serde(default, deserialize_with = "fields::reads::deserialize")]
     pub reads: Option<u32>,
+}
+
+impl BufferDescription {
+    /// Maximum number of distinct words read per cycle.
+    pub fn read_limit(&self) -> u32 {
+        self.reads.unwrap_or(u32::MAX)
+    }
 }
 
 /// The instruction memory of one processing element.

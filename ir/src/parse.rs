@@ -120,7 +120,8 @@ fn parse_with(
 /// A first line that names another version of the format is refused; no such
 /// line is needed in text written by hand.
 fn check_version(text: &str) -> Result<(), Vec<Diagnostic>> {
-    let line = text.split(['\r', '\n']).next().unwrap_or_default();
+    let mut lines = text.split(['\r', '\n']);
+    let line = lines.next().expect("a text has a first part");
     let stem = HEADER.trim_end_matches(|character: char| character.is_ascii_digit());
     let Some(version) = line.trim_end().strip_prefix(stem) else {
         return Ok(());

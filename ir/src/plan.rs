@@ -96,6 +96,10 @@ impl EvaluationPlan {
                 plan.places += 1;
                 plan.places as u32 - 1
             });
+            debug_assert!(
+                result as usize >= fixed,
+                "inputs and literals keep their places"
+            );
             place[value.index()] = Some(result);
             plan.steps.push(EvaluationStep {
                 operation: node.operation,

@@ -78,7 +78,7 @@ impl StoredText {
         };
         // A zero byte borrows from a bit of its own; those behind the string
         // are filled up first.
-        let unused = u64::MAX.checked_shl(8 * bytes.len() as u32).unwrap_or(0);
+        let unused = u64::MAX.unbounded_shl(8 * bytes.len() as u32);
         let filled = packed | unused;
         let zeros = filled.wrapping_sub(0x0101_0101_0101_0101) & !filled & 0x8080_8080_8080_8080;
         (zeros == 0).then_some(StoredText(packed.to_le_bytes()))
@@ -130,6 +130,7 @@ impl Symbols {
 
     /// Makes the symbol of a string that has none.
     fn enter(&mut self, hash: u32, short: Option<StoredText>, string: &str) -> Symbol {
+        debug_assert!(self.find(string).is_none(), "a string is entered once");
         if self.strings.len() == RECENT {
             self.recent = vec![(StoredText::NONE, Symbol(0)); RECENT];
         }

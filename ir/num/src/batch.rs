@@ -17,9 +17,15 @@ impl<A: Arithmetic, const LANES: usize> Batch<A, LANES> {
     ///
     /// # Panics
     ///
-    /// Panics when a lane has fewer inputs than the first.
+    /// Panics when a lane has other inputs than the first.
     pub fn gather(inputs: &[Vec<A::Number>; LANES]) -> Vec<[A::Number; LANES]> {
-        (0..inputs.first().map_or(0, Vec::len))
+        const { assert!(LANES > 0, "a batch has a lane") };
+        let count = inputs[0].len();
+        assert!(
+            inputs.iter().all(|lane| lane.len() == count),
+            "all lanes have the same inputs"
+        );
+        (0..count)
             .map(|index| array::from_fn(|lane| inputs[lane][index]))
             .collect()
     }

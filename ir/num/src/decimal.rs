@@ -3,7 +3,8 @@
 /// True for a decimal other than 0 whose nearest number of binary64 is 0:
 /// `1e-400`. Readers refuse it, as they refuse `1e400`.
 pub fn is_lost(text: &str, number: f64) -> bool {
-    let significand = text.split(['e', 'E']).next().unwrap_or(text);
+    let mut parts = text.split(['e', 'E']);
+    let significand = parts.next().expect("a text has a first part");
     number == 0.0 && significand.contains(|digit| matches!(digit, '1'..='9'))
 }
 

@@ -50,6 +50,10 @@ pub fn sort_by_key(order: &mut Vec<u32>, key: impl Fn(u32) -> u32) {
     }
     order.clear();
     order.extend(keyed.into_iter().map(|(_, index)| index));
+    debug_assert!(
+        order.is_sorted_by_key(|&index| key(index)),
+        "indices are in the order of their keys"
+    );
 }
 
 /// The indices below `count`, sorted by the key of each; equal keys in

@@ -63,6 +63,7 @@ impl Random {
     /// log-uniform by octaves, made of bits so that no library function
     /// decides its last place.
     pub fn log_uniform(&mut self, lowest: i32, highest: i32) -> f64 {
+        debug_assert!(lowest <= highest, "exponents are in order");
         let octaves = (highest - lowest + 1) as u64;
         let exponent = lowest + (self.bits() % octaves) as i32;
         let random = self.bits();

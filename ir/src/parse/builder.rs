@@ -183,11 +183,13 @@ impl<'t> ModuleBuilder<'t> {
     /// A whole number of 32 bits; 0 after an error.
     pub(super) fn integer(&mut self, span: Span) -> u32 {
         let digits = self.slice(span);
-        digits.parse().unwrap_or_else(|_| {
-            let message = format!("the number {} is too large", clip(digits));
-            self.error(span, message);
-            0
-        })
+        match digits.parse() {
+            Ok(number) => number,
+            Err(_) => {
+                self.error(span, format!("the number {} is too large", clip(digits)));
+                0
+            }
+        }
     }
 
     /// An integer within a limit.

@@ -266,10 +266,10 @@ impl PlacementReplay<'_, '_, '_> {
     fn write(&mut self, cycle: u64, index: usize, value: Value) {
         let check = self.check;
         let word = check.placement.writes[index].word;
-        let limit = check.machine.memory.writes.unwrap_or(u32::MAX);
+        let limit = check.machine.memory.write_limit();
         if self.memory_ports[memory(word)].take(cycle) == limit.saturating_add(1) {
             let name = check.name(word);
-            let name = name.split('[').next().unwrap_or_default();
+            let name = name.split('[').next().expect("a text has a first part");
             self.collector.value(value, || {
                 format!("is one word too many for {name} at cycle {cycle}, which takes {limit}")
             });

@@ -116,10 +116,10 @@ fn dependencies(collector: &mut ViolationCollector<'_>, schedule: &Schedule) {
 
 fn one_at_a_time(collector: &mut ViolationCollector<'_>, schedule: &Schedule) {
     let slots = || schedule.slots.iter().flatten();
-    let cycles = slots().map(|slot| slot.cycle as usize + 1).max();
-    let cycles = cycles.unwrap_or(0);
-    let elements = slots().map(|slot| slot.element.index() + 1).max();
-    let bits = elements.unwrap_or(0).saturating_mul(cycles);
+    let cycles = slots().map(|slot| slot.cycle as usize + 1);
+    let cycles = cycles.fold(0, usize::max);
+    let elements = slots().map(|slot| slot.element.index() + 1);
+    let bits = elements.fold(0, usize::max).saturating_mul(cycles);
     let is_dense = bits <= BITS_PER_NODE * (schedule.slots.len() + 1);
     let bit = |slot: &Slot| slot.element.index() * cycles + slot.cycle as usize;
     if !is_dense || !all_differ(slots().map(bit), bits) {

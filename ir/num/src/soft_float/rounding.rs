@@ -224,7 +224,7 @@ impl FixedRounding {
 fn multiples(significand: u128, exponent: i32, unit: i32) -> u64 {
     let shift = unit - exponent;
     debug_assert!(
-        (significand.checked_ilog2().unwrap_or(0) as i32) - shift < 64,
+        (u128::BITS - significand.leading_zeros()) as i32 - shift <= 64,
         "the multiples fit into 64 bits"
     );
     if shift <= 0 {

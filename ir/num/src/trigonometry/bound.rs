@@ -56,25 +56,24 @@ pub fn worst(range: f64, enclosure: impl Fn(f64, f64) -> Interval) -> f64 {
     let mut reached = at(0.0).max(at(range));
     let mut parts = BinaryHeap::from([part(0.0, range)]);
     for _ in 0..MAX_PARTS {
-        let Some(top) = parts.peek() else { break };
+        let top = parts.peek().expect("the parts cover the range");
         let middle = 0.5 * (top.low + top.high);
         let divisible = top.low < middle && middle < top.high;
         // An error of NaN is larger than all, and stays.
         if top.upper <= CLOSE * reached || top.upper == 0.0 || !divisible {
             break;
         }
-        let Some(top) = parts.pop() else { break };
+        let top = parts.pop().expect("the parts cover the range");
         reached = reached.max(at(middle));
         parts.push(part(top.low, middle));
         parts.push(part(middle, top.high));
     }
-    parts.peek().map_or(f64::INFINITY, |top| {
-        if top.upper.is_nan() {
-            f64::INFINITY
-        } else {
-            top.upper
-        }
-    })
+    let top = parts.peek().expect("the parts cover the range");
+    if top.upper.is_nan() {
+        f64::INFINITY
+    } else {
+        top.upper
+    }
 }
 
 #[cfg(test)]

@@ -43,10 +43,10 @@ impl Polynomial {
     ///
     /// Infinite beyond [`LARGEST_RANGE`] and for ranges that are no number.
     pub fn proved_error(&self, range: f64) -> f64 {
-        let enclosure = ErrorEnclosure::new(self, range);
-        enclosure.map_or(f64::INFINITY, |enclosure| {
-            worst(range, |low, high| enclosure.error(low, high))
-        })
+        match ErrorEnclosure::new(self, range) {
+            Some(enclosure) => worst(range, |low, high| enclosure.error(low, high)),
+            None => f64::INFINITY,
+        }
     }
 }
 
@@ -59,6 +59,7 @@ impl ErrorEnclosure {
         }
         let square = (range * range).next_up();
         let used = polynomial.coefficients.len();
+        assert!(used > 0, "a polynomial has a coefficient");
         let series = polynomial.of.series(MAX_TERMS);
         // Terms `|c_k| t^k` of the series at the end of the range.
         let mut power = 1.0;
@@ -94,6 +95,10 @@ impl ErrorEnclosure {
     /// Holds polynomial minus function for all angles from `low` to `high`,
     /// both within the range and not negative.
     pub fn error(&self, low: f64, high: f64) -> Interval {
+        debug_assert!(
+            0.0 <= low && low <= high,
+            "angles are in order and not negative"
+        );
         let start = Double::from(low) * Double::from(low);
         let end = Double::from(high) * Double::from(high);
         let bernstein = bernstein(&self.difference, start, end - start);
