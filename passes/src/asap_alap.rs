@@ -1,6 +1,6 @@
 //! Earliest and latest times (thesis 2.2).
 
-use robovec_analysis::critical_path::{Weights, arrivals, tails};
+use robovec_analysis::critical_path::{Weights, arrivals, longest, tails};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_ir::{Function, Timing};
@@ -29,12 +29,12 @@ impl Pass for AsapAlap {
         let cycles = Weights::cycles(context.machine);
         let (asap, tail) = (arrivals(function, &unit), tails(function, &unit));
         let (asap_cycle, tail_cycle) = (arrivals(function, &cycles), tails(function, &cycles));
-        let longest = asap.iter().copied().max().unwrap_or(0);
-        let longest_cycle = asap_cycle.iter().copied().max().unwrap_or(0);
+        let longest_path = longest(&asap);
+        let longest_cycle = longest(&asap_cycle);
         let timing: Vec<Timing> = (0..function.nodes().len())
             .map(|index| Timing {
                 asap: asap[index],
-                alap: longest - tail[index],
+                alap: longest_path - tail[index],
                 asap_cycle: asap_cycle[index],
                 alap_cycle: longest_cycle - tail_cycle[index],
             })

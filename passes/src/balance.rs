@@ -3,7 +3,7 @@
 use crate::cse::merge_equal_noting;
 use crate::reassociate::{TreeShape, reassociate_asking};
 use crate::sums::groups::GroupReach;
-use robovec_analysis::critical_path::{Weights, arrivals};
+use robovec_analysis::critical_path::{Weights, arrivals, longest};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::remove_dead_asking;
@@ -74,7 +74,7 @@ impl Pass for Balance {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let weights = Weights::cycles(context.machine);
         let size = |function: &Function| {
-            let path = arrivals(function, &weights).into_iter().max().unwrap_or(0);
+            let path = longest(&arrivals(function, &weights));
             (path, function.nodes().len())
         };
         let before = size(function);

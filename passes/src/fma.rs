@@ -209,10 +209,11 @@ impl<'a> Contraction<'a> {
                 let operations = none * u64::from(WHOLE - part) + all * u64::from(*part);
                 operations.div_ceil(u64::from(element.count))
             });
-            loads.max().unwrap_or(0)
+            loads.fold(0, u64::max)
         };
         // Of equals the largest: the fewest operations.
-        (0..=WHOLE).rev().min_by_key(busiest).unwrap_or(WHOLE)
+        let best = (0..=WHOLE).rev().min_by_key(busiest);
+        best.expect("there are parts to choose from")
     }
 
     /// Operations of every kind of element.
@@ -283,8 +284,7 @@ impl<'a> Contraction<'a> {
                     best = Some((key, form, arrival));
                 }
             }
-            let (form, arrival) =
-                best.map_or((ContractionForm::Plain, 0), |(_, form, at)| (form, at));
+            let (_, form, arrival) = best.expect("an operation can stay as it is");
             times.note(arrival);
             forms.push(form);
         }

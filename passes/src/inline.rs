@@ -90,9 +90,7 @@ impl<'a> InliningChoice<'a> {
                 let source = node.operands[0].value();
                 free[value.index()] =
                     source.is_some_and(|source| std::mem::take(&mut free[source.index()]));
-                let extent = source.map_or(ExpressionExtent::default(), |source| {
-                    choice.extents[source.index()]
-                });
+                let extent = node.operands[0].entry_or_default(&choice.extents);
                 choice.extents.push(extent);
                 continue;
             }

@@ -7,7 +7,7 @@ use crate::choice::emit::emit;
 use crate::choice::import::Import;
 use crate::choice::map::Mapper;
 use crate::choice::search;
-use robovec_analysis::critical_path::{Weights, arrivals};
+use robovec_analysis::critical_path::{Weights, arrivals, longest};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_ir::{Function, Level, Tables};
@@ -63,8 +63,8 @@ impl Pass for Recurrence {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let weights = Weights::cycles(context.machine);
         let timing = weights.with_equal_sums();
-        let longest = |function: &Function| arrivals(function, &weights).into_iter().max();
-        let before = longest(function).unwrap_or(0);
+        let path = |function: &Function| longest(&arrivals(function, &weights));
+        let before = path(function);
         let grid = self.grid.max(1);
         let limits = CompositionLimits {
             grid,
@@ -84,7 +84,7 @@ impl Pass for Recurrence {
         let tables = &mut *context.tables;
         if let Some(raw) = self.shortest(function, import, timing, before, tables) {
             let new = balanced(&raw, tables, &weights);
-            let after = longest(&new).unwrap_or(0);
+            let after = path(&new);
             if after < before {
                 cycles = before - after;
                 *function = new;

@@ -57,11 +57,16 @@ pub struct CriticalPath {
 
 /// The longest chain of a function, over all its nodes.
 pub fn critical_path(function: &Function, machine: &Machine) -> CriticalPath {
-    let longest = |weights| arrivals(function, &weights).into_iter().max().unwrap_or(0);
+    let path = |weights| longest(&arrivals(function, &weights));
     CriticalPath {
-        asap: longest(Weights::operations()),
-        asap_cycle: longest(Weights::cycles(machine)),
+        asap: path(Weights::operations()),
+        asap_cycle: path(Weights::cycles(machine)),
     }
+}
+
+/// The latest of some moments; 0 of none.
+pub fn longest(moments: &[u32]) -> u32 {
+    moments.iter().copied().fold(0, u32::max)
 }
 
 /// For each node the earliest moment its result is available.

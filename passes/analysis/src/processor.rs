@@ -80,12 +80,12 @@ impl Registers {
     fn of(function: &Function) -> Registers {
         let constants = function.nodes().iter().flat_map(|node| node.operands());
         let constants = constants.filter_map(|operand| operand.constant());
-        let constants = constants.map(|constant| constant.index() + 1).max();
+        let constants = constants.map(|constant| constant.index() + 1);
         let mut registers = Registers {
             uses: [
                 vec![Vec::new(); function.nodes().len()],
                 vec![Vec::new(); function.input_len()],
-                vec![Vec::new(); constants.unwrap_or(0)],
+                vec![Vec::new(); constants.fold(0, usize::max)],
             ],
             held: BTreeSet::new(),
             stored: vec![false; function.nodes().len()],

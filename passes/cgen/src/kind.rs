@@ -132,6 +132,16 @@ const fn kind(
     }
 }
 
+/// The name of a function without the prefix of newer generators.
+pub fn bare_name(name: &str) -> &str {
+    name.strip_prefix("mbs_").unwrap_or(name)
+}
+
+/// The name of the model of a function.
+pub fn model_name(function: &Function) -> &str {
+    function.metadata("model").unwrap_or("model")
+}
+
 impl EquationKind {
     /// The kind of a name.
     pub fn find(name: &str) -> Option<EquationKind> {
@@ -145,7 +155,7 @@ impl EquationKind {
         if function.metadata(differentiation::KEY).is_some() {
             return None;
         }
-        let name = function.name.strip_prefix("mbs_").unwrap_or(&function.name);
+        let name = bare_name(&function.name);
         let numbered = name
             .rsplit_once('_')
             .and_then(|(stem, digits)| Some((stem, digits.parse::<u32>().ok()?)));

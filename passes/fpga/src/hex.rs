@@ -31,8 +31,7 @@ impl<'w> HexWriter<'w> {
     pub(super) fn word(&mut self, limbs: &[u64]) -> io::Result<()> {
         let mut line = String::with_capacity(self.digits + 1);
         for place in (0..self.digits).rev() {
-            let limb = limbs.get(place / 16).copied().unwrap_or(0);
-            let digit = (limb >> (4 * (place % 16))) as u32 & 15;
+            let digit = hexadecimal_digit(limbs, place) as u32;
             line.push(char::from_digit(digit, 16).expect("four bits are a digit"));
         }
         line.push('\n');
@@ -59,6 +58,13 @@ impl<'w> HexWriter<'w> {
     pub(super) fn finish(mut self) -> io::Result<()> {
         self.target.flush()
     }
+}
+
+/// A hexadecimal digit of a word in limbs of 64 bits, both counted from the
+/// lowest; 0 beyond the limbs.
+pub(super) fn hexadecimal_digit(limbs: &[u64], place: usize) -> usize {
+    let limb = limbs.get(place / 16).copied().unwrap_or(0);
+    (limb >> (4 * (place % 16))) as usize & 15
 }
 
 #[cfg(test)]

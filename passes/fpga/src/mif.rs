@@ -1,5 +1,6 @@
 //! Writing memory initialisation files.
 
+use crate::hex::hexadecimal_digit;
 use robovec_num::fnv::Fnv;
 use std::io::{self, Write};
 
@@ -104,9 +105,8 @@ impl<'w> MifWriter<'w> {
             "a number fits its digits"
         );
         for place in (0..digits).rev() {
-            let limb = limbs.get(place / 16).copied().unwrap_or(0);
-            let digit = (limb >> (4 * (place % 16))) as usize & 15;
-            self.buffer.push(b"0123456789ABCDEF"[digit]);
+            self.buffer
+                .push(b"0123456789ABCDEF"[hexadecimal_digit(limbs, place)]);
         }
     }
 

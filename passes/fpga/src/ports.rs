@@ -7,24 +7,18 @@ use robovec_ir::Value;
 impl Traffic<'_> {
     /// Declared sizes must hold what is used.
     pub(super) fn check_addresses(&self) -> Result<(), ImageError> {
-        let fits = |used: u32, declared: Option<u32>| declared.is_none_or(|words| used <= words);
-        let memory = self.machine.memory;
-        if !fits(self.usage.words, memory.words) {
-            return Err(ImageError::AddressRange {
-                memory: "an operand memory".to_owned(),
-                address: self.usage.words - 1,
-                words: memory.words.unwrap_or(0),
-            });
-        }
+        let fits = |memory: &str, used: u32, declared: Option<u32>| match declared {
+            Some(words) if used > words => Err(ImageError::AddressRange {
+                memory: memory.to_owned(),
+                address: used - 1,
+                words,
+            }),
+            _ => Ok(()),
+        };
+        let words = self.machine.memory.words;
+        fits("an operand memory", self.usage.words, words)?;
         let words = self.machine.buffer.and_then(|buffer| buffer.words);
-        if !fits(self.usage.buffer_words, words) {
-            return Err(ImageError::AddressRange {
-                memory: "a buffer".to_owned(),
-                address: self.usage.buffer_words - 1,
-                words: words.unwrap_or(0),
-            });
-        }
-        Ok(())
+        fits("a buffer", self.usage.buffer_words, words)
     }
 
     /// An element starts one operation per cycle, and what enters a buffer
@@ -65,7 +59,7 @@ impl Traffic<'_> {
 
     /// No more transfers in a cycle than the machine declares ports.
     pub(super) fn check_ports(&self) -> Result<(), ImageError> {
-        let ports = self.machine.memory.writes.unwrap_or(u32::MAX);
+        let ports = self.machine.memory.write_limit();
         if self.usage.write_ports > ports {
             for element in self.elements() {
                 let mut groups = self.write_groups(element);
@@ -79,10 +73,11 @@ impl Traffic<'_> {
                 }
             }
         }
-        let reads = self.machine.buffer.and_then(|buffer| buffer.reads);
-        let ports = reads.unwrap_or(u32::MAX);
         let mut groups = self.buffer_reads.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1));
-        if let Some(group) = groups.find(|group| group.len() > ports as usize) {
+        if let Some(buffer) = self.machine.buffer
+            && let ports = buffer.read_limit()
+            && let Some(group) = groups.find(|group| group.len() > ports as usize)
+        {
             return Err(ImageError::BufferPorts {
                 element: self.element_name(group[0].0),
                 ports,

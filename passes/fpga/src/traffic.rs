@@ -269,19 +269,17 @@ impl<'a> Traffic<'a> {
         let write_ports = self
             .elements()
             .flat_map(|element| self.write_groups(element))
-            .map(<[u32]>::len)
-            .max();
+            .map(<[u32]>::len);
         let buffer_reads = self
             .buffer_reads
             .chunk_by(|a, b| (a.0, a.1) == (b.0, b.1))
-            .map(<[BufferRead]>::len)
-            .max();
+            .map(<[BufferRead]>::len);
         Usage {
             elements: self.kinds.len() as u32,
-            words: addresses.max().map_or(0, |most| most.number() + 1),
-            write_ports: write_ports.unwrap_or(0) as u32,
-            buffer_words: buffer_words.max().map_or(0, |most| most.number() + 1),
-            buffer_reads: buffer_reads.unwrap_or(0) as u32,
+            words: addresses.map(|word| word.number() + 1).fold(0, u32::max),
+            write_ports: write_ports.fold(0, usize::max) as u32,
+            buffer_words: buffer_words.map(|word| word.number() + 1).fold(0, u32::max),
+            buffer_reads: buffer_reads.fold(0, usize::max) as u32,
         }
     }
 

@@ -251,9 +251,10 @@ impl DerivativeArrays {
             let mut old = old;
             old.find(|name| new.binary_search(name).is_ok())
         });
-        taken.map_or(Ok(()), |name| {
-            Err(DifferentiationError::Taken(name.to_owned()))
-        })
+        match taken {
+            Some(name) => Err(DifferentiationError::Taken(name.to_owned())),
+            None => Ok(()),
+        }
     }
 
     fn refuse_many(&self, function: &Function) -> Result<(), DifferentiationError> {

@@ -239,6 +239,14 @@ pub fn remove_dead(function: &Function) -> Option<(Function, u64)> {
     remove_dead_asking(function, &RewriteLimit::default())
 }
 
+/// The function without the operations no output depends on.
+pub fn without_dead(function: Function) -> Function {
+    match remove_dead(&function) {
+        Some((live, _)) => live,
+        None => function,
+    }
+}
+
 /// As [`remove_dead`], asking before each removal.
 pub fn remove_dead_asking(function: &Function, rewrites: &RewriteLimit) -> Option<(Function, u64)> {
     let outputs = function.assignments.iter();

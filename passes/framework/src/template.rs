@@ -10,7 +10,8 @@ use std::fmt::{Display, Write};
 /// Panics when the template has a word without a value.
 pub fn fill(template: &str, words: &[(&str, &dyn Display)]) -> String {
     let mut parts = template.split('@');
-    let mut text = parts.next().unwrap_or_default().to_owned();
+    let text = parts.next().expect("a text has a first part");
+    let mut text = text.to_owned();
     while let Some(part) = parts.next() {
         if let Some((_, value)) = words.iter().find(|(word, _)| *word == part) {
             // Writing to a string cannot fail.

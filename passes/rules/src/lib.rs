@@ -127,7 +127,8 @@ impl RuleSet {
 
 /// The group of the rules of a file: its name without folder and ending.
 fn group_of(file_name: &str) -> String {
-    let base = file_name.rsplit(['/', '\\']).next().unwrap_or(file_name);
+    let mut parts = file_name.rsplit(['/', '\\']);
+    let base = parts.next().expect("a text has a last part");
     base.strip_suffix(".rules").unwrap_or(base).to_owned()
 }
 

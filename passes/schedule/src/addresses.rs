@@ -97,7 +97,7 @@ fn sorted_by(
     for index in 1..starts.len() {
         starts[index] += starts[index - 1];
     }
-    let count = starts.last().map_or(0, |&end| end as usize);
+    let count = *starts.last().expect("there is a start after the last key") as usize;
     let mut sorted = vec![Entry::new(0); count];
     for (key, entry) in with_key {
         let place = &mut starts[key as usize];

@@ -137,11 +137,12 @@ impl Sweep<'_> {
             let results = sources.iter().flatten().filter_map(|source| source.result);
             let arrivals =
                 results.map(|back| back.cycle + draft.ports.latency(back.element, memory) + 1);
-            arrivals.max().unwrap_or(0)
+            arrivals.fold(0, u32::max)
         };
         let kind = self.graph.kinds[self.graph.kind[node] as usize];
         let elements = kind.first..kind.first + kind.count;
-        elements.map(at).min().unwrap_or(0)
+        let earliest = elements.map(at).min();
+        earliest.expect("a kind that is used has an element")
     }
 }
 

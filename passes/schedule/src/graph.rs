@@ -142,7 +142,7 @@ impl DependenceGraph {
 
     /// The largest weight of any kind.
     pub(super) fn largest_weight(&self) -> u32 {
-        self.kinds.iter().map(|kind| kind.weight).max().unwrap_or(0)
+        self.kinds.iter().map(|kind| kind.weight).fold(0, u32::max)
     }
 
     /// The operations the machine performs.
@@ -229,7 +229,11 @@ impl DependenceGraph {
         for index in 1..self.user_starts.len() {
             self.user_starts[index] += self.user_starts[index - 1];
         }
-        self.users = vec![0; self.user_starts.last().map_or(0, |&end| end as usize)];
+        let count = *self
+            .user_starts
+            .last()
+            .expect("there is a start after the last node");
+        self.users = vec![0; count as usize];
         let mut next = self.user_starts.clone();
         for (index, node) in function.nodes().iter().enumerate() {
             for value in node.values() {
@@ -264,8 +268,7 @@ impl DependenceGraph {
                 .users_of(index)
                 .iter()
                 .map(|&user| self.tail[user as usize])
-                .max()
-                .unwrap_or(0);
+                .fold(0, u32::max);
             self.tail[index] = after + self.weight(index);
             debug_assert!(
                 self.head[index] + self.tail[index] <= self.path,

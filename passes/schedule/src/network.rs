@@ -52,7 +52,7 @@ impl Wires {
 
     /// Words a link carries in a cycle.
     pub(super) fn words(&self) -> u8 {
-        u8::try_from(self.network.words).unwrap_or(u8::MAX)
+        self.network.words.min(u32::from(u8::MAX)) as u8
     }
 
     /// The longest time a word travels, in cycles.

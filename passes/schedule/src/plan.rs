@@ -101,9 +101,10 @@ impl Sweep<'_> {
                 })
             }
         };
-        plan.map_or(IssueDecision::Fail, |plan| {
-            IssueDecision::Issue(plan, sources)
-        })
+        match plan {
+            Some(plan) => IssueDecision::Issue(plan, sources),
+            None => IssueDecision::Fail,
+        }
     }
 
     /// The plan of least cost among the first [`MAX_COMPARED`], the first of

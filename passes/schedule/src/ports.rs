@@ -61,15 +61,15 @@ impl Ports {
         // Limits above what a counter holds are cut to it: that many words at
         // once would take as many elements.
         let counts: Vec<u32> = machine.elements.iter().map(|kind| kind.count).collect();
-        let byte = |limit: Option<u32>| limit.map_or(u8::MAX, |limit| limit.min(255) as u8);
+        let byte = |limit: u32| limit.min(u32::from(u8::MAX)) as u8;
         let buffer = machine.buffer.filter(|buffer| buffer.words != Some(0));
         Ports {
             memories: elements * banks(machine),
             elements,
             writes: Vec::new(),
-            write_limit: byte(machine.memory.writes),
+            write_limit: byte(machine.memory.write_limit()),
             buffer_reads: Vec::new(),
-            buffer_read_limit: buffer.map_or(0, |buffer| byte(buffer.reads)),
+            buffer_read_limit: buffer.map_or(0, |buffer| byte(buffer.read_limit())),
             buffer_words: Vec::new(),
             buffer_word_limit: buffer
                 .and_then(|buffer| buffer.words)

@@ -106,7 +106,7 @@ pub fn placement_statistics(function: &Function, machine: &Machine) -> Option<Pl
 pub fn most_memory_words(function: &Function) -> Option<u32> {
     let (schedule, placement) = (function.schedule.as_ref()?, function.placement.as_ref()?);
     let words = memory_words(schedule, placement).into_iter();
-    Some(words.max().unwrap_or(0))
+    Some(words.fold(0, u32::max))
 }
 
 /// The words of operand memory of every element, both sides of a split one
@@ -135,7 +135,7 @@ fn spread(numbers: &[u32]) -> ElementSpread {
     ElementSpread {
         min: numbers.iter().copied().min().unwrap_or(0),
         mean: total as f64 / numbers.len().max(1) as f64,
-        max: numbers.iter().copied().max().unwrap_or(0),
+        max: numbers.iter().copied().fold(0, u32::max),
     }
 }
 

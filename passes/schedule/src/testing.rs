@@ -322,13 +322,13 @@ impl<'a> TestReplay<'a> {
                 return Err(format!("{word:?} overwritten at {cycle} before it is read"));
             }
         }
-        let limit = self.machine.memory.writes.unwrap_or(u32::MAX);
+        let limit = self.machine.memory.write_limit();
         if let Some((memory, count)) = per_memory.iter().find(|(_, count)| **count > limit) {
             return Err(format!("{count} writes at {cycle} into {memory:?}"));
         }
         let limit = match self.machine.buffer {
             None => 0,
-            Some(buffer) => buffer.reads.map_or(usize::MAX, |reads| reads as usize),
+            Some(buffer) => buffer.read_limit() as usize,
         };
         match from_buffer.iter().find(|(_, nodes)| nodes.len() > limit) {
             Some((element, _)) => Err(format!("buffer of {element} read too often at {cycle}")),

@@ -20,7 +20,7 @@ use crate::sums::groups::GroupFamily;
 use crate::sums::writer::{ArrivalTimes, joining};
 use robovec_analysis::critical_path::{Weights, tails};
 use robovec_framework::pass::Context;
-use robovec_framework::rewrite::{Rewriter, owners, remove_dead};
+use robovec_framework::rewrite::{Rewriter, owners, without_dead};
 use robovec_ir::{
     Format, FreshNames, Function, Name, Node, Operand, Operation, SourceSet, Symbol, Value,
 };
@@ -190,10 +190,8 @@ fn write(
     }
     let predicted = writer.predicted(profile);
     let CompensationWriter { rewriter, .. } = writer;
-    let new = rewriter.finish();
-    let live = remove_dead(&new).map(|(function, _)| function);
     Compensated {
-        function: live.unwrap_or(new),
+        function: without_dead(rewriter.finish()),
         tracked: chosen.len(),
         predicted,
     }

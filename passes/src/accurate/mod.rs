@@ -17,7 +17,7 @@ use robovec_analysis::rounding::usual_states;
 use robovec_framework::declare_pass;
 use robovec_framework::options::OptionValue;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
-use robovec_framework::rewrite::remove_dead;
+use robovec_framework::rewrite::without_dead;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Function, View};
 use robovec_num::limits::{Amount, NumberLimit};
@@ -218,8 +218,7 @@ impl AccuracySearch {
             if done.reordered + done.factored == 0 {
                 continue;
             }
-            let live = remove_dead(&regrouped).map(|(function, _)| function);
-            let regrouped = live.unwrap_or(regrouped);
+            let regrouped = without_dead(regrouped);
             if self.offer(&regrouped, context) {
                 base = regrouped;
                 statistics = done;

@@ -213,7 +213,7 @@ impl RegroupingWriter<'_> {
                     None => self.old_arrival(operand),
                 }
             });
-            let ready = ready.max().unwrap_or(0);
+            let ready = ready.fold(0, u32::max);
             finished.push((
                 value,
                 ready.saturating_add(self.times.weights.of(node.operation)),

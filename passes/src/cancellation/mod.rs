@@ -16,7 +16,7 @@ mod trial;
 use difference::Difference;
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
-use robovec_framework::rewrite::{Rewriter, remove_dead};
+use robovec_framework::rewrite::{Rewriter, without_dead};
 use robovec_ir::{Format, FreshNames, Function, Node, Operand, Operation, Value};
 use robovec_num::limits::NumberLimit;
 use std::collections::BTreeMap;
@@ -191,7 +191,7 @@ fn rewrite(
     context.remarks.append(&mut remarks);
     if let Some((&last, _)) = better.last_key_value() {
         let (version, _) = written(function, &better, last);
-        *function = remove_dead(&version).map_or(version, |(live, _)| live);
+        *function = without_dead(version);
     }
 }
 

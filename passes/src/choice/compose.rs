@@ -24,6 +24,7 @@ use super::network::{ChoiceNetwork, FORMS_PER_OPERATION, OwnForms};
 use super::term::{Class, ProductTerm};
 use super::timing::Arrivals;
 use robovec_analysis::critical_path::Weights;
+use robovec_analysis::critical_path::longest;
 use robovec_framework::fingerprint::Images;
 use robovec_framework::pass::Context;
 use robovec_ir::Function;
@@ -159,7 +160,7 @@ fn add_forms(import: &mut Import, limits: CompositionLimits) -> u32 {
         composer.network.origin = origin;
         composer.extend(class);
     }
-    composer.chains.into_iter().max().unwrap_or(0)
+    longest(&composer.chains)
 }
 
 struct Composer<'a> {
@@ -295,7 +296,10 @@ impl Composer<'_> {
         } else {
             None
         };
-        inner.map_or(TermPlan::Keep, TermPlan::Substitute)
+        match inner {
+            Some(form) => TermPlan::Substitute(form),
+            None => TermPlan::Keep,
+        }
     }
 
     /// Substitutes the forms at a frontier for the variables behind it in

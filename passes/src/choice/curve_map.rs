@@ -55,7 +55,7 @@ impl<'a, 'n> CurveMapper<'a, 'n> {
     pub(crate) fn shortest(&self) -> u32 {
         let outputs = self.mapper.outputs.iter();
         let earliest = outputs.filter_map(|&output| self.state.curves.of(output).first());
-        earliest.map(|point| point.arrival).max().unwrap_or(0)
+        earliest.map(|point| point.arrival).fold(0, u32::max)
     }
 
     /// A mapping with few operations and no output later than `latest`. Rounds
@@ -136,7 +136,7 @@ impl<'a, 'n> CurveMapper<'a, 'n> {
             }
             best.require(time, |class, time| {
                 let known = &mut required[class];
-                *known = Some(known.map_or(time, |known| known.min(time)));
+                *known = Some(known.unwrap_or(NEVER).min(time));
             });
         }
         chosen

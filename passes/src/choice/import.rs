@@ -262,8 +262,8 @@ impl ChoiceImporter<'_> {
     /// A rank above those of the classes used. That of a value's level is not
     /// always: a value merged with an equal one may stand deeper.
     fn above(&self, rank: u64, used: impl Iterator<Item = Class>) -> u64 {
-        let highest = used.map(|class| self.import.network.rank(class)).max();
-        rank.max(highest.unwrap_or(0) + 1)
+        let ranks = used.map(|class| self.import.network.rank(class) + 1);
+        ranks.fold(rank.max(1), u64::max)
     }
 
     fn class(&mut self, fingerprint: Fingerprint, rank: u64, name: Name) -> SignedClass {

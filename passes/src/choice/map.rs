@@ -79,7 +79,7 @@ impl Mapper<'_> {
     pub(crate) fn path(&self, mapping: &Mapping) -> u32 {
         let outputs = self.outputs.iter();
         let arrivals = outputs.map(|&output| mapping.arrivals[output]);
-        arrivals.max().unwrap_or(0)
+        arrivals.fold(0, u32::max)
     }
 
     /// Takes the forms chosen in another mapping. What is not used gets no time.

@@ -427,10 +427,10 @@ impl ChoiceNetwork {
             return None;
         }
         let used = terms.iter().flat_map(|term| [term.a, term.b()]);
-        let rank = used.map(|class| self.rank(class)).max();
+        let rank = used.map(|class| self.rank(class)).fold(0, u64::max);
         // A new class has the sign of the sum as it was given.
         let value = self.values.images.negate_if(flipped, value);
-        let signed = self.class(value, rank.unwrap_or(0) + 1);
+        let signed = self.class(value, rank + 1);
         self.add_new_form(signed.class, terms, false, signed.negative ^ flipped);
         Some(signed)
     }
@@ -453,10 +453,11 @@ impl ChoiceNetwork {
             return signed.flip(negative);
         }
         let value = self.product_value(factors);
-        let rank = factors.iter().map(|&factor| self.rank(factor)).max();
+        let ranks = factors.iter().map(|&factor| self.rank(factor));
+        let rank = ranks.fold(0, u64::max);
         // A new class has the sign of the product as it was given.
         let value = self.values.images.negate_if(negative, value);
-        let signed = self.class(value, rank.unwrap_or(0) + 1);
+        let signed = self.class(value, rank + 1);
         self.add_new_form(signed.class, terms, true, signed.negative ^ negative);
         signed
     }

@@ -24,7 +24,8 @@ pub(super) fn common_levels(
         let places_of = values.iter().map(|&value| table.place(value).0).collect();
         places.push(places_of);
     }
-    let count = places.iter().flatten().max().map_or(0, |&last| last + 1);
+    let count = places.iter().flatten().map(|&place| place + 1);
+    let count = count.fold(0, u32::max);
     for _ in 0..count {
         graph.add_node(());
     }
@@ -45,8 +46,8 @@ pub(super) fn common_levels(
         while let Some(node) = search.next(&graph) {
             let operands = graph.neighbors(node);
             let counted = operands.filter(|operand| is_done[operand.index()]);
-            let highest = counted.map(|operand| levels[operand.index()]).max();
-            levels[node.index()] = 1 + highest.unwrap_or(0);
+            let highest = counted.map(|operand| levels[operand.index()]);
+            levels[node.index()] = 1 + highest.fold(0, u32::max);
             is_done[node.index()] = true;
         }
     }

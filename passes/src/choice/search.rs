@@ -6,7 +6,7 @@ use super::emit::emit;
 use super::import::Import;
 use super::map::{Mapper, Mapping};
 use crate::balance::balanced;
-use robovec_analysis::critical_path::{Weights, arrivals};
+use robovec_analysis::critical_path::{Weights, arrivals, longest};
 use robovec_ir::{Function, Tables};
 use robovec_num::limits::NumberLimit;
 
@@ -68,12 +68,12 @@ pub(crate) struct PathSearch<'a> {
 impl PathSearch<'_> {
     /// Longest path in cycles, and operations.
     pub(crate) fn size(&self, function: &Function) -> (u32, u64) {
-        let path = arrivals(function, &self.weights).into_iter().max();
+        let path = longest(&arrivals(function, &self.weights));
         let free = function.nodes().iter();
         let free = free
             .filter(|node| node.operation.is_trigonometric())
             .count();
-        (path.unwrap_or(0), (function.nodes().len() - free) as u64)
+        (path, (function.nodes().len() - free) as u64)
     }
 
     /// The function with the shortest path, and its size, if it is better than

@@ -63,9 +63,9 @@ impl Arrivals {
             ChoiceForm::Opaque(index) => {
                 let opaque = &network.opaques[index as usize];
                 let operands = opaque.operands.iter().flatten();
-                let ready = operands.map(|operand| self.of(operand.class)).max();
+                let ready = operands.map(|operand| self.of(operand.class));
                 ready
-                    .unwrap_or(0)
+                    .fold(0, u32::max)
                     .saturating_add(timing.of(opaque.operation))
             }
             ChoiceForm::Sum(terms) => finish(

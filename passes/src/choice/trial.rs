@@ -128,7 +128,7 @@ impl FormTrial {
     #[inline]
     fn bound(&self) -> (u32, bool) {
         if self.is_opaque {
-            let ready = self.times().max().unwrap_or(0);
+            let ready = self.times().fold(0, u32::max);
             return (ready.saturating_add(self.weight), true);
         }
         let mut two = LatestTwo::default();

@@ -78,7 +78,7 @@ impl Pass for Composite {
         context.statistics.extend([
             ("elements of a tree of bodies", explained as u64),
             ("forces of a tree of bodies", rebuilt.forces as u64),
-            ("operations saved", u64::try_from(saved).unwrap_or(0)),
+            ("operations saved", saved.max(0) as u64),
         ]);
         if saved > 0 {
             *function =

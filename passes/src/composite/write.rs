@@ -44,10 +44,9 @@ impl EquationWriter<'_> {
             return self.zero();
         };
         let value = self.network.values.images.input(input);
-        self.network.find(value).unwrap_or_else(|| {
-            let kind = FactorKind::Input(Operand::from(input));
-            self.network.push(kind, Vec::new(), value, NodeOrigin::NONE)
-        })
+        let kind = FactorKind::Input(Operand::from(input));
+        self.network
+            .find_or_push(kind, Vec::new(), value, NodeOrigin::NONE)
     }
 
     fn turn(&mut self, operation: Operation, angle: Edge) -> Edge {
@@ -56,10 +55,9 @@ impl EquationWriter<'_> {
             .values
             .images
             .apply(operation, [self.network.value(angle); 3]);
-        self.network.find(value).unwrap_or_else(|| {
-            let kind = FactorKind::Other(operation);
-            self.network.push(kind, vec![angle], value, self.origin)
-        })
+        let kind = FactorKind::Other(operation);
+        self.network
+            .find_or_push(kind, vec![angle], value, self.origin)
     }
 }
 

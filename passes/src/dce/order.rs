@@ -89,10 +89,11 @@ fn keys(function: &Function) -> Vec<(Reverse<u32>, u64)> {
         if node.operation.is_commutative() {
             operands.sort_unstable();
         }
-        let longest = operands.iter().map(|(Reverse(length), _)| *length).max();
+        let lengths = operands.iter().map(|(Reverse(length), _)| *length);
+        let longest = lengths.fold(0, u32::max);
         let hashes: Vec<u64> = operands.iter().map(|(_, hash)| *hash).collect();
         let hash = FxBuildHasher.hash_one((node.operation as u32, hashes));
-        keys.push((Reverse(longest.unwrap_or(0) + 1), hash));
+        keys.push((Reverse(longest + 1), hash));
     }
     keys
 }

@@ -15,7 +15,7 @@ use robovec_framework::differentiation::{
 use robovec_framework::option_words;
 use robovec_framework::options::OptionValue;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
-use robovec_framework::rewrite::remove_dead;
+use robovec_framework::rewrite::without_dead;
 use robovec_ir::{Array, Function, View};
 
 declare_pass! {
@@ -97,10 +97,7 @@ impl Pass for Differentiate {
             Some((_, known)) => *known = format!("{told} of {known}"),
             None => new.metadata.push((KEY.to_owned(), told)),
         }
-        *function = match remove_dead(&new) {
-            Some((live, _)) => live,
-            None => new,
-        };
+        *function = without_dead(new);
         Ok(())
     }
 

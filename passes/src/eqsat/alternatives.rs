@@ -76,9 +76,8 @@ impl Alternative {
             AlternativeKind::Leaf(number) => return times.leaves[number as usize],
             AlternativeKind::Number(_) => return 0,
             AlternativeKind::Other(operation) => {
-                let ready = places.map(child).max();
-                let weight = times.weights.of(operation);
-                return ready.unwrap_or(0).saturating_add(weight);
+                let ready = places.map(child).fold(0, u32::max);
+                return ready.saturating_add(times.weights.of(operation));
             }
             AlternativeKind::Sum(signs) => (
                 times.weights.of(Operation::Add),

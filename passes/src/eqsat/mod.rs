@@ -18,7 +18,7 @@ mod write;
 
 use pattern::BagRule;
 use robovec_analysis::class::NumericClass;
-use robovec_analysis::critical_path::{Weights, arrivals};
+use robovec_analysis::critical_path::{Weights, arrivals, longest};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_ir::{Function, Machine, Operation};
@@ -214,7 +214,7 @@ impl Pass for Eqsat {
             trail: context.notes.are_wanted(),
         };
         let size = |function: &Function| {
-            let path = arrivals(function, &weights).into_iter().max().unwrap_or(0);
+            let path = longest(&arrivals(function, &weights));
             (path, function.nodes().len())
         };
         let before = size(function);

@@ -88,11 +88,10 @@ pub(crate) fn run(
     let mut times: Vec<u32> = Vec::with_capacity(function.nodes().len());
     let mut round = RewritingRound::default();
     for (value, node) in function.values() {
-        let ready = node.operands().iter().filter_map(|operand| operand.value());
-        let ready = ready.map(|operand| times[operand.index()]).max();
-        let time = ready
-            .unwrap_or(0)
-            .saturating_add(settings.weights.of(node.operation));
+        let ready = node.operands().iter();
+        let ready = ready.map(|operand| operand.entry_or_default(&times));
+        let ready = ready.fold(0, u32::max);
+        let time = ready.saturating_add(settings.weights.of(node.operation));
         times.push(time);
         let late = time.saturating_add(tails[value.index()]) > target;
         if !late || absorbed[value.index()] || budget.nodes == 0 {

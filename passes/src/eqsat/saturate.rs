@@ -52,8 +52,8 @@ pub(crate) fn saturate(
         let first = rules.len() as FormMaker;
         room &= structure.apply(graph, first, limits.nodes);
         // In turns, so that no rule uses up the room of the others.
-        let longest = found.iter().map(|(_, matches)| matches.len()).max();
-        'all: for turn in 0..longest.unwrap_or(0) {
+        let lengths = found.iter().map(|(_, matches)| matches.len());
+        'all: for turn in 0..lengths.fold(0, usize::max) {
             for (index, matches) in &found {
                 let Some(found) = matches.get(turn) else {
                     continue;

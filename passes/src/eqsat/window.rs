@@ -139,9 +139,7 @@ impl WindowImporter<'_, '_> {
         let next = self.window.leaves.len() as u32;
         let number = *self.numbers.entry(operand).or_insert(next);
         if number == next {
-            let time = operand
-                .value()
-                .map_or(0, |value| self.around.times[value.index()]);
+            let time = operand.entry_or_default(&self.around.times);
             self.window.leaves.push(operand);
             self.window.times.push(time);
         }

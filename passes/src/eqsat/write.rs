@@ -7,7 +7,7 @@ use crate::sums::earliest::TieOrder;
 use crate::sums::groups::GroupFamily;
 use crate::sums::writer::{SignedOperand, SumWriter, ValueNaming};
 use robovec_analysis::critical_path::Weights;
-use robovec_framework::rewrite::{owners, remove_dead};
+use robovec_framework::rewrite::{owners, without_dead};
 use robovec_ir::{Function, Name, Operand, Operation, SourceSet, Symbol, Tables};
 
 struct RewritingWriter<'a> {
@@ -154,7 +154,6 @@ impl RewritingWriter<'_> {
             writer.translate(old, map, old.assignments[place].operand)
         });
         let (out, _) = self.writer.finish(tables);
-        let live = remove_dead(&out).map(|(live, _)| live);
-        (live.unwrap_or(out), self.notes)
+        (without_dead(out), self.notes)
     }
 }

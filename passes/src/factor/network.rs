@@ -139,14 +139,22 @@ impl FactorNetwork {
                 NodeOrigin::NONE,
             );
         }
-        self.find(value).unwrap_or_else(|| {
-            self.push(
-                FactorKind::Constant(number),
-                Vec::new(),
-                value,
-                NodeOrigin::NONE,
-            )
-        })
+        let kind = FactorKind::Constant(number);
+        self.find_or_push(kind, Vec::new(), value, NodeOrigin::NONE)
+    }
+
+    /// The node with this value, made if there is none.
+    pub(crate) fn find_or_push(
+        &mut self,
+        kind: FactorKind,
+        operands: Vec<Edge>,
+        value: Fingerprint,
+        origin: NodeOrigin,
+    ) -> Edge {
+        match self.find(value) {
+            Some(edge) => edge,
+            None => self.push(kind, operands, value, origin),
+        }
     }
 
     /// The node with this value, with the sign that makes it equal.
@@ -185,8 +193,7 @@ impl FactorNetwork {
         let position = operands
             .iter()
             .map(|edge| self.nodes[edge.node()].position + 1)
-            .max()
-            .unwrap_or(0);
+            .fold(0, u64::max);
         self.nodes.push(FactorNode {
             kind,
             operands,

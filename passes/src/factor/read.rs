@@ -123,9 +123,7 @@ impl FactorReader<'_> {
             return Self::unknown(network, operation, operands, origin);
         }
         let kind = FactorKind::Other(operation);
-        network
-            .find(value)
-            .unwrap_or_else(|| network.push(kind, operands, value, origin))
+        network.find_or_push(kind, operands, value, origin)
     }
 
     /// A value without a meaning: what it is computed from may be rewritten,

@@ -54,7 +54,7 @@ impl NodeTimes {
             .outputs
             .iter()
             .map(|edge| self.arrivals[edge.node()]);
-        arrivals.max().unwrap_or(0)
+        arrivals.fold(0, u32::max)
     }
 
     /// True when a node may be computed from these operands in this way.
@@ -130,7 +130,7 @@ impl NodeTimes {
         let arrivals = operands.iter().map(|edge| self.arrivals[edge.node()]);
         match kind {
             FactorKind::Sum | FactorKind::Product => finish(arrivals, weight),
-            _ => arrivals.max().unwrap_or(0).saturating_add(weight),
+            _ => arrivals.fold(0, u32::max).saturating_add(weight),
         }
     }
 }

@@ -309,7 +309,7 @@ fn tell(
         parts.join(", "),
         ratio
     ));
-    let narrow = counts.first().copied().unwrap_or(0);
+    let narrow = counts[0];
     let total: u64 = counts.iter().sum();
     context
         .statistics

@@ -570,7 +570,7 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
     fn next(&self, effort: u32) -> Option<(usize, bool)> {
         let best = self.best_cycles();
         let fewest = self.trials.iter().map(|trial| trial.operations);
-        let fewest = fewest.min().unwrap_or(0);
+        let fewest = fewest.min().expect("the program given is a trial");
         let promising = |&index: &usize| {
             let trial = &self.trials[index];
             // Moves save few operations, so that what elements need for them

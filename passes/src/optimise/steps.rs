@@ -233,7 +233,7 @@ impl SearchStep {
         let known = self
             .pipeline
             .split(',')
-            .map(|step| step.split('{').next().unwrap_or(step))
+            .map(|step| step.split('{').next().expect("a text has a first part"))
             .all(|name| registry.find(name).is_some());
         known.then(|| {
             let pipeline = registry.pipeline(self.pipeline);
@@ -246,7 +246,7 @@ impl SearchStep {
 /// in from the function.
 pub(super) fn class(pipeline: &Pipeline) -> NumericClass {
     let classes = pipeline.passes().map(|step| step.info.class);
-    classes.max().unwrap_or(NumericClass::Exact)
+    classes.fold(NumericClass::Exact, NumericClass::max)
 }
 
 #[cfg(test)]

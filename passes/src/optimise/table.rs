@@ -12,10 +12,10 @@ pub(super) fn rows<P>(outcome: &SearchOutcome<P>) -> Vec<String> {
     let mut order: Vec<usize> = (0..outcome.trials.len()).collect();
     order.sort_by_key(|&index| {
         let trial = &outcome.trials[index];
-        let cycles = trial.cycles.unwrap_or(u32::MAX);
         (
             outcome.best != Some(index),
-            cycles,
+            trial.cycles.is_none(),
+            trial.cycles,
             trial.operations,
             trial.path,
             index,

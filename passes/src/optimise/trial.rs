@@ -94,5 +94,5 @@ fn shared(function: &Function, machine: &Machine) -> u32 {
         let count: u32 = performed.map(|known| operations[known as usize]).sum();
         count.div_ceil(element.count)
     });
-    of_kind.max().unwrap_or(0)
+    of_kind.fold(0, u32::max)
 }

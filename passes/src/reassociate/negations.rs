@@ -115,9 +115,8 @@ impl Turns {
             match GroupFamily::of(node.operation) {
                 _ if groups.is_absorbed(root) => {}
                 None => {
-                    let ready = node.operands().iter().filter_map(|operand| operand.value());
-                    let ready = ready.map(|value| times.arrivals[value.index()]).max();
-                    let arrival = ready.unwrap_or(0) + weights.of(node.operation);
+                    let ready = node.values().map(|value| times.arrivals[value.index()]);
+                    let arrival = ready.fold(0, u32::max) + weights.of(node.operation);
                     found = (arrival, arrival + minus, Turn::After);
                 }
                 Some(family) => {
@@ -146,10 +145,7 @@ impl Turns {
         minus: u32,
         uses: &[u32],
     ) -> (u32, u32, Turn) {
-        let arrival = |leaf: &GroupLeaf| {
-            let value = leaf.operand.value();
-            value.map_or(0, |value| self.arrivals[value.index()])
-        };
+        let arrival = |leaf: &GroupLeaf| leaf.operand.entry_or_default(&self.arrivals);
         let finish_with = |changed: Option<(usize, u32)>| {
             let arrivals = leaves.iter().enumerate().map(|(at, leaf)| match changed {
                 Some((place, time)) if place == at => time,

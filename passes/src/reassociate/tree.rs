@@ -107,7 +107,10 @@ impl TreeBuilder<'_> {
         let joined = join_earliest(terms, TieOrder::Written, arrival, |[a, b], last| {
             self.merge(family, a, b, last, flip, naming)
         });
-        joined.map_or_else(|| self.empty(family), |term| term.value)
+        match joined {
+            Some(term) => term.value,
+            None => self.empty(family),
+        }
     }
 
     /// Combines pairs that exist already or that other groups want too, as

@@ -24,7 +24,7 @@ use constants::KnownNumbers;
 use evaluate::{OperationTally, PartialEvaluator};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
-use robovec_framework::rewrite::{lay_out, remove_dead};
+use robovec_framework::rewrite::{lay_out, without_dead};
 use robovec_framework::scene::Scene;
 use robovec_ir::{Function, Level, View};
 use slice::SliceSignature;
@@ -118,7 +118,7 @@ fn specialised(
         bound,
     );
     let (mut numbered, tally) = evaluator.run();
-    numbered = remove_dead(&numbered).map_or(numbered, |(live, _)| live);
+    numbered = without_dead(numbered);
     if numbered.level == Level::Equations {
         numbered = lay_out(&numbered);
     }

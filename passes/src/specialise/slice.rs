@@ -1,7 +1,7 @@
 //! The part of a function that a scene needs: its outputs, and the arrays that
 //! are left.
 
-use robovec_framework::rewrite::remove_dead;
+use robovec_framework::rewrite::without_dead;
 use robovec_framework::scene::Scene;
 use robovec_ir::count::Counts;
 use robovec_ir::{Array, Function, Input, Operand, OperandKind, Output, View};
@@ -25,7 +25,7 @@ pub(super) fn needed(view: View<'_>, scene: &Scene) -> (Function, [u64; 2]) {
     if outputs == 0 {
         return (sliced, [0; 2]);
     }
-    let sliced = remove_dead(&sliced).map_or(sliced, |(live, _)| live);
+    let sliced = without_dead(sliced);
     let operations = |function: &Function| Counts::of(function).operations as u64;
     let gone = operations(function) - operations(&sliced);
     (sliced, [outputs, gone])

@@ -9,7 +9,7 @@ use super::earliest::{TieOrder, join_earliest};
 use super::groups::GroupFamily;
 use crate::cse::{Key, KnownValues, SourceMerges};
 use hashbrown::HashMap;
-use robovec_analysis::critical_path::Weights;
+use robovec_analysis::critical_path::{Weights, longest};
 use robovec_framework::rewrite::output_symbol;
 use robovec_ir::{
     FreshNames, Function, Level, Name, Node, Operand, OperandKind, Operation, SourceSet, Symbol,
@@ -138,19 +138,19 @@ impl ArrivalTimes {
 
     /// Time at which an operand is there.
     pub(crate) fn of(&self, operand: Operand) -> u32 {
-        operand.value().map_or(0, |value| self.times[value.index()])
+        operand.entry_or_default(&self.times)
     }
 
     /// Time at which the last value is there.
     pub(crate) fn longest(&self) -> u32 {
-        self.times.iter().copied().max().unwrap_or(0)
+        longest(&self.times)
     }
 
     /// Time at which an operation is done.
     pub(crate) fn finish(&self, operation: Operation, operands: &[Operand]) -> u32 {
-        let ready = operands.iter().map(|&operand| self.of(operand)).max();
+        let ready = operands.iter().map(|&operand| self.of(operand));
         let weight = self.weights.of(operation);
-        ready.unwrap_or(0).saturating_add(weight)
+        ready.fold(0, u32::max).saturating_add(weight)
     }
 
     /// Says when the next value is there.

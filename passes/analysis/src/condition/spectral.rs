@@ -7,6 +7,8 @@
 //! an absolute error of some rounding errors of the largest, so condition
 //! numbers beyond 10¹⁵ say only that they are that large.
 
+use std::iter::once;
+
 /// Halvings of the interval of an eigenvalue; its end points are then
 /// neighbours, or as near as the norm's rounding.
 const HALVINGS: usize = 80;
@@ -86,10 +88,14 @@ impl Tridiagonal {
             }
         }
         let diagonal: Vec<f64> = (0..order).map(|row| matrix[row * order + row]).collect();
-        let radius = |row: usize| {
-            let left = row.checked_sub(1).map_or(0.0, |row| f64::abs(beside[row]));
-            diagonal[row].abs() + left + beside.get(row).map_or(0.0, |next: &f64| next.abs())
-        };
+        assert_eq!(
+            beside.len() + 1,
+            order,
+            "an element lies between two of the diagonal"
+        );
+        // Zeros lie before the first row and after the last.
+        let beside: Vec<f64> = once(0.0).chain(beside).chain([0.0]).collect();
+        let radius = |row: usize| diagonal[row].abs() + beside[row].abs() + beside[row + 1].abs();
         Tridiagonal {
             bound: (0..order).map(radius).fold(0.0, f64::max),
             squares: beside.iter().map(|element| element * element).collect(),
@@ -101,8 +107,7 @@ impl Tridiagonal {
     fn below(&self, number: f64) -> usize {
         let mut count = 0;
         let mut pivot = 1.0;
-        for (row, diagonal) in self.diagonal.iter().enumerate() {
-            let square = row.checked_sub(1).map_or(0.0, |row| self.squares[row]);
+        for (diagonal, &square) in self.diagonal.iter().zip(&self.squares) {
             pivot = diagonal - number - if square == 0.0 { 0.0 } else { square / pivot };
             if pivot == 0.0 {
                 // On an eigenvalue of a leading block: as if just beside it.

@@ -122,7 +122,7 @@ pub fn subdivide(
 }
 
 /// Summary over boxes, the worst of which is the first.
-fn summary(boxes: Vec<LeafBox>, at_a_state: f64, enclosures: usize) -> SubdividedEnclosure {
+fn summary(mut boxes: Vec<LeafBox>, at_a_state: f64, enclosures: usize) -> SubdividedEnclosure {
     let ranges = boxes.iter().map(|leaf_box| leaf_box.range);
     let range = ranges.reduce(Interval::hull);
     let finite = || boxes.iter().filter(|leaf_box| leaf_box.error.is_finite());
@@ -131,17 +131,14 @@ fn summary(boxes: Vec<LeafBox>, at_a_state: f64, enclosures: usize) -> Subdivide
     cuts.sort_unstable_by_key(|&cuts| Reverse(cuts));
     let share = cuts.iter().map(|&cuts| 0.5f64.powi(cuts as i32)).sum();
     SubdividedEnclosure {
-        range: range.unwrap_or(Interval::WHOLE),
-        error: boxes.first().map_or(f64::INFINITY, |worst| worst.error),
+        range: range.expect("the boxes cover the ranges"),
+        error: boxes[0].error,
         share,
         finite: finite().map(|leaf_box| leaf_box.error).fold(0.0, f64::max),
         at_a_state,
         boxes: boxes.len(),
         enclosures,
-        worst: boxes
-            .into_iter()
-            .next()
-            .map_or(Vec::new(), |worst| worst.ranges),
+        worst: boxes.swap_remove(0).ranges,
     }
 }
 

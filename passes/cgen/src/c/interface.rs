@@ -5,7 +5,7 @@ use super::{Options, Real, Signature};
 use crate::emit::arrays::{self, Rows};
 use crate::emit::frame::ParameterList;
 use crate::emit::names::{CNames, is_word_letter};
-use crate::kind::{EquationKind, Generation, ProjectStructure, file_stem};
+use crate::kind::{EquationKind, Generation, ProjectStructure, file_stem, model_name};
 use hashbrown::HashMap;
 use robovec_ir::{Array, Function, Input, OperandKind, Output, Shape, View};
 use rustc_hash::FxBuildHasher;
@@ -164,7 +164,7 @@ impl<'a> Interface<'a> {
     fn robotran(&mut self, view: View<'_>) -> Result<(), SignatureError> {
         let function = view.function;
         let kind = robotran_kind(function)?;
-        let model = function.metadata("model").unwrap_or("model");
+        let model = model_name(function);
         self.kind = Some(kind);
         self.name = self.names.take(&format!(
             "{}{}",

@@ -6,6 +6,7 @@ use super::{Options, Real};
 use crate::emit::expression::{BoundText, Operands, Tightness, apply, literal};
 use crate::emit::frame::{self, APART, CLONES};
 use crate::emit::order::CodeStep;
+use crate::kind::model_name;
 use robovec_ir::{Function, Operand, OperandKind, Value, View};
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -203,7 +204,7 @@ impl<'a> PlainWriter<'a> {
             self.interface.name()
         );
         if self.interface.is_robotran() && !self.is_local {
-            let model = self.function.metadata("model").unwrap_or("model");
+            let model = model_name(self.function);
             let _ = writeln!(
                 text,
                 "   It takes the place of Robotran's function of the model {}.",

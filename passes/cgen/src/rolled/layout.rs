@@ -323,7 +323,7 @@ impl<'a> RolledLayout<'a> {
             return false;
         }
         let visits = place.starts.len() - 1;
-        let longest = chains.iter().map(Vec::len).max().unwrap_or(0);
+        let longest = chains.iter().map(Vec::len).fold(0, usize::max);
         let pitch = (chains.len() == visits && visits > 1).then_some(longest);
         let length = pitch.map_or(distinct.len(), |pitch| pitch * chains.len());
         let mut word = self.allocate(length, MARGIN);

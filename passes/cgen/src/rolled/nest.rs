@@ -138,7 +138,7 @@ impl Nest {
             .iter()
             .map(|&run| &repeats.runs[run as usize])
             .collect();
-        let period = runs.first().map_or(1, |run| run.period);
+        let period = runs[0].period;
         assert!(
             (runs.iter()).all(|run| run.period == period && run.items.len() % period == 0),
             "all visits of a loop have the same period and whole passes"

@@ -32,6 +32,12 @@ pub enum RolledDifference {
         /// The statement, counted from 0.
         position: usize,
     },
+    /// A loop has no number of passes.
+    #[error("loop {number} has no number of passes")]
+    Passes {
+        /// The loop, counted from 0.
+        number: usize,
+    },
     /// An output is not what it should be.
     #[error("output element {output} has another value after the loops")]
     Output {
@@ -143,7 +149,8 @@ impl<'a> RolledInterpreter<'a> {
             let first = self.source(&program.carried[carried].first);
             self.carried[carried] = Some(first.ok_or(RolledDifference::Missing { position })?);
         }
-        let count = self.index(&place.count).unwrap_or(0);
+        let count = self.index(&place.count);
+        let count = count.ok_or(RolledDifference::Passes { number })?;
         for iteration in 0..count {
             self.iterations[number] = iteration;
             // Loops nest a few deep, which bounds the recursion.

@@ -149,7 +149,7 @@ fn element(element: &ElementDescription, number: Format, device: &Device, net: u
         Format::Float(format) => operator_period(core, format, element.stages, device, net),
         Format::Fixed(_) => fixed(core, number.width(), device, net),
     });
-    periods.max().unwrap_or(0)
+    periods.fold(0, u32::max)
 }
 
 /// The longest path of an operator whose operands come from a block memory,

@@ -12,7 +12,7 @@ fn least(shapes: &[[u32; 2]], words: u32, bits: u32) -> u32 {
     let counts = shapes
         .iter()
         .map(|[depth, width]| words.div_ceil(*depth) * bits.div_ceil(*width));
-    counts.min().unwrap_or(0)
+    counts.min().expect("a block has a shape")
 }
 
 /// Blocks for a memory with one read and one write port, all blocks of one

@@ -233,7 +233,7 @@ fn crossbar(shape: &MachineShape) -> ResourceUse {
     if let Interconnect::Network(_) = shape.interconnect {
         let terminals = Terminals {
             elements: shape.elements(),
-            sources: 1 + shape.buffer.map_or(0, |(_, reads)| reads),
+            sources: shape.own_sources(),
             ports: shape.memories() * shape.write_ports,
             width,
         };
@@ -276,7 +276,7 @@ fn window(shape: &MachineShape) -> ResourceUse {
     let width = shape.number.width();
     let memories = elements * shape.memories();
     let widths = shape.kinds.iter().map(|kind| shape.instruction_width(kind));
-    let instruction = widths.max().unwrap_or(1);
+    let instruction = widths.fold(1, u32::max);
     let limbs = instruction.max(width).div_ceil(32);
     let cycle = shape.instruction_address();
     let block = |word: u32, address: u32, units: u32| {

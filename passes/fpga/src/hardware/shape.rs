@@ -130,9 +130,15 @@ impl MachineShape {
         }
     }
 
+    /// The number of sources of one element: its result, and what its buffer
+    /// reads.
+    pub(super) fn own_sources(&self) -> u32 {
+        1 + self.buffer.map_or(0, |(_, reads)| reads)
+    }
+
     /// The number of sources that a write port can select from.
     pub fn sources(&self) -> u32 {
-        self.elements() * (1 + self.buffer.map_or(0, |(_, reads)| reads))
+        self.elements() * self.own_sources()
     }
 
     /// Write ports of all elements.

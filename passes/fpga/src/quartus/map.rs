@@ -34,7 +34,7 @@ pub(super) fn map(manifest: &Manifest) -> String {
     let _ = writeln!(text, "set robovec_machine_hash {}", window.machine_hash);
     let _ = writeln!(text, "set robovec_schedule_hash {}", manifest.schedule_hash);
     let limbs = window.units.iter().filter(|unit| unit.readable);
-    let limbs = limbs.map(|unit| unit.limbs).max().unwrap_or(1);
+    let limbs = limbs.map(|unit| unit.limbs).fold(1, u32::max);
     let _ = writeln!(text, "set robovec_limbs {limbs}");
     text += "set robovec_memories {\n";
     for unit in &window.units {

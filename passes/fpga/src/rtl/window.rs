@@ -76,7 +76,7 @@ impl AddressBlocks {
             (&mut operands, &mut instructions)
         };
         // Blocks have 64 words and more, so that the registers are below.
-        small.base = 1u32.checked_shl(small.bits()).unwrap_or(0);
+        small.base = 1u32.unbounded_shl(small.bits());
         let step = u32::from(small.bits() == large.bits());
         large.base = (1 + step) << large.bits().min(30);
         let address_bits = large.bits() + 1 + step;

@@ -506,8 +506,8 @@ impl<F: Field> VersionValues<'_, F> {
             );
         }
         let output = |place: usize| {
-            let value = self.function.assignments[place].operand.value();
-            value.map_or(0, |value| reached[value.index()])
+            let operand = self.function.assignments[place].operand;
+            operand.entry_or_default(&reached)
         };
         let pairs = pairs.list.iter();
         pairs

@@ -309,7 +309,10 @@ fn judge(
     promise: Option<&Promise>,
     verdict: &mut CheckVerdict,
 ) {
-    let states = &promise.map_or_else(|| states.clone(), |promise| promise.states(states));
+    let states = &match promise {
+        Some(promise) => promise.states(states),
+        None => states.clone(),
+    };
     let rounds = verdict.points;
     match verdict.class {
         NumericClass::Approximating => {

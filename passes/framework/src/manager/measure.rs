@@ -1,7 +1,7 @@
 //! The measurements around a pass: time, memory, size, change.
 
 use crate::pass::{PassError, PassInfo, Property};
-use robovec_analysis::critical_path::{Weights, arrivals};
+use robovec_analysis::critical_path::{Weights, arrivals, longest};
 use robovec_ir::{Function, Machine, Node, Operation, ValueFormats};
 use rustc_hash::FxHasher;
 use std::hash::{Hash, Hasher};
@@ -127,7 +127,7 @@ pub(super) fn size(function: &Function, machine: &Machine) -> (u64, u32) {
         .filter(|node| !node.operation.is_trigonometric() && node.operation != Operation::Copy)
         .count();
     let arrivals = arrivals(function, &Weights::cycles(machine));
-    (operations as u64, arrivals.into_iter().max().unwrap_or(0))
+    (operations as u64, longest(&arrivals))
 }
 
 /// Refuses the result of a pass that wrote the function anew and did not say

@@ -72,6 +72,11 @@ pub struct PassInfo {
 impl PassInfo {
     /// The one-line description.
     pub fn summary(&self) -> &'static str {
-        self.documentation.lines().next().unwrap_or("").trim()
+        first_line(self.documentation)
     }
+}
+
+/// The first line of a documentation.
+pub(crate) fn first_line(documentation: &str) -> &str {
+    documentation.lines().next().unwrap_or("").trim()
 }

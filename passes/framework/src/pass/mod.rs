@@ -9,6 +9,7 @@ mod declare;
 mod info;
 mod registry;
 
+pub(crate) use info::first_line;
 pub use info::{BuildPass, Gives, PassInfo, Property};
 pub use registry::{Preset, Registry};
 

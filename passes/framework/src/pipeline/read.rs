@@ -4,6 +4,7 @@
 use super::token::PipelineToken;
 use super::{DEEPEST, DEFAULT_ROUNDS, PassStep, Pipeline, PipelineStep, ROUNDS};
 use crate::options::OptionError;
+use crate::pass::first_line;
 use crate::pass::{PassInfo, Registry};
 use lalrpop_util::{ParseError, lalrpop_mod};
 use logos::Logos;
@@ -289,9 +290,10 @@ fn unknown_pass_notes(name: &str, registry: &Registry) -> Vec<String> {
 
 fn option_notes(info: &PassInfo, misspelt: Option<&str>) -> Vec<String> {
     let known = info.options.iter().map(|option| option.name);
-    let mut notes = misspelt
-        .map(|name| suggestion(name, known, ""))
-        .unwrap_or_default();
+    let mut notes = match misspelt {
+        Some(name) => suggestion(name, known, ""),
+        None => Vec::new(),
+    };
     if info.options.is_empty() {
         notes.push(format!("'{}' has no options", info.name));
     }
@@ -301,7 +303,7 @@ fn option_notes(info: &PassInfo, misspelt: Option<&str>) -> Vec<String> {
             option.name,
             option.type_text(),
             (option.default)(),
-            option.documentation.lines().next().unwrap_or("").trim(),
+            first_line(option.documentation),
         ));
     }
     notes

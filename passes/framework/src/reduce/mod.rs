@@ -167,8 +167,8 @@ impl fmt::Display for Rewrite {
 
 impl fmt::Display for Reduction {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let pass = self.pipeline.passes().last().map(ToString::to_string);
-        let pass = pass.unwrap_or_default();
+        let pass = self.pipeline.passes().last();
+        let pass = pass.expect("the pipeline ends with the pass that fails");
         writeln!(
             formatter,
             "pass {} of the run, {pass}, goes wrong on function '{}' of {} values",

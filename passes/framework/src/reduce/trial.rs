@@ -114,9 +114,10 @@ pub(super) fn run(
         Err(RunError::Verify { .. }) => Some(ProblemKind::Malformed),
         Err(RunError::Check { .. }) => Some(ProblemKind::Changed),
     };
-    let message = result
-        .err()
-        .map_or_else(String::new, |error| error.to_string());
+    let message = match &result {
+        Ok(_) => String::new(),
+        Err(error) => error.to_string(),
+    };
     let pass = executed
         .last()
         .map_or("", |last: &Executed| last.step.info.name);

@@ -7,8 +7,8 @@ use super::state::{
     Definition, DefinitionState, DefinitionSubject, OutputSymbols, assignment_of, name_of,
 };
 use super::{Notes, Stage, Trail};
-use robovec_analysis::critical_path::{Weights, arrivals, tails};
-use robovec_ir::{Function, HistoryStep, Machine, Name, SourceSet, Tables, View};
+use robovec_analysis::critical_path::{Weights, arrivals, longest, tails};
+use robovec_ir::{Function, HistoryStep, Machine, SourceSet, Tables, View};
 
 /// The account of a value or an output.
 #[derive(Clone, PartialEq, Debug)]
@@ -177,7 +177,7 @@ impl<'a> Snapshot<'a> {
             state: DefinitionState::of(function),
             uses: function.use_counts(),
             tails: tails(function, weights),
-            path: arrivals.iter().copied().max().unwrap_or(0),
+            path: longest(&arrivals),
             arrivals,
         }
     }
@@ -237,15 +237,12 @@ impl<'a> Snapshot<'a> {
     }
 
     fn timed(&self, subject: DefinitionSubject, text: String) -> Moment {
-        let value = match subject {
-            DefinitionSubject::Value(value) => Some(value),
-            DefinitionSubject::Output(index) => {
-                self.view.function.assignments[index].operand.value()
-            }
+        let operand = match subject {
+            DefinitionSubject::Value(value) => value.into(),
+            DefinitionSubject::Output(index) => self.view.function.assignments[index].operand,
         };
-        let (arrival, tail) = value.map_or((0, 0), |value| {
-            (self.arrivals[value.index()], self.tails[value.index()])
-        });
+        let arrival = operand.entry_or_default(&self.arrivals);
+        let tail = operand.entry_or_default(&self.tails);
         Moment {
             text,
             arrival,
@@ -271,9 +268,10 @@ impl BackwardWalk {
 
     /// Follows the value an output is set to.
     fn follow_operand(&mut self, function: &Function, index: usize) {
-        let value = function.assignments[index].operand.value();
-        let name = value.map_or(Name::NONE, |value| function.node(value).name);
-        if !name.is_none() {
+        if let Some(value) = function.assignments[index].operand.value()
+            && let name = function.node(value).name
+            && !name.is_none()
+        {
             self.follow(TrackedItem::Value(name));
         }
     }

@@ -67,7 +67,7 @@ fn output(tables: &Tables, function: &Function, text: &str) -> Option<Output> {
         .iter()
         .map(|assignment| assignment.output);
     // Printing every element would be the dearer way on large arrays.
-    let array = text.split('[').next().unwrap_or(text);
+    let array = array_of(text);
     let symbol = tables.symbols.find(array)?;
     let mut outputs = outputs.filter(|&output| function.output_element(output).0.name == symbol);
     outputs.find(|&output| print_output(view, output) == text)
@@ -90,7 +90,7 @@ fn advice(module: &Module, trail: &Trail, text: &str) -> String {
         let values = values.filter(|node| !node.name.is_none());
         names.extend(values.map(|node| format!("%{}", node.name.display(symbols))));
     }
-    let array = text.split('[').next().unwrap_or(text);
+    let array = array_of(text);
     let is_input = |function: &Function| {
         let mut inputs = function.inputs().iter();
         inputs.any(|input| symbols.text(input.name) == array)
@@ -105,4 +105,10 @@ fn advice(module: &Module, trail: &Trail, text: &str) -> String {
         Some(near) => format!("did you mean '{near}'?"),
         None => "write a value as %OM16 or %OM16.1, an output element as M[1,2]".to_owned(),
     }
+}
+
+/// The name of the array in the text of an element.
+fn array_of(text: &str) -> &str {
+    let mut parts = text.split('[');
+    parts.next().expect("a text has a first part")
 }

@@ -22,8 +22,8 @@ impl ValueNames {
             let values = function.values();
             values.filter(|(_, node)| !node.name.is_none())
         };
-        let symbols = named().map(|(_, node)| node.name.base.index() + 1).max();
-        let symbols = symbols.unwrap_or(0);
+        let symbols = named().map(|(_, node)| node.name.base.index() + 1);
+        let symbols = symbols.fold(0, usize::max);
         let mut starts = vec![0u32; symbols + 1];
         for (_, node) in named() {
             starts[node.name.base.index() + 1] += 1;

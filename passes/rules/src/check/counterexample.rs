@@ -90,8 +90,8 @@ pub(super) fn smallest(joined: &Joined<'_>) -> Option<Counterexample> {
         let mut digits = vec![0usize; count];
         loop {
             // Points of smaller magnitude were tried before.
-            let largest = digits.iter().map(|digit| digit.div_ceil(2)).max();
-            if largest.unwrap_or(0) == magnitude {
+            let largest = digits.iter().map(|digit| digit.div_ceil(2));
+            if largest.fold(0, usize::max) == magnitude {
                 let values: Vec<f64> = digits.iter().map(|&digit| integer(digit)).collect();
                 if let Some(found) = compare(joined, &RealPoint::exactly(values)) {
                     return Some(found);

@@ -3,7 +3,7 @@
 use super::super::pattern::{Pattern, PatternNode};
 use super::super::profile::{earliest_of, operations};
 use super::super::rule::Rule;
-use robovec_analysis::critical_path::{Weights, arrivals, tails};
+use robovec_analysis::critical_path::{Weights, arrivals, longest, tails};
 use robovec_ir::{Function, Machine, Operand, OperandKind, Operation, Value};
 
 /// The gain of a rule on some functions, taken alone and at each place by
@@ -35,7 +35,7 @@ impl<'a> Timed<'a> {
     pub(super) fn new(function: &'a Function, weights: &Weights) -> Timed<'a> {
         let arrivals = arrivals(function, weights);
         let tails = tails(function, weights);
-        let longest = arrivals.iter().copied().max().unwrap_or(0);
+        let longest = longest(&arrivals);
         let through = arrivals.iter().zip(&tails);
         Timed {
             critical: through
@@ -117,13 +117,12 @@ pub(super) fn gain(rule: &Rule, functions: &[Timed<'_>], machine: &Machine) -> R
             let earlier = matches.iter().map(|found| {
                 let arrival = |variable: u32| {
                     let operand = found.bound[variable as usize]?;
-                    let value = operand.value();
-                    Some(value.map_or(0, |value| i64::from(timed.arrivals[value.index()])))
+                    Some(i64::from(operand.entry_or_default(&timed.arrivals)))
                 };
                 let left = earliest_of(&rule.left, &weights, &arrival).unwrap_or(0);
                 now.min(left) - earliest_of(&rule.right, &weights, &arrival).unwrap_or(0)
             });
-            gain.cycles += earlier.max().unwrap_or(0).max(0) as u64;
+            gain.cycles += earlier.fold(0, i64::max) as u64;
         }
     }
     gain

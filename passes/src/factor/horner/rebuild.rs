@@ -78,10 +78,7 @@ impl Rebuilding<'_> {
             FactorKind::Constant(number) => self.new.constant(number),
             FactorKind::Sum => self.new.sum(&operands, origin),
             FactorKind::Product => self.new.product(&operands, origin),
-            kind if own.defined => {
-                let found = self.new.find(value);
-                found.unwrap_or_else(|| self.new.push(kind, operands, value, origin))
-            }
+            kind if own.defined => self.new.find_or_push(kind, operands, value, origin),
             kind => self.new.push_unknown(kind, operands, value, origin),
         }
     }

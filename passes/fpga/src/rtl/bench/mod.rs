@@ -212,13 +212,12 @@ impl TestBench<'_> {
             .iter()
             .filter(|unit| unit.name.ends_with(".instructions"))
             .map(|unit| unit.words)
-            .max()
-            .unwrap_or(1);
+            .fold(1, u32::max);
         let end = window.units.iter().map(|unit| {
             let words = u64::from(unit.words) * u64::from(unit.stride);
             u64::from(unit.address) + words
         });
-        let end = end.max().unwrap_or(0).max(8);
+        let end = end.fold(8, u64::max);
         let operations = self.operations() as u64;
         let runs = self.runs.len() as u64;
         if operations * runs > MAX_RESULTS {

@@ -163,7 +163,7 @@ fn delay(steps: &[CoreStep], first: usize, last: usize) -> u32 {
 
 /// The delay of the slowest stage at its best, with so many registers.
 fn slowest(steps: &[CoreStep], count: usize) -> u32 {
-    let least = steps.iter().map(|step| step.delay).max().unwrap_or(0);
+    let least = steps.iter().map(|step| step.delay).fold(0, u32::max);
     let (mut low, mut high) = (least, delay(steps, 0, steps.len() - 1));
     while low < high {
         let middle = low + (high - low) / 2;

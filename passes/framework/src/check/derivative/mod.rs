@@ -425,7 +425,10 @@ impl<'a> DerivativeCheck<'a> {
             let left = self.along(arithmetic, equation, sample, column);
             let own = |(factor, _): &&(Factor, usize)| *factor == Factor::Direction(column);
             let set = equation.after.iter().find(own);
-            let right = set.map_or_else(|| arithmetic.literal(0.0), |&(_, place)| after[place]);
+            let right = match set {
+                Some(&(_, place)) => after[place],
+                None => arithmetic.literal(0.0),
+            };
             differs(&left, &right).then_some((element, [left, right]))
         })
     }
