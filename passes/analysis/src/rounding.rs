@@ -179,6 +179,11 @@ impl MedianChange {
 
     /// Compares medians block by block, those where both have errors.
     fn of(before: &[f64], after: &[f64]) -> MedianChange {
+        assert_eq!(
+            before.len(),
+            after.len(),
+            "both versions have the same blocks"
+        );
         let known = before.iter().zip(after);
         let known = known.filter(|(before, after)| !before.is_nan() && !after.is_nan());
         let (before, after): (Vec<f64>, Vec<f64>) = known.unzip();

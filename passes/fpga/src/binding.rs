@@ -177,6 +177,11 @@ impl<'a> PreloadBinding<'a> {
     pub(super) fn outputs(&self) -> Result<Vec<OutputElement>, ImageError> {
         let view = self.traffic.view;
         let homes = &self.traffic.placement.homes;
+        assert_eq!(
+            homes.len(),
+            view.function.assignments.len(),
+            "every output has a home or none"
+        );
         let assignments = view.function.assignments.iter();
         assignments
             .zip(homes)

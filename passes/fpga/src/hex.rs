@@ -29,6 +29,10 @@ impl<'w> HexWriter<'w> {
 
     /// The next word, in limbs of 64 bits, the lowest first.
     pub(super) fn word(&mut self, limbs: &[u64]) -> io::Result<()> {
+        debug_assert!(
+            (self.digits..16 * limbs.len()).all(|place| hexadecimal_digit(limbs, place) == 0),
+            "a number fits its digits"
+        );
         let mut line = String::with_capacity(self.digits + 1);
         for place in (0..self.digits).rev() {
             let digit = hexadecimal_digit(limbs, place) as u32;

@@ -146,6 +146,13 @@ pub struct ProcessingElement {
     pub buffer: Option<Buffer>,
 }
 
+impl ProcessingElement {
+    /// Read ports of its buffer.
+    pub fn buffer_reads(&self) -> u32 {
+        self.buffer.as_ref().map_or(0, |buffer| buffer.read_ports)
+    }
+}
+
 /// An instruction image.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

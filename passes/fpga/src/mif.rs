@@ -100,8 +100,7 @@ impl<'w> MifWriter<'w> {
 
     fn hexadecimal(&mut self, limbs: &[u64], digits: usize) {
         debug_assert!(
-            (digits..16 * limbs.len())
-                .all(|place| limbs[place / 16] >> (4 * (place % 16)) & 15 == 0),
+            (digits..16 * limbs.len()).all(|place| hexadecimal_digit(limbs, place) == 0),
             "a number fits its digits"
         );
         for place in (0..digits).rev() {

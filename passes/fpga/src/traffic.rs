@@ -129,6 +129,11 @@ impl<'a> Traffic<'a> {
                 (write.cycle, write.word)
             });
         }
+        assert_eq!(
+            placement.write_starts.len(),
+            view.function.nodes().len() + 1,
+            "every node has a range of writes"
+        );
         let mut owners = Vec::with_capacity(placement.writes.len());
         for (value, range) in (0u32..).zip(placement.write_starts.windows(2)) {
             owners.extend((range[0]..range[1]).map(|_| value));

@@ -18,6 +18,7 @@ struct CurveSpace {
 impl Curves {
     /// Makes the curves of all classes, which have so many users.
     pub(super) fn update(&mut self, forms: &FormsByClass<'_>, shares: &[f32], outputs: &[usize]) {
+        assert_eq!(shares.len(), self.counts.len(), "every class has a share");
         let mut space = CurveSpace::default();
         for (class, &share) in shares.iter().enumerate() {
             self.class(forms, class, share, forms.of(class), &mut space);

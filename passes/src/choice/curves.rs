@@ -79,6 +79,10 @@ impl Curves {
         let worse = curve[place..].iter();
         let worse = worse.take_while(|known| known.flow >= point.flow).count();
         curve.splice(place..place + worse, [point]);
+        debug_assert!(
+            curve.is_sorted_by(|one, next| one.arrival < next.arrival && one.flow > next.flow),
+            "every later point is cheaper"
+        );
         if curve.len() > POINTS {
             curve.remove(most_dispensable(curve));
         }

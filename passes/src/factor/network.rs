@@ -205,7 +205,9 @@ impl FactorNetwork {
             sources: origin.sources,
             rule: None,
         });
-        Edge::new(self.values.push(value), false)
+        let edge = Edge::new(self.values.push(value), false);
+        debug_assert_eq!(edge.node() + 1, self.nodes.len(), "every node has a value");
+        edge
     }
 
     /// The sum of some terms: a known value if there is one.

@@ -34,6 +34,7 @@ pub(super) struct FormatAssignment {
 impl FormatAssignment {
     /// All values in one format.
     pub(super) fn all(count: usize, format: usize) -> FormatAssignment {
+        debug_assert!(u8::try_from(format).is_ok(), "formats are counted in bytes");
         FormatAssignment {
             chosen: vec![format as u8; count],
             cost: 0.0,
@@ -65,6 +66,11 @@ pub(super) fn cost_of(
     assignment: &FormatAssignment,
     formats: &[Format],
 ) -> f64 {
+    assert_eq!(
+        assignment.chosen.len(),
+        function.nodes().len(),
+        "every value has a format"
+    );
     let nodes = function.nodes().iter().zip(&assignment.chosen);
     nodes
         .map(|(node, &chosen)| cost(node.operation, formats[usize::from(chosen)]))

@@ -160,6 +160,11 @@ impl ArrivalTimes {
 
     /// Appends an operation to the function.
     pub(crate) fn push(&mut self, out: &mut Function, node: Node) -> Value {
+        debug_assert_eq!(
+            self.times.len(),
+            out.nodes().len(),
+            "every value has a time"
+        );
         self.note(self.finish(node.operation, node.operands()));
         out.push(node)
     }

@@ -72,6 +72,7 @@ impl<'a> PolynomialPlan<'a> {
         scheme: Scheme,
     ) -> PolynomialPlan<'a> {
         let terms = polynomial.coefficients.len();
+        assert!(terms > 0, "a polynomial has a coefficient");
         let mut plan = PolynomialPlan {
             polynomial,
             cycles,

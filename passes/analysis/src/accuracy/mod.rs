@@ -534,6 +534,11 @@ impl Matrices {
     }
 
     fn add(&mut self, view: View<'_>, state: u32, exact: &[ExactOutput]) {
+        assert_eq!(
+            exact.len(),
+            view.function.assignments.len(),
+            "every output has an exact number"
+        );
         for (_, order, offset, conditions) in &mut self.found {
             let range = *offset..*offset + (*order * *order) as u32;
             let mut matrix = vec![f64::NAN; *order * *order];

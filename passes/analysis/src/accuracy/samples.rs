@@ -125,6 +125,11 @@ impl Samples {
                 *norm = (norm.0.max(distance), norm.1.max(size));
             }
         }
+        assert_eq!(
+            samples.len(),
+            self.arrays.len(),
+            "every output has an exact and a computed number"
+        );
         for (sample, &array) in samples.iter_mut().zip(&self.arrays) {
             sample.small = sample.size <= norms[array].1 * VANISHING;
         }

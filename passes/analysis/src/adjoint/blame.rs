@@ -51,6 +51,11 @@ impl Blame {
     pub fn add(&mut self, function: &Function, run: &AdjointRun<'_>, outputs: &[usize]) {
         let adjoint = run.adjoint();
         let tape = run.tape();
+        assert_eq!(
+            tape.slots(),
+            self.contributions.len(),
+            "the run is one of the same function"
+        );
         let weights = output_weights(function, run);
         let mut workspace = Workspace::default();
         let mut sums = vec![0.0; tape.slots()];

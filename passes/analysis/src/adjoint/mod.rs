@@ -147,6 +147,12 @@ impl<'a> Adjoint<'a> {
     /// The quotients of differences between the exact values of all slots and
     /// computed ones, given these and their differences.
     fn between(tape: &'a Tape, exact: &[f64], computed: &[f64], errors: &[f64]) -> Adjoint<'a> {
+        assert!(
+            [exact, computed, errors]
+                .iter()
+                .all(|numbers| numbers.len() == tape.slots()),
+            "one number per slot"
+        );
         let nodes = 0..tape.nodes();
         let partials = nodes.map(|node| {
             let operands = tape.operands(node).map(|slot| EvaluationPair {

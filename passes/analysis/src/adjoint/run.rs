@@ -58,6 +58,11 @@ impl<'a> AdjointRun<'a> {
         format: Format,
         inputs: &[f64],
     ) -> AdjointRun<'a> {
+        assert_eq!(
+            function.nodes().len(),
+            tape.nodes(),
+            "the tape is the function's"
+        );
         let arithmetic = FormatArithmetic::new(format);
         let Some(formats) = &function.formats else {
             return AdjointRun::new(tape, &arithmetic, format, inputs);
@@ -79,6 +84,7 @@ impl<'a> AdjointRun<'a> {
         inputs: &[f64],
     ) -> AdjointRun<'a> {
         let exact = tape.evaluate(&DoubleDouble, inputs);
+        assert_eq!(computed.len(), exact.len(), "one number per slot");
         let both = exact.iter().zip(&computed);
         let errors = both.map(|(exact, &computed)| (Double::from(computed) - *exact).high);
         let errors = errors.collect();

@@ -160,6 +160,7 @@ impl<'a> ReferenceEvaluator<'a> {
     /// The exact values of some assignments, counted from 0 in ascending
     /// order, in arbitrary precision; not finite where there is none.
     pub fn evaluate_places(&mut self, inputs: &[f64], places: &[usize]) -> Vec<ExactOutput> {
+        debug_assert!(places.is_sorted(), "places ascend");
         self.precise(inputs, places)
     }
 

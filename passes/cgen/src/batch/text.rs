@@ -41,6 +41,11 @@ impl BatchWriter<'_> {
     /// The header, with the contract.
     pub(super) fn header(&self) -> String {
         let name = &self.names.function;
+        assert_eq!(
+            self.names.inputs.len(),
+            self.plan.shared.len(),
+            "every input array is shared or not"
+        );
         let shared = self.names.inputs.iter().zip(&self.plan.shared);
         let shared: Vec<&str> = shared
             .filter(|(_, shared)| **shared)

@@ -48,6 +48,7 @@ impl CodePlan {
             Sines::Inline => Slots::new(function, &live),
             Sines::Library => Slots::none(function),
         };
+        assert_eq!(live.len(), inlined.len(), "every node is inlined or not");
         let computed: Vec<bool> = (live.iter().zip(&inlined))
             .map(|(live, inlined)| *live && !inlined)
             .collect();

@@ -274,6 +274,11 @@ impl Main<'_> {
     /// The state, and where it is.
     fn given(&self, stored: &[Stored], inputs: &[usize]) -> String {
         let function = self.view.function;
+        assert_eq!(
+            self.trial.inputs.len(),
+            function.input_len(),
+            "one number per input element"
+        );
         let line = |(index, number): (u32, &f64)| {
             let at = function.input_array(Input(index));
             let (_, indices, rank) = function.input_element(Input(index));
@@ -286,6 +291,11 @@ impl Main<'_> {
     /// Expected results, and their places.
     fn expected(&self, stored: &[Stored], outputs: &[usize]) -> String {
         let function = self.view.function;
+        assert_eq!(
+            self.trial.expected.len(),
+            function.assignments.len(),
+            "one number per output"
+        );
         let norms = self.norms();
         let mut text = String::new();
         for (assignment, number) in function.assignments.iter().zip(&self.trial.expected) {

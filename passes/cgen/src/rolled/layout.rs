@@ -473,6 +473,11 @@ impl<'a> RolledLayout<'a> {
         }
         let mut ends: Vec<Vec<u32>> = vec![Vec::new(); self.nest.items.len() + 1];
         let mut free: Vec<u32> = Vec::new();
+        assert_eq!(
+            self.nest.tops.len(),
+            self.nest.positions.len(),
+            "every position lies below an item"
+        );
         let mut by_top: Vec<(usize, usize)> = self.nest.tops.iter().copied().zip(0..).collect();
         by_top.sort_unstable();
         let mut now = 0;

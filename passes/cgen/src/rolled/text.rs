@@ -199,6 +199,11 @@ impl<'a> RolledWriter<'a> {
                 &numbers,
             );
         }
+        assert_eq!(
+            self.program.tables.len(),
+            self.tables.len(),
+            "every table has a name"
+        );
         for (table, name) in self.program.tables.iter().zip(&self.tables) {
             let kind = if table.iter().all(|&entry| entry <= u32::from(u16::MAX)) {
                 "unsigned short"
@@ -240,6 +245,7 @@ impl<'a> RolledWriter<'a> {
                 true,
             ),
         ] {
+            assert_eq!(arrays.len(), names.len(), "every array has a name");
             for (number, (array, name)) in arrays.iter().zip(names).enumerate() {
                 if used.is_none_or(|used| used[number]) {
                     let shape = array.shape;

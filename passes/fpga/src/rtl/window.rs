@@ -75,7 +75,7 @@ impl AddressBlocks {
         } else {
             (&mut operands, &mut instructions)
         };
-        // Blocks have 64 words and more, so that the registers are below.
+        assert!(small.bits() >= 6, "the registers lie below the blocks");
         small.base = 1u32.unbounded_shl(small.bits());
         let step = u32::from(small.bits() == large.bits());
         large.base = (1 + step) << large.bits().min(30);

@@ -153,6 +153,7 @@ fn finite_outputs(
     round: impl Fn(f64) -> f64,
 ) -> Vec<Option<f64>> {
     let function = view.function;
+    assert_eq!(values.len(), function.nodes().len(), "one value per node");
     let mut finite: Vec<bool> = Vec::with_capacity(values.len());
     for (node, &value) in function.nodes().iter().zip(values) {
         let mut operands = node.operands().iter().filter_map(|operand| operand.value());

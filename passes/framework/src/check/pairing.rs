@@ -266,6 +266,11 @@ impl<'a> Pairs<'a> {
         number: impl Fn(f64) -> T,
         other: impl Fn(u32) -> Vec<T>,
     ) -> [Vec<T>; 2] {
+        assert_eq!(
+            before.len(),
+            self.before.function.input_len(),
+            "one number per input element"
+        );
         match &self.inputs {
             Inputs::Same => [before.clone(), before],
             Inputs::Scene(scene) => {

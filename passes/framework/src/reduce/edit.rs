@@ -126,6 +126,11 @@ impl EditWriter<'_> {
     }
 
     fn kept_outputs(&self) -> impl Iterator<Item = Assignment> {
+        assert_eq!(
+            self.edit.outputs.len(),
+            self.old.assignments.len(),
+            "an edit decides on every output"
+        );
         let outputs = self.old.assignments.iter().zip(&self.edit.outputs);
         let root = self.edit.root.map(Operand::from);
         outputs

@@ -103,6 +103,10 @@ pub fn reduce(
     let rewrite = locate::single_rewrite(&case, &problem, setting);
     let size_before = case.function.nodes().len();
     let effort = shrink::shrink(&mut case, &problem, setting, work);
+    assert!(
+        case.function.nodes().len() <= size_before,
+        "a reduction makes no program larger"
+    );
     // The small program shows a like problem, by construction; a pass that
     // is not deterministic may not.
     let small_problem = case.run(setting, None, true).problem?;

@@ -222,6 +222,7 @@ impl Allowed {
 
     /// The errors allowed of outputs with these values.
     pub fn of(&self, exact: &[f64]) -> Vec<f64> {
+        assert_eq!(exact.len(), self.bounds.len(), "one value per output");
         let norms = norms(
             exact.iter().copied().zip(self.arrays.iter().copied()),
             self.count,

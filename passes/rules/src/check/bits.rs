@@ -322,6 +322,11 @@ impl BitComparison<'_> {
         if place.is_some() {
             return;
         }
+        assert_eq!(
+            inputs.len(),
+            self.rule.variables.len(),
+            "one number per variable"
+        );
         let values: Vec<String> = self
             .rule
             .variables

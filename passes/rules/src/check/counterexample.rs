@@ -162,6 +162,11 @@ fn example(
     left: ScaledBall,
     right: Option<ScaledBall>,
 ) -> Counterexample {
+    assert_eq!(
+        place.values.len(),
+        joined.rule.variables.len(),
+        "one number per variable"
+    );
     let names = joined.rule.variables.iter().cloned();
     Counterexample {
         backwards: false,

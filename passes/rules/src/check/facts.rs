@@ -327,6 +327,11 @@ impl<'a> NodeFacts<'a> {
     /// True when a node is a scale times a variable plus what does not depend
     /// on it, without divisions but by scales.
     fn is_line(&self, mut node: usize, variable: u32, scales: &[bool]) -> bool {
+        assert_eq!(
+            scales.len(),
+            self.joined.pattern.nodes.len(),
+            "every node is a scale or not"
+        );
         let contains = |node: usize| self.joined.part(node).variables().contains(&variable);
         let nodes = &self.joined.pattern.nodes;
         let needed = self.joined.pattern.needed(node);

@@ -53,6 +53,11 @@ impl RealPoint {
 
     /// True when the conditions of a rule hold, on all of a place.
     pub(super) fn meets(&self, rule: &Rule) -> bool {
+        debug_assert_eq!(
+            self.values.len(),
+            self.radii.len(),
+            "every number has a radius"
+        );
         rule.conditions.iter().all(|condition| {
             let variable = condition.variable as usize;
             let (value, radius) = (self.values[variable], self.radii[variable]);

@@ -129,6 +129,10 @@ fn through(points: &[(u32, u64)], basis: &[GrowthTerm]) -> Option<String> {
 fn solve(mut rows: Vec<Vec<i128>>) -> Option<(Vec<i128>, i128)> {
     let size = rows.len();
     let mut previous = 1i128;
+    assert!(
+        rows.iter().all(|row| row.len() == size + 1),
+        "as many equations as unknowns, and their right sides"
+    );
     for column in 0..size {
         let pivot = (column..size).find(|&row| rows[row][column] != 0)?;
         rows.swap(column, pivot);
@@ -152,6 +156,7 @@ fn solve(mut rows: Vec<Vec<i128>>) -> Option<(Vec<i128>, i128)> {
 }
 
 fn text(values: &[i128], scale: i128, basis: &[GrowthTerm]) -> String {
+    assert_eq!(values.len(), basis.len(), "every term has a coefficient");
     let mut text = String::new();
     let mut divisor = scale.abs();
     for value in values {

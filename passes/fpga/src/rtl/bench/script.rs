@@ -237,6 +237,7 @@ impl ScriptWriter<'_> {
         self.command(READ, notes + 1, window.status, 0);
         let mut note = notes + 2;
         let outputs = self.bench.manifest.outputs.iter();
+        assert_eq!(run.outputs.len(), outputs.len(), "a run has every output");
         for (output, &word) in outputs.zip(&run.outputs) {
             if let OutputValue::Home(home) = &output.value {
                 for (address, data) in self.limbs(&home.memory, home.address, word)? {

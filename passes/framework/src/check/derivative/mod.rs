@@ -214,6 +214,11 @@ impl<'a> DerivativeCheck<'a> {
     /// The first equation that does not hold at a point; counts, by equation,
     /// how often the left side and both were defined.
     fn at_point(&self, field: &PrimeField, defined: &mut [[u32; 2]]) -> Option<usize> {
+        assert_eq!(
+            defined.len(),
+            self.equations.len(),
+            "every equation is counted"
+        );
         let sample = self.field_sample(field);
         let duals = self.duals(&sample, None);
         let before = evaluate(self.before.function, &Duals(*field), &duals);

@@ -159,6 +159,7 @@ fn tree(function: &Function, window: &[Value]) -> Option<(Vec<TreeNode>, Vec<u64
 
 /// For each leaf a number made of its kind and of all ways that lead to it.
 fn labels(nodes: &[TreeNode], ways: &[u64]) -> Vec<u64> {
+    assert_eq!(nodes.len(), ways.len(), "every node has its ways");
     let label = |node: &TreeNode| {
         let TreeNode::Leaf(leaf) = node else {
             return 0;
