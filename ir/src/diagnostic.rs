@@ -134,6 +134,14 @@ impl Report {
         &self.files
     }
 
+    /// The first text and the number of errors.
+    pub fn summary(&self) -> String {
+        let name = self.files.first().map_or("", |file| file.name());
+        let count = self.error_count();
+        let plural = if count == 1 { "" } else { "s" };
+        format!("{name}: {count} error{plural}")
+    }
+
     /// Adds a message.
     pub fn push(&mut self, diagnostic: Diagnostic) {
         self.diagnostics.push(diagnostic);

@@ -4,6 +4,7 @@ use super::functions::OutputKey;
 use super::tools::{self, BuildStep};
 use robovec_io::files::{Replace, write_whole};
 use robovec_num::fnv::Fnv;
+use robovec_present::number::or_dash;
 use serde::Serialize;
 use std::path::Path;
 
@@ -152,9 +153,8 @@ impl Contestant {
             }
         }
         let path = place.join(MADE_OF);
-        let figure = |known: Option<String>| known.unwrap_or_else(|| "-".to_owned());
-        let seconds = figure(built.seconds.map(|seconds| seconds.to_string()));
-        let bytes = figure(built.code_bytes.map(|bytes| bytes.to_string()));
+        let seconds = or_dash(built.seconds, |seconds| seconds.to_string());
+        let bytes = or_dash(built.code_bytes, |bytes| bytes.to_string());
         write_whole(&path, Replace::Anything, |writer| {
             writeln!(writer, "{made_of}\n{seconds} {bytes}")
         })

@@ -54,7 +54,9 @@ pub(super) fn inputs(question: &BenchQuestion<'_>, view: View<'_>, state: u32) -
             continue;
         };
         let known = robovec_dynamics::kinematics::parameter(model, name, &indices[..rank]);
-        *number = known.unwrap_or(*number);
+        if let Some(known) = known {
+            *number = known;
+        }
         if LOADS.contains(&name) && !(question.has_loads && is_loaded(model, indices[1])) {
             *number = 0.0;
         }
@@ -116,8 +118,7 @@ impl<'a> ReferenceResults<'a> {
     pub(super) fn errors(&self, keys: &[OutputKey], results: &[Vec<f64>]) -> ErrorSpread {
         let places = self.places(keys);
         let rows = results.iter().map(|found| {
-            let places = places.iter();
-            let results = places.map(|place| place.map_or(0.0, |place| found[place]));
+            let results = places.iter().map(|&place| result(place, found));
             results.collect()
         });
         let rows: Vec<Vec<f64>> = rows.collect();
@@ -166,7 +167,7 @@ impl<'a> ReferenceResults<'a> {
                 *most = most.max(number.abs());
             }
             for ((key, place), number) in self.keys.iter().zip(&places).zip(expected) {
-                let result = place.map_or(0.0, |place| found[place]);
+                let result = result(*place, found);
                 let scale = largest[key.array.as_str()];
                 let distance = (result - number).abs();
                 let difference = if distance == 0.0 {
@@ -245,4 +246,9 @@ mod tests {
             assert!(drawn.iter().any(|(_, [one, other])| one != other));
         }
     }
+}
+
+/// A result of a function, zero where it has none.
+fn result(place: Option<usize>, found: &[f64]) -> f64 {
+    place.map_or(0.0, |place| found[place])
 }

@@ -90,6 +90,13 @@ pub struct BenchOutcome {
     pub is_broken: bool,
 }
 
+impl BenchOutcome {
+    /// Time of a call, ns; infinite before the first.
+    fn time(&self) -> f64 {
+        self.nanoseconds.unwrap_or(f64::INFINITY)
+    }
+}
+
 /// Told of what happens next.
 pub type BenchProgress<'a> = &'a mut dyn FnMut(&str);
 
@@ -114,7 +121,10 @@ pub fn bench(
     let mut entered: Vec<Option<(BenchOutcome, PathBuf)>> = vec![None; contestants.len()];
     // What compiles quickly comes first: peers of unknown size last.
     let mut order: Vec<usize> = (0..contestants.len()).collect();
-    order.sort_by_key(|&index| contestants[index].operations.unwrap_or(usize::MAX));
+    order.sort_by_key(|&index| {
+        let operations = contestants[index].operations;
+        (operations.is_none(), operations)
+    });
     for index in order {
         let contestant = &contestants[index];
         progress(&format!("building {}", contestant.name));
@@ -161,8 +171,7 @@ pub fn bench(
             ));
             match contestant.run(place, milliseconds) {
                 Ok(time) => {
-                    let known = outcome.nanoseconds.unwrap_or(f64::INFINITY);
-                    outcome.nanoseconds = Some(known.min(time.least));
+                    outcome.nanoseconds = Some(outcome.time().min(time.least));
                     let jitters = outcome.jitter.into_iter().chain(time.jitter);
                     outcome.jitter = jitters.max_by(f64::total_cmp);
                 }
@@ -184,10 +193,9 @@ pub fn by_the_better_compiler(outcomes: Vec<BenchOutcome>) -> Vec<BenchOutcome> 
         let same = |known: &&mut BenchOutcome| {
             (known.family, &known.name) == (outcome.family, &outcome.name)
         };
-        let time = |outcome: &BenchOutcome| outcome.nanoseconds.unwrap_or(f64::INFINITY);
         match best.iter_mut().find(same) {
             None => best.push(outcome),
-            Some(known) if time(&outcome) < time(known) => *known = outcome,
+            Some(known) if outcome.time() < known.time() => *known = outcome,
             Some(_) => {}
         }
     }

@@ -184,7 +184,7 @@ fn temporaries(view: View<'_>) -> Vec<u8> {
 fn signature(text: &str) -> Option<(String, String, Vec<Parameter>)> {
     let code: String = text
         .lines()
-        .map(|line| line.split("//").next().unwrap_or_default())
+        .map(|line| line.split("//").next().expect("a text has a first part"))
         .collect::<Vec<_>>()
         .join("\n");
     let starts = code.match_indices('\n').map(|(place, _)| place + 1);

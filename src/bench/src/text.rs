@@ -13,11 +13,11 @@ use std::fmt::Write;
 pub fn text(title: &str, states: &str, outcomes: &[BenchOutcome]) -> String {
     let base = outcomes.iter().find_map(|outcome| outcome.nanoseconds);
     let width = outcomes.iter().map(|outcome| outcome.name.chars().count());
-    let width = width.max().unwrap_or(0).max(12);
+    let width = width.fold(12, usize::max);
     let remark = outcomes
         .iter()
         .map(|outcome| outcome.remark.chars().count());
-    let remark = remark.max().unwrap_or(0);
+    let remark = remark.fold(0, usize::max);
     let mut text = format!("{title}\n");
     let _ = writeln!(
         text,
@@ -46,7 +46,7 @@ pub fn text(title: &str, states: &str, outcomes: &[BenchOutcome]) -> String {
             continue;
         }
         let number = |number: Option<f64>, decimals: usize| {
-            number.map_or("-".to_owned(), |number| format!("{number:.decimals$}"))
+            or_dash(number, |number| format!("{number:.decimals$}"))
         };
         let ratio = base.zip(outcome.nanoseconds).map(|(base, own)| base / own);
         let _ = writeln!(
@@ -55,9 +55,7 @@ pub fn text(title: &str, states: &str, outcomes: &[BenchOutcome]) -> String {
             number(outcome.nanoseconds, 1),
             number(ratio, 2),
             number(outcome.jitter, 0),
-            outcome
-                .operations
-                .map_or("-".to_owned(), |count| count.to_string()),
+            or_dash(outcome.operations, |count| count.to_string()),
             number(outcome.compile_seconds, 2),
             number(outcome.code_bytes.map(|bytes| bytes as f64 * 1e-3), 1),
             or_dash(outcome.errors, |errors| exponential(errors.median)),

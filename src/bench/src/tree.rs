@@ -20,9 +20,7 @@ pub(super) fn text(model: &Model) -> String {
         } else {
             (0.0, [0.0; 3], [0.0; 6])
         };
-        let anchor = joint
-            .point
-            .map_or([0.0; 3], |point| model.points[point].coordinates);
+        let anchor = model.coordinates(joint.point);
         let parent = joint.parent.map_or(0, |parent| parent + 1);
         let sign = joint.mounting.sign();
         let _ = write!(text, "{parent} {} {sign}", joint.kind.name());

@@ -34,12 +34,16 @@ pub(super) fn literal(atom: &str) -> CoreLiteral {
     }
     let sign = if atom.starts_with('-') { -1.0 } else { 1.0 };
     if unsigned.starts_with("0x") {
-        return hexadecimal::parse(atom).map_or(CoreLiteral::None, finite);
+        return match hexadecimal::parse(atom) {
+            Some(number) => finite(number),
+            None => CoreLiteral::None,
+        };
     }
     if let Some((top, bottom)) = unsigned.split_once('/') {
-        return quotient(top, bottom).map_or(CoreLiteral::None, |number| {
-            CoreLiteral::Number(sign * number)
-        });
+        return match quotient(top, bottom) {
+            Some(number) => CoreLiteral::Number(sign * number),
+            None => CoreLiteral::None,
+        };
     }
     let decimal = |c: char| c.is_ascii_digit() || matches!(c, '.' | 'e' | 'E' | '+' | '-');
     if !unsigned.chars().all(decimal) {
@@ -65,7 +69,8 @@ fn finite(number: f64) -> CoreLiteral {
 
 /// Digits of a decimal between its first and last that are not zero.
 fn significant(decimal: &str) -> usize {
-    let mantissa = decimal.split(['e', 'E']).next().unwrap_or_default();
+    let mantissa = decimal.split(['e', 'E']).next();
+    let mantissa = mantissa.expect("a text has a first part");
     let digits = mantissa.replace('.', "");
     digits.trim_matches('0').len()
 }

@@ -138,6 +138,6 @@ impl Terms {
                 }
             }
         }
-        made.pop().unwrap_or(Operand::NONE)
+        made.pop().expect("the root is made last")
     }
 }

@@ -396,6 +396,16 @@ impl Model {
         }
     }
 
+    /// The name of a body, `base` for the base.
+    pub fn body_name(&self, body: Option<usize>) -> &str {
+        body.map_or("base", |body| &self.bodies[body].name)
+    }
+
+    /// Coordinates of a point on its body, m; the origin without one.
+    pub fn coordinates(&self, point: Option<usize>) -> [f64; 3] {
+        point.map_or([0.0; 3], |point| self.points[point].coordinates)
+    }
+
     /// The last joint of a body, which moves with it; `None` for the base.
     pub fn last_joint(&self, body: Option<usize>) -> Option<usize> {
         body.map(|body| self.bodies[body].joints.end - 1)
@@ -415,12 +425,17 @@ impl Model {
     /// The number of pairs of a joint and one of its ancestors or itself: the
     /// entries of a triangle of the mass matrix that are not structurally zero.
     pub fn pairs(&self) -> usize {
+        self.depths().iter().sum()
+    }
+
+    /// For every joint the number of joints between the base and its body.
+    pub fn depths(&self) -> Vec<usize> {
         let mut depths = Vec::with_capacity(self.joints.len());
         for joint in &self.joints {
             // A parent has a smaller index.
             depths.push(1 + joint.parent.map_or(0, |parent| depths[parent]));
         }
-        depths.iter().sum()
+        depths
     }
 
     /// Derives from the bodies what joints hang on.

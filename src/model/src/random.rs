@@ -36,6 +36,6 @@ impl ParameterRandom {
 
 /// The nearest number with four significant digits.
 pub(crate) fn four_digits(value: f64) -> f64 {
-    // The text of a finite number is a number.
-    format!("{value:.3e}").parse().unwrap_or(value)
+    let text = format!("{value:.3e}");
+    text.parse().expect("the text of a number is one")
 }

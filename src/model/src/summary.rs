@@ -63,7 +63,8 @@ fn counts(model: &Model) -> String {
     };
     let mass: f64 = model.bodies.iter().map(|body| body.mass).sum();
     // The sum without the dust of its additions.
-    let mass: f64 = format!("{mass:.9e}").parse().unwrap_or(mass) + 0.0;
+    let mass = format!("{mass:.9e}").parse::<f64>();
+    let mass = mass.expect("the text of a number is one") + 0.0;
     let rows: usize = model.cuts.iter().map(Cut::rows).sum();
     let [x, y, z] = model.gravity;
     let base_points = model.points.iter().filter(|point| point.body.is_none());
@@ -211,7 +212,7 @@ fn point_name(model: &Model, point: usize) -> String {
 }
 
 fn anchor(model: &Model, anchor: Anchor) -> String {
-    let body = anchor.body.map_or("base", |body| &model.bodies[body].name);
+    let body = model.body_name(anchor.body);
     match anchor.point {
         Some(point) => format!("{body}, {}", point_name(model, point)),
         None => format!("{body}, origin"),

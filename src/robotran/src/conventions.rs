@@ -43,3 +43,8 @@ pub fn known_extent(name: &str, joints: u32) -> Option<(u32, u32)> {
         _ => return None,
     })
 }
+
+/// The same, zeros for an array of no known extent.
+pub fn least_extent(name: &str, joints: u32) -> (u32, u32) {
+    known_extent(name, joints).unwrap_or((0, 0))
+}

@@ -87,10 +87,16 @@ fn reject_binary<'a>(
         )))
 }
 
+/// The part of a name after its last dot.
+fn extension(name: &str) -> &str {
+    let mut parts = name.rsplit('.');
+    parts.next().expect("a text has a last part")
+}
+
 /// The language of a text: what the text shows beyond doubt, else what the
 /// name's extension says, else the style of its comments.
 pub(super) fn detect(name: &str, text: &str) -> Option<Language> {
-    let by_extension = Language::from_extension(name.rsplit('.').next().unwrap_or_default());
+    let by_extension = Language::from_extension(extension(name));
     let mut shown = Language::ALL
         .into_iter()
         .filter(|&language| shows(text, language));
@@ -103,7 +109,7 @@ pub(super) fn detect(name: &str, text: &str) -> Option<Language> {
 /// True for the beginning of a text that a name or the head of a function
 /// shows to hold equations.
 pub fn is_equations(name: &str, text: &str) -> bool {
-    let extension = name.rsplit('.').next().unwrap_or_default();
+    let extension = extension(name);
     ["rvir", "fpcore"].contains(&extension)
         || Language::from_extension(extension).is_some()
         || Language::ALL.iter().any(|&language| shows(text, language))

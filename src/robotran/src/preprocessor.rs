@@ -156,8 +156,7 @@ impl Preprocessor {
     pub(super) fn obey(&mut self, line: &str) -> Result<(), PreprocessorRefusal> {
         let line = without_comments(line);
         let line = line.trim();
-        let length = line.find(|c: char| !c.is_ascii_alphabetic());
-        let (directive, rest) = line.split_at(length.unwrap_or(line.len()));
+        let (directive, rest) = split_word(line, |c| c.is_ascii_alphabetic());
         let rest = rest.trim();
         match directive {
             "if" | "ifdef" | "ifndef" => {
@@ -169,7 +168,7 @@ impl Preprocessor {
                         .map(|known| known == (directive == "ifdef")),
                 };
                 // Behind an error its `#else` is still expected.
-                self.open(*live.as_ref().unwrap_or(&true));
+                self.open(!matches!(live, Ok(false)));
                 live?;
             }
             "elif" => self.otherwise(Some(rest))?,
@@ -273,8 +272,7 @@ impl Preprocessor {
     }
 
     fn define(&mut self, text: &str) -> Result<(), PreprocessorRefusal> {
-        let length = text.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_'));
-        let (name, body) = text.split_at(length.unwrap_or(text.len()));
+        let (name, body) = split_word(text, |c| c.is_ascii_alphanumeric() || c == '_');
         if !is_word(name) {
             return Err(CANNOT_TELL);
         }
@@ -289,10 +287,27 @@ impl Preprocessor {
         } else if body_words.contains(char::is_whitespace) {
             Macro::Other
         } else {
-            literal::c(body_words).map_or(Macro::Other, Macro::Number)
+            match literal::c(body_words) {
+                Ok(number) => Macro::Number(number),
+                Err(_) => Macro::Other,
+            }
         };
         self.macros.insert(name.to_owned(), found);
         Ok(())
+    }
+}
+
+/// The longest beginning of such characters, and the rest.
+fn split_word(text: &str, belongs: impl Fn(char) -> bool) -> (&str, &str) {
+    let end = text.find(|c: char| !belongs(c));
+    text.split_at(end.unwrap_or(text.len()))
+}
+
+/// The text after a mark, empty without it.
+fn after<'t>(text: &'t str, mark: &str) -> &'t str {
+    match text.split_once(mark) {
+        Some((_, after)) => after,
+        None => "",
     }
 }
 
@@ -308,7 +323,7 @@ fn without_comments(line: &str) -> String {
         }
         if let Some(inside) = rest.strip_prefix("/*") {
             clean.push(' ');
-            rest = inside.find("*/").map_or("", |end| &inside[end + 2..]);
+            rest = after(inside, "*/");
             continue;
         }
         let length = match rest.as_bytes()[0] {
@@ -319,7 +334,7 @@ fn without_comments(line: &str) -> String {
                     .starts_with('\n') =>
             {
                 clean.push(' ');
-                rest = rest.find('\n').map_or("", |end| &rest[end + 1..]);
+                rest = after(rest, "\n");
                 continue;
             }
             _ => 1,

@@ -250,11 +250,16 @@ fn quoted(lexer: &mut Lexer<'_, C>) -> Result<(), ()> {
     Err(())
 }
 
+/// Start of the last line of a text.
+fn line_start(text: &str) -> usize {
+    text.rfind('\n').map_or(0, |at| at + 1)
+}
+
 /// Takes a line of the preprocessor, with the lines that a `\` or a comment
 /// over several lines joins to it.
 fn directive(lexer: &mut Lexer<'_, C>) -> Result<(), ()> {
     let before = &lexer.source()[..lexer.span().start];
-    let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+    let line_start = line_start(before);
     let rest = lexer.remainder();
     if lexer.slice() != "#" || !before[line_start..].trim().is_empty() {
         lexer.bump(rest.find('\n').unwrap_or(rest.len()));
@@ -292,7 +297,7 @@ fn directive(lexer: &mut Lexer<'_, C>) -> Result<(), ()> {
 /// and nothing else, everything to the line `%}` that closes it.
 fn matlab_comment(lexer: &mut Lexer<'_, Matlab>) -> Result<Skip, ()> {
     let before = &lexer.source()[..lexer.span().start];
-    let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+    let line_start = line_start(before);
     if lexer.slice().trim_end() != "%{" || !before[line_start..].trim().is_empty() {
         return Ok(Skip);
     }

@@ -76,22 +76,17 @@ impl WordFields {
             1 => &[""],
             _ => &["left.", "right."],
         };
-        for (memory, side) in sides.iter().enumerate() {
-            let ports = element.memories.get(memory).map_or(0, |m| m.write_ports);
-            for port in 0..ports {
+        for (number, (memory, side)) in element.memories.iter().zip(sides).enumerate() {
+            for port in 0..memory.write_ports {
                 let of = |name: &str| format!("{side}write{port}.{name}");
                 let bits = ["enable", "address", "select"].map(|name| take(&of(name)));
                 if bits[0].width != 1 {
                     return Err(fail(format!("'{}' is not a bit", of("enable"))));
                 }
-                fields.writes.push((memory, bits));
+                fields.writes.push((number, bits));
             }
         }
-        let reads = element
-            .buffer
-            .as_ref()
-            .map_or(0, |buffer| buffer.read_ports);
-        for port in 0..reads {
+        for port in 0..element.buffer_reads() {
             let name = format!("buffer.read{port}.address");
             let bits = take(&name);
             if bits.width == 0 {

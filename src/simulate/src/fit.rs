@@ -54,7 +54,7 @@ impl Loader<'_> {
             ));
         }
         for memory in &element.memories {
-            let allowed = machine.memory.writes.unwrap_or(u32::MAX);
+            let allowed = machine.memory.write_limit();
             if memory.write_ports > allowed {
                 return Err(LoadError::WritePorts {
                     memory: memory.name.clone(),
@@ -70,7 +70,7 @@ impl Loader<'_> {
         let Some(described) = machine.buffer else {
             return fail(format!("it has no buffers, {} has one", element.name));
         };
-        let allowed = described.reads.unwrap_or(u32::MAX);
+        let allowed = described.read_limit();
         if buffer.read_ports > allowed {
             return Err(LoadError::BufferPorts {
                 element: element.name.clone(),
@@ -86,15 +86,11 @@ impl Loader<'_> {
     fn check_sources(&self) -> Result<(), LoadError> {
         let elements = &self.manifest.elements;
         let ports = self.buffer_reads();
-        let ports_of = |element: &manifest::ProcessingElement| {
-            element
-                .buffer
-                .as_ref()
-                .map_or(0, |buffer| buffer.read_ports)
-        };
         let expected = elements.len() as u64 * (1 + u64::from(ports));
         let sources = &self.manifest.sources;
-        if elements.iter().any(|element| ports_of(element) != ports)
+        if elements
+            .iter()
+            .any(|element| element.buffer_reads() != ports)
             || sources.len() as u64 != expected
         {
             return Err(LoadError::Sources);
@@ -151,13 +147,12 @@ impl Loader<'_> {
 }
 
 fn check_words(name: &str, words: u32, allowed: Option<u32>) -> Result<(), LoadError> {
-    let allowed = allowed.unwrap_or(u32::MAX);
-    if words > allowed {
-        return Err(LoadError::Words {
+    match allowed {
+        Some(allowed) if words > allowed => Err(LoadError::Words {
             memory: name.to_owned(),
             words,
             allowed,
-        });
+        }),
+        _ => Ok(()),
     }
-    Ok(())
 }

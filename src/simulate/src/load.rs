@@ -56,7 +56,8 @@ pub(super) struct Loader<'a> {
 }
 
 fn base_name(name: &str) -> &str {
-    name.rsplit(['/', '\\']).next().unwrap_or(name)
+    let mut parts = name.rsplit(['/', '\\']);
+    parts.next().expect("a text has a last part")
 }
 
 impl<'a> Loader<'a> {
@@ -108,9 +109,7 @@ impl<'a> Loader<'a> {
 
     pub(super) fn buffer_reads(&self) -> u32 {
         let first = self.manifest.elements.first();
-        first
-            .and_then(|element| element.buffer.as_ref())
-            .map_or(0, |buffer| buffer.read_ports)
+        first.map_or(0, |element| element.buffer_reads())
     }
 
     fn collect_memories(&mut self) -> Result<(), LoadError> {

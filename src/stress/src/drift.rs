@@ -51,7 +51,7 @@ impl DriftSubject {
     }
 
     fn step_of(&self, treatment: &ProgramTreatment) -> (f64, u64) {
-        let step = treatment.step.unwrap_or(self.step);
+        let step = treatment.step_or(self.step);
         let steps = (self.step * self.steps as f64 / step).round();
         (step, steps as u64)
     }
@@ -217,7 +217,7 @@ impl DriftBench<'_> {
     }
 
     fn error(&self, treatment: &ProgramTreatment) -> f64 {
-        let kept = WorkingPrecision::In(treatment.state.unwrap_or(treatment.format));
+        let kept = WorkingPrecision::In(treatment.state_format());
         let Ok(error) = self.known.get(treatment.clone(), || {
             Ok::<f64, Infallible>(kept.work(DriftRun {
                 bench: self,
@@ -413,7 +413,7 @@ impl StressBench for DriftBench<'_> {
             }
         }
         let computed = (slope * 4.0 + after).cost(treatment.format);
-        let kept = treatment.state.unwrap_or(treatment.format);
+        let kept = treatment.state_format();
         let change = change_work(2 * joints, treatment.compensated).cost(kept);
         let (_, steps) = self.subject.step_of(treatment);
         Ok(Measured {

@@ -315,7 +315,7 @@ impl DynamicsBench<'_> {
         state: &MotionState,
         treatment: &ProgramTreatment,
     ) -> Result<Vec<Double>, StressError> {
-        let format = treatment.forces.unwrap_or(treatment.format);
+        let format = treatment.force_format();
         self.forces(state, treatment, WorkingPrecision::In(format))
     }
 
@@ -383,7 +383,7 @@ impl DynamicsBench<'_> {
         if treatment.refinements == 0 {
             return Ok(first);
         }
-        let format = treatment.forces.unwrap_or(treatment.format);
+        let format = treatment.force_format();
         // The program is affine in the forces: what no force does is taken
         // away from what the missing ones do.
         let idle = run(&vec![0.0; joints]);
@@ -408,7 +408,7 @@ impl DynamicsBench<'_> {
         let cost = |kind, only, format: Format| -> Result<f64, StressError> {
             Ok(self.program(kind, treatment, only)?.cost(format))
         };
-        let outer = treatment.forces.unwrap_or(treatment.format);
+        let outer = treatment.force_format();
         if self.subject.metric == Metric::Forces {
             return cost(FunctionKind::Invdyna, None, outer);
         }

@@ -195,10 +195,8 @@ impl StressBench for LongBench<'_> {
             Kept::Energy => "momentum drift",
             Kept::Momentum => "energy drift",
         };
-        let steps = self
-            .subject
-            .steps(treatment.step.unwrap_or(self.subject.step)) as f64;
-        let state = treatment.state.unwrap_or(treatment.format);
+        let steps = self.subject.steps(treatment.step_or(self.subject.step)) as f64;
+        let state = treatment.state_format();
         let numbers = 2 * self.subject.model.joints.len();
         let slopes = (self.work * 4.0).cost(treatment.format);
         let change = change_work(numbers, treatment.compensated).cost(state);
@@ -223,7 +221,7 @@ impl LongBench<'_> {
     }
 
     fn drift(&self, treatment: &ProgramTreatment) -> Drift {
-        let step = treatment.step.unwrap_or(self.subject.step);
+        let step = treatment.step_or(self.subject.step);
         let stepping = Stepping {
             how: TimeStep {
                 step,
@@ -234,7 +232,7 @@ impl LongBench<'_> {
         };
         let slopes = Slopes {
             bench: self,
-            state: WorkingPrecision::In(treatment.state.unwrap_or(treatment.format)),
+            state: WorkingPrecision::In(treatment.state_format()),
             stepping,
         };
         let Ok(drift) = self.known.get(treatment.clone(), || {

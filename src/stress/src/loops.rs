@@ -178,7 +178,7 @@ impl StressSubject for LoopsSubject {
         // All models of a case have the same joints.
         let others = self.closed.first().map(|closed| partitions(&closed.model));
         let mut choices = vec![Vec::new()];
-        choices.extend(others.unwrap_or_default());
+        choices.extend(others.into_iter().flatten());
         let mut programs = Vec::new();
         for independent in &choices {
             for formulation in formulations {

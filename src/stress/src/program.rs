@@ -195,9 +195,10 @@ impl ModelProgram {
     /// the function does not have it.
     pub(super) fn array(&self, name: &str, flat: &[Double], length: usize) -> Vec<Double> {
         let found = self.outputs.iter().find(|(array, ..)| array == name);
-        let mut array = found.map_or(Vec::new(), |&(_, offset, length)| {
-            flat[offset..offset + length].to_vec()
-        });
+        let mut array = match found {
+            Some(&(_, offset, length)) => flat[offset..offset + length].to_vec(),
+            None => Vec::new(),
+        };
         array.resize(length, Double::from(0.0));
         array
     }

@@ -353,7 +353,7 @@ impl StressBench for StepsBench<'_> {
         let module = self.module(treatment)?;
         let steps = self.subject.steps as f64;
         let slopes = 4.0 * function_cost(&module.functions[0], treatment.format);
-        let state = treatment.state.unwrap_or(treatment.format);
+        let state = treatment.state_format();
         let change = change_work(form.numbers.state.len(), treatment.compensated).cost(state);
         Ok(Measured {
             error: self.distance(&found),

@@ -82,6 +82,23 @@ pub struct ProgramTreatment {
     pub series: Option<u32>,
 }
 
+impl ProgramTreatment {
+    /// Format of the integrator's state.
+    pub(super) fn state_format(&self) -> Format {
+        self.state.unwrap_or(self.format)
+    }
+
+    /// Format of forces.
+    pub(super) fn force_format(&self) -> Format {
+        self.forces.unwrap_or(self.format)
+    }
+
+    /// The integrator's step, s, where that of a case is usual.
+    pub(super) fn step_or(&self, usual: f64) -> f64 {
+        self.step.unwrap_or(usual)
+    }
+}
+
 impl Default for ProgramTreatment {
     fn default() -> ProgramTreatment {
         ProgramTreatment {

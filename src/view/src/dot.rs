@@ -1,6 +1,6 @@
 //! The graph of a function in the language of Graphviz.
 
-use robovec_analysis::critical_path::{Weights, arrivals, tails};
+use robovec_analysis::critical_path::{Weights, arrivals, longest, tails};
 use robovec_framework::trail::TrackedItem;
 use robovec_ir::print::{print_operand, print_output};
 use robovec_ir::{Function, Machine, OperandKind, Value, View};
@@ -12,7 +12,7 @@ pub fn dot(view: View<'_>, machine: &Machine, wanted: Option<TrackedItem>) -> St
     let function = view.function;
     let weights = Weights::cycles(machine);
     let (arrivals, tails) = (arrivals(function, &weights), tails(function, &weights));
-    let path = arrivals.iter().copied().max().unwrap_or(0);
+    let path = longest(&arrivals);
     let critical = |value: Value| arrivals[value.index()] + tails[value.index()] == path;
     let outputs = wanted_outputs(function, wanted);
     let needed = needed(function, wanted, &outputs);

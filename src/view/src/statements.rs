@@ -4,7 +4,7 @@
 use super::data::StateData;
 use super::names::TextTable;
 use robovec_analysis::adjoint::{AdjointRun, Tape};
-use robovec_analysis::critical_path::{Weights, arrivals, tails};
+use robovec_analysis::critical_path::{Weights, arrivals, longest, tails};
 use robovec_framework::trail::{DefinitionSubject, TrailState};
 use robovec_ir::print::print_function;
 use robovec_ir::states::States;
@@ -55,7 +55,7 @@ pub(super) fn collect(
     let values = named(function);
     let weights = Weights::cycles(machine);
     let (arrivals, tails) = (arrivals(function, &weights), tails(function, &weights));
-    let path = arrivals.iter().copied().max().unwrap_or(0);
+    let path = longest(&arrivals);
     let count = values.len() + function.assignments.len();
     let errors = relative_errors(view, machine.number, states);
     let numbers = before.map(statement_numbers);

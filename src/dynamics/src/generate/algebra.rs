@@ -171,3 +171,8 @@ impl Sum {
         self.terms.is_empty()
     }
 }
+
+/// The scalar of a joint in a list that is empty where all are zero.
+pub(super) fn given(scalars: &[Scalar], joint: usize) -> Scalar {
+    scalars.get(joint).copied().unwrap_or(Scalar::ZERO)
+}

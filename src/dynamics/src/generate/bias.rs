@@ -14,7 +14,7 @@
 //! rigid wrench plus one of that sum. Nothing is computed for each body as
 //! such; fictitious bodies are no special case.
 
-use super::algebra::{Scalar, Sum};
+use super::algebra::{Scalar, Sum, given};
 use super::equations::{Equations, QuantityLabel};
 use super::inertia::{SumWrench, Wrench};
 use super::parameters::ModelParameters;
@@ -78,10 +78,7 @@ impl<'a, 'm> Bias<'a, 'm> {
     }
 
     fn acceleration(&self, joint: usize) -> Scalar {
-        self.accelerations
-            .get(joint)
-            .copied()
-            .unwrap_or(Scalar::ZERO)
+        given(&self.accelerations, joint)
     }
 
     /// `c` of every joint.
@@ -90,7 +87,7 @@ impl<'a, 'm> Bias<'a, 'm> {
         let mut motions: Vec<BiasMotion> = Vec::with_capacity(joints);
         for joint in 0..joints {
             let parent = self.parameters.parent(joint);
-            let before = parent.map_or_else(|| self.base(), |parent| motions[parent]);
+            let before = self.before(&motions, parent);
             motions.push(self.motion(equations, joint, &before));
         }
         let children = self.parameters.children();
@@ -118,6 +115,14 @@ impl<'a, 'm> Bias<'a, 'm> {
         BiasMotion {
             linear: self.parameters.gravity.map(|component| -component),
             ..BiasMotion::REST
+        }
+    }
+
+    /// The motion of the frame before one, of which the base has none.
+    pub(super) fn before(&self, motions: &[BiasMotion], parent: Option<usize>) -> BiasMotion {
+        match parent {
+            Some(parent) => motions[parent],
+            None => self.base(),
         }
     }
 

@@ -147,7 +147,7 @@ impl<'r> LoopBlock<'r> {
     /// One more than the last side that is not zero.
     fn sides(&self) -> usize {
         let last = self.right.iter().filter_map(|row| row.last());
-        last.map(|(side, _)| side + 1).max().unwrap_or(0)
+        last.map(|(side, _)| side + 1).fold(0, usize::max)
     }
 
     /// The solution by directions: the last unknown from the one at right angles

@@ -8,7 +8,7 @@
 //! ever taken. Joints in a row that turn about the same axis are one rotation
 //! by the sum of their angles.
 
-use super::algebra::{Scalar, Sum};
+use super::algebra::{Scalar, Sum, given};
 use super::equations::{Equations, QuantityLabel};
 use super::parameters::ModelParameters;
 use super::vector::{
@@ -250,7 +250,7 @@ impl Chain {
         for step in &self.steps {
             let joint = step.joint;
             let rate = parameters.qd[joint];
-            let acceleration = accelerations.get(joint).copied().unwrap_or(Scalar::ZERO);
+            let acceleration = given(accelerations, joint);
             self.carry(
                 equations,
                 &mut motion,

@@ -13,7 +13,7 @@ use super::Options;
 use super::algebra::{Scalar, Sum};
 use super::chain::Chain;
 use super::equations::{Equations, QuantityLabel};
-use super::factor::SparseRow;
+use super::factor::{SparseRow, find_entry};
 use super::parameters::{ModelParameters, ParameterSource};
 use super::vector::{Vector, ZERO, define_as, subtracted};
 use robovec_model::{Anchor, Cut, CutKind, JointCoupling};
@@ -43,9 +43,7 @@ impl ConstraintRow {
 impl ConstraintRow {
     /// The entry of the Jacobian of a joint.
     pub(super) fn entry(&self, joint: usize) -> Scalar {
-        let mut entries = self.jacobian.iter();
-        let found = entries.find(|(other, _)| *other == joint);
-        found.map_or(Scalar::ZERO, |(_, value)| *value)
+        find_entry(&self.jacobian, joint)
     }
 }
 
@@ -138,7 +136,7 @@ fn rod_length(parameters: &ModelParameters<'_>, cut: usize) -> (usize, f64) {
 pub(super) fn split(parameters: &ModelParameters<'_>, ends: &[Anchor; 2]) -> [Vec<usize>; 2] {
     let paths = ends.map(|end| {
         let last = parameters.model.last_joint(end.body);
-        last.map_or_else(Vec::new, |joint| parameters.path(joint))
+        parameters.path(last)
     });
     let common = paths[0]
         .iter()

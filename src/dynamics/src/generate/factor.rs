@@ -19,6 +19,12 @@ pub(super) fn entry(row: &[(usize, Scalar)], column: usize) -> Scalar {
         .map_or(Scalar::ZERO, |place| row[place].1)
 }
 
+/// The entry of a row whose columns are in any order.
+pub(super) fn find_entry(row: &[(usize, Scalar)], column: usize) -> Scalar {
+    let found = row.iter().find(|(other, _)| *other == column);
+    found.map_or(Scalar::ZERO, |&(_, value)| value)
+}
+
 /// The most products that an elimination may take: those of a dense matrix of
 /// some 230 rows.
 pub(super) const LIMIT: usize = 2_000_000;
@@ -26,11 +32,8 @@ pub(super) const LIMIT: usize = 2_000_000;
 /// The products that the elimination of a tree's mass matrix takes, without
 /// loops: one for each joint and pair of joints on its path.
 pub(super) fn products(model: &Model) -> usize {
-    let mut depths: Vec<usize> = Vec::with_capacity(model.joints.len());
-    for joint in &model.joints {
-        depths.push(joint.parent.map_or(0, |parent| depths[parent] + 1));
-    }
-    let pairs = |depth: &usize| depth.saturating_mul(depth + 1) / 2;
+    let pairs = |depth: &usize| depth.saturating_mul(depth - 1) / 2;
+    let depths = model.depths();
     depths.iter().map(pairs).fold(0, usize::saturating_add)
 }
 

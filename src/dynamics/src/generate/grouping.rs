@@ -103,12 +103,9 @@ impl GroupedInertia {
 /// The inertias of all frames, with as much as possible on the bodies before.
 pub(super) fn grouped(frames: &ModelFrames<'_>) -> Vec<GroupedInertia> {
     let model = &frames.model;
-    let of_body = |joint| {
-        model
-            .body_of(joint)
-            .map_or_else(GroupedInertia::default, |body| {
-                GroupedInertia::of_body(body.mass, body.center, body.inertia_matrix())
-            })
+    let of_body = |joint| match model.body_of(joint) {
+        Some(body) => GroupedInertia::of_body(body.mass, body.center, body.inertia_matrix()),
+        None => GroupedInertia::default(),
     };
     let mut all: Vec<GroupedInertia> = (0..model.joints.len()).map(of_body).collect();
     for index in (0..all.len()).rev() {
@@ -125,9 +122,7 @@ pub(super) fn grouped(frames: &ModelFrames<'_>) -> Vec<GroupedInertia> {
         };
         // What goes to the base moves nothing.
         if let Some(parent) = joint.parent {
-            let offset = joint
-                .point
-                .map_or([0.0; 3], |point| model.points[point].coordinates);
+            let offset = model.coordinates(joint.point);
             all[parent].add(&before.moved(offset));
         }
     }

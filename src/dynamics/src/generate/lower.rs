@@ -11,7 +11,7 @@ use robovec_ir::{
     Array, Assignment, Function, Input, Module, Name, Node, Operand, Operation, Output, Shape,
     SourceSet, Symbol, Tables,
 };
-use robovec_robotran::conventions::{INPUT_ORDER, known_extent};
+use robovec_robotran::conventions::{INPUT_ORDER, least_extent};
 
 /// The parameters of Robotran's functions, in their order; other outputs follow
 /// in order of appearance.
@@ -28,7 +28,7 @@ pub(super) struct Extents {
 
 impl Extents {
     pub(super) fn shape(&self, array: &str, indices: usize, used: (u32, u32)) -> Shape {
-        let (rows, columns) = known_extent(array, self.joints).unwrap_or((0, 0));
+        let (rows, columns) = least_extent(array, self.joints);
         let columns = if array == "dpt" { self.points } else { columns };
         match indices {
             0 => Shape::Scalar,
@@ -49,8 +49,7 @@ pub(super) fn points(equations: &Equations) -> u32 {
             }
             _ => None,
         })
-        .max()
-        .unwrap_or(0)
+        .fold(0, u32::max)
 }
 
 /// Appends the function to the module.
@@ -197,8 +196,8 @@ fn declare_inputs(
     let mut order: Vec<usize> = (0..equations.arrays.len()).collect();
     order.sort_by_key(|&array| {
         let name = &equations.arrays[array].0;
-        let known = INPUT_ORDER.iter().position(|known| known == name);
-        known.unwrap_or(INPUT_ORDER.len())
+        let before = INPUT_ORDER.iter().take_while(|known| *known != name);
+        before.count()
     });
     let mut declared: Vec<Option<Array>> = vec![None; equations.arrays.len()];
     for array in order {
@@ -235,8 +234,8 @@ fn declare_outputs(
         most.1 = most.1.max(indices[1]);
     }
     let rank = |name: &str| {
-        let known = OUTPUT_ORDER.iter().position(|known| *known == name);
-        known.unwrap_or(OUTPUT_ORDER.len())
+        let before = OUTPUT_ORDER.iter().take_while(|known| **known != name);
+        before.count()
     };
     let mut order: Vec<usize> = (0..used.len()).collect();
     order.sort_by_key(|&array| rank(&equations.results[array]));

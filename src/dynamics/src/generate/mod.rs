@@ -420,7 +420,7 @@ pub fn generate_into(
     // The cases of a file share their arrays.
     let extents = Extents {
         joints: model.joints.len() as u32,
-        points: written.iter().map(lower::points).max().unwrap_or(0),
+        points: written.iter().map(lower::points).fold(0, u32::max),
     };
     for (case, equations) in written.iter().enumerate() {
         let function = head(model, request, case);

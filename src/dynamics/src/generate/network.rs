@@ -99,7 +99,7 @@ impl JointPaths<'_> {
         mut combine: impl FnMut(PathBlock, T, T) -> T,
     ) -> Vec<T> {
         let mut combined = values.to_vec();
-        let deepest = self.depths.iter().copied().max().unwrap_or(0);
+        let deepest = self.depths.iter().copied().fold(0, usize::max);
         let mut size = 1;
         while size <= deepest {
             let before = combined.clone();

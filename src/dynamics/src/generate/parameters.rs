@@ -240,8 +240,8 @@ impl<'m> ModelParameters<'m> {
     }
 
     /// A joint and all joints between it and the base, from the base on.
-    pub(super) fn path(&self, joint: usize) -> Vec<usize> {
-        let mut path: Vec<usize> = self.model.path(Some(joint)).collect();
+    pub(super) fn path(&self, joint: Option<usize>) -> Vec<usize> {
+        let mut path: Vec<usize> = self.model.path(joint).collect();
         path.reverse();
         path
     }

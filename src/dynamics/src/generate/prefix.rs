@@ -173,7 +173,7 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
                 BiasMotion::REST
             } else {
                 let parent = self.parameters.parent(joint);
-                let before = parent.map_or_else(|| bias.base(), |parent| motions[parent]);
+                let before = bias.before(&motions, parent);
                 bias.motion(self.equations, joint, &before)
             });
         }

@@ -9,7 +9,7 @@
 //! `FM_k` and `CM_k`. The joint's own component of these is `c` and a column of
 //! `M`. The number of operations grows with the sum of depths over all bodies.
 
-use super::algebra::{Scalar, Sum};
+use super::algebra::{Scalar, Sum, given};
 use super::equations::{Equations, QuantityLabel};
 use super::parameters::ModelParameters;
 use super::vector::{
@@ -143,7 +143,7 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
     /// joint accelerations when the list is empty.
     pub(super) fn forward(&mut self, accelerations: &[Scalar]) {
         for joint in 0..self.parameters.joints() {
-            let acceleration = accelerations.get(joint).copied().unwrap_or(Scalar::ZERO);
+            let acceleration = given(accelerations, joint);
             let velocity = self.velocity(joint);
             let angular = self.angular(joint, &velocity, acceleration);
             let linear = self.linear(joint, acceleration);

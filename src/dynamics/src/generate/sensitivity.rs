@@ -18,6 +18,7 @@ use super::algebra::Scalar;
 use super::composite::{self, MassAndBias};
 use super::derivative::{ForceDerivatives, JointEntry, output};
 use super::equations::Equations;
+use super::factor::find_entry;
 use super::factor::{SparseRow, Stop, solve_symmetric};
 use super::parameters::ModelParameters;
 use super::reduced::too_large;
@@ -153,11 +154,7 @@ pub(super) fn forward(
         .collect();
     let forces = masses.joints.iter().map(|&joint| {
         let driven = |other: usize| !accelerations[other].is_zero();
-        let mass = |other: usize| {
-            let row = &dynamics.mass[joint.max(other)];
-            let entry = row.iter().find(|(column, _)| *column == joint.min(other));
-            entry.map_or(Scalar::ZERO, |&(_, value)| value)
-        };
+        let mass = |other: usize| find_entry(&dynamics.mass[joint.max(other)], joint.min(other));
         let given: Vec<(Scalar, Scalar)> = (0..parameters.joints())
             .filter(|&other| driven(other))
             .map(|other| (mass(other), accelerations[other]))

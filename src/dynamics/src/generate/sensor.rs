@@ -80,7 +80,7 @@ pub(super) fn chain(
 ) -> Chain {
     let model = parameters.model;
     let last = model.last_joint(model.points[sensor.point].body);
-    let path = last.map_or_else(Vec::new, |joint| parameters.path(joint));
+    let path = parameters.path(last);
     let place = ParameterSource { options, equations }.point(model, sensor.point);
     Chain::new(equations, parameters, names, &path, &place)
 }
@@ -104,7 +104,7 @@ pub(super) fn sensor(
 
 /// Writes the motion of the frame of one joint (number from 0).
 pub(super) fn frame(equations: &mut Equations, parameters: &ModelParameters<'_>, joint: usize) {
-    let path = parameters.path(joint);
+    let path = parameters.path(Some(joint));
     let chain = Chain::new(equations, parameters, ("cp", joint + 1), &path, &ZERO);
     outputs(
         equations,

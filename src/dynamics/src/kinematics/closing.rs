@@ -268,7 +268,7 @@ impl LoopClosure<'_> {
     fn open(&self, state: &MotionState, residual: &[f64]) -> StateError {
         let gaps = residual.iter().map(|h| h.abs()).enumerate();
         let worst = gaps.max_by(|a, b| a.1.total_cmp(&b.1));
-        let (row, gap) = worst.unwrap_or((0, 0.0));
+        let (row, gap) = worst.expect("a loop that is open has a residual");
         if !gap.is_finite() {
             return StateError::NotFinite {
                 what: "the residual of a loop".to_owned(),

@@ -140,9 +140,10 @@ impl EvaluatedOutputs<'_> {
     /// it is zero.
     fn array(&self, name: &str) -> (Shape, &[f64]) {
         let found = self.compiled.outputs.iter().find(|array| array.0 == name);
-        found.map_or((Shape::Vector(0), &[]), |&(_, offset, shape)| {
-            (shape, &self.flat[offset..offset + shape.len()])
-        })
+        match found {
+            Some(&(_, offset, shape)) => (shape, &self.flat[offset..offset + shape.len()]),
+            None => (Shape::Vector(0), &[]),
+        }
     }
 
     /// The first numbers of an array; those it does not have are zero.

@@ -194,18 +194,15 @@ fn source(model: &Model, array: &str, indices: &[u32]) -> Option<InputSource> {
             Some(InputSource::Parameter(*number))
         }
         ("m", &[i]) => {
-            let body = model.body_of(joint(i)?);
-            Some(InputSource::Parameter(body.map_or(0.0, |body| body.mass)))
+            let (mass, _, _) = moved(model, joint(i)?);
+            Some(InputSource::Parameter(mass))
         }
         ("l", &[component, i]) => {
-            let center = model
-                .body_of(joint(i)?)
-                .map_or([0.0; 3], |body| body.center);
+            let (_, center, _) = moved(model, joint(i)?);
             Some(InputSource::Parameter(*center.get(place(component)?)?))
         }
         ("In", &[entry, i]) => {
-            let body = model.body_of(joint(i)?);
-            let matrix = body.map_or([0.0; 9], |body| body.inertia_matrix());
+            let (_, _, matrix) = moved(model, joint(i)?);
             Some(InputSource::Parameter(*matrix.get(place(entry)?)?))
         }
         ("lrod", &[i]) => {
@@ -228,5 +225,13 @@ fn source(model: &Model, array: &str, indices: &[u32]) -> Option<InputSource> {
             (force < model.forces.len()).then_some(InputSource::External(force, component))
         }
         _ => None,
+    }
+}
+
+/// Mass, centre of mass and inertia that a joint moves.
+fn moved(model: &Model, joint: usize) -> (f64, [f64; 3], [f64; 9]) {
+    match model.body_of(joint) {
+        Some(body) => (body.mass, body.center, body.inertia_matrix()),
+        None => (0.0, [0.0; 3], [0.0; 9]),
     }
 }

@@ -192,7 +192,7 @@ pub fn eliminate(mut matrix: DenseMatrix, weights: &[f64], threshold: f64) -> Ve
             for column in (0..columns).filter(|&column| column_free[column]) {
                 let size = matrix[(row, column)].abs();
                 let weighted = size * weights[column];
-                if weighted > best.map_or(0.0, |(weighted, _)| weighted) {
+                if weighted > 0.0 && best.is_none_or(|(most, _)| weighted > most) {
                     best = Some((weighted, Pivot { row, column, size }));
                 }
             }

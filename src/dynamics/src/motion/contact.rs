@@ -11,7 +11,12 @@ pub const SLIP_VELOCITY: f64 = 0.01;
 /// The share of dry friction that acts at a velocity: with its sign, smooth,
 /// and 0.7 at `slip`. At rest it lets a load creep instead of holding it.
 pub fn friction_share(velocity: f64, slip: Option<f64>) -> f64 {
-    velocity / velocity.hypot(slip.unwrap_or(SLIP_VELOCITY))
+    velocity / velocity.hypot(turning_velocity(slip))
+}
+
+/// The velocity around which friction turns over.
+pub(super) fn turning_velocity(slip: Option<f64>) -> f64 {
+    slip.unwrap_or(SLIP_VELOCITY)
 }
 
 /// Contact of the point of an external force with a plane.
@@ -102,7 +107,7 @@ impl Contact {
         let slip: CartesianVector = std::array::from_fn(|k| velocity[k] - rate * normal[k]);
         let moved: CartesianVector =
             std::array::from_fn(|k| velocity_slope[k] - rate_slope * normal[k]);
-        let around = self.slip.unwrap_or(SLIP_VELOCITY);
+        let around = turning_velocity(self.slip);
         let speed = dot(slip, slip).sqrt().hypot(around);
         std::array::from_fn(|k| {
             let turned = moved[k] - slip[k] * dot(slip, moved) / (speed * speed);

@@ -63,14 +63,17 @@ pub(super) fn dot(a: CartesianVector, b: CartesianVector) -> f64 {
     (0..3).map(|i| a[i] * b[i]).sum()
 }
 
+/// The motion of a joint's frame, or of the base.
+fn frame(frames: &[JointFrame], joint: Option<usize>) -> JointFrame {
+    joint.map_or(BASE, |joint| frames[joint])
+}
+
 /// The motion of all frames.
 fn frames(model: &Model, state: &MotionState) -> Vec<JointFrame> {
     let mut frames: Vec<JointFrame> = Vec::with_capacity(model.joints.len());
     for (index, joint) in model.joints.iter().enumerate() {
-        let parent = joint.parent.map_or(BASE, |parent| frames[parent]);
-        let place = joint
-            .point
-            .map_or([0.0; 3], |point| model.points[point].coordinates);
+        let parent = frame(&frames, joint.parent);
+        let place = model.coordinates(joint.point);
         let (origin, velocity) = parent.point(place);
         let axis = joint.kind.axis();
         let turns = joint.mounting.turns.iter();
@@ -193,12 +196,8 @@ fn motions<'a>(
 ) -> impl Iterator<Item = [CartesianVector; 2]> + 'a {
     let frames = frames(model, state);
     places.into_iter().map(move |place| {
-        let frame = model
-            .last_joint(place.body)
-            .map_or(BASE, |joint| frames[joint]);
-        let coordinates = place
-            .point
-            .map_or([0.0; 3], |point| model.points[point].coordinates);
+        let frame = frame(&frames, model.last_joint(place.body));
+        let coordinates = model.coordinates(place.point);
         frame.point(coordinates).into()
     })
 }

@@ -211,9 +211,10 @@ impl MotionEquations {
     /// Position, velocity and angular velocity of the point of each external
     /// force, in the base frame.
     pub fn force_motion(&self, state: &MotionState) -> Vec<[[f64; 3]; 3]> {
-        self.forces.as_ref().map_or_else(Vec::new, |compiled| {
-            point_motions(&compiled.evaluate(state), state.external.len())
-        })
+        let Some(compiled) = &self.forces else {
+            return Vec::new();
+        };
+        point_motions(&compiled.evaluate(state), state.external.len())
     }
 
     /// Adds the forces of links to the forces and torques on bodies.
@@ -278,12 +279,13 @@ impl MotionEquations {
         state: &MotionState,
         direction: &MotionState,
     ) -> Vec<[[f64; 3]; 3]> {
-        self.forces.as_ref().map_or_else(Vec::new, |compiled| {
-            point_motions(
-                &compiled.evaluate_along(state, direction),
-                state.external.len(),
-            )
-        })
+        let Some(compiled) = &self.forces else {
+            return Vec::new();
+        };
+        point_motions(
+            &compiled.evaluate_along(state, direction),
+            state.external.len(),
+        )
     }
 
     /// Adds to the derivatives of forces and torques on bodies what links give.
@@ -336,7 +338,10 @@ fn compile(
     let request = GenerationRequest {
         function: kind,
         formulation: setting.formulation,
-        options: scene.map_or_else(Options::default, |(_, options)| options.clone()),
+        options: match scene {
+            Some((_, options)) => options.clone(),
+            None => Options::default(),
+        },
     };
     let mut module = generate(model, &request)?;
     if let Some((pipeline, machine)) = setting.passes {

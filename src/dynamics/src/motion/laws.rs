@@ -56,7 +56,7 @@
 //! phase = 0.0          # rad
 //! ```
 
-use super::contact::{Contact, SLIP_VELOCITY, friction_share};
+use super::contact::{Contact, friction_share, turning_velocity};
 use super::event_law::{EventLaw, EventQuantity};
 use robovec_ir::diagnostic::{Diagnostic, Label, clip, did_you_mean};
 use robovec_ir::document::{self, DocumentError};
@@ -122,7 +122,7 @@ pub struct Spring {
     /// Dry friction: its largest force.
     pub friction: f64,
     /// The velocity around which friction turns over; `None`:
-    /// [`SLIP_VELOCITY`].
+    /// [`SLIP_VELOCITY`](super::contact::SLIP_VELOCITY).
     pub slip: Option<f64>,
 }
 
@@ -160,9 +160,14 @@ impl Spring {
         parts.iter().any(|&part| part != 0.0)
     }
 
+    /// Position, or length, without force of a spring that starts somewhere.
+    pub(super) fn neutral_or(&self, start: f64) -> f64 {
+        self.neutral.unwrap_or(start)
+    }
+
     /// The derivative of the dry friction by the velocity.
     pub fn dry_slope(&self, velocity: f64) -> f64 {
-        let slip = self.slip.unwrap_or(SLIP_VELOCITY);
+        let slip = turning_velocity(self.slip);
         let speed = velocity.hypot(slip);
         self.friction * (slip / speed) * (slip / speed) / speed
     }

@@ -29,7 +29,7 @@ impl MultibodySystem<'_> {
     pub(super) fn load(&self, state: &mut MotionState) -> f64 {
         let mut power = 0.0;
         for (index, law) in self.laws.joints.iter().enumerate() {
-            let neutral = law.neutral.unwrap_or(self.initial[index]);
+            let neutral = law.neutral_or(self.initial[index]);
             let rate = state.qd[index];
             let outside = law.force - law.damping * rate - law.dry(rate);
             state.joint_forces[index] = outside - law.stiffness * (state.q[index] - neutral);
@@ -54,7 +54,7 @@ impl MultibodySystem<'_> {
             let start = self.lengths[index];
             let (length, rate) = (length * start.signum(), rate * start.signum());
             let outside = law.force + law.damping * rate + law.dry(rate);
-            let neutral = law.neutral.unwrap_or(start.abs());
+            let neutral = law.neutral_or(start.abs());
             let pull = outside + law.stiffness * (length - neutral);
             state.links[index] = pull * start.signum();
             power -= outside * rate;
@@ -104,12 +104,12 @@ impl MultibodySystem<'_> {
         let of = |stiffness: f64, stretch: f64| 0.5 * stiffness * stretch * stretch;
         let mut springs = 0.0;
         for (index, law) in self.laws.joints.iter().enumerate() {
-            let neutral = law.neutral.unwrap_or(self.initial[index]);
+            let neutral = law.neutral_or(self.initial[index]);
             springs += of(law.stiffness, state.q[index] - neutral);
         }
         let lengths = energy::lengths(self.model, state);
         for (index, law) in self.laws.links.iter().enumerate() {
-            let neutral = law.neutral.unwrap_or(self.lengths[index].abs());
+            let neutral = law.neutral_or(self.lengths[index].abs());
             springs += of(law.stiffness, lengths[index] - neutral);
         }
         let places = energy::force_points(self.model, state);

@@ -49,7 +49,7 @@ fn describe(model: &Model, (array, indices): &ArrayElement) -> String {
                 .and_then(|point| model.points.get(point))
                 .map(|point| {
                     let ModelPoint { name, body, .. } = point;
-                    let body = body.map_or("base", |body| &model.bodies[body].name);
+                    let body = model.body_name(*body);
                     format!("point {name} of {body}")
                 })
         }

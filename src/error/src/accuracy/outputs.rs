@@ -252,9 +252,7 @@ fn elements(view: View<'_>, format: &FormatAccuracy, most: usize) -> String {
                 scientific(element.mixed.worst),
                 optional(conditioned.map(|found| found.condition)),
                 optional(conditioned.map(|found| found.backward)),
-                conditioned
-                    .map_or("-", |found| found.judgement.name())
-                    .to_owned(),
+                or_dash(conditioned, |found| found.judgement.name().to_owned()),
             ]
         })
         .collect();

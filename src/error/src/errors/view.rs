@@ -4,6 +4,7 @@ use super::heat::{Heat, HotEquation};
 use super::table::{ErrorTable, IntervalRow, OutputRow};
 use robovec_ir::diagnostic::counted;
 use robovec_present::json::json_text;
+use robovec_present::number::or_dash;
 use robovec_present::number::percent;
 use robovec_present::{columns, text_lines};
 use std::fmt::Write;
@@ -207,7 +208,7 @@ fn equation_row(equation: &HotEquation, hottest: f64) -> Vec<String> {
     vec![
         percent(equation.share),
         bar(equation.share / hottest),
-        equation.name.clone().unwrap_or_else(|| "-".to_owned()),
+        or_dash(equation.name.clone(), |name| name),
         equation.operations.to_string(),
         place(equation),
     ]

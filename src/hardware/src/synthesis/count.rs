@@ -97,7 +97,7 @@ fn own(module: &NetlistModule) -> ResourceUse {
             "MISTRAL_MUL18X18" => taken.multiplier_blocks += 0.5,
             "MISTRAL_MUL9X9" => taken.multiplier_blocks += 1.0 / 3.0,
             kind if readable(kind) == TRUE_DUAL_PORT => {
-                let words = 1_u32.checked_shl(parameter(cell, "ADDRESS")).unwrap_or(0);
+                let words = 1_u32.unbounded_shl(parameter(cell, "ADDRESS"));
                 let blocks = true_dual_port_blocks(
                     words,
                     parameter(cell, "WIDTH"),
@@ -116,7 +116,8 @@ fn own(module: &NetlistModule) -> ResourceUse {
 /// A parameter that is a number: binary digits.
 fn parameter(cell: &NetlistCell, name: &str) -> u32 {
     let digits = cell.parameters.get(name).and_then(|value| value.as_str());
-    digits.map_or(0, |digits| u32::from_str_radix(digits, 2).unwrap_or(0))
+    let number = digits.and_then(|digits| u32::from_str_radix(digits, 2).ok());
+    number.unwrap_or(0)
 }
 
 /// Addresses that the cells of one block of an MLAB share.

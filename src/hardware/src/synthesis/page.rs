@@ -154,6 +154,9 @@ pub fn steps(path: &Path) -> String {
 /// A cell's name without what yosys adds for each cell on the way to the net
 /// that it is named after.
 fn short(name: &str) -> String {
-    let own = name.split("_MISTRAL_").next().unwrap_or(name);
-    own.split("_$").next().unwrap_or(own).to_owned()
+    let first = |text: &str, end: &str| {
+        let part = text.split(end).next();
+        part.expect("a text has a first part").to_owned()
+    };
+    first(&first(name, "_MISTRAL_"), "_$")
 }

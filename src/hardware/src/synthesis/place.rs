@@ -6,6 +6,7 @@
 //! for benches, stay open, so that the pins of a package suffice; initial
 //! contents are left out, since they change no delay.
 
+use super::tool::complaint;
 use super::{SynthesisError, Yosys};
 use robovec_io::files::{Replace, TemporaryFolder, write_whole};
 use robovec_io::process::{ProgramCall, ToolError};
@@ -170,14 +171,9 @@ fn run(folder: &Path, program: &str, arguments: &[&str]) -> Result<(), Synthesis
     if output.status.success() {
         return Ok(());
     }
-    let said = output.messages();
-    let line = said.lines().rfind(|line| line.contains("ERROR"));
     Err(SynthesisError::Failed {
         program: program.to_owned(),
-        message: line
-            .or_else(|| said.lines().last())
-            .unwrap_or("it says nothing")
-            .to_owned(),
+        message: complaint("", &output),
     })
 }
 

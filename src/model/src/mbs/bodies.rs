@@ -150,7 +150,7 @@ fn read_body(
     }
     if model.joints.len() == start {
         messages.error(
-            fields.one("bodyname").map_or(place(fields.node), place),
+            fields.place_or_own("bodyname"),
             &format!("{title} has no joint"),
             "this body",
             "add a `joint`, or give its mass and points to the body it is fixed to",
@@ -179,17 +179,15 @@ fn read_mass(
     title: &str,
     messages: &mut Messages,
 ) -> (f64, [f64; 3], [f64; 6]) {
-    let center = fields.one("com").map_or([0.0; 3], |com| {
-        let com_fields = ElementFields::of(com, &["coordinates"], &[], messages);
-        coordinates(
-            &com_fields,
-            &format!("the centre of mass of {title}"),
-            messages,
-        )
-    });
-    let inertia = fields
-        .one("inertia")
-        .map_or([0.0; 6], |node| numbers(node, INERTIA, title, messages));
+    let center = match fields.one("com") {
+        Some(com) => {
+            let com_fields = ElementFields::of(com, &["coordinates"], &[], messages);
+            let owner = format!("the centre of mass of {title}");
+            coordinates(&com_fields, &owner, messages)
+        }
+        None => [0.0; 3],
+    };
+    let inertia = numbers(fields.one("inertia"), INERTIA, title, messages);
     let needs_mass = [
         ("inertia", inertia != [0.0; 6]),
         ("com", center != [0.0; 3]),
@@ -210,7 +208,7 @@ fn read_mass(
         None => {
             if let Some((element, _)) = needs_mass.iter().find(|(_, given)| *given) {
                 messages.warn(
-                    fields.one(element).map_or(0..0, place),
+                    fields.place_of(element),
                     &format!("{title} has no mass"),
                     &format!("but `{element}` is given"),
                     "its mass is taken as 0, as Robotran does; write it, even where it is zero",

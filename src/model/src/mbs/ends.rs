@@ -43,7 +43,7 @@ pub(super) fn read(
 /// Remembers that no function is generated for a link with a torque.
 fn leave_out(name: &str, fields: &ElementFields<'_>, messages: &mut Messages) {
     messages.leave_out(
-        place(fields.one("name").unwrap_or(fields.node)),
+        fields.place_or_own("name"),
         &format!("link3D '{}' is left out of the equations", clip(name)),
         "no function is generated for its force and torque",
         "add them to the `frc` and `trq` of its bodies in a program of your own",

@@ -113,6 +113,11 @@ impl<'a> ElementFields<'a> {
         place(self.one(name).expect("a field that was read is there"))
     }
 
+    /// Place where the child of this name is, or else the element.
+    pub(super) fn place_or_own(&self, name: &str) -> Range<usize> {
+        place(self.one(name).unwrap_or(self.node))
+    }
+
     /// All children of this name, in order.
     pub(super) fn many(&self, name: &str) -> impl Iterator<Item = Node<'a, 'a>> + '_ {
         let name = name.to_owned();

@@ -45,9 +45,8 @@ pub(super) fn read_joint(
     );
     let nature = nature.unwrap_or(Nature::Independent);
     let (has_velocity, has_acceleration) = symbols(&fields, nature, &owner, messages);
-    let initial = fields.one("initialvalue").map_or([0.0; 3], |initial| {
-        numbers(initial, ["q", "qd", "qdd"], &owner, messages)
-    });
+    let initial = fields.one("initialvalue");
+    let initial = numbers(initial, ["q", "qd", "qdd"], &owner, messages);
     Joint {
         name,
         kind: kind.unwrap_or(JointKind::ALL[0]),

@@ -103,10 +103,7 @@ pub struct ModelError {
 
 impl fmt::Display for ModelError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = self.report.files().first().map_or("", |file| file.name());
-        let count = self.report.error_count();
-        let plural = if count == 1 { "" } else { "s" };
-        write!(formatter, "{name}: {count} error{plural}")
+        formatter.write_str(&self.report.summary())
     }
 }
 

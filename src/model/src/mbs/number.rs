@@ -8,26 +8,34 @@ use roxmltree::Node;
 pub(super) fn number(node: Node<'_, '_>, owner: &str, messages: &mut Messages) -> f64 {
     let text = content(node);
     let what = node.tag_name().name();
-    parse_number(&text).unwrap_or_else(|refusal| {
-        let message = format!("`{what}` of {owner}{}", refusal.message);
-        messages.error(place(node), &message, refusal.label, refusal.help);
-        0.0
-    })
+    match parse_number(&text) {
+        Ok(number) => number,
+        Err(refusal) => {
+            let message = format!("`{what}` of {owner}{}", refusal.message);
+            messages.error(place(node), &message, refusal.label, refusal.help);
+            0.0
+        }
+    }
 }
 
-/// The numbers of the named children, in this order; absent ones are zero.
+/// The numbers of the named children of an element, in this order; absent ones
+/// are zero, and all of no element.
 pub(super) fn numbers<const N: usize>(
-    node: Node<'_, '_>,
+    node: Option<Node<'_, '_>>,
     names: [&str; N],
     owner: &str,
     messages: &mut Messages,
 ) -> [f64; N] {
-    let fields = ElementFields::of(node, &names, &[], messages);
-    names.map(|name| {
-        fields
-            .one(name)
-            .map_or(0.0, |child| number(child, owner, messages))
-    })
+    let mut numbers = [0.0; N];
+    if let Some(node) = node {
+        let fields = ElementFields::of(node, &names, &[], messages);
+        for (place, name) in numbers.iter_mut().zip(names) {
+            if let Some(child) = fields.one(name) {
+                *place = number(child, owner, messages);
+            }
+        }
+    }
+    numbers
 }
 
 /// The triple in the `coordinates` of an element.
@@ -37,7 +45,7 @@ pub(super) fn coordinates(
     messages: &mut Messages,
 ) -> [f64; 3] {
     match fields.one("coordinates") {
-        Some(node) => numbers(node, ["x", "y", "z"], owner, messages),
+        node @ Some(_) => numbers(node, ["x", "y", "z"], owner, messages),
         None => {
             messages.error(
                 place(fields.node),

@@ -17,7 +17,7 @@ pub(super) fn hang(
         let title = body_title(&model.bodies[index].name);
         let Some(node) = fields.one("parent") else {
             messages.error(
-                fields.one("bodyname").map_or(place(fields.node), place),
+                fields.place_or_own("bodyname"),
                 &format!("{title} has no parent"),
                 "this body",
                 "add `<parent><bodyname>base</bodyname><pointname>origin</pointname></parent>`",

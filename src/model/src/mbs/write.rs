@@ -152,7 +152,7 @@ impl ModelWriter {
     }
 
     fn anchor(&mut self, model: &Model, element: &str, anchor: Anchor) {
-        let body = anchor.body.map_or(BASE, |body| &model.bodies[body].name);
+        let body = model.body_name(anchor.body);
         let point = anchor
             .point
             .map_or(ORIGIN, |point| &model.points[point].name);

@@ -113,6 +113,17 @@ pub(super) fn number(
         .ok()
 }
 
+/// The same, with a default in place of `None`.
+pub(super) fn number_or(
+    node: Node<'_, '_>,
+    attribute: &str,
+    default: f64,
+    owner: &str,
+    messages: &mut Messages,
+) -> f64 {
+    number(node, attribute, owner, messages).unwrap_or(default)
+}
+
 /// A number that must be there; zero, with an error, where it is not.
 pub(super) fn required(
     node: Node<'_, '_>,
@@ -128,7 +139,7 @@ pub(super) fn required(
             &format!("add `{attribute}=\"…\"`"),
         );
     }
-    number(node, attribute, owner, messages).unwrap_or(0.0)
+    number_or(node, attribute, 0.0, owner, messages)
 }
 
 /// Three numbers in an attribute; `default` where it is missing, and with an
@@ -170,12 +181,15 @@ pub(super) fn triple(
     values
 }
 
-/// The pose that an `origin` says.
+/// The pose in an `origin`, if there is one.
 pub(super) fn read_pose(
-    node: Node<'_, '_>,
+    node: Option<Node<'_, '_>>,
     (title, right_angle): (&str, f64),
     messages: &mut Messages,
 ) -> FramePose {
+    let Some(node) = node else {
+        return FramePose::HERE;
+    };
     let title = format!("the origin of {title}");
     let origin = triple(node, "xyz", &title, [0.0; 3], messages);
     let angles = triple(node, "rpy", &title, [0.0; 3], messages);

@@ -176,14 +176,13 @@ impl RobotBuilder<'_> {
         frame: &LinkPlace,
         name: &str,
         kinds: &[(&str, JointKind)],
-        turns: Vec<crate::ConstantTurn>,
+        mut turns: Vec<crate::ConstantTurn>,
     ) -> LinkPlace {
-        let mut turns = Some(turns);
         let joints = kinds
             .iter()
             .map(|&(suffix, kind)| {
                 let mounting = JointMounting {
-                    turns: turns.take().unwrap_or_default(),
+                    turns: std::mem::take(&mut turns),
                     reversed: false,
                 };
                 plain(format!("{name}_{suffix}"), kind, mounting)

@@ -1,6 +1,8 @@
 //! Elements of a robot.
 
-use super::attributes::{children, name, number, place_of, read_pose, remark_unknown, triple};
+use super::attributes::{
+    children, name, number, number_or, place_of, read_pose, remark_unknown, triple,
+};
 use super::inertial::{LinkInertial, read_inertial};
 use crate::JointLosses;
 use crate::rotation::FramePose;
@@ -295,22 +297,21 @@ fn read_joint(
     let ends = [("parent", parent), ("child", child)]
         .map(|(which, child)| end(node, child, (which, &title), numbers, messages));
     let limits = limit.and_then(|limit| read_limits(limit, kind?, &title, messages));
-    let losses = dynamics.map_or_else(JointLosses::default, |dynamics| {
-        read_losses(dynamics, kind, &title, messages)
-    });
+    let losses = match dynamics {
+        Some(dynamics) => read_losses(dynamics, kind, &title, messages),
+        None => JointLosses::default(),
+    };
     let axis = read_axis(axis, kind, &title, messages);
     let mimic = mimic.and_then(|mimic| {
         let title = format!("the mimic of {title}");
         Some(MimicElement {
             leader: name(mimic, "joint", &title, messages)?,
-            factor: number(mimic, "multiplier", &title, messages).unwrap_or(1.0),
-            offset: number(mimic, "offset", &title, messages).unwrap_or(0.0),
+            factor: number_or(mimic, "multiplier", 1.0, &title, messages),
+            offset: number_or(mimic, "offset", 0.0, &title, messages),
             place: place_of(mimic, "joint"),
         })
     });
-    let origin = origin.map_or(FramePose::HERE, |origin| {
-        read_pose(origin, (&title, right_angle), messages)
-    });
+    let origin = read_pose(origin, (&title, right_angle), messages);
     let [parent, child_link] = ends;
     Some(JointElement {
         name: joint_name?,
@@ -422,7 +423,7 @@ fn read_losses(
 ) -> JointLosses {
     let title = format!("the dynamics of {title}");
     let [damping, friction] = ["damping", "friction"].map(|name| {
-        let value = number(node, name, &title, messages).unwrap_or(0.0);
+        let value = number_or(node, name, 0.0, &title, messages);
         if value < 0.0 {
             messages.warn(
                 place_of(node, name),

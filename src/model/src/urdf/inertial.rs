@@ -51,9 +51,7 @@ pub(super) fn read_inertial(
     };
     LinkInertial {
         mass: value,
-        origin: origin.map_or(FramePose::HERE, |origin| {
-            read_pose(origin, (title, right_angle), messages)
-        }),
+        origin: read_pose(origin, (title, right_angle), messages),
         inertia: entries,
         place: inertia.map_or(place(node), place),
     }

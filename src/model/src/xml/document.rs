@@ -91,7 +91,8 @@ fn explain(error: &Error, text: &str, kind: &DocumentKind) -> Diagnostic {
     };
     match error {
         Error::DtdDetected => {
-            let start = text.find("<!DOCTYPE").unwrap_or(0);
+            let start = text.find("<!DOCTYPE");
+            let start = start.expect("a document type has its mark");
             diagnostic(
                 start..(start + 9).min(text.len()),
                 "a model has no document type",
@@ -127,7 +128,8 @@ fn explain(error: &Error, text: &str, kind: &DocumentKind) -> Diagnostic {
         ),
         other => {
             let reason = other.to_string();
-            let reason = reason.split(" at ").next().unwrap_or_default();
+            let reason = reason.split(" at ").next();
+            let reason = reason.expect("a text has a first part");
             diagnostic(
                 at..after(text, at),
                 "this is not XML",
@@ -151,23 +153,16 @@ fn close_tag(text: &str, at: usize) -> Range<usize> {
 
 /// The end of the character at a byte.
 fn after(text: &str, at: usize) -> usize {
-    text[at..].chars().next().map_or(at, |c| at + c.len_utf8())
+    text.ceil_char_boundary(at + 1)
 }
 
 /// The byte of the library's line and column, both from 1, the column in
 /// characters.
 fn byte_at(text: &str, position: TextPos) -> usize {
     let before = (position.row as usize).saturating_sub(1);
-    let start = match before {
-        0 => 0,
-        _ => text
-            .match_indices('\n')
-            .nth(before - 1)
-            .map_or(text.len(), |(at, _)| at + 1),
-    };
+    let lines = text.split_inclusive('\n').take(before);
+    let start: usize = lines.map(str::len).sum();
     let column = (position.col as usize).saturating_sub(1);
-    text[start..]
-        .char_indices()
-        .nth(column)
-        .map_or(text.len(), |(offset, _)| start + offset)
+    let characters = text[start..].chars().take(column);
+    start + characters.map(char::len_utf8).sum::<usize>()
 }

@@ -156,7 +156,7 @@ pub(crate) fn place(node: Node<'_, '_>) -> Range<usize> {
 pub(crate) fn content(node: Node<'_, '_>) -> String {
     let mut text = String::new();
     for piece in node.children().filter(|child| child.is_text()) {
-        text.push_str(piece.text().unwrap_or_default());
+        text.push_str(piece.text().expect("a text node has a text"));
     }
     text.trim().to_owned()
 }

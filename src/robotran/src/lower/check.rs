@@ -205,8 +205,11 @@ fn occurrence(text: &str, span: SourceSpan, name: &str) -> SourceSpan {
         (at == 0 || !word(bytes[at - 1])) && (after >= bytes.len() || !word(bytes[after]))
     });
     let hit = found.find(|&(at, _)| at > from);
-    hit.map_or(span, |(at, _)| {
-        let start = span.start as usize + at;
-        SourceSpan::new(start, start + name.len())
-    })
+    match hit {
+        Some((at, _)) => {
+            let start = span.start as usize + at;
+            SourceSpan::new(start, start + name.len())
+        }
+        None => span,
+    }
 }

@@ -19,6 +19,7 @@ use super::structure::{FunctionBlock, Region};
 use super::syntax::{FunctionHeader, StatementKind, SyntaxTree};
 use super::token::RobotranName;
 use super::{ERROR_LIMIT, Language};
+use robovec_cgen::kind::bare_name;
 use robovec_ir::diagnostic::{Diagnostic, Label};
 use robovec_ir::{Function, Level, Module, Operand, Symbol};
 use std::ops::Range;
@@ -97,14 +98,12 @@ impl Lowering<'_, '_> {
         let head = block
             .head
             .map(|head| self.syntax.heads[head as usize].clone());
-        let first = block.runs.first().map_or(0, |run| run.statements.start);
-        let last = block.runs.last().map_or(0, |run| run.statements.end);
         let mut builder = StorageBuilder {
             syntax: &mut self.syntax,
             symbols: &self.module.tables.symbols,
             language: self.language,
             head: head.as_ref(),
-            statements: first..last,
+            statements: block.statements(),
             elements,
             joints: self.header.joints.unwrap_or(0),
             foreign: !self
@@ -139,10 +138,8 @@ impl Lowering<'_, '_> {
         let signature = FunctionSignature {
             parameters: parameters(head.as_ref(), &storage),
             counters: self.counters(block),
-            given: head
-                .as_ref()
-                .map_or(Vec::new(), |head| head.parameters.clone()),
-            whole: head.as_ref().map_or(Vec::new(), |head| head.whole.clone()),
+            given: named(head.as_ref(), |head| &head.parameters).to_vec(),
+            whole: named(head.as_ref(), |head| &head.whole).to_vec(),
         };
         let cases = block.cases();
         let plain = StatementBlock {
@@ -190,7 +187,7 @@ impl Lowering<'_, '_> {
                 .map(|c| if c.is_ascii_alphanumeric() { c } else { '_' })
                 .collect(),
         };
-        let bare = name.strip_prefix("mbs_").unwrap_or(&name);
+        let bare = bare_name(&name);
         let starts_well = bare.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
         if starts_well {
             bare.to_owned()
@@ -327,10 +324,13 @@ impl Lowering<'_, '_> {
         storage: &Storage,
         block: &FunctionBlock,
     ) -> bool {
-        let parameters = block.head.map_or(0, |head| {
-            let head = &self.syntax.heads[head as usize];
-            head.parameters.len() + head.outputs.len()
-        });
+        let parameters = match block.head {
+            Some(head) => {
+                let head = &self.syntax.heads[head as usize];
+                head.parameters.len() + head.outputs.len()
+            }
+            None => 0,
+        };
         let each = each + parameters + storage.len + self.module.tables.symbols.len();
         self.work = self.work.saturating_add(each as u64 * functions as u64);
         let affordable = self.work <= LARGEST_REPETITION;
@@ -416,7 +416,7 @@ impl Lowering<'_, '_> {
         {
             return;
         }
-        let declared = head.map_or(&[][..], |head| &head.outputs);
+        let declared = named(head, |head| &head.outputs);
         let symbols = &self.module.tables.symbols;
         let solved = matches!(kind, "accelred" | "dirdyna_odn");
         let mut expected: Vec<Symbol> = parameters
@@ -464,14 +464,26 @@ const KINDS: [&str; 12] = [
 ];
 
 fn file_stem(name: &str) -> &str {
-    let base = name.rsplit(['/', '\\']).next().unwrap_or(name);
-    base.split_once('.').map_or(base, |(stem, _)| stem)
+    let base = name.rsplit(['/', '\\']).next();
+    let mut parts = base.expect("a text has a last part").split('.');
+    parts.next().expect("a text has a first part")
+}
+
+/// Names in the head of a function; none without a head.
+fn named(
+    head: Option<&FunctionHeader>,
+    names: impl Fn(&FunctionHeader) -> &Vec<RobotranName>,
+) -> &[RobotranName] {
+    match head {
+        Some(head) => names(head),
+        None => &[],
+    }
 }
 
 /// The parameters under the names the equations use.
 fn parameters(head: Option<&FunctionHeader>, storage: &Storage) -> Vec<RobotranName> {
-    let parameters = head.map_or(&[][..], |head| &head.parameters);
-    let outputs = head.map_or(&[][..], |head| &head.outputs);
+    let parameters = named(head, |head| &head.parameters);
+    let outputs = named(head, |head| &head.outputs);
     let all = outputs.iter().chain(parameters);
     all.map(|&name| storage.canonical(name)).collect()
 }

@@ -210,16 +210,15 @@ impl Scanner<'_> {
                 LeafKind::Node(_) | LeafKind::Number(_) => {}
             }
         }
-        match call.target.map(SyntaxLeaf::kind) {
-            Some(LeafKind::Scalar(name)) => {
+        let Some(target) = call.target else { return };
+        match target.kind() {
+            LeafKind::Scalar(name) => {
                 if let Some(array) = self.storage.find(name) {
                     self.awaited[array as usize] = false;
                 }
             }
-            Some(LeafKind::Element(_)) => {
-                self.write(call.target.unwrap_or(SyntaxLeaf::NONE), span);
-            }
-            Some(LeafKind::Node(_) | LeafKind::Number(_)) | None => {}
+            LeafKind::Element(_) => self.write(target, span),
+            LeafKind::Node(_) | LeafKind::Number(_) => {}
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{ArrayUse, Initial, LARGEST_STORAGE, POINTED_AT, Storage, StorageBuilder, StoredArray};
 use crate::Language;
-use crate::conventions::known_extent;
+use crate::conventions::least_extent;
 use crate::token::RobotranName;
 use robovec_ir::diagnostic::Diagnostic;
 use robovec_ir::{MAX_INPUT_ELEMENTS, Shape, Symbol};
@@ -26,11 +26,10 @@ impl StorageBuilder<'_> {
                 self.unknown_rank(storage, name);
             }
             let mut stated = self.extents.iter();
-            let known = match stated.find(|(name, _, _)| name == text) {
-                Some(&(_, rows, columns)) => Some((rows, columns)),
-                None => known_extent(text, self.joints),
+            let (rows, columns) = match stated.find(|(name, _, _)| name == text) {
+                Some(&(_, rows, columns)) => (rows, columns),
+                None => least_extent(text, self.joints),
             };
-            let (rows, columns) = known.unwrap_or((0, 0));
             self.check_joints(text, used);
             let rows = rows.max(used.rows).max(1);
             let columns = columns.max(used.columns).max(1);
@@ -124,7 +123,7 @@ impl StorageBuilder<'_> {
                     let mut elements = self.elements.clone();
                     let first =
                         elements.find(|&index| self.syntax.elements[index].column == number as u32);
-                    self.wrong_rank(first.unwrap_or(0), array.name);
+                    self.wrong_rank(first, array.name);
                     return;
                 }
             };

@@ -181,7 +181,8 @@ impl StorageBuilder<'_> {
             return true;
         };
         let text = self.symbols.text(name.symbol());
-        let structure = text.split('.').next().unwrap_or(text);
+        let structure = text.split('.').next();
+        let structure = structure.expect("a text has a first part");
         let mut visible = head.parameters.iter().chain(&head.outputs);
         visible.any(|parameter| {
             *parameter == name || self.symbols.text(parameter.symbol()) == structure

@@ -26,7 +26,7 @@ impl StorageBuilder<'_> {
             let extreme = element.row == used.rows || element.column == used.columns;
             element.name.symbol() == name.symbol() && extreme
         });
-        self.too_large(name, largest.unwrap_or(0), LARGEST_STORAGE);
+        self.too_large(name, largest, LARGEST_STORAGE);
     }
 
     /// The array with this number that makes all inputs larger than allowed;
@@ -35,11 +35,11 @@ impl StorageBuilder<'_> {
         let elements = self.elements.clone();
         let of_array = elements.filter(|&index| self.syntax.elements[index].column == number);
         let farthest = of_array.max_by_key(|&index| self.syntax.elements[index].row);
-        self.too_large(name, farthest.unwrap_or(0), MAX_INPUT_ELEMENTS);
+        self.too_large(name, farthest, MAX_INPUT_ELEMENTS);
     }
 
-    fn too_large(&mut self, name: RobotranName, element: usize, most: u64) {
-        let span = statement_of_element(self.syntax, self.statements.clone(), element as u32);
+    fn too_large(&mut self, name: RobotranName, element: Option<usize>, most: u64) {
+        let span = statement_of_element(self.syntax, self.statements.clone(), element);
         let text = self.symbols.text(name.symbol());
         self.errors.push(refusal(
             &format!("`{text}` makes the arrays larger than any model needs"),
@@ -53,8 +53,7 @@ impl StorageBuilder<'_> {
         let mut elements = self.elements.clone();
         let first =
             elements.find(|&index| storage.canonical(self.syntax.elements[index].name) == name);
-        let element = first.unwrap_or(0) as u32;
-        let span = statement_of_element(self.syntax, self.statements.clone(), element);
+        let span = statement_of_element(self.syntax, self.statements.clone(), first);
         let text = self.symbols.text(name.symbol());
         self.errors.push(refusal(
             &format!("Robotran's array `{text}` has another number of indices"),
@@ -64,8 +63,8 @@ impl StorageBuilder<'_> {
         ));
     }
 
-    pub(super) fn wrong_rank(&mut self, element: usize, name: RobotranName) {
-        let span = statement_of_element(self.syntax, self.statements.clone(), element as u32);
+    pub(super) fn wrong_rank(&mut self, element: Option<usize>, name: RobotranName) {
+        let span = statement_of_element(self.syntax, self.statements.clone(), element);
         let name = self.symbols.text(name.symbol());
         self.errors.push(refusal(
             &format!("`{name}` is used with one index and with two"),
@@ -76,8 +75,13 @@ impl StorageBuilder<'_> {
     }
 }
 
-/// The statement that holds an element: for messages only.
-fn statement_of_element(syntax: &SyntaxTree, statements: Range<usize>, element: u32) -> SourceSpan {
+/// The statement that holds an element, or the first: for messages only.
+fn statement_of_element(
+    syntax: &SyntaxTree,
+    statements: Range<usize>,
+    element: Option<usize>,
+) -> SourceSpan {
+    let wanted = element.map(|element| LeafKind::Element(element as u32));
     for statement in &syntax.statements[statements.clone()] {
         let StatementKind::Equation {
             target,
@@ -93,7 +97,7 @@ fn statement_of_element(syntax: &SyntaxTree, statements: Range<usize>, element: 
             .iter()
             .flat_map(|node| node.operands())
             .chain([&target, &root]);
-        if leaves.any(|leaf| leaf.kind() == LeafKind::Element(element)) {
+        if leaves.any(|leaf| Some(leaf.kind()) == wanted) {
             return statement.span;
         }
     }

@@ -31,7 +31,7 @@ impl StorageBuilder<'_> {
             };
             let used = &mut uses[number as usize];
             if used.rank != 0 && used.rank != rank {
-                self.wrong_rank(index, element.name);
+                self.wrong_rank(Some(index), element.name);
                 continue;
             }
             used.rank = rank;

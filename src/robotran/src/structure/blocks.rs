@@ -5,6 +5,15 @@ use crate::Language;
 use crate::explain::refusal;
 use crate::syntax::StatementKind;
 use crate::token::{RobotranName, SourceSpan};
+use robovec_cgen::kind::bare_name;
+
+/// The flow that is open around a block; none outside all.
+fn inside(outer: Option<&OpenBlock>) -> (bool, bool) {
+    match outer {
+        Some(open) => open.inside,
+        None => (false, false),
+    }
+}
 
 impl Cutter<'_> {
     /// Matlab closes `if`, `elseif`, `else` by one `end`.
@@ -75,7 +84,7 @@ impl Cutter<'_> {
         selector: Option<RobotranName>,
     ) {
         let outer = self.stack.last();
-        let (nested, inside_control) = outer.map_or((false, false), |open| open.inside);
+        let (nested, inside_control) = inside(outer);
         let sensor = matches!(block, BlockKind::SensorCase(_) | BlockKind::Switch { .. });
         if nested || (sensor && inside_control) {
             self.errors.push(refusal(
@@ -122,17 +131,14 @@ impl Cutter<'_> {
         let head = self.functions.last().and_then(|function| function.head);
         head.is_some_and(|head| {
             let name = self.symbols.text(self.syntax.heads[head as usize].name);
-            matches!(
-                name.strip_prefix("mbs_").unwrap_or(name),
-                "accelred" | "invdynared"
-            )
+            matches!(bare_name(name), "accelred" | "invdynared")
         })
     }
 
     pub(super) fn open(&mut self, block: BlockKind, column: u32, span: SourceSpan, single: bool) {
         self.end_run();
         let outer = self.stack.last();
-        let (sensor, control) = outer.map_or((false, false), |open| open.inside);
+        let (sensor, control) = inside(outer);
         let is_sensor = matches!(block, BlockKind::SensorCase(_) | BlockKind::Switch { .. });
         let is_control = matches!(block, BlockKind::Control(_));
         let meaning = match (&block, outer) {
@@ -160,7 +166,7 @@ impl Cutter<'_> {
             }
             // `else if` of C: a condition within an `else`.
             Some(BlockKind::Others(mut chain)) => {
-                chain.extend(self.chain.take().unwrap_or_default());
+                chain.extend(self.chain.take().into_iter().flatten());
                 self.chain = Some(chain);
             }
             Some(

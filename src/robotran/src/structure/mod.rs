@@ -52,6 +52,17 @@ impl FunctionBlock {
         regions.any(|region| matches!(region, Region::Control(_)))
     }
 
+    /// Statements from the first run to the last.
+    pub(super) fn statements(&self) -> Range<usize> {
+        match &self.runs[..] {
+            [] => 0..0,
+            [first, ..] => {
+                let last = self.runs.last().expect("there is a first run");
+                first.statements.start..last.statements.end
+            }
+        }
+    }
+
     /// The sensor cases, in order of appearance.
     pub(super) fn cases(&self) -> Vec<u32> {
         let mut cases = Vec::new();

@@ -93,8 +93,10 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
     /// gives another meaning to sines, cosines, roots or `zeros` is refused.
     fn import(&mut self) -> Result<Option<RobotranToken>, LexicalError> {
         let rest = self.lexer.remainder();
-        let line = &rest[..rest.find('\n').unwrap_or(rest.len())];
-        let statement = line.split('#').next().unwrap_or_default();
+        let line = rest.split('\n').next();
+        let line = line.expect("a text has a first part");
+        let statement = line.split('#').next();
+        let statement = statement.expect("a text has a first part");
         let from = self.lexer.slice() == "from";
         self.lexer.bump(line.len());
         let mut words = statement

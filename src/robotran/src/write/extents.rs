@@ -6,7 +6,7 @@
 //! nothing to Robotran.
 
 use super::arrays::{ArrayRole, FileArrays};
-use crate::conventions::known_extent;
+use crate::conventions::least_extent;
 use hashbrown::HashSet;
 use robovec_ir::{Function, Shape};
 use rustc_hash::FxBuildHasher;
@@ -19,7 +19,7 @@ pub(super) fn line(functions: &[&Function], arrays: &FileArrays, joints: u32) ->
     let mut line = String::new();
     for array in arrays.all.iter().filter(|array| array.is_used()) {
         let (rows, columns) = array.largest;
-        let (known_rows, known_columns) = known_extent(&array.name, joints).unwrap_or((0, 0));
+        let (known_rows, known_columns) = least_extent(&array.name, joints);
         let force = array.role == ArrayRole::Result && forces.contains(array.name.as_str());
         let nine = if force { 9 } else { 0 };
         let rows = rows.max(known_rows).max(nine).max(1);

@@ -124,8 +124,8 @@ impl<'a> Calls<'a> {
         let mut stages = Vec::with_capacity(self.function.nodes().len());
         for node in self.function.nodes() {
             let needed = node.operands().iter();
-            let needed = needed.map(|&operand| self.stage(operand, &stages)).max();
-            stages.push(needed.unwrap_or(0));
+            let needed = needed.map(|&operand| self.stage(operand, &stages));
+            stages.push(needed.fold(0, u32::max));
         }
         stages
     }

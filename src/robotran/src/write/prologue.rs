@@ -201,8 +201,13 @@ impl Prologue<'_> {
         }
     }
 
+    /// Number of joints, 1 where it is not known.
+    fn joint_count(&self) -> u32 {
+        self.joints.unwrap_or(1)
+    }
+
     fn zeros(&self, text: &mut FileText, name: &str, rank: usize, shape: Option<Shape>) {
-        let joints = self.joints.unwrap_or(1);
+        let joints = self.joint_count();
         let (rows, columns) = match shape {
             Some(Shape::Vector(length)) => (length, 1),
             Some(Shape::Matrix(rows, columns)) => (rows, columns),
@@ -218,7 +223,7 @@ impl Prologue<'_> {
     }
 
     fn matlab_sensor(&self, text: &mut FileText) {
-        let joints = self.joints.unwrap_or(1);
+        let joints = self.joint_count();
         for (field, rows, columns) in [
             ("P", 3, 1),
             ("R", 3, 3),

@@ -139,7 +139,7 @@ fn boundaries(function: &FunctionReport, text: &mut String) {
             vec![
                 format!("{}({})", boundary.callee, boundary.arguments.join(", ")),
                 list(&boundary.outputs),
-                boundary.result.clone().unwrap_or_else(|| "-".to_owned()),
+                or_dash(boundary.result.clone(), |result| result),
             ]
         })
         .collect();
@@ -155,13 +155,14 @@ fn passes(function: &FunctionReport, text: &mut String) {
     let rows: Vec<Vec<String>> = function.passes.iter().map(pass_row).collect();
     let head = "pass | >CPU ms | >peak MB | >operations | >ASAPCycle | check | error in binary32";
     let checked = function.passes.iter().find_map(|pass| pass.check.as_ref());
-    let title = checked.map_or("Passes".to_owned(), |check| {
-        format!(
+    let title = match checked {
+        Some(check) => format!(
             "Passes, each checked at {} from seed {}",
             counted(check.points, "point"),
             check.seed
-        )
-    });
+        ),
+        None => "Passes".to_owned(),
+    };
     section(&title, &text_table(head, &rows), text);
     for pass in &function.passes {
         let failure = pass.check.as_ref().and_then(|check| check.failure.as_ref());
@@ -346,17 +347,14 @@ fn speed_against_error(function: &FunctionReport, text: &mut String) {
         });
         vec![
             name.to_owned(),
-            schedule.map_or("-".to_owned(), |schedule| schedule.cycles.to_string()),
-            schedule
-                .and_then(|schedule| schedule.time_us)
-                .map_or("-".to_owned(), |time| format!("{time:.3}")),
+            or_dash(schedule, |schedule| schedule.cycles.to_string()),
+            or_dash(schedule.and_then(|schedule| schedule.time_us), |time| {
+                format!("{time:.3}")
+            }),
             scientific(summary.median_relative),
             scientific(summary.worst_normwise),
             scientific(summary.worst_ulps),
-            summary
-                .worst_output
-                .clone()
-                .unwrap_or_else(|| "-".to_owned()),
+            or_dash(summary.worst_output.clone(), |output| output),
         ]
     };
     let rows = [
@@ -444,7 +442,7 @@ fn worst_errors(format: &str, report: &FormatReport, text: &mut String) {
                 scientific(element.mixed.worst),
                 number(element.condition),
                 number(element.backward),
-                element.judgement.unwrap_or("-").to_owned(),
+                or_dash(element.judgement, str::to_owned),
             ]
         })
         .collect();

@@ -12,8 +12,8 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
                 Initial::Input(name) => self.shared.tables.symbols.text(name),
                 Initial::Zero | Initial::Nothing => "",
             };
-            let known = INPUT_ORDER.iter().position(|&known| known == text);
-            known.unwrap_or(INPUT_ORDER.len())
+            let before = INPUT_ORDER.iter().take_while(|&&known| known != text);
+            before.count()
         };
         let mut read: Vec<u32> = (0..self.storage.arrays.len() as u32)
             .filter(|&array| self.scan.read[array as usize])
@@ -31,11 +31,13 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
         let Initial::Input(name) = array.initial else {
             return;
         };
-        let known = self.declared.get(&name).copied();
-        let input = known.unwrap_or_else(|| {
-            let shape = self.storage.input_shape(name).unwrap_or(array.shape);
-            self.function.add_input(name, shape)
-        });
+        let input = match self.declared.get(&name) {
+            Some(&known) => known,
+            None => {
+                let shape = self.storage.input_shape(name).unwrap_or(array.shape);
+                self.function.add_input(name, shape)
+            }
+        };
         self.declared.insert(name, input);
         self.inputs[number as usize] = Some(input);
     }
@@ -48,11 +50,8 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
             // The fields of a sensor stand in the order of its structure, so
             // that no case of a file depends on what the others ask for.
             let text = self.shared.tables.symbols.text(name.symbol());
-            let field = SENSOR_FIELDS.iter().position(|field| *field == text);
-            (
-                place.copied().unwrap_or(usize::MAX),
-                field.unwrap_or(SENSOR_FIELDS.len()),
-            )
+            let before = SENSOR_FIELDS.iter().take_while(|&&field| field != text);
+            (place.copied().unwrap_or(usize::MAX), before.count())
         };
         let mut written: Vec<u32> = (0..self.storage.arrays.len() as u32)
             .filter(|&array| {
