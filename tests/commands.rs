@@ -258,7 +258,7 @@ impl TriedDocument<'_> {
         if block.note == "plan" {
             fs::write(self.folder.join("plan.toml"), text).expect("a folder of our own");
             // A share of nothing: the plan is read and resolved.
-            let study = "robovec study --plan plan.toml -o plan --shard 1000/1000";
+            let study = "robovec explore --plan plan.toml -o plan --shard 1000/1000";
             return printed(study, &self.folder).map(drop);
         }
         let whole = fs::read_to_string(tree(&block.note)).map_err(|error| error.to_string())?;

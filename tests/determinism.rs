@@ -122,7 +122,7 @@ fn hardware_is_the_same_bytes() {
 
 #[test]
 fn sweeps_are_the_same_bytes() {
-    let arguments = ["sweep", "serial-3", "--adders=1,2", "--multipliers=1,2"];
+    let arguments = ["explore", "serial-3", "--adders=1,2", "--multipliers=1,2"];
     let arguments = [&arguments[..], &["--couples=3-3,6-4", "-o", "out"]].concat();
     same(ROBOVEC, &arguments, 4);
 }
@@ -130,5 +130,5 @@ fn sweeps_are_the_same_bytes() {
 #[test]
 fn studies_are_the_same_bytes() {
     let plan = path("tests/study/plans/suspension.toml");
-    same(ROBOVEC, &["study", "--plan", &plan, "-o", "out"], 10);
+    same(ROBOVEC, &["explore", "--plan", &plan, "-o", "out"], 10);
 }

@@ -1,7 +1,7 @@
 //! Speed against error: what the thesis could choose is dominated by what we
 //! choose, and what a scene is given holds in simulation.
 
-use crate::support::programs::{robovec, said};
+use crate::support::programs::{robovec, said, stderr};
 use robovec::explore::program::{transformed_by, view};
 use robovec::generate::Formulation;
 use robovec::scene::SceneSubject;
@@ -22,7 +22,7 @@ fn every_choice_of_the_thesis_is_dominated() {
     let folder = tempfile::tempdir().expect("there is room for a folder");
     let path = folder.path().to_string_lossy().into_owned();
     let text = said(&robovec(&[
-        "front",
+        "explore",
         "examples/models/bogie.mbs",
         "examples/suspension/mbs_dirdyna_suspension.m",
         "--elements=4,16",
@@ -31,7 +31,7 @@ fn every_choice_of_the_thesis_is_dominated() {
         &path,
     ]));
     assert!(text.contains("of 10 choices of the thesis"), "{text}");
-    let fronts: Value = serde_json::from_str(&read(folder.path(), "front.json")).expect("JSON");
+    let fronts: Value = serde_json::from_str(&read(folder.path(), "explore.json")).expect("JSON");
     let fronts = fronts.as_array().expect("a list");
     assert_eq!(fronts.len(), 2);
     for front in fronts {
@@ -57,9 +57,9 @@ fn every_choice_of_the_thesis_is_dominated() {
         }
     }
     for (name, word) in [
-        ("front.html", "look-ahead"),
-        ("front.svg", "worst normwise error"),
-        ("front.csv", "look-ahead"),
+        ("explore.html", "look-ahead"),
+        ("explore.svg", "worst normwise error"),
+        ("explore.csv", "look-ahead"),
     ] {
         assert!(read(folder.path(), name).contains(word), "{name}");
     }
@@ -412,10 +412,51 @@ fn a_formulation_that_reads_more_than_the_function_is_left_out() {
     let model = model.to_string_lossy();
     let random = ["--joints=4", "--seed=3010", "-o", &model];
     said(&robovec(&[&["model", "random"][..], &random].concat()));
-    let text = said(&robovec(&["front", &model, "--states=4", "--elements=4"]));
+    let text = said(&robovec(&["explore", &model, "--states=4", "--elements=4"]));
     assert!(
         text.contains("was left out: the program reads 'dpt["),
         "{text}"
     );
     assert!(text.contains("choices of the thesis"), "{text}");
+}
+
+#[test]
+fn words_that_an_exploration_does_not_take_are_refused() {
+    for (words, message, advice) in [
+        (
+            &["serial-1", "--passes=atomise"][..],
+            "--passes: not for an exploration of programs",
+            "for designs of machines, add '--designs'",
+        ),
+        (
+            &["serial-1", "--adders=1", "--angle=1"],
+            "--angle: not for an exploration of designs of machines",
+            "for programs, leave '--plan' and the axes of machines out",
+        ),
+        (
+            &["--plan=thesis", "-o=out", "--seed=2"],
+            "--seed: not for an exploration of a plan",
+            "for programs, leave",
+        ),
+        (
+            &["--plan=thesis", "-o=out", "--ratio=1"],
+            "--designs and axes of machines: not for an exploration of a plan",
+            "add '--designs'",
+        ),
+        (
+            &["serial-1", "--cpu-limit=9"],
+            "--cpu-limit: not for an exploration of programs",
+            "for a plan, add '--plan'",
+        ),
+        (
+            &["serial-1", "--machine=thesis,solver"],
+            "expected one machine for an exploration of programs",
+            "for a plan, add '--plan'",
+        ),
+    ] {
+        let output = robovec(&[&["explore"], words].concat());
+        let told = stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{told}");
+        assert!(told.contains(message) && told.contains(advice), "{told}");
+    }
 }

@@ -46,8 +46,8 @@ struct PointFiles {
 }
 
 const SWEEP: PointFiles = PointFiles {
-    csv: "sweep.csv",
-    json: "sweep.json",
+    csv: "explore.csv",
+    json: "explore.json",
     pointer: "/0/points",
     columns: &[
         ("adders", "/design/adders"),
@@ -62,8 +62,8 @@ const SWEEP: PointFiles = PointFiles {
 };
 
 const FRONT: PointFiles = PointFiles {
-    csv: "front.csv",
-    json: "front.json",
+    csv: "explore.csv",
+    json: "explore.json",
     pointer: "/0/points",
     columns: &[
         ("operations", "/operations"),
@@ -90,35 +90,35 @@ const FIT: PointFiles = PointFiles {
 
 const RUNS: &[LabelledRun] = &[
     LabelledRun {
-        command: "sweep HERE/pair.rvir --passes atomise --adders 1 --multipliers 1 --couples 3-3 \
+        command: "explore HERE/pair.rvir --passes atomise --adders 1 --multipliers 1 --couples 3-3 \
                   --memories unified --buffers 16 --instances 1 --device ecp5 -o OUT",
         device: "ecp5",
-        page: "sweep.html",
+        page: "explore.html",
         words: &["1 design on ECP5 LFE5UM-85F, 1 on the front"],
         absent: &["The dashed line", "The line joins"],
         points: Some(SWEEP),
     },
     LabelledRun {
-        command: "sweep HERE/pair.rvir --passes atomise --adders 1,2 --multipliers 1 --couples \
+        command: "explore HERE/pair.rvir --passes atomise --adders 1,2 --multipliers 1 --couples \
                   3-3,6-4 --memories unified --buffers 16 --instances 1,4 -o OUT",
         device: "cyclone",
-        page: "sweep.html",
+        page: "explore.html",
         words: &["8 designs on Cyclone V 5CSEBA6U23I7", "The line joins"],
         absent: &["The dashed line"],
         points: Some(SWEEP),
     },
     LabelledRun {
-        command: "front HERE/pair.rvir --states 1 --elements 1 --machine HERE/lattice.toml -o OUT",
+        command: "explore HERE/pair.rvir --states 1 --elements 1 --machine HERE/lattice.toml -o OUT",
         device: "ecp5",
-        page: "front.html",
+        page: "explore.html",
         words: &["Machine lattice: ", "5 operations as they came, 1 state\n"],
         absent: &["line joins"],
         points: Some(FRONT),
     },
     LabelledRun {
-        command: "front HERE/pair.rvir --states 8 --elements 2 -o OUT",
+        command: "explore HERE/pair.rvir --states 8 --elements 2 -o OUT",
         device: "cyclone",
-        page: "front.html",
+        page: "explore.html",
         words: &["Machine thesis: ", " 120 MHz (estimated)", "8 states\n"],
         absent: &["178 MHz"],
         points: Some(FRONT),
@@ -132,9 +132,9 @@ const RUNS: &[LabelledRun] = &[
         points: Some(FIT),
     },
     LabelledRun {
-        command: "study --plan HERE/one.toml -o OUT",
+        command: "explore --plan HERE/one.toml -o OUT",
         device: "cyclone",
-        page: "report.html",
+        page: "explore.html",
         words: &["1 placement", "178 MHz (published)"],
         absent: &[],
         points: None,

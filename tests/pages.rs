@@ -44,15 +44,15 @@ fn refers_to_nothing(page: &Path) {
 fn a_sweep() {
     let space = ["--adders=1,2", "--multipliers=1,2", "--couples=3-3,6-4"];
     let model = model("double-pendulum.mbs").display().to_string();
-    let program = ["sweep", &model, "--passes=atomise,balance"];
-    drive(&[&program[..], &space].concat(), "sweep.html");
+    let program = ["explore", &model, "--passes=atomise,balance"];
+    drive(&[&program[..], &space].concat(), "explore.html");
 }
 
 #[test]
 fn a_study() {
     let plan = tree("tests/study/plans/suspension.toml");
     let plan = plan.display().to_string();
-    drive(&["study", "--plan", &plan], "report.html");
+    drive(&["explore", "--plan", &plan], "explore.html");
 }
 
 #[test]
@@ -64,7 +64,7 @@ fn hard_cases() {
 fn a_front() {
     let model = model("double-pendulum.mbs").display().to_string();
     let few = ["--states", "8", "--elements", "2"];
-    drive(&[&["front", &model][..], &few].concat(), "front.html");
+    drive(&[&["explore", &model][..], &few].concat(), "explore.html");
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn are_the_whole(words: &[&str]) {
 #[test]
 fn shares_of_a_sweep_are_the_whole() {
     let space = ["--adders=1,2", "--multipliers=1,2", "--couples=3-3,6-4"];
-    are_the_whole(&[&["sweep", "serial-2", "serial-3"], &space[..]].concat());
+    are_the_whole(&[&["explore", "serial-2", "serial-3"], &space[..]].concat());
 }
 
 #[test]
@@ -73,7 +73,7 @@ fn shares_of_a_front_are_the_whole() {
     let suspension = tree("examples/suspension/mbs_dirdyna_suspension.m");
     let suspension = suspension.to_string_lossy();
     let size = ["--elements=2,4", "--states=8"];
-    are_the_whole(&[&["front", "serial-2", &suspension], &size[..]].concat());
+    are_the_whole(&[&["explore", "serial-2", &suspension], &size[..]].concat());
 }
 
 #[test]
@@ -103,10 +103,10 @@ fn shares_of_a_search_are_the_whole() {
 fn shares_are_refused_where_they_mean_nothing() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for words in [
-        &["front", "serial-1", "--shard=1/2"][..],
-        &["front", "serial-1", "--shard=1/2", "--cpu", "-o", OUT],
+        &["explore", "serial-1", "--shard=1/2"][..],
+        &["explore", "serial-1", "--shard=1/2", "--cpu", "-o", OUT],
         &["optimise", "serial-1", "--shard=3/2", "-o", OUT],
-        &["sweep", "serial-1", "--shard=0/2", "-o", OUT],
+        &["explore", "serial-1", "--designs", "--shard=0/2", "-o", OUT],
     ] {
         let output = robovec_in(folder.path(), words);
         assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));

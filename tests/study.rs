@@ -1,4 +1,4 @@
-//! `robovec study`: results of a small plan, what is drawn and written, what
+//! `robovec explore --plan`: results of a small plan, what is drawn and written, what
 //! is left of an interrupted run, and messages about plans that are wrong.
 
 use crate::support::files::{compare_with_record, each, stem, tree};
@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 
 fn study(plan: &Path, folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_robovec"))
-        .arg("study")
+        .arg("explore")
         .arg("--plan")
         .arg(plan)
         .arg("-o")
@@ -65,7 +65,7 @@ fn a_small_plan_gives_these_numbers() {
         let text = read(&folder.join(format!("figures/{figure}.csv")));
         compare_with_record(&recorded, figure, &text);
     }
-    let results = read(&folder.join("results.json"));
+    let results = read(&folder.join("explore.json"));
     let mut results: serde_json::Value = serde_json::from_str(&results).expect("JSON");
     let points = results["points"].as_array_mut().expect("a list of points");
     for kind in points
@@ -95,7 +95,7 @@ fn a_whole_step_is_put_together_from_its_functions() {
     assert!(output.status.success(), "{message}");
     let table = read(&folder.join("tables/whole-step.csv"));
     compare_with_record(&recorded, "whole-step", &table);
-    let results = read(&folder.join("results.json"));
+    let results = read(&folder.join("explore.json"));
     let results: serde_json::Value = serde_json::from_str(&results).expect("JSON");
     let points = results["points"].as_array().expect("a list of points");
     let cycles = |model: &str| {
@@ -115,7 +115,7 @@ fn a_whole_step_is_put_together_from_its_functions() {
     let is_elsewhere =
         |point: &&serde_json::Value| point["machine"] == "thesis" && point["model"] != "pendulum";
     assert_eq!(points.iter().filter(is_elsewhere).count(), 0);
-    assert!(read(&folder.join("report.html")).contains("The whole step"));
+    assert!(read(&folder.join("explore.html")).contains("The whole step"));
 }
 
 #[test]
@@ -143,7 +143,7 @@ fn drawings_are_well_formed_and_the_page_needs_nothing_else() {
         }
     }
     assert!(drawn > 10, "{drawn} figures");
-    let page = read(&folder.join("report.html"));
+    let page = read(&folder.join("explore.html"));
     let data = page.split_once("id=\"data\">").expect("data").1;
     let data = data.split_once("</script>").expect("the end of the data").0;
     let data: serde_json::Value = serde_json::from_str(data).expect("JSON");
@@ -168,8 +168,8 @@ fn an_interrupted_study_goes_on_where_it_stopped() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
     assert!(run_small(folder, &["--jobs", "2"]).contains("54 placements; "));
-    let whole = read(&folder.join("results.json"));
-    let page = read(&folder.join("report.html"));
+    let whole = read(&folder.join("explore.json"));
+    let page = read(&folder.join("explore.html"));
     let points = files(&folder.join("points"));
     assert_eq!(points.len(), 54);
     fs::remove_file(&points[0]).expect("it is there");
@@ -181,8 +181,8 @@ fn an_interrupted_study_goes_on_where_it_stopped() {
         said.contains("54 placements, 51 of them from an earlier run"),
         "{said}"
     );
-    assert_eq!(read(&folder.join("results.json")), whole);
-    assert_eq!(read(&folder.join("report.html")), page);
+    assert_eq!(read(&folder.join("explore.json")), whole);
+    assert_eq!(read(&folder.join("explore.html")), page);
     assert!(run_small(folder, &["--resume"]).contains("54 of them"));
     assert!(
         run_small(folder, &[]).contains("54 placements; "),
@@ -199,7 +199,7 @@ fn shares_of_a_study_are_the_whole_also_when_one_is_lost_half_way() {
     run_small(&shared, &["--shard", "2/3"]);
     let points = files(&shared.join("points"));
     assert!(
-        !shared.join("results.json").exists(),
+        !shared.join("explore.json").exists(),
         "a share writes no tables"
     );
     // What a worker leaves that is killed: points it never wrote, and one cut off.
@@ -213,7 +213,7 @@ fn shares_of_a_study_are_the_whole_also_when_one_is_lost_half_way() {
     }
     assert_eq!(found, points.len() - 2, "what was left is used");
     assert!(run_small(&shared, &["--resume"]).contains("54 of them"));
-    for file in ["results.json", "report.html"] {
+    for file in ["explore.json", "explore.html"] {
         assert_eq!(read(&shared.join(file)), read(&whole.join(file)));
     }
     for wrong in ["0/3", "4/3", "1", "a/b", "1/0"] {
@@ -225,14 +225,7 @@ fn shares_of_a_study_are_the_whole_also_when_one_is_lost_half_way() {
 #[test]
 fn the_command_line_chooses_among_models_pipelines_and_numbers() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let arguments = [
-        "--models",
-        "quarter-car",
-        "--pipelines",
-        "atomise,swap",
-        "--pe",
-        "1,3",
-    ];
+    let arguments = ["quarter-car", "--passes=atomise,swap", "--elements=1,3"];
     let said = run_small(folder.path(), &arguments);
     // 2 usual, 2 x 2 x 2 of orders and choices of which one is usual, 9 of the grid.
     assert!(said.contains("placements"), "{said}");
@@ -251,7 +244,7 @@ fn plans_that_are_wrong_are_refused_with_a_caret() {
         let results = folder.path().join("results");
         let output = study(path, &results, &[]);
         assert_eq!(output.status.code(), Some(1));
-        let left = results.join("results.json").exists() || results.join("report.html").exists();
+        let left = results.join("explore.json").exists() || results.join("explore.html").exists();
         assert!(!left, "something was written");
         let told = String::from_utf8_lossy(&output.stderr);
         compare_with_record(&tree("tests/study/errors"), &stem(path), &told);
@@ -265,14 +258,7 @@ fn the_thesis_bogie_is_within_four_per_cent_of_its_rows() {
     let output = study(
         Path::new("thesis"),
         folder,
-        &[
-            "--models",
-            "bogie,serial-23",
-            "--pe",
-            "1,4",
-            "--machines",
-            "thesis",
-        ],
+        &["bogie", "serial-23", "--elements=1,4", "--machine=thesis"],
     );
     assert!(output.status.success());
     let table = read(&folder.join("tables/table-3.1.json"));

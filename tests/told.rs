@@ -91,14 +91,14 @@ const COMMANDS: &[Telling] = &[
                 "tables/knee.csv",
                 ["time there (µs)", "worst error", "share of device (%)"],
             ),
-            ("results.json", ["\"time_us\"", "\"worst\"", "\"share\""]),
+            ("explore.json", ["\"time_us\"", "\"worst\"", "\"share\""]),
             (
-                "report.html",
+                "explore.html",
                 [" µs at ", ", worst ", "of the device (estimated)"],
             ),
         ],
         ..telling(
-            "robovec study --plan tests/study/plans/suspension.toml -o DIR",
+            "robovec explore --plan tests/study/plans/suspension.toml -o DIR",
             &[" cycles", " µs at "],
             &["of the device (estimated)"],
         )
@@ -109,13 +109,13 @@ const COMMANDS: &[Telling] = &[
         &["% of Cyclone V 5CSEBA6U23I7 (estimated)"],
     ),
     telling(
-        "robovec sweep SUSPENSION --passes atomise,balance,cse --adders 1,2 --multipliers 1,2 \
+        "robovec explore SUSPENSION --passes atomise,balance,cse --adders 1,2 --multipliers 1,2 \
          --couples 7-4 -o DIR",
         &["us per evaluation", "jitter: "],
         &[">share %"],
     ),
     telling(
-        "robovec front SUSPENSION --elements 4 --states 16 -o DIR",
+        "robovec explore SUSPENSION --elements 4 --states 16 -o DIR",
         &[">cycles", ">time (us)"],
         &[">share of device"],
     ),

@@ -123,7 +123,8 @@ const WORDS: [GrammarWord; 20] = [
 
 /// Commands by what one does with them.
 pub(super) const GROUPS: [(&str, &[&str]); 5] = [
-    ("Get the best program", &["optimise", "view", "bench"]),
+    ("Get the best program",
+        &["optimise", "explore", "view", "bench"]),
     ("From models to equations", &["model", "gen", "sim"]),
     (
         "Are they right, and how exact",
@@ -131,7 +132,7 @@ pub(super) const GROUPS: [(&str, &[&str]); 5] = [
     ),
     (
         "Only what is needed, on which hardware",
-        &["fit", "front", "sweep", "study", "rtl"],
+        &["fit", "rtl"],
     ),
     ("Research on rewriting", &["rules"]),
 ];
@@ -163,6 +164,14 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "explore",
+        &[
+            "robovec explore bogie serial-23 -o results",
+            "robovec explore bogie --designs --cpu -o results",
+            "robovec explore --plan thesis -o results",
+        ],
+    ),
+    (
         "fit",
         &[
             "robovec fit examples/scenes/bogie-1e-4.scene.toml -o fitted",
@@ -170,7 +179,6 @@ const EXAMPLES: &[(&str, &[&str])] = &[
             "robovec fit examples/scenes/car-ride.scene.toml --reduce -o reduced",
         ],
     ),
-    ("front", &["robovec front bogie serial-23 -o results"]),
     (
         "gen",
         &[
@@ -220,8 +228,6 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         &["robovec rules list", "robovec rules check mine.rules"],
     ),
     ("stress", &["robovec stress", "robovec stress --list"]),
-    ("study", &["robovec study -o results"]),
-    ("sweep", &["robovec sweep bogie --cpu -o results"]),
     (
         "view",
         &[
@@ -291,22 +297,22 @@ const SHARES: &str = "
 What takes hours can be shared by any number of workers that see one folder and have the same robovec, on one machine or many:
 
 ```sh
-robovec front bogie serial-23 -o results --shard 1/8
+robovec explore bogie serial-23 -o results --shard 1/8
 ```
 
 does a share of the work, keeps its results in `results/points` and writes no tables. A worker that was stopped is started again and goes on; results that were cut off are computed anew. When all are done,
 
 ```sh
-robovec front bogie serial-23 -o results --resume
+robovec explore bogie serial-23 -o results --resume
 ```
 
 writes what one run writes, byte for byte. All other words are given to every share alike.
 
 | command | what is shared |
 |---|---|
-| `study` | placements; all of a model after a pipeline are in one share |
-| `sweep` | placements on designs; the searches for programs, each with its share of the numbers of elements first |
-| `front` | choices to be measured; the searches as in `sweep` |
+| `explore` | choices to be measured; the searches for programs, each with its share of the numbers of elements first |
+| `explore --designs` | placements on designs; the searches as for choices |
+| `explore --plan` | placements; all of a model after a pipeline are in one share |
 | `rules bench` | rules on inputs |
 | `optimise` | programs and schedules of the search, as told below |
 

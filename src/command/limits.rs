@@ -63,7 +63,7 @@ pub fn sections() -> Vec<LimitSection> {
             limits::rows("laws", motion::laws::FIELDS),
         ),
         section(
-            "Plans of `robovec study`",
+            "Plans of `robovec explore`",
             "",
             limits::rows("plan", study::plan::FIELDS),
         ),

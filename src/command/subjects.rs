@@ -91,7 +91,7 @@ fn equations(subject: &StudySubject) -> Result<Module, CommandFailure> {
         SubjectSource::Model(model) => *model,
         SubjectSource::ModelFile(path) => input::model_for(&path, kind)?.model,
         SubjectSource::Equations(path) => {
-            return input::without_ranges(input::equations(&path, None)?, "study");
+            return input::without_ranges(input::equations(&path, None)?, "explore --plan");
         }
     };
     // Sensors are functions with numbers: sensor_1.

@@ -6,9 +6,9 @@ use super::bench::{self, BenchArguments};
 use super::compare::{self, CheckArguments};
 use super::error::{self, ErrorArguments};
 use super::eval::{self, EvalArguments};
+use super::explore::{self, ExploreArguments};
 use super::fit::{self, FitArguments};
 use super::flags::{real, whole};
-use super::front::{self, FrontArguments};
 use super::generation::{self, GenArguments};
 use super::model::{self, ModelArguments};
 use super::optimise::{self, OptimiseArguments};
@@ -86,8 +86,8 @@ enum ToolCommand {
     Error(ErrorArguments),
     /// Evaluate functions at given or random states
     Eval(EvalArguments),
+    Explore(Box<ExploreArguments>),
     Fit(FitArguments),
-    Front(FrontArguments),
     Gen(GenArguments),
     /// Write manual pages of both programs
     #[command(hide = true)]
@@ -100,8 +100,6 @@ enum ToolCommand {
     Rules(super::rules::RulesArguments),
     Sim(SimCommand),
     Stress(super::stress::StressArguments),
-    Study(super::study::StudyArguments),
-    Sweep(super::sweep::SweepArguments),
     View(super::view::ViewArguments),
 }
 
@@ -159,8 +157,8 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         ToolCommand::Completion(arguments) => super::manual::completion(arguments),
         ToolCommand::Error(arguments) => error::run(arguments),
         ToolCommand::Eval(arguments) => eval::run(arguments),
+        ToolCommand::Explore(arguments) => explore::run(arguments),
         ToolCommand::Fit(arguments) => fit::run(arguments),
-        ToolCommand::Front(arguments) => front::run(arguments),
         ToolCommand::Gen(arguments) => generation::run(arguments),
         ToolCommand::Manual(arguments) => super::manual::manual(arguments),
         ToolCommand::Model(arguments) => model::run(arguments),
@@ -169,8 +167,6 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         ToolCommand::Rules(arguments) => super::rules::run(arguments),
         ToolCommand::Sim(arguments) => sim::run(arguments),
         ToolCommand::Stress(arguments) => super::stress::run(arguments),
-        ToolCommand::Study(arguments) => super::study::study(arguments),
-        ToolCommand::Sweep(arguments) => super::sweep::run(arguments),
         ToolCommand::View(arguments) => super::view::run(arguments),
     };
     if telling::is_verbose() {

@@ -79,11 +79,11 @@ pub(crate) const NOT_RUN: &[(&str, &str)] = &[
     ),
     ("robovec stress --class …", "takes long; one case is run"),
     (
-        "robovec study -o results --…",
+        "robovec explore --plan thesis -o results --…",
         "takes minutes; tests/study.rs is smaller",
     ),
     (
-        "robovec sweep arm.mbs …",
+        "robovec explore arm.mbs …",
         "takes minutes; a smaller space is run",
     ),
     ("robovec rtl synthesise…", "needs yosys"),
@@ -105,8 +105,16 @@ pub(crate) const SMALLER: &[(&str, &str)] = &[
         "robovec optimise examples/models/bogie.mbs --for cpu --effort 1 -o fast",
     ),
     (
-        "robovec front",
-        "robovec front bogie --elements 1 --states 4",
+        "robovec explore --plan",
+        "robovec explore bogie --plan thesis -o results --elements 1",
+    ),
+    (
+        "robovec explore bogie --designs",
+        "robovec explore bogie --adders 2 --multipliers 2 --couples 3-3 --memories unified --instances 1",
+    ),
+    (
+        "robovec explore",
+        "robovec explore bogie --elements 1 --states 4",
     ),
     (
         "robovec rules bench",
@@ -122,14 +130,6 @@ pub(crate) const SMALLER: &[(&str, &str)] = &[
     ),
     ("robovec stress --case", "robovec stress --case tiny-1e-9"),
     ("robovec stress", "robovec stress --case tiny-1e-9"),
-    (
-        "robovec study",
-        "robovec study -o results --models bogie --pe 1",
-    ),
-    (
-        "robovec sweep",
-        "robovec sweep bogie --adders 2 --multipliers 2 --couples 3-3 --memories unified --instances 1",
-    ),
 ];
 
 /// Words that stand for something of the user's.

@@ -178,7 +178,7 @@ fn files_beyond_their_limits_are_refused_unread() {
             "machine" => "robovec-opt f.rvir -passes=atomise --machine large.toml",
             "scene" => "robovec fit --explain large",
             "file of laws" => "robovec sim p.mbs --laws large",
-            "plan" => "robovec study --plan large -o out",
+            "plan" => "robovec explore --plan large -o out",
             "file of rules" => "robovec rules check large.rules",
             "file of states" => "robovec eval f.rvir --states large",
             "memory image" => "robovec rtl simulate images --inputs=1,1",

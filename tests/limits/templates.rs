@@ -65,7 +65,7 @@ pub(crate) fn trials(title: &str, row: &LimitRow, value: &str, folder: &Path) ->
         "Machine files" => machine(row, value, folder),
         "Scenes" => scene(row, value, folder),
         "Laws of `robovec sim`" => laws(row, value, folder),
-        "Plans of `robovec study`" => plan(row, value, folder),
+        "Plans of `robovec explore`" => plan(row, value, folder),
         "Models (.mbs)" => model(row, value, folder),
         "Robotran's files" => robotran(row, value, folder),
         "robovec's own text (.rvir)" => text(row, value, folder),
@@ -131,7 +131,14 @@ fn flag(row: &LimitRow, value: &str) -> Option<Invocation> {
         ("robovec eval", _) => "f.rvir --random=1",
         ("robovec fit", _) => "s.scene.toml --states=8 --formulation=recursive",
         ("robovec gen", _) => "p.mbs --function accelred -o out.rvir",
-        ("robovec front", _) => "f.rvir --elements=1 --states=8",
+        ("robovec explore", "--cpu-limit") => "--plan plan.toml -o out --cpu",
+        ("robovec explore", "--elements" | "--angle" | "--states" | "--seed" | "--jobs") => {
+            "f.rvir --elements=1 --states=8"
+        }
+        ("robovec explore", _) => {
+            "serial-1 --adders=1 --multipliers=1 --couples=3-3 --memories=unified --buffers=16 \
+             --instances=1"
+        }
         ("robovec model", _) => "serial -o out.mbs",
         ("robovec optimise", _) => "f.rvir --effort=1 --states=8 --elements=1",
         ("robovec view", _) => "f.rvir --passes=atomise -o out.html",
@@ -148,12 +155,6 @@ fn flag(row: &LimitRow, value: &str) -> Option<Invocation> {
         ("robovec rules find", _) => "f.rvir --operations=2 --variables=2 --terms=1000",
         ("robovec rules why", _) => "a f.rvir --before=atomise",
         ("robovec rules why-not", _) => "a*x+b*x (a+b)*x",
-        ("robovec study", "--cpu-limit") => "--plan plan.toml -o out --cpu",
-        ("robovec study", _) => "--plan plan.toml -o out",
-        ("robovec sweep", _) => {
-            "serial-1 --adders=1 --multipliers=1 --couples=3-3 --memories=unified --buffers=16 \
-             --instances=1"
-        }
         ("robovec rtl synthesise", _) => "--add=3 --multiply=3",
         _ => return None,
     };
@@ -191,7 +192,7 @@ pub(crate) fn prepare_more(folder: &Path) {
 fn word(row: &LimitRow, value: &str) -> Invocation {
     match row.name.as_str() {
         "serial-N" => robovec(&format!(
-            "sweep serial-{value} --adders=1 --multipliers=1 --couples=3-3 --memories=unified \
+            "explore serial-{value} --adders=1 --multipliers=1 --couples=3-3 --memories=unified \
              --buffers=16 --instances=1 --passes=atomise"
         )),
         "--number BITS" => robovec(&format!("eval f.rvir --random=4 --number={value}")),
@@ -339,7 +340,7 @@ fn plan(row: &LimitRow, value: &str, folder: &Path) -> Vec<Invocation> {
         _ => plan_text("[1]", &format!("[{value}]")),
     };
     write(folder, "t.toml", &text);
-    vec![robovec("study --plan t.toml -o out")]
+    vec![robovec("explore --plan t.toml -o out")]
 }
 
 fn model(row: &LimitRow, value: &str, folder: &Path) -> Vec<Invocation> {

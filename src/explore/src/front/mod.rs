@@ -54,6 +54,9 @@ pub struct FrontQuestion<'a> {
 pub struct Front {
     /// The model or file.
     pub name: String,
+    /// The machine that it is measured on.
+    #[serde(skip)]
+    pub machine: Machine,
     /// Operations of the equations as they came.
     pub operations: usize,
     /// Numbers of elements per kind.
@@ -118,6 +121,7 @@ pub fn front(
     let verdicts = verdicts(&measured.points, question.elements.len());
     Ok(Front {
         name: name.to_owned(),
+        machine: question.machine.clone(),
         operations: Counts::of(view(module).function).operations,
         elements: question.elements.to_vec(),
         states: question.count,

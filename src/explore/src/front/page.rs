@@ -8,8 +8,14 @@ use robovec_present::json::json_script;
 use robovec_present::page::{self, PointsPage};
 use robovec_present::text::distinct;
 
-/// The page of some fronts, measured on these machines.
-pub fn page(fronts: &[Front], machines: &[Machine]) -> String {
+/// The page of some fronts.
+pub fn page(fronts: &[Front]) -> String {
+    let mut machines: Vec<&Machine> = Vec::new();
+    for front in fronts {
+        if !machines.contains(&&front.machine) {
+            machines.push(&front.machine);
+        }
+    }
     let devices = distinct(
         machines
             .iter()
@@ -35,7 +41,7 @@ pub fn page(fronts: &[Front], machines: &[Machine]) -> String {
         ),
         figures: verdicts + &page::figure(&figure(fronts)),
         points: "All points",
-        tables: page::table(&points_table(fronts), "front.csv"),
+        tables: page::table(&points_table(fronts), "explore.csv"),
         method: &page::fill(METHOD, &[("devices", &devices)]),
         data: json_script(fronts),
     };

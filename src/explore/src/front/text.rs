@@ -150,7 +150,7 @@ pub fn points_table(fronts: &[Front]) -> DataTable {
         .flat_map(|front| (0..front.elements.len()).flat_map(|place| rows(front, place)))
         .collect();
     columns().table(
-        "front",
+        "explore",
         "Speed against error",
         "Every choice in every format. Errors are those of the whole program against \
                   double-double: series, rounding, data. A choice is beaten when another one is \
@@ -227,7 +227,7 @@ pub fn figure(fronts: &[Front]) -> Figure {
         .flat_map(|front| (0..front.elements.len()).map(|place| panel(front, place)))
         .collect();
     Figure::new(
-        "front",
+        "explore",
         "Speed against error",
         "Length of the schedule against the worst normwise error, in units of the \
                   rounding of binary32 (2^-24). Full marks: points that no other one beats.",

@@ -22,9 +22,9 @@ pub fn page(sweeps: &[FunctionSweep]) -> String {
             devices(sweeps),
             env!("CARGO_PKG_VERSION")
         ),
-        figures: page::figure(&figure(sweeps)) + &page::table(&fronts, "sweep.csv"),
+        figures: page::figure(&figure(sweeps)) + &page::table(&fronts, "explore.csv"),
         points: "All designs",
-        tables: page::table(&points_table(sweeps), "sweep.csv"),
+        tables: page::table(&points_table(sweeps), "explore.csv"),
         method: METHOD,
         data: json_script(sweeps),
     };

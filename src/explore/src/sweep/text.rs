@@ -168,7 +168,7 @@ pub fn points_table(sweeps: &[FunctionSweep]) -> DataTable {
         .flat_map(|sweep| sweep.points.iter().map(move |point| (sweep, point)))
         .collect();
     design_columns().table(
-        "sweep",
+        "explore",
         "Resources against time",
         format!(
             "Every design. The share is the largest of those of look-up tables, memory blocks and \
@@ -192,7 +192,7 @@ pub(super) fn devices(sweeps: &[FunctionSweep]) -> String {
 pub fn figure(sweeps: &[FunctionSweep]) -> Figure {
     let panels: Vec<Panel> = sweeps.iter().map(panel).collect();
     Figure::new(
-        "sweep",
+        "explore",
         "Resources against time",
         format!(
             "Share of the device ({}) against the time of one evaluation.",

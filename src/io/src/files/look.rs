@@ -71,7 +71,7 @@ impl FileKind {
             FileKind::Machine => "'robovec-opt --machine FILE' takes it",
             FileKind::Scene => "'robovec fit' and the option '--scene' take it",
             FileKind::Laws => "'robovec sim MODEL --laws FILE' takes it",
-            FileKind::Plan => "'robovec study --plan FILE' takes it",
+            FileKind::Plan => "'robovec explore --plan FILE' takes it",
             FileKind::Rules => "'robovec rules check' and the option '--rules' take it",
             FileKind::ForeignRules => "'robovec rules import' takes it",
             FileKind::States => "'robovec eval EQUATIONS --states FILE' takes it",

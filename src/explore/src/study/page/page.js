@@ -1,4 +1,4 @@
-// The page shows what `robovec study` computed; nothing is fetched. Figures
+// The page shows what `robovec explore --plan` computed; nothing is fetched. Figures
 // are drawn already, tables are filled and have what all pages give them; this
 // file adds verdicts of other models, and a chart of one's own choice.
 const data = JSON.parse(document.getElementById("data").textContent);

@@ -245,7 +245,7 @@ impl PlanResolver<'_> {
                     let names: Vec<&str> = all.iter().map(|known| known.name.as_str()).collect();
                     self.foreign.push(
                         Diagnostic::error()
-                            .with_message(format!("--pipelines: '{wanted}': {reason}"))
+                            .with_message(format!("--passes: '{wanted}': {reason}"))
                             .with_notes(vec![format!(
                                 "pipelines of this plan: {}; or passes as in robovec-opt",
                                 names.join(", ")

@@ -1,9 +1,8 @@
-//! `robovec study`.
+//! Explorations of a plan: models, pipelines and machines, tables and figures.
 
-use super::flags::{FlagLimit, whole};
-use super::shares::ShareArguments;
-use super::subjects::{self, SubjectFiles, locate};
-use super::{CommandFailure, input, output, progress};
+use super::ExploreArguments;
+use crate::command::subjects::{self, SubjectFiles, locate};
+use crate::command::{CommandFailure, input, output, progress};
 use robovec_explore::processor::{Computer, LARGEST};
 use robovec_explore::program::view;
 use robovec_explore::share::WorkShare;
@@ -21,45 +20,7 @@ use robovec_present::json::json_text;
 use robovec_present::plot;
 use std::collections::HashMap;
 use std::fs;
-use std::path::{Path, PathBuf};
-
-/// Place sets of models on sets of machines, and write tables, figures and a
-/// report for the browser.
-#[derive(clap::Args, Debug)]
-pub(super) struct StudyArguments {
-    /// Plan: a .toml file, or `thesis`, which redoes the thesis
-    #[arg(long, value_name = "FILE", default_value = "thesis")]
-    plan: String,
-    /// Models of the plan, or files of equations or models in their place
-    #[arg(long, value_delimiter = ',')]
-    models: Option<Vec<String>>,
-    /// Pipelines of the plan; others with one option each, as in robovec-opt
-    #[arg(long)]
-    pipelines: Option<Vec<String>>,
-    /// Machines: names, .toml files, `couples` for those of Table 1.3
-    #[arg(long, value_delimiter = ',')]
-    machines: Option<Vec<String>>,
-    /// Adders, and as many multipliers
-    #[arg(long, value_delimiter = ',', value_name = "NUMBERS",
-        add = FlagLimit(plan::ELEMENTS))]
-    pe: Option<Vec<u32>>,
-    /// Folder for the results
-    #[arg(short, long, value_name = "FOLDER")]
-    output: PathBuf,
-    #[command(flatten)]
-    shares: ShareArguments,
-    /// Also time the same functions on one core of this computer, as C
-    /// compiled by cc
-    #[arg(long, conflicts_with = "shard")]
-    cpu: bool,
-    /// Leave functions with more operations than this out of --cpu
-    #[arg(long, value_name = "OPERATIONS", default_value_t = LARGEST,
-          add = whole(0, 100_000_000, "compiling takes minutes beyond some million"))]
-    cpu_limit: usize,
-    /// Threads; as many as there are processors by default
-    #[arg(long, value_name = "N", add = whole(1, 1024, "every thread takes memory of its own"))]
-    jobs: Option<u32>,
-}
+use std::path::Path;
 
 /// Keeps a share of a plan. What placements of a program have in common is
 /// computed once, so all of a model and pipeline stay together.
@@ -79,18 +40,17 @@ fn keep(share: WorkShare, plan: &mut StudyPlan) {
 /// Text beside the bar.
 const PROGRESS: &str = "{pos}/{len} placements, {eta} left, {msg}";
 
-/// Runs the study; the text is for the standard output.
-pub(super) fn study(arguments: &StudyArguments) -> Result<String, CommandFailure> {
-    let mut plan = read_plan(arguments)?;
+pub(super) fn run(arguments: &ExploreArguments, plan: &str) -> Result<String, CommandFailure> {
+    let folder = arguments.output.as_deref();
+    let folder = folder.expect("a plan requires a folder");
+    let mut plan = read_plan(arguments, plan)?;
     keep(arguments.shares.share(), &mut plan);
-    super::require_compiler(arguments.cpu)?;
     // A slip in a name is told before hours of work, not after them.
     for subject in &plan.models {
         locate(subject)?;
     }
-    let store = arguments.shares.store(Some(&arguments.output))?;
-    let store = store.expect("there is a folder");
-    let results = compute(arguments, plan, &store)?;
+    let store = arguments.shares.store(Some(folder))?;
+    let results = compute(plan, &store.expect("there is a folder"))?;
     if arguments.shares.shard.is_some() {
         let (placed, found) = (results.outcome.points.len(), results.outcome.reused);
         return Ok(format!(
@@ -99,31 +59,33 @@ pub(super) fn study(arguments: &StudyArguments) -> Result<String, CommandFailure
         ));
     }
     let times = if arguments.cpu {
-        time(arguments, &results)?
+        time(arguments, folder, &results)?
     } else {
         Vec::new()
     };
-    write(&arguments.output, &results, &times)?;
-    Ok(summary(&results, &arguments.output))
+    write(folder, &results, &times)?;
+    Ok(summary(&results, folder))
 }
 
-fn read_plan(arguments: &StudyArguments) -> Result<StudyPlan, CommandFailure> {
-    let (name, text) = if arguments.plan == "thesis" {
-        ("thesis.toml".to_owned(), plan::THESIS.to_owned())
+fn read_plan(arguments: &ExploreArguments, plan: &str) -> Result<StudyPlan, CommandFailure> {
+    let path = Path::new(plan);
+    let (name, text, folder) = if plan == "thesis" {
+        ("thesis.toml".to_owned(), plan::THESIS.to_owned(), None)
     } else {
-        let path = Path::new(&arguments.plan);
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        (name.into_owned(), super::input::text(path, &limited::PLAN)?)
+        let text = input::text(path, &limited::PLAN)?;
+        (name.into_owned(), text, path.parent().map(Path::to_owned))
     };
-    let folder = Path::new(&arguments.plan).parent().map(Path::to_owned);
-    let folder = folder.filter(|_| arguments.plan != "thesis");
     let near = folder.clone();
+    fn given<T: Clone>(words: &[T]) -> Option<Vec<T>> {
+        (!words.is_empty()).then(|| words.to_vec())
+    }
     let selection = Selection {
         folder,
-        models: arguments.models.clone(),
-        pipelines: arguments.pipelines.clone(),
-        machines: arguments.machines.clone(),
-        elements: arguments.pe.clone(),
+        models: given(&arguments.subjects),
+        pipelines: given(&arguments.passes),
+        machines: given(&arguments.machine),
+        elements: given(&arguments.elements),
     };
     let read_machine = |name: &str| {
         let file = near.as_ref().map(|folder| folder.join(name));
@@ -134,18 +96,13 @@ fn read_plan(arguments: &StudyArguments) -> Result<StudyPlan, CommandFailure> {
     plan::resolve(&name, &text, &selection, &read_machine).map_err(CommandFailure)
 }
 
-fn compute(
-    arguments: &StudyArguments,
-    plan: StudyPlan,
-    store: &PointStore,
-) -> Result<Results, CommandFailure> {
-    let pool = super::threads(arguments.jobs)?;
+fn compute(plan: StudyPlan, store: &PointStore) -> Result<Results, CommandFailure> {
     let bar = progress::bar(plan.requests.len(), PROGRESS);
     let progress = |model: &str| {
         bar.inc(1);
         bar.set_message(model.to_owned());
     };
-    let outcome = pool.install(|| run::run(&plan, &SubjectFiles, store, &progress));
+    let outcome = run::run(&plan, &SubjectFiles, store, &progress);
     bar.finish_and_clear();
     Ok(Results {
         outcome: outcome?,
@@ -155,8 +112,12 @@ fn compute(
 
 /// Times every program on one core, one after the other; times of an earlier
 /// run are used when it goes on.
-fn time(arguments: &StudyArguments, results: &Results) -> Result<Vec<CpuTime>, CommandFailure> {
-    let path = arguments.output.join("cpu.json");
+fn time(
+    arguments: &ExploreArguments,
+    folder: &Path,
+    results: &Results,
+) -> Result<Vec<CpuTime>, CommandFailure> {
+    let path = folder.join("cpu.json");
     let earlier: Vec<CpuTime> = match fs::read_to_string(&path) {
         Ok(text) if arguments.shares.reuses() => serde_json::from_str(&text).unwrap_or_default(),
         Ok(_) | Err(_) => Vec::new(),
@@ -179,7 +140,7 @@ fn time(arguments: &StudyArguments, results: &Results) -> Result<Vec<CpuTime>, C
         times.push(match (known, times.get(*same)) {
             (Some(known), _) => known.clone(),
             (None, Some(same)) => same.of(&job),
-            (None, None) => cpu::measure(&job, &computer, arguments.cpu_limit),
+            (None, None) => cpu::measure(&job, &computer, arguments.cpu_limit.unwrap_or(LARGEST)),
         });
         // What takes long is kept at once.
         output::write_file(&path, |writer| {
@@ -235,7 +196,7 @@ fn write(folder: &Path, results: &Results, times: &[CpuTime]) -> Result<(), Comm
     let results = lines(&results.to_json());
     output::write_files(
         folder,
-        &[("report.html", report), ("results.json", results)],
+        &[("explore.html", report), ("explore.json", results)],
     )
 }
 

@@ -1,12 +1,9 @@
-//! `robovec sweep`: resources against time.
+//! Explorations of designs of machines: resources against time.
 
-use super::flags::{FlagLimit, whole};
-use super::front::{FrontSubject, programs};
-use super::output::result_files;
-use super::shares::ShareArguments;
-use super::{CommandFailure, input, output, progress};
+use super::{ExploreArguments, Explored, ExploredFunction, ResultFiles, each};
+use crate::command::flags::{FlagLimit, whole};
+use crate::command::{CommandFailure, input, progress};
 use clap::{Args, ValueEnum};
-use robovec_analysis::rounding::usual_states;
 use robovec_dynamics::generate::Formulation;
 use robovec_error::yardstick::Yardstick;
 use robovec_error::yardstick::account::random_states;
@@ -18,31 +15,21 @@ use robovec_explore::share::SharedWork;
 use robovec_explore::sweep::design::{DesignSpace, interconnect_names};
 use robovec_explore::sweep::energy::{PowerFigures, WATTS};
 use robovec_explore::sweep::placement::place_share;
-use robovec_explore::sweep::{FunctionSweep, SweptProgram, check_work, page, sweep, text};
-use robovec_ir::count::Counts;
+use robovec_explore::sweep::{SweptProgram, check_work, page, sweep, text};
 use robovec_ir::diagnostic::counted;
 use robovec_ir::machine::{DeviceFamily, Interconnect, MemoryStyle};
 use robovec_ir::states::States;
 use robovec_ir::{Machine, Module};
 use robovec_passes::optimise::steps;
 use robovec_present::json::json_text;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Resources against time: every design of a space of machines, and those that no other one beats
+/// Axes of machines, and what designs are compared by.
 #[derive(Args, Debug)]
-pub(super) struct SweepArguments {
-    /// Files of equations, models (.mbs, .urdf) or built-in models (serial-23, bogie)
-    #[arg(required = true)]
-    subjects: Vec<String>,
-    /// Function of the models
-    #[arg(long, default_value = "dirdyna")]
-    function: String,
-    /// Pipeline that makes the program to be placed; by default programs are searched as 'robovec
-    /// optimise' does, for the fewest elements, the most and between, and every design takes the
-    /// one with the shortest schedule
-    #[arg(long, value_name = "PIPELINE")]
-    passes: Option<String>,
+pub(super) struct DesignArguments {
+    /// Explore designs of machines; any axis of machines does as well
+    #[arg(long)]
+    designs: bool,
     /// Numbers of adders
     #[arg(long, value_delimiter = ',', default_value = "1,2,4,8,16",
           add = whole(1, 1024, "a program is placed for every number of elements"))]
@@ -75,9 +62,6 @@ pub(super) struct SweepArguments {
     /// Family of devices the machines are built on: cyclone-v or ecp5
     #[arg(long, default_value_t, value_name = "FAMILY")]
     device: DeviceFamily,
-    /// Also time the program on this computer, with the C compiler 'cc'
-    #[arg(long, conflicts_with = "shard")]
-    cpu: bool,
     /// Power of the device with nothing running, W, from its vendor's estimator or a meter
     #[arg(long, value_name = "W", requires = "full_watts", add = FlagLimit(WATTS))]
     idle_watts: Option<f64>,
@@ -88,11 +72,6 @@ pub(super) struct SweepArguments {
     /// Power of one busy core of this computer, W
     #[arg(long, value_name = "W", requires_all = ["cpu", "idle_watts"], add = FlagLimit(WATTS))]
     cpu_watts: Option<f64>,
-    /// Folder for sweep.html, sweep.csv, sweep.json and sweep.svg, and for the placements
-    #[arg(short, long, value_name = "FOLDER")]
-    output: Option<PathBuf>,
-    #[command(flatten)]
-    shares: ShareArguments,
 }
 
 /// A style of memories on the command line.
@@ -103,62 +82,43 @@ enum MemoryWord {
     FourPort,
 }
 
-/// The seed of the states that errors are measured at.
-const STATE_SEED: u64 = 1;
-
-/// Runs the command.
-pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> {
-    super::require_compiler(arguments.cpu)?;
-    let space = space(arguments)?;
-    let shares = &arguments.shares;
-    let store = shares.store(arguments.output.as_deref())?;
-    let work = SharedWork::new(store.as_ref(), shares.share());
+pub(super) fn run(
+    arguments: &ExploreArguments,
+    axes: &DesignArguments,
+) -> Result<String, CommandFailure> {
+    let space = space(axes)?;
     let thesis = input::machine("thesis")?;
-    let mut sweeps: Vec<FunctionSweep> = Vec::new();
-    let mut report = String::new();
-    for subject in &arguments.subjects {
-        let FrontSubject {
+    let explore = |function: ExploredFunction, work: SharedWork<'_>| {
+        let ExploredFunction {
             name,
             module,
             others,
             ranges,
-        } = programs(subject, &arguments.function)?;
+            states,
+            seed,
+        } = function;
         let has_ranges = !ranges.is_empty();
-        let source = States::new(STATE_SEED).within(Arc::new(ranges));
+        let source = States::new(seed).within(Arc::new(ranges));
         let failure = |error: String| CommandFailure::plain(format!("{name}: {error}"));
-        let made = |passes: &str| {
-            let made = transformed_by(&module, passes, &thesis, None);
-            made.map_err(|error| failure(error.to_string()))
-        };
-        let operations = Counts::of(&module.functions[0]).operations;
-        let states = usual_states(operations);
         let yardstick = Yardstick::new(view(&module), &source, states);
-        let swept = match &arguments.passes {
-            Some(passes) => {
-                let program = SweptProgram::new(passes.clone(), made(passes)?, &yardstick);
-                program.map(|program| vec![program])
-            }
-            None => searched(&module, others, (&thesis, &space), work, &yardstick),
+        let made = |passes: &str| transformed_by(&module, passes, &thesis, None);
+        let named = |passes: &String| SweptProgram::new(passes.clone(), made(passes)?, &yardstick);
+        let swept = match arguments.passes.as_slice() {
+            [] => searched(&module, others, (&thesis, &space), work, &yardstick),
+            passes => passes.iter().map(named).collect(),
         };
         let swept = swept.map_err(|error| failure(error.to_string()))?;
-        if shares.shard.is_some() {
+        if arguments.shares.shard.is_some() {
             let placed = check_work(&swept, &space)
                 .and_then(|()| place_share(&swept, &space, work))
                 .map_err(|error| failure(error.to_string()))?;
-            let (count, found) = (placed.designs.len(), placed.found);
-            report += &format!(
-                "{name}: {}, {found} of them found\n",
-                counted(count, "placement")
-            );
-            continue;
+            let designs = counted(placed.designs.len(), "placement");
+            return Ok(Explored::Share(designs, placed.found));
         }
-        let compiled = if arguments.cpu {
-            Some(made("$cpu")?)
-        } else {
-            None
-        };
-        let drawn = random_states(yardstick.len(), STATE_SEED, has_ranges);
+        let compiled = arguments.cpu.then(|| made("$cpu")).transpose();
+        let compiled = compiled.map_err(|error| failure(error.to_string()))?;
         let compiled = compiled.as_ref().map(view);
+        let drawn = random_states(yardstick.len(), seed, has_ranges);
         let mut result = sweep(&name, swept, &drawn, &space, work, compiled)
             .map_err(|error| failure(error.to_string()))?;
         if let (true, Some((_, reason))) = (result.points.is_empty(), result.failures.first()) {
@@ -167,21 +127,22 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<String, CommandFailure> 
                 counted(result.failures.len(), "design")
             )));
         }
-        if let Some((idle_watts, full_watts)) = arguments.idle_watts.zip(arguments.full_watts) {
+        if let Some((idle_watts, full_watts)) = axes.idle_watts.zip(axes.full_watts) {
             result.add_energy(PowerFigures {
                 idle_watts,
                 full_watts,
-                core_watts: arguments.cpu_watts,
+                core_watts: axes.cpu_watts,
             });
         }
-        report += &text::text(&result);
-        report.push('\n');
-        sweeps.push(result);
-    }
-    if let (Some(folder), None) = (&arguments.output, shares.shard) {
-        write(folder, &sweeps)?;
-    }
-    Ok(report)
+        let text = text::text(&result);
+        Ok(Explored::Whole(result, text))
+    };
+    each(arguments, explore, |sweeps| ResultFiles {
+        table: text::points_table(sweeps),
+        data: json_text(sweeps),
+        figure: text::figure(sweeps),
+        page: page::page(sweeps),
+    })
 }
 
 /// The programs that the search finds for the fewest elements of a space, the
@@ -219,7 +180,7 @@ fn searched(
     Ok(programs)
 }
 
-fn space(arguments: &SweepArguments) -> Result<DesignSpace, CommandFailure> {
+fn space(arguments: &DesignArguments) -> Result<DesignSpace, CommandFailure> {
     let sorted = |numbers: &[u32]| {
         let mut numbers = numbers.to_vec();
         numbers.sort_unstable();
@@ -286,11 +247,4 @@ fn space(arguments: &SweepArguments) -> Result<DesignSpace, CommandFailure> {
         interconnects,
         device: arguments.device,
     })
-}
-
-fn write(folder: &Path, sweeps: &[FunctionSweep]) -> Result<(), CommandFailure> {
-    let table = text::points_table(sweeps);
-    let mut files = result_files(&table, json_text(sweeps), &text::figure(sweeps));
-    files.push(("sweep.html".to_owned(), page::page(sweeps)));
-    output::write_files(folder, &files)
 }

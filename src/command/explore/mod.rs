@@ -1,0 +1,272 @@
+//! `robovec explore`: programs, designs of machines, or a plan of both.
+
+mod designs;
+mod plan;
+mod programs;
+
+use super::flags::{SEED, real, states, whole};
+use super::shares::ShareArguments;
+use super::subjects::named_model;
+use super::{CommandFailure, generation, input, output};
+use clap::Args;
+use designs::DesignArguments;
+use robovec_dynamics::generate::{Formulation, Options};
+use robovec_explore::optimise::start::FORMULATIONS;
+use robovec_explore::share::SharedWork;
+use robovec_explore::study::plan::ELEMENTS;
+use robovec_ir::Module;
+use robovec_ir::count::Counts;
+use robovec_ir::states::Ranges;
+use robovec_present::{DataTable, Figure};
+use robovec_robotran::FunctionKind;
+use std::path::{Path, PathBuf};
+
+/// Measure every combination of what is varied, and show what no other one beats: programs (speed
+/// against error), designs of machines (resources against time), or the models, pipelines and
+/// machines of a plan
+#[derive(Args, Debug)]
+pub(super) struct ExploreArguments {
+    /// Files of equations, models (.mbs, .urdf) or built-in models (serial-23, bogie); in the place
+    /// of those of a plan, or some of its models by name
+    #[arg(required_unless_present = "plan")]
+    subjects: Vec<String>,
+    /// Function of the models; dirdyna by default
+    #[arg(long)]
+    function: Option<String>,
+    /// Machine compiled for: a name or a .toml file; by default thesis, or solver for equations
+    /// that divide. A plan takes several in the place of its own, `couples` for those of Table 1.3
+    #[arg(long, value_delimiter = ',')]
+    machine: Vec<String>,
+    /// Numbers of elements per kind; by default 4,16,64, or those of the plan
+    #[arg(long, value_delimiter = ',', value_name = "NUMBERS", add = super::flags::FlagLimit(ELEMENTS))]
+    elements: Vec<u32>,
+    /// Pipelines, an option for each: of the plan, by name, or others, as in robovec-opt. A design
+    /// takes the one with the shortest schedule; by default those that 'robovec optimise' finds for
+    /// the fewest elements, the most and between
+    #[arg(long)]
+    passes: Vec<String>,
+    /// Random states; by default the more the smaller the function is
+    #[arg(long, add = states(0, 100_000))]
+    states: Option<u32>,
+    /// Seed of the states; 1 by default
+    #[arg(long, add = SEED)]
+    seed: Option<u64>,
+    /// Also time the programs on one core of this computer, with the C compiler 'cc'
+    #[arg(long, conflicts_with = "shard")]
+    cpu: bool,
+    /// Folder for explore.html, .csv, .json and .svg, or tables/ and figures/ of a plan, and for
+    /// the points
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    shares: ShareArguments,
+    /// Threads; as many as there are processors by default
+    #[arg(long, add = whole(1, 1024, "every thread takes memory of its own"))]
+    jobs: Option<u32>,
+    /// Positions q of programs are drawn from -ANGLE to ANGLE (rad, m); 0.1 by default
+    #[arg(long, help_heading = "Programs",
+          add = real(1e-12, 1e6, "smaller positions are zero in every format, and no joint moves further"))]
+    angle: Option<f64>,
+    #[command(flatten, next_help_heading = "Designs of machines")]
+    designs: Option<DesignArguments>,
+    /// Plan of models, pipelines and machines: a .toml file, or `thesis`, which redoes the thesis
+    #[arg(long, help_heading = "Plans", value_name = "FILE", requires = "output")]
+    plan: Option<String>,
+    /// Leave functions with more operations than this out of --cpu; 200000 by default
+    #[arg(long, help_heading = "Plans", value_name = "OPERATIONS",
+          add = whole(0, 100_000_000, "compiling takes minutes beyond some million"))]
+    cpu_limit: Option<usize>,
+}
+
+/// Subject of an exploration.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum ExplorationKind {
+    Programs,
+    Designs,
+    Plan,
+}
+
+use ExplorationKind::{Designs, Plan, Programs};
+
+impl ExplorationKind {
+    /// Its name, and the words that ask for it.
+    fn texts(self) -> [&'static str; 2] {
+        match self {
+            Programs => ["programs", "leave '--plan' and the axes of machines out"],
+            Designs => ["designs of machines", "add '--designs'"],
+            Plan => ["a plan", "add '--plan'"],
+        }
+    }
+}
+
+impl ExploreArguments {
+    fn kind(&self) -> ExplorationKind {
+        match (&self.plan, &self.designs) {
+            (Some(_), _) => Plan,
+            (None, Some(_)) => Designs,
+            (None, None) => Programs,
+        }
+    }
+
+    /// Refuses words that the kind of exploration does not take.
+    fn check_words(&self) -> Result<(), CommandFailure> {
+        let both: &[ExplorationKind] = &[Programs, Designs];
+        let words: [(bool, &str, &[ExplorationKind]); 9] = [
+            (self.function.is_some(), "--function", both),
+            (self.states.is_some(), "--states", both),
+            (self.seed.is_some(), "--seed", both),
+            (self.angle.is_some(), "--angle", &[Programs]),
+            (!self.machine.is_empty(), "--machine", &[Programs, Plan]),
+            (!self.elements.is_empty(), "--elements", &[Programs, Plan]),
+            (!self.passes.is_empty(), "--passes", &[Designs, Plan]),
+            (
+                self.designs.is_some(),
+                "--designs and axes of machines",
+                &[Designs],
+            ),
+            (self.cpu_limit.is_some(), "--cpu-limit", &[Plan]),
+        ];
+        let kind = self.kind();
+        let [name, _] = kind.texts();
+        let mut wrong = words.iter().filter(|(given, ..)| *given);
+        if let Some((_, word, takers)) = wrong.find(|(.., takers)| !takers.contains(&kind)) {
+            let notes = takers.iter().map(|taker| {
+                let [taker, advice] = taker.texts();
+                format!("for {taker}, {advice}")
+            });
+            let message = format!("{word}: not for an exploration of {name}");
+            return Err(CommandFailure::advised(message, notes.collect()));
+        }
+        if kind == Programs && self.machine.len() > 1 {
+            let notes = vec![format!("for {}, {}", Plan.texts()[0], Plan.texts()[1])];
+            let message = "--machine: expected one machine for an exploration of programs";
+            return Err(CommandFailure::advised(message, notes));
+        }
+        Ok(())
+    }
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &ExploreArguments) -> Result<String, CommandFailure> {
+    arguments.check_words()?;
+    super::require_compiler(arguments.cpu)?;
+    let pool = super::threads(arguments.jobs)?;
+    pool.install(|| match (&arguments.plan, &arguments.designs) {
+        (Some(plan), _) => plan::run(arguments, plan),
+        (None, Some(axes)) => designs::run(arguments, axes),
+        (None, None) => programs::run(arguments),
+    })
+}
+
+/// A function alone in a module.
+struct ExploredFunction {
+    name: String,
+    module: Module,
+    /// The same in other formulations.
+    others: Vec<(Formulation, Module)>,
+    /// The ranges that its file gives inputs.
+    ranges: Ranges,
+    /// Number of states that it is measured at.
+    states: u32,
+    seed: u64,
+}
+
+/// Results for a function.
+enum Explored<R> {
+    /// A share of the work: pieces, in words, and how many of them were found.
+    Share(String, usize),
+    /// All of it, with its text.
+    Whole(R, String),
+}
+
+/// Explores one subject after the other; results are written where all of the work
+/// was done, and their text is returned.
+fn each<R>(
+    arguments: &ExploreArguments,
+    explore: impl Fn(ExploredFunction, SharedWork<'_>) -> Result<Explored<R>, CommandFailure>,
+    files: impl FnOnce(&[R]) -> ResultFiles,
+) -> Result<String, CommandFailure> {
+    let shares = &arguments.shares;
+    let store = shares.store(arguments.output.as_deref())?;
+    let work = SharedWork::new(store.as_ref(), shares.share());
+    let mut text = String::new();
+    let mut results = Vec::new();
+    for subject in &arguments.subjects {
+        let function = function(subject, arguments)?;
+        let name = function.name.clone();
+        match explore(function, work)? {
+            Explored::Share(pieces, found) => {
+                text += &format!("{name}: {pieces}, {found} of them found\n");
+            }
+            Explored::Whole(result, told) => {
+                text += &told;
+                text.push('\n');
+                results.push(result);
+            }
+        }
+    }
+    if let (Some(folder), None) = (&arguments.output, shares.shard) {
+        let ResultFiles {
+            table,
+            data,
+            figure,
+            page,
+        } = files(&results);
+        let mut files = output::result_files(&table, data, &figure);
+        files.push(("explore.html".to_owned(), page));
+        output::write_files(folder, &files)?;
+    }
+    Ok(text)
+}
+
+/// Results of all subjects, as files have them.
+struct ResultFiles {
+    table: DataTable,
+    data: String,
+    figure: Figure,
+    page: String,
+}
+
+fn function(
+    subject: &str,
+    arguments: &ExploreArguments,
+) -> Result<ExploredFunction, CommandFailure> {
+    let wanted = arguments.function.as_deref().unwrap_or("dirdyna");
+    let (name, model) = named_model(subject)?;
+    let mut others = Vec::new();
+    let (module, ranges) = match model {
+        None => {
+            let read = input::equations(Path::new(subject), None)?;
+            let mut module = read.module;
+            if module.functions.len() != 1 {
+                super::opt::select(&mut module, wanted)?;
+            }
+            (module, read.ranges)
+        }
+        Some(model) => {
+            let kind = FunctionKind::from_name(wanted);
+            let kind = kind.ok_or_else(|| input::no_such_kind(wanted))?;
+            let equations = |formulation| {
+                generation::functions(&model, &[kind], formulation, &Options::default())
+            };
+            for formulation in FORMULATIONS {
+                if formulation.gives(kind) {
+                    others.push((formulation, equations(formulation)?));
+                }
+            }
+            (equations(Formulation::Recursive)?, Ranges::default())
+        }
+    };
+    let operations = Counts::of(&module.functions[0]).operations;
+    Ok(ExploredFunction {
+        name,
+        module,
+        others,
+        ranges,
+        states: match arguments.states {
+            None | Some(0) => robovec_analysis::rounding::usual_states(operations),
+            Some(count) => count,
+        },
+        seed: arguments.seed.unwrap_or(1),
+    })
+}
