@@ -13,11 +13,13 @@ use super::ports::{PLANNED, Ports, WordTransfer};
 use robovec_framework::option_words;
 use robovec_ir::Operand;
 use robovec_ir::placement::Element;
+use serde::{Deserialize, Serialize};
 
 option_words! {
     /// Way in which the processing element is chosen among those that can take
     /// an operation.
-    #[derive(Default)]
+    #[derive(Default, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
     pub enum ElementChoice {
         /// The smallest rank of Table 2.1; among equals the shortest stay in
         /// buffers, the fewest new words of initial data, the fewest live

@@ -68,7 +68,7 @@ use state::Task;
 const LARGEST_TABLE: u64 = 1 << 30;
 
 /// The choices with which a function is placed.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Default)]
 pub struct PlaceOptions {
     /// The rule for which operation goes first.
     pub priority: Priority,

@@ -3,10 +3,12 @@
 use super::graph::{DependenceGraph, HOST};
 use robovec_framework::option_words;
 use robovec_num::radix;
+use serde::{Deserialize, Serialize};
 
 option_words! {
     /// Rank of the operations in list scheduling (thesis 2.2 and 2.3.1).
-    #[derive(Default)]
+    #[derive(Default, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
     pub enum Priority {
         /// [`Priority::FanOut`]; where its schedule is longer than the bound
         /// and the program small enough, also [`Priority::Alap`], orders

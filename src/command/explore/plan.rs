@@ -157,7 +157,7 @@ fn time(
                 .main_machine()
                 .into_iter()
                 .chain(0..plan.machines.len());
-            let is_there = |&machine: &usize| results.program(index, pipeline, machine).is_some();
+            let is_there = |&machine: &usize| results.has_program(index, pipeline, machine);
             let mut machines = machines.filter(is_there);
             let Some(machine) = machines.next() else {
                 continue;

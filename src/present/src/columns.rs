@@ -31,6 +31,8 @@ pub enum CellValue {
     Number(f64),
     /// Text.
     Text(String),
+    /// A figure that cannot be right ([`DataCell::Doubtful`]).
+    Doubtful(f64),
 }
 
 impl CellValue {
@@ -124,6 +126,13 @@ impl<'a, R> ColumnList<'a, R> {
         self
     }
 
+    /// These columns, then others.
+    #[must_use]
+    pub fn and(mut self, others: ColumnList<'a, R>) -> ColumnList<'a, R> {
+        self.0.extend(others.0);
+        self
+    }
+
     /// The columns of some heads.
     #[must_use]
     pub fn only(mut self, heads: &[&str]) -> ColumnList<'a, R> {
@@ -211,6 +220,7 @@ fn data_cell(value: CellValue, digits: Digits) -> DataCell {
         CellValue::Nothing => return DataCell::Empty,
         CellValue::Count(count) => return DataCell::Count(count),
         CellValue::Text(text) => return DataCell::Text(text),
+        CellValue::Doubtful(doubtful) => return DataCell::Doubtful { doubtful },
         CellValue::Number(number) => number,
     };
     DataCell::Text(match digits {

@@ -14,9 +14,6 @@ use robovec_present::number::{exponential, or_dash, share_percent};
 /// Heads of the two columns of errors.
 pub const ERROR_HEADS: [&str; 2] = ["median error", "worst error"];
 
-/// The same as text between other heads.
-pub const ERROR_COLUMNS: &str = "median error | worst error";
-
 /// The errors of a program, with all that they depend on.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ErrorAccount {

@@ -1,11 +1,9 @@
-//! Tables and figures with the titles, captions and heads of `captions.toml`.
+//! Tables and figures with the titles and captions of `captions.toml`.
 
-use super::cost;
 use super::results::Results;
 use super::step::ROUNDS;
 use crate::operators::MEMORY_CAP_MHZ;
-use robovec_error::yardstick::account::ERROR_COLUMNS;
-use robovec_present::{DataCell, DataTable, Figure, Panel};
+use robovec_present::{ColumnList, DataTable, Figure, Panel};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -24,9 +22,6 @@ struct Captions {
 struct Caption {
     title: String,
     caption: String,
-    /// Heads of a table, ` | ` between them.
-    #[serde(default)]
-    columns: String,
 }
 
 static CAPTIONS: LazyLock<Captions> =
@@ -46,33 +41,31 @@ fn fill(text: &str, words: &Words<'_>) -> String {
     [
         ("cap", MEMORY_CAP_MHZ.to_string()),
         ("rounds", ROUNDS.to_string()),
-        ("cost columns", cost::columns()),
-        ("error columns", ERROR_COLUMNS.to_owned()),
     ]
     .iter()
     .fold(text, |text, (name, word)| fill(text, (name, word)))
 }
 
 /// A table of a name.
-pub(super) fn table(
+pub(super) fn table<R>(
     name: &str,
     words: &Words<'_>,
-    rows: impl IntoIterator<Item = Vec<DataCell>>,
+    columns: &ColumnList<'_, R>,
+    rows: &[R],
 ) -> DataTable {
     let texts = &CAPTIONS.tables[name];
-    let [title, caption, columns] =
-        [&texts.title, &texts.caption, &texts.columns].map(|text| fill(text, words));
-    DataTable::new(name, title, caption, &columns, rows)
+    let [title, caption] = [&texts.title, &texts.caption].map(|text| fill(text, words));
+    columns.table(name, title, caption, rows)
 }
 
 /// A table of a name, if it has rows.
-pub(super) fn filled(
+pub(super) fn filled<R>(
     name: &str,
     words: &Words<'_>,
-    rows: impl IntoIterator<Item = Vec<DataCell>>,
+    columns: &ColumnList<'_, R>,
+    rows: &[R],
 ) -> Option<DataTable> {
-    let table = table(name, words, rows);
-    (!table.rows.is_empty()).then_some(table)
+    (!rows.is_empty()).then(|| table(name, words, columns, rows))
 }
 
 /// A figure with panels side by side, two in a row, if there are any; `texts`

@@ -25,15 +25,15 @@ pub fn placement_key(
         .with(&machine)
         .with(&format!("{}+{}", request.n_add, request.n_multi))
         // The names of the variants; they change with the build only.
-        .with(&format!("{:?} {:?}", request.priority, request.choice))
+        .with(&format!("{:?}", request.options))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::plan::{ChoiceKey, PriorityKey};
     use robovec_ir::{Format, Machine};
     use robovec_passes::registry::REGISTRY;
+    use robovec_schedule::{ElementChoice, PlaceOptions, Priority};
 
     /// Parts of a key.
     struct KeyParts {
@@ -76,8 +76,7 @@ mod tests {
                 machine: 0,
                 n_add: 4,
                 n_multi: 4,
-                priority: PriorityKey::Best,
-                choice: ChoiceKey::Preferential,
+                options: PlaceOptions::default(),
             },
         }
     }
@@ -106,12 +105,14 @@ mod tests {
             ("adders", |parts| parts.request.n_add += 1),
             ("multipliers", |parts| parts.request.n_multi += 1),
             ("priority", |parts| {
-                parts.request.priority = PriorityKey::Alap
+                parts.request.options.priority = Priority::Alap
             }),
             ("another", |parts| {
-                parts.request.priority = PriorityKey::FanOut
+                parts.request.options.priority = Priority::FanOut
             }),
-            ("choice", |parts| parts.request.choice = ChoiceKey::First),
+            ("choice", |parts| {
+                parts.request.options.choice = ElementChoice::First
+            }),
         ];
         let mut keys = Vec::new();
         for (what, change) in changes {

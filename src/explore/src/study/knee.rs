@@ -1,8 +1,7 @@
 //! Number of elements that a program is worth: the knee, the zones around it,
 //! and the limit of each (thesis 3.3).
 
-use super::cost;
-use super::results::{Results, StudyPlacement};
+use super::results::{StudiedProgram, StudyPlacement};
 use super::zone::{Zone, is_saturated, zone};
 use serde::Serialize;
 
@@ -47,13 +46,14 @@ pub struct Split {
 }
 
 impl Split {
-    fn of(results: &Results, placed: StudyPlacement<'_>) -> Split {
+    fn of(placed: &StudyPlacement<'_>) -> Split {
+        let [n_add, n_multi] = placed.counts();
         Split {
-            n_add: placed.request.n_add,
-            n_multi: placed.request.n_multi,
+            n_add,
+            n_multi,
             cycles: placed.point.cycles,
             rate: placed.point.rate,
-            share: cost::share(results, placed),
+            share: placed.share().expect("it was placed"),
         }
     }
 
@@ -68,10 +68,10 @@ impl Split {
     }
 }
 
-/// The knee of a program on a machine; `None` when it was not placed.
-pub fn knee(results: &Results, model: usize, pipeline: usize, machine: usize) -> Option<Knee> {
-    let facts = results.program(model, pipeline, machine)?;
-    let mut placed: Vec<StudyPlacement<'_>> = results.usual(model, pipeline, machine).collect();
+/// The knee of a program; `None` when it was not placed.
+pub(super) fn knee(program: &StudiedProgram<'_>) -> Option<Knee> {
+    let facts = program.facts;
+    let mut placed: Vec<StudyPlacement<'_>> = program.usual().collect();
     placed.sort_by_key(|placed| (placed.elements(), placed.point.cycles, placed.request.n_add));
     if placed.is_empty() {
         return None;
@@ -86,8 +86,7 @@ pub fn knee(results: &Results, model: usize, pipeline: usize, machine: usize) ->
         count => short(count - 1),
     });
     let busy = |placed: &&StudyPlacement<'_>| zone(facts, **placed) == Zone::Parallelisation;
-    let split =
-        |placed: Option<&StudyPlacement<'_>>| placed.map(|placed| Split::of(results, *placed));
+    let split = |placed: Option<&StudyPlacement<'_>>| placed.map(Split::of);
     Some(Knee {
         chain: facts.asap_cycle,
         number_y: facts.number_y(),

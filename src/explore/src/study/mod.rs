@@ -3,8 +3,7 @@
 //!
 //! `plan` says what is placed; `run` places it, in parallel, with finished
 //! points kept by [`crate::store`]; `tables` and `figures` are views of the points,
-//! each named by its number in the thesis; `cost` puts error and share of the
-//! device beside every number of cycles; `verdict` says in words what they
+//! each named by its number in the thesis; `verdict` says in words what they
 //! mean; `page` puts everything into one HTML file. The figures of the thesis
 //! itself are data (`printed`), shown beside ours and never mixed with them.
 //!
@@ -12,7 +11,6 @@
 //! alone: no clock, no number of threads, no order of work enters a result.
 
 mod captions;
-mod cost;
 pub mod couples;
 pub mod cpu;
 pub mod figures;

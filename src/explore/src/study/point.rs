@@ -60,7 +60,7 @@ pub fn measure(
         (Operation::Mul, request.n_multi),
     ];
     let machine = with_counts(&machine.machine, &counts);
-    let placed = match verified(&program.module, &machine, request.options()) {
+    let placed = match verified(&program.module, &machine, request.options) {
         Ok(placed) => placed,
         Err(reason) => {
             return PlacedPoint {

@@ -5,7 +5,8 @@ use super::plan::{NamedMachine, NamedPipeline, StudySubject};
 use crate::program::{transformed, view};
 use crate::store::PointKey;
 use robovec_analysis::critical_path::critical_path;
-use robovec_analysis::rounding::{RoundingErrors, rounding, usual_states};
+use robovec_analysis::rounding::{RoundingErrors, UNIT, rounding, usual_states};
+use robovec_error::yardstick::account::random_states;
 use robovec_ir::count::Counts;
 use robovec_ir::diagnostic::{Diagnostic, Report, did_you_mean};
 use robovec_ir::states::States;
@@ -70,18 +71,17 @@ impl ProgramFacts {
         }
     }
 
-    /// Cycles that no schedule can beat, by the guidance curves of the thesis
-    /// (3.3): all elements busy, or the longest chain.
-    pub fn guidance(&self, elements: u32) -> f64 {
-        let shared = self.operations as f64 / f64::from(elements.max(1));
-        shared.max(f64::from(self.asap_cycle))
+    /// The median and the worst error in binary32, in parts of the largest element of
+    /// an array.
+    pub(super) fn errors(&self) -> [f64; 2] {
+        let normwise = self.rounding[1].normwise;
+        [normwise.median * UNIT, normwise.worst * UNIT]
     }
 
-    /// The same with additions and multiplications on elements of their own.
-    pub fn guidance_by_kind(&self, n_add: u32, n_multi: u32) -> f64 {
-        let adders = self.add_sub as f64 / f64::from(n_add.max(1));
-        let multipliers = self.mul as f64 / f64::from(n_multi.max(1));
-        adders.max(multipliers).max(f64::from(self.asap_cycle))
+    /// Source of the errors, in words.
+    pub(super) fn states(&self) -> String {
+        let rounding = &self.rounding[1];
+        random_states(rounding.states as usize, rounding.seed, false)
     }
 }
 

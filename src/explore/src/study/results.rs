@@ -1,11 +1,15 @@
 //! A plan and what it gave, with the questions that tables and figures ask.
 
-use super::cost;
-use super::plan::{PlacementRequest, Printed, StudyPlan};
+use super::plan::{NamedPipeline, PlacementRequest, Printed, StudyPlan, StudySubject};
 use super::point::PlacedPoint;
 use super::printed::{self, PrintedRow, PrintedSystem};
 use super::program::ProgramFacts;
 use super::run::StudyOutcome;
+use super::zone::{Zone, zone};
+use crate::device;
+use crate::placing::{with_counts, words_of_a_side};
+use robovec_fpga::hardware::{MachineClock, MachineShape};
+use robovec_ir::{Machine, Operation};
 use serde_json::{Value, json};
 
 /// The results of a study.
@@ -20,30 +24,177 @@ pub struct Results {
 /// A placement: what was asked for and what it gave.
 #[derive(Clone, Copy, Debug)]
 pub struct StudyPlacement<'a> {
-    /// The request.
-    pub request: &'a PlacementRequest,
-    /// The result.
-    pub point: &'a PlacedPoint,
+    pub(super) results: &'a Results,
+    pub(super) request: &'a PlacementRequest,
+    pub(super) point: &'a PlacedPoint,
 }
 
-impl StudyPlacement<'_> {
+impl<'a> StudyPlacement<'a> {
     /// All elements.
-    pub fn elements(&self) -> u32 {
+    pub(super) fn elements(&self) -> u32 {
         self.request.n_add + self.request.n_multi
     }
 
+    /// Adders and multipliers.
+    pub(super) fn counts(&self) -> [u32; 2] {
+        [self.request.n_add, self.request.n_multi]
+    }
+
     /// True when there are as many adders as multipliers.
-    pub fn is_equal(&self) -> bool {
+    pub(super) fn is_equal(&self) -> bool {
         self.request.n_add == self.request.n_multi
+    }
+
+    /// The program that was placed.
+    pub(super) fn program(&self) -> Option<StudiedProgram<'a>> {
+        let request = self.request;
+        let place = [request.model, request.pipeline, request.machine];
+        self.results.program(place)
+    }
+
+    /// The machine, with the elements of the placement.
+    pub(super) fn machine(&self) -> Machine {
+        let request = self.request;
+        with_counts(
+            &self.results.plan.machines[request.machine].machine,
+            &[
+                (Operation::Add, request.n_add),
+                (Operation::Mul, request.n_multi),
+            ],
+        )
+    }
+
+    /// The hardware: memories and buffers as large as the program needs, unless the
+    /// machine says how large they are.
+    pub(super) fn shape(&self) -> MachineShape {
+        let kinds = &self.point.kinds;
+        let most = |words: [f64; 2]| words[0].max(words[1]) as u32;
+        let buffer = most([kinds[0].buffer[2], kinds[1].buffer[2]]).max(1);
+        let machine = self.machine();
+        let memory = most([kinds[0].memory[2], kinds[1].memory[2]]);
+        let words = words_of_a_side(memory, &machine).max(1);
+        let mut shape = MachineShape::of(&machine, self.point.cycles, words);
+        if let (Some(own), Some(declared)) = (&mut shape.buffer, &machine.buffer) {
+            own.0 = declared.words.unwrap_or(buffer);
+        }
+        shape
+    }
+
+    /// The share of the device that the machine takes, by formulas; above 1 it does
+    /// not fit. `None` where nothing was placed.
+    pub(super) fn share(&self) -> Option<f64> {
+        let shape = self.point.failure.is_none().then(|| self.shape())?;
+        Some(device::taken_by(&shape, shape.device).share(shape.device))
+    }
+
+    /// The time at the clock that the study counts with.
+    pub(super) fn time_us(&self) -> f64 {
+        let clock = self.results.plan.machines[self.request.machine].clock();
+        f64::from(self.point.cycles) / clock.mhz
+    }
+
+    /// The zone that it lies in, of a program that was placed.
+    pub(super) fn zone(&self) -> Option<Zone> {
+        let program = self.program().filter(|_| self.point.failure.is_none())?;
+        Some(zone(program.facts, *self))
+    }
+}
+
+/// A program on a machine of the plan.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StudiedProgram<'a> {
+    pub(super) results: &'a Results,
+    /// Indices of its model, pipeline and machine.
+    pub(super) place: [usize; 3],
+    pub(super) facts: &'a ProgramFacts,
+}
+
+impl<'a> StudiedProgram<'a> {
+    pub(super) fn subject(&self) -> &'a StudySubject {
+        &self.results.plan.models[self.place[0]]
+    }
+
+    pub(super) fn pipeline(&self) -> &'a NamedPipeline {
+        &self.results.plan.pipelines[self.place[1]]
+    }
+
+    pub(super) fn clock(&self) -> MachineClock {
+        self.results.plan.machines[self.place[2]].clock()
+    }
+
+    /// The row of Table 3.1 that it is compared with.
+    pub(super) fn row(&self) -> Option<&'static PrintedRow> {
+        let system = self.results.system(self.place[0])?;
+        system.row(self.pipeline().printed?)
+    }
+
+    /// Its placements by the usual order and choice.
+    pub(super) fn usual(&self) -> impl Iterator<Item = StudyPlacement<'a>> {
+        let place = self.place;
+        self.results.placed().filter(move |placed| {
+            let request = placed.request;
+            [request.model, request.pipeline, request.machine] == place && request.is_usual()
+        })
+    }
+
+    /// The usual placements that the plan asks for with as many adders as
+    /// multipliers, in ascending number; of many, those whose number is a power of
+    /// two.
+    pub(super) fn ladder(&self) -> Vec<StudyPlacement<'a>> {
+        let requests = &self.results.plan.requests;
+        let mut equal: Vec<StudyPlacement<'a>> = (self.usual())
+            .filter(|placed| placed.is_equal() && requests.binary_search(placed.request).is_ok())
+            .collect();
+        equal.sort_by_key(StudyPlacement::elements);
+        let is_power = |placed: &StudyPlacement<'_>| placed.request.n_add.is_power_of_two();
+        if equal.len() > 8 && equal.iter().filter(|&placed| is_power(placed)).count() >= 4 {
+            equal.retain(is_power);
+        }
+        equal
+    }
+
+    /// The usual placements on all pairs of numbers: those of a full grid.
+    pub(super) fn grid(&self) -> Vec<StudyPlacement<'a>> {
+        let most = |placed: &StudyPlacement<'_>| placed.request.n_add.max(placed.request.n_multi);
+        let all: Vec<StudyPlacement<'a>> = self.usual().collect();
+        let unequal = all.iter().filter(|placed| !placed.is_equal());
+        let largest = unequal.map(most).max().unwrap_or(0);
+        let within = |placed: &StudyPlacement<'_>| most(placed) <= largest;
+        all.into_iter().filter(within).collect()
+    }
+
+    /// Of each total of a grid the placement with the fewest cycles, then nearest to
+    /// equal numbers, then with more multipliers; as far as the grid has all splits
+    /// of a total.
+    pub(super) fn best_splits(&self) -> Vec<StudyPlacement<'a>> {
+        let mut sorted = self.grid();
+        let adders = sorted.iter().map(|placed| placed.request.n_add);
+        let largest = adders.max().unwrap_or(0);
+        sorted.sort_by_key(|placed| {
+            let [add, multi] = placed.counts();
+            (add + multi, placed.point.cycles, add.abs_diff(multi), add)
+        });
+        sorted.dedup_by_key(|placed| placed.elements());
+        sorted.retain(|placed| placed.elements() <= largest + 1);
+        sorted
     }
 }
 
 impl Results {
-    /// The placements that succeeded, in the plan's order.
-    pub fn placed(&self) -> impl Iterator<Item = StudyPlacement<'_>> {
+    /// All placements, in the plan's order.
+    pub(super) fn points(&self) -> impl Iterator<Item = StudyPlacement<'_>> {
         let all = self.outcome.points.iter();
-        let all = all.map(|(request, point)| StudyPlacement { request, point });
-        all.filter(|placed| placed.point.failure.is_none())
+        all.map(|(request, point)| StudyPlacement {
+            results: self,
+            request,
+            point,
+        })
+    }
+
+    /// The placements that succeeded, in the plan's order.
+    pub(super) fn placed(&self) -> impl Iterator<Item = StudyPlacement<'_>> {
+        self.points()
+            .filter(|placed| placed.point.failure.is_none())
     }
 
     /// The placements that failed, with the reason.
@@ -52,19 +203,51 @@ impl Results {
         all.filter_map(|(request, point)| Some((request, point.failure.as_deref()?)))
     }
 
-    /// The placements of a program on a machine by the usual order and
-    /// choice.
-    pub fn usual(
-        &self,
-        model: usize,
-        pipeline: usize,
-        machine: usize,
-    ) -> impl Iterator<Item = StudyPlacement<'_>> {
-        self.placed().filter(move |placed| {
-            let request = placed.request;
-            (request.model, request.pipeline, request.machine) == (model, pipeline, machine)
-                && request.is_usual()
+    /// All programs, by model, pipeline and machine.
+    pub(super) fn programs(&self) -> impl Iterator<Item = StudiedProgram<'_>> {
+        let all = self.outcome.programs.iter();
+        all.map(|(&(model, pipeline, machine), facts)| StudiedProgram {
+            results: self,
+            place: [model, pipeline, machine],
+            facts,
         })
+    }
+
+    /// The programs on the machine of the ordinary figures.
+    pub(super) fn ordinary(&self) -> impl Iterator<Item = StudiedProgram<'_>> {
+        let machine = self.main_machine();
+        self.programs()
+            .filter(move |program| Some(program.place[2]) == machine)
+    }
+
+    /// Those of the model that the verdict is about.
+    pub(super) fn of_headline(&self) -> impl Iterator<Item = StudiedProgram<'_>> {
+        self.ordinary()
+            .filter(|program| program.place[0] == self.plan.headline)
+    }
+
+    /// The program of the headline as the original pipeline leaves it, on the machine
+    /// of the ordinary figures.
+    pub(super) fn original_headline(&self) -> Option<StudiedProgram<'_>> {
+        let original = self.original();
+        self.of_headline()
+            .find(|program| program.place[1] == original)
+    }
+
+    /// The program of a model, pipeline and machine.
+    pub(super) fn program(&self, place: [usize; 3]) -> Option<StudiedProgram<'_>> {
+        let [model, pipeline, machine] = place;
+        let facts = self.outcome.programs.get(&(model, pipeline, machine))?;
+        Some(StudiedProgram {
+            results: self,
+            place,
+            facts,
+        })
+    }
+
+    /// True when a model is placed by a pipeline on a machine.
+    pub fn has_program(&self, model: usize, pipeline: usize, machine: usize) -> bool {
+        self.program([model, pipeline, machine]).is_some()
     }
 
     /// The machine of the ordinary figures: the first of the plan that is no
@@ -75,24 +258,19 @@ impl Results {
         ordinary.or(if machines.is_empty() { None } else { Some(0) })
     }
 
-    /// The figures of a program.
-    pub fn program(&self, model: usize, pipeline: usize, machine: usize) -> Option<&ProgramFacts> {
-        self.outcome.programs.get(&(model, pipeline, machine))
+    /// The machine of the couple of operators with so many stages.
+    pub(super) fn couple_machine(&self, stages: [u32; 2]) -> Option<usize> {
+        let mut machines = self.plan.machines.iter();
+        machines.position(|machine| machine.couple == Some(stages))
     }
 
     /// The system of the thesis a model stands for.
-    pub fn system(&self, model: usize) -> Option<&'static PrintedSystem> {
+    pub(super) fn system(&self, model: usize) -> Option<&'static PrintedSystem> {
         printed::system(self.plan.models[model].printed.as_deref()?)
     }
 
-    /// The row of Table 3.1 that a program is compared with.
-    pub fn row(&self, model: usize, pipeline: usize) -> Option<&'static PrintedRow> {
-        self.system(model)?
-            .row(self.plan.pipelines[pipeline].printed?)
-    }
-
     /// The pipeline compared with these rows of the thesis.
-    pub fn pipeline(&self, printed: Printed) -> Option<usize> {
+    pub(super) fn pipeline(&self, printed: Printed) -> Option<usize> {
         let pipelines = &self.plan.pipelines;
         pipelines
             .iter()
@@ -109,7 +287,7 @@ impl Results {
         let programs = self.outcome.programs.values().map(|facts| {
             let mut value = json!(facts);
             value["number_y"] = json!(facts.number_y());
-            let [median, worst] = cost::errors(facts);
+            let [median, worst] = facts.errors();
             value["errors"] = json!({
                 "format": "binary32",
                 "median": median,
@@ -119,8 +297,8 @@ impl Results {
             });
             value
         });
-        let all = self.outcome.points.iter();
-        let points = all.map(|(request, point)| {
+        let points = self.points().map(|placed| {
+            let request = placed.request;
             let machine = &self.plan.machines[request.machine];
             let mut value = json!({
                 "model": self.plan.models[request.model].name,
@@ -129,18 +307,13 @@ impl Results {
                 "machine_hash": machine.machine.content_hash().text(),
                 "n_add": request.n_add,
                 "n_multi": request.n_multi,
-                "priority": request.priority,
-                "choice": request.choice,
+                "priority": request.options.priority,
+                "choice": request.options.choice,
             });
-            if let (Value::Object(into), Value::Object(from)) = (&mut value, json!(point)) {
+            if let (Value::Object(into), Value::Object(from)) = (&mut value, json!(placed.point)) {
                 into.extend(from);
-                into.insert(
-                    "time_us".to_owned(),
-                    json!(time_us(point, machine.clock().mhz)),
-                );
-                let placed = StudyPlacement { request, point };
-                let share = point.failure.is_none().then(|| cost::share(self, placed));
-                into.insert("share".to_owned(), json!(share));
+                into.insert("time_us".to_owned(), json!(placed.time_us()));
+                into.insert("share".to_owned(), json!(placed.share()));
             }
             value
         });
@@ -160,9 +333,4 @@ impl Results {
             "points": points.collect::<Vec<_>>(),
         })
     }
-}
-
-/// The time of a placement at a clock.
-pub fn time_us(point: &PlacedPoint, mhz: f64) -> f64 {
-    f64::from(point.cycles) / mhz
 }

@@ -6,7 +6,7 @@
 //! order of their requests, whatever the order of work.
 
 use super::key::placement_key;
-use super::plan::{ChoiceKey, PlacementRequest, PriorityKey, StudyPlan};
+use super::plan::{PlacementRequest, StudyPlan};
 use super::point::{PlacedPoint, measure};
 use super::program::{ProgramFacts, ProgramSources, StudyEquations, StudyProgram};
 use super::zone::is_saturated;
@@ -15,6 +15,7 @@ use crate::store::{PointKey, PointStore, build_key};
 use rayon::prelude::*;
 use robovec_analysis::critical_path::Weights;
 use robovec_ir::diagnostic::{Diagnostic, Report};
+use robovec_schedule::PlaceOptions;
 use std::collections::BTreeMap;
 
 /// Result of a plan.
@@ -235,8 +236,7 @@ impl StudyRunner<'_> {
                 machine,
                 n_add: middle,
                 n_multi: middle,
-                priority: PriorityKey::Best,
-                choice: ChoiceKey::Preferential,
+                options: PlaceOptions::default(),
             };
             let found = self.point(prepared, request)?;
             if is_saturated(facts, found.1.cycles) {

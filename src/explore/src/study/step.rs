@@ -6,9 +6,7 @@
 //! all of them on one machine with the same elements.
 
 use super::plan::StudySubject;
-use super::results::{Results, StudyPlacement};
-use crate::placing::with_counts;
-use robovec_ir::{Machine, Operation};
+use super::results::{Results, StudiedProgram, StudyPlacement};
 use robovec_robotran::FunctionKind;
 use std::collections::BTreeMap;
 
@@ -72,16 +70,11 @@ pub(super) struct PlacedStep<'a> {
 }
 
 impl PlacedStep<'_> {
-    /// The machine, with the elements of the step.
-    pub(super) fn machine(&self, results: &Results) -> Machine {
-        let request = self.accelerations().request;
-        with_counts(
-            &results.plan.machines[request.machine].machine,
-            &[
-                (Operation::Add, request.n_add),
-                (Operation::Mul, request.n_multi),
-            ],
-        )
+    /// Share of its device that the machine takes: that of the function that takes
+    /// most.
+    pub(super) fn share(&self) -> f64 {
+        let parts = self.parts.iter().flatten();
+        parts.filter_map(StudyPlacement::share).fold(0.0, f64::max)
     }
 
     /// The placement of the accelerations, which has the elements of all.
@@ -98,12 +91,10 @@ pub(super) fn placed<'a>(
     pipeline: usize,
     machine: usize,
 ) -> Vec<PlacedStep<'a>> {
-    let of = |model: Option<usize>| -> BTreeMap<(u32, u32), StudyPlacement<'a>> {
-        let placed = model.map(|model| results.usual(model, pipeline, machine));
-        let placed = placed.into_iter().flatten();
-        placed
-            .map(|placed| ((placed.request.n_add, placed.request.n_multi), placed))
-            .collect()
+    let of = |model: Option<usize>| -> BTreeMap<[u32; 2], StudyPlacement<'a>> {
+        let program = model.and_then(|model| results.program([model, pipeline, machine]));
+        let placed = program.iter().flat_map(StudiedProgram::usual);
+        placed.map(|placed| (placed.counts(), placed)).collect()
     };
     let parts = step.models.map(of);
     let all = parts[2].keys().filter_map(|elements| {

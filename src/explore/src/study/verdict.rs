@@ -1,9 +1,8 @@
 //! Meaning of the study, in plain words, computed from its points.
 
-use super::cost;
 use super::knee::{Knee, Split, knee};
 use super::program::ProgramFacts;
-use super::results::Results;
+use super::results::{Results, StudiedProgram};
 use super::variants;
 use super::zone::{BUSY, SATURATED};
 use robovec_error::yardstick::account::measure_text;
@@ -38,29 +37,15 @@ pub struct StudyVerdict {
 /// The verdict about every program on the machine of the ordinary figures:
 /// the headline model first.
 pub fn verdicts(results: &Results) -> Vec<StudyVerdict> {
-    let Some(machine) = results.main_machine() else {
-        return Vec::new();
-    };
-    let headline = results.plan.headline;
-    let others = (0..results.plan.models.len()).filter(|&model| model != headline);
-    let models = std::iter::once(headline).chain(others);
-    let pipelines = results.plan.pipelines.len();
-    let pairs = models.flat_map(|model| (0..pipelines).map(move |pipeline| (model, pipeline)));
-    pairs
-        .filter_map(|(model, pipeline)| verdict(results, model, pipeline, machine))
-        .collect()
+    let mut programs: Vec<StudiedProgram<'_>> = results.ordinary().collect();
+    programs.sort_by_key(|program| program.place[0] != results.plan.headline);
+    programs.iter().filter_map(verdict).collect()
 }
 
-fn verdict(
-    results: &Results,
-    model: usize,
-    pipeline: usize,
-    machine: usize,
-) -> Option<StudyVerdict> {
-    let facts = results.program(model, pipeline, machine)?;
-    let knee = knee(results, model, pipeline, machine)?;
-    let clock = results.plan.machines[machine].clock();
-    let subject = &results.plan.models[model];
+fn verdict(program: &StudiedProgram<'_>) -> Option<StudyVerdict> {
+    let (facts, clock) = (program.facts, program.clock());
+    let knee = knee(program)?;
+    let subject = program.subject();
     Some(StudyVerdict {
         model: facts.model.clone(),
         system: subject.source.clone(),
@@ -136,13 +121,13 @@ fn cost(facts: &ProgramFacts, knee: &Knee) -> String {
     let Some(best) = knee.cheapest.or(knee.fastest) else {
         return String::new();
     };
-    let [median, worst] = cost::errors(facts);
+    let [median, worst] = facts.errors();
     format!(
         "They take {} of the device (estimated). Errors in binary32: median {}, worst {} {}.",
         percent(best.share),
         exponential(median),
         exponential(worst),
-        measure_text(&cost::states(facts)),
+        measure_text(&facts.states()),
     )
 }
 

@@ -1,9 +1,10 @@
 //! Figures 1.9 to 1.12: pipelining variants; and all couples of Table 1.3.
 
 use super::super::captions;
+use super::super::plan::NamedPipeline;
 use super::super::results::{Results, StudyPlacement};
-use super::{ladder, pipeline_label};
-use crate::operators::{ADDERS, MEMORY_CAP_MHZ, MULTIPLIERS, couples};
+use super::{elements, label, percentage};
+use crate::operators::{ADDERS, MEMORY_CAP_MHZ, MULTIPLIERS, Operator, couples};
 use robovec_present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
 
 /// The couples that thesis 1.2.3 compares. It names adders of 3 and
@@ -11,93 +12,67 @@ use robovec_present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, St
 /// 72 MHz belong to 3 and 3 stages.
 const COMPARED: [[u32; 2]; 3] = [[3, 3], [6, 4], [10, 5]];
 
-const ELEMENTS: &str = "processing elements, adders + multipliers";
-
 /// Figure 1.9.
 pub(super) fn operators() -> Option<Figure> {
-    let curve = |label: &str, index: usize, operators: &[crate::operators::Operator]| {
-        Curve::new(
-            label,
-            Paint::Distinct(index),
-            Stroke::Marked,
-            operators
-                .iter()
-                .map(|operator| Mark::at(f64::from(operator.stages), f64::from(operator.mhz))),
-        )
+    let mark = |operator: &Operator| Mark::at(operator.stages.into(), operator.mhz.into());
+    let curve = |label: &str, index: usize, operators: &[Operator]| {
+        let marks = operators.iter().map(mark);
+        Curve::new(label, Paint::Distinct(index), Stroke::Marked, marks)
     };
-    captions::figure(
-        "figure-1.9",
-        "figure-1.9",
-        &[],
-        vec![Panel::curves(
-            String::new(),
-            PlotAxis::new("pipeline stages", AxisScale::Linear).showing(0.0, 15.0),
-            PlotAxis::new("clock (MHz)", AxisScale::Linear).showing(0.0, 250.0),
-            vec![
-                curve("adder", 0, &ADDERS),
-                curve("multiplier", 1, &MULTIPLIERS),
-            ],
-        )],
-    )
+    let axis = |title: &str, to: f64| PlotAxis::new(title, AxisScale::Linear).showing(0.0, to);
+    let curves = [
+        curve("adder", 0, &ADDERS),
+        curve("multiplier", 1, &MULTIPLIERS),
+    ];
+    let (x, y) = (axis("pipeline stages", 15.0), axis("clock (MHz)", 250.0));
+    let panels = vec![Panel::curves("", x, y, curves)];
+    captions::figure("figure-1.9", "figure-1.9", &[], panels)
 }
+
+/// A figure of placements at a clock: its number, its quantity, its axis, and the
+/// value of a placement.
+type VariantFigure = (
+    &'static str,
+    &'static str,
+    PlotAxis,
+    fn(&StudyPlacement<'_>) -> f64,
+);
 
 /// Figures 1.10 (cycles), 1.11 (time) and 1.12 (rate).
 pub(super) fn variants(results: &Results) -> Vec<Figure> {
-    let figures = [
-        ("1.10", "cycles", "cycles", AxisScale::Decades),
-        ("1.11", "computing time", "time (µs)", AxisScale::Decades),
-        (
-            "1.12",
-            "parallelisation rate",
-            "parallelisation rate (%)",
-            AxisScale::Linear,
-        ),
+    let decades = |title: &str| PlotAxis::new(title, AxisScale::Decades);
+    let rate = "parallelisation rate";
+    let figures: [VariantFigure; 3] = [
+        ("1.10", "cycles", decades("cycles"), |placed| {
+            f64::from(placed.point.cycles)
+        }),
+        ("1.11", "computing time", decades("time (µs)"), |placed| {
+            placed.time_us()
+        }),
+        ("1.12", rate, percentage(&format!("{rate} (%)")), |placed| {
+            100.0 * placed.point.rate
+        }),
     ];
-    let figure = |(number, what, unit, scale): (&str, &str, &str, AxisScale)| {
-        let quantity = |placed: StudyPlacement<'_>, mhz: f64| match number {
-            "1.10" => f64::from(placed.point.cycles),
-            "1.11" => f64::from(placed.point.cycles) / mhz,
-            _ => 100.0 * placed.point.rate,
-        };
-        let panel = |pipeline: usize| {
+    let headline = captions::headline(results);
+    let figure = |(number, what, axis, value): VariantFigure| {
+        let panel = |(pipeline, named): (usize, &NamedPipeline)| {
             let curves = COMPARED.iter().enumerate().filter_map(|(index, couple)| {
-                let machine = couple_machine(results, *couple)?;
-                let mhz = results.plan.machines[machine].clock().mhz;
-                let placed = ladder(results, results.plan.headline, pipeline, machine);
-                let marks = placed
-                    .iter()
-                    .map(|&placed| Mark::at(f64::from(placed.elements()), quantity(placed, mhz)));
-                Some(Curve::new(
-                    format!("{}+{} at {mhz} MHz", couple[0], couple[1]),
-                    Paint::Distinct(index),
-                    Stroke::Marked,
-                    marks,
-                ))
+                let machine = results.couple_machine(*couple)?;
+                let program = results.program([results.plan.headline, pipeline, machine])?;
+                let placed = program.ladder().into_iter();
+                let marks = placed.map(|one| Mark::at(f64::from(one.elements()), value(&one)));
+                let [add, multi] = couple;
+                let label = format!("{add}+{multi} at {} MHz", program.clock().mhz);
+                let paint = Paint::Distinct(index);
+                Some(Curve::new(label, paint, Stroke::Marked, marks))
             });
             let curves: Vec<Curve> = curves.filter(|curve| !curve.marks.is_empty()).collect();
-            let y = PlotAxis::new(unit, scale);
-            let y = if scale == AxisScale::Linear {
-                y.showing(0.0, 100.0)
-            } else {
-                y
-            };
-            (!curves.is_empty()).then(|| {
-                Panel::curves(
-                    pipeline_label(results, pipeline),
-                    PlotAxis::new(ELEMENTS, AxisScale::PowersOfTwo),
-                    y,
-                    curves,
-                )
-            })
+            let drawn = !curves.is_empty();
+            drawn.then(|| Panel::curves(label(named), elements(), axis.clone(), curves))
         };
-        let panels: Vec<Panel> = (0..results.plan.pipelines.len())
-            .filter_map(panel)
-            .collect();
-        let words = [
-            ("number", number),
-            ("what", what),
-            ("headline", captions::headline(results)),
-        ];
+        let pipelines = results.plan.pipelines.iter().enumerate();
+        let panels: Vec<Panel> = pipelines.filter_map(panel).collect();
+        let words = [("number", number), ("what", what), ("headline", headline)];
         captions::figure("stages", &format!("figure-{number}"), &words, panels)
     };
     figures.into_iter().filter_map(figure).collect()
@@ -106,14 +81,14 @@ pub(super) fn variants(results: &Results) -> Vec<Figure> {
 /// All couples of Table 1.3, with and without the cap of the memories.
 pub(super) fn front(results: &Results) -> Option<Figure> {
     let mut panels = Vec::new();
-    for pipeline in 0..results.plan.pipelines.len() {
+    for (pipeline, named) in results.plan.pipelines.iter().enumerate() {
         for cap in [None, Some(MEMORY_CAP_MHZ)] {
             let curves = couple_curves(results, pipeline, cap);
             if curves.len() > 1 {
                 let limit = cap.map_or("own clocks".to_owned(), |mhz| format!("at most {mhz} MHz"));
                 panels.push(Panel::curves(
-                    format!("{}, {limit}", pipeline_label(results, pipeline)),
-                    PlotAxis::new(ELEMENTS, AxisScale::PowersOfTwo),
+                    format!("{}, {limit}", label(named)),
+                    elements(),
                     PlotAxis::new("time (µs)", AxisScale::Decades),
                     curves,
                 ));
@@ -130,61 +105,34 @@ fn couple_curves(results: &Results, pipeline: usize, cap: Option<u32>) -> Vec<Cu
     // For each number of elements the least time and its couple.
     let mut best: Vec<(f64, f64, [u32; 2])> = Vec::new();
     for (index, couple) in all.iter().enumerate() {
-        let Some(machine) = couple_machine(results, couple.stages()) else {
+        let Some(machine) = results.couple_machine(couple.stages()) else {
             continue;
         };
+        let program = results.program([results.plan.headline, pipeline, machine]);
+        let placed = program.map_or(Vec::new(), |program| program.ladder());
         let mhz = f64::from(cap.map_or(couple.mhz(), |cap| cap.min(couple.mhz())));
-        let placed = ladder(results, results.plan.headline, pipeline, machine);
-        let points: Vec<[f64; 2]> = placed
-            .iter()
-            .map(|placed| {
-                [
-                    f64::from(placed.elements()),
-                    f64::from(placed.point.cycles) / mhz,
-                ]
-            })
-            .collect();
-        for &[elements, time] in &points {
-            match best.iter_mut().find(|(known, ..)| *known == elements) {
-                Some(known) if known.1 <= time => {}
-                Some(known) => *known = (elements, time, couple.stages()),
-                None => best.push((elements, time, couple.stages())),
+        let mark = |placed: &StudyPlacement<'_>| {
+            let time = f64::from(placed.point.cycles) / mhz;
+            Mark::at(f64::from(placed.elements()), time)
+        };
+        let marks: Vec<Mark> = placed.iter().map(mark).collect();
+        for &Mark { x, y, .. } in &marks {
+            match best.iter_mut().find(|(known, ..)| *known == x) {
+                Some(known) if known.1 <= y => {}
+                Some(known) => *known = (x, y, couple.stages()),
+                None => best.push((x, y, couple.stages())),
             }
         }
-        curves.push(Curve::new(
-            "",
-            Paint::Ordered(index, all.len()),
-            Stroke::Plain,
-            points.iter().map(|&[x, y]| Mark::at(x, y)),
-        ));
+        let paint = Paint::Ordered(index, all.len());
+        curves.push(Curve::new("", paint, Stroke::Plain, marks));
     }
     best.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut rest = &best[..];
     // A marked stretch for each couple that is best somewhere.
-    while let Some(&(_, _, stages)) = rest.first() {
-        let count = rest
-            .iter()
-            .take_while(|(_, _, other)| *other == stages)
-            .count();
-        let paint = Paint::Distinct(
-            curves.len() - curves.iter().filter(|curve| curve.label.is_empty()).count(),
-        );
-        curves.push(Curve::new(
-            format!("{}+{}", stages[0], stages[1]),
-            paint,
-            Stroke::Points,
-            rest[..count].iter().map(|&(x, y, _)| Mark::at(x, y)),
-        ));
-        rest = &rest[count..];
-    }
+    let stretches = best.chunk_by(|(.., a), (.., b)| a == b).enumerate();
+    curves.extend(stretches.map(|(place, stretch)| {
+        let [add, multi] = stretch[0].2;
+        let marks = stretch.iter().map(|&(x, y, _)| Mark::at(x, y));
+        Curve::points(format!("{add}+{multi}"), place, marks)
+    }));
     curves
-}
-
-/// The machine with this many stages.
-fn couple_machine(results: &Results, stages: [u32; 2]) -> Option<usize> {
-    results
-        .plan
-        .machines
-        .iter()
-        .position(|machine| machine.couple == Some(stages))
 }

@@ -1,32 +1,30 @@
 //! Figures 2.4 to 2.7: words of memory and of buffer by the naive and by the
 //! preferential choice of elements.
 
-use super::super::captions::{self, Words};
-use super::super::plan::{ChoiceKey, PriorityKey};
-use super::super::point::KindPoint;
+use super::super::captions;
 use super::super::printed::SystemTopology;
 use super::super::results::{Results, StudyPlacement};
+use super::elements;
 use robovec_present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
+use robovec_schedule::{ElementChoice, PlaceOptions, Priority};
 
 pub(super) fn figures(results: &Results) -> Vec<Figure> {
-    let pipeline = results.original();
     let Some(machine) = results.main_machine() else {
         return Vec::new();
     };
     let mut figures = Vec::new();
-    for model in 0..results.plan.models.len() {
+    for (model, subject) in results.plan.models.iter().enumerate() {
         let numbers = match results.system(model).map(|system| system.topology) {
             Some(SystemTopology::Bogie) => Some(["2.4", "2.5"]),
             Some(SystemTopology::Mixed) => Some(["2.6", "2.7"]),
             _ => None,
         };
-        for (part, what) in [(0, "memory"), (1, "buffer")] {
-            let label = &results.plan.models[model].name;
-            let (name, prefix) = match numbers {
-                Some(numbers) => (
-                    format!("figure-{}", numbers[part]),
-                    format!("Figure {}: ", numbers[part]),
-                ),
+        let place = [model, results.original(), machine];
+        for (part, what) in ["memory", "buffer"].into_iter().enumerate() {
+            let label = &subject.name;
+            let number = numbers.map(|numbers| numbers[part]);
+            let (name, prefix) = match number {
+                Some(number) => (format!("figure-{number}"), format!("Figure {number}: ")),
                 None => (format!("{what}-{label}"), String::new()),
             };
             let words = [
@@ -34,79 +32,60 @@ pub(super) fn figures(results: &Results) -> Vec<Figure> {
                 ("what", what),
                 ("model", label),
             ];
-            let subject = [model, pipeline, machine];
-            figures.extend(figure(results, subject, part, &name, &words));
+            let panels = panels(results, place, part, what);
+            figures.extend(captions::figure("memory", &name, &words, panels));
         }
     }
     figures.sort_by(|a, b| a.name.cmp(&b.name));
     figures
 }
 
-fn figure(
-    results: &Results,
-    [model, pipeline, machine]: [usize; 3],
-    part: usize,
-    name: &str,
-    words: &Words<'_>,
-) -> Option<Figure> {
-    let points = |choice: ChoiceKey| -> Vec<StudyPlacement<'_>> {
+/// Words of memory (part 0) or of buffer, of adders and of multipliers; nothing
+/// where one of the choices was not placed.
+fn panels(results: &Results, place: [usize; 3], part: usize, what: &str) -> Vec<Panel> {
+    let points = |choice: ElementChoice| -> Vec<StudyPlacement<'_>> {
+        let options = PlaceOptions {
+            priority: Priority::Alap,
+            choice,
+        };
         let placed = results.placed().filter(|placed| {
             let request = placed.request;
-            (request.model, request.pipeline, request.machine) == (model, pipeline, machine)
-                && (request.priority, request.choice) == (PriorityKey::Alap, choice)
+            [request.model, request.pipeline, request.machine] == place
+                && request.options == options
                 && placed.is_equal()
         });
         placed.collect()
     };
+    // The two stand a little apart.
     let choices = [
-        (ChoiceKey::First, "naive", 0.96),
-        (ChoiceKey::Preferential, "preferential", 1.04),
-    ];
-    if choices
-        .iter()
-        .any(|(choice, ..)| points(*choice).is_empty())
-    {
-        return None;
+        (ElementChoice::First, "naive", Stroke::MarkedDashed, 0.96),
+        (
+            ElementChoice::Preferential,
+            "preferential",
+            Stroke::Marked,
+            1.04,
+        ),
+    ]
+    .map(|(choice, label, stroke, shift)| (points(choice), label, stroke, shift));
+    if choices.iter().any(|(points, ..)| points.is_empty()) {
+        return Vec::new();
     }
-    let panel = |kind: usize, title: &str| {
-        let curve = |(index, (choice, label, shift)): (usize, (ChoiceKey, &str, f64))| {
-            Curve::new(
-                label,
-                Paint::Distinct(1 - index),
-                if index == 0 {
-                    Stroke::MarkedDashed
-                } else {
-                    Stroke::Marked
-                },
-                points(choice)
-                    .iter()
-                    .map(|placed| mark(*placed, &placed.point.kinds[kind], part, shift)),
-            )
-        };
-        Panel::curves(
-            title,
-            PlotAxis::new(
-                "processing elements, adders + multipliers",
-                AxisScale::PowersOfTwo,
-            ),
-            PlotAxis::new(
-                ["memory (words)", "buffer (words)"][part],
-                AxisScale::Linear,
-            )
-            .showing(0.0, 1.0),
-            choices.into_iter().enumerate().map(curve),
-        )
+    let panel = |(kind, title): (usize, &str)| {
+        let curves = choices.iter().enumerate().map(|(index, choice)| {
+            let (points, label, stroke, shift) = choice;
+            let marks = points.iter().map(|placed| {
+                let kind = &placed.point.kinds[kind];
+                let [least, mean, most] = [kind.memory, kind.buffer][part];
+                Mark {
+                    range: Some([least, most]),
+                    ..Mark::at(f64::from(placed.elements()) * shift, mean)
+                }
+            });
+            Curve::new(*label, Paint::Distinct(1 - index), *stroke, marks)
+        });
+        let y = PlotAxis::new(&format!("{what} (words)"), AxisScale::Linear).showing(0.0, 1.0);
+        Panel::curves(title, elements(), y, curves)
     };
-    let panels = vec![panel(0, "adders"), panel(1, "multipliers")];
-    captions::figure("memory", name, words, panels)
-}
-
-/// A bar; the two choices stand a little apart.
-fn mark(placed: StudyPlacement<'_>, kind: &KindPoint, part: usize, shift: f64) -> Mark {
-    let [least, mean, most] = if part == 0 { kind.memory } else { kind.buffer };
-    let at = Mark::at(f64::from(placed.elements()) * shift, mean);
-    Mark {
-        range: Some([least, most]),
-        ..at
-    }
+    let kinds = ["adders", "multipliers"].into_iter().enumerate();
+    kinds.map(panel).collect()
 }

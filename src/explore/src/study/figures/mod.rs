@@ -5,17 +5,14 @@
 //! 3.3 and those of the appendix) show no results and have no counterpart.
 
 mod couples;
-mod cycles;
-mod formulations;
+mod elements;
 mod memory;
 mod occupation;
 mod projection;
-mod split;
 
-use super::results::{Results, StudyPlacement};
-use robovec_present::Figure;
-
-pub(super) use split::{best_splits, grid};
+use super::plan::NamedPipeline;
+use super::results::Results;
+use robovec_present::{AxisScale, Figure, PlotAxis};
 
 /// All figures for which the study has points.
 pub fn all(results: &Results) -> Vec<Figure> {
@@ -24,40 +21,28 @@ pub fn all(results: &Results) -> Vec<Figure> {
     figures.extend(couples::variants(results));
     figures.extend(couples::front(results));
     figures.extend(memory::figures(results));
-    figures.extend(cycles::figures(results));
+    figures.extend(elements::figures(results));
     figures.extend(projection::figure(results));
     figures.extend(occupation::figures(results));
-    figures.extend(formulations::figure(results));
-    figures.extend(split::figure(results));
+    figures.extend(elements::formulations(results));
+    figures.extend(elements::splits(results));
     figures
 }
 
-/// The placements the plan asks for with as many adders as multipliers, in
-/// ascending number; of many, those whose number is a power of two.
-pub fn ladder(
-    results: &Results,
-    model: usize,
-    pipeline: usize,
-    machine: usize,
-) -> Vec<StudyPlacement<'_>> {
-    let usual = results.usual(model, pipeline, machine);
-    let asked = |placed: &StudyPlacement<'_>| {
-        let found = results.plan.requests.binary_search(placed.request);
-        placed.is_equal() && found.is_ok()
-    };
-    let mut equal: Vec<StudyPlacement<'_>> = usual.filter(asked).collect();
-    equal.sort_by_key(StudyPlacement::elements);
-    let is_power = |placed: &StudyPlacement<'_>| placed.request.n_add.is_power_of_two();
-    if equal.len() > 8 && equal.iter().filter(|&placed| is_power(placed)).count() >= 4 {
-        equal.retain(is_power);
-    }
-    equal
+/// The axis of most figures.
+fn elements() -> PlotAxis {
+    let title = "processing elements, adders + multipliers";
+    PlotAxis::new(title, AxisScale::PowersOfTwo)
+}
+
+/// An axis of per cents.
+fn percentage(title: &str) -> PlotAxis {
+    PlotAxis::new(title, AxisScale::Linear).showing(0.0, 100.0)
 }
 
 /// The name of a pipeline in labels.
-fn pipeline_label(results: &Results, pipeline: usize) -> String {
-    let name = &results.plan.pipelines[pipeline].name;
-    match name.as_str() {
+fn label(pipeline: &NamedPipeline) -> String {
+    match pipeline.name.as_str() {
         "printed" => "as printed".to_owned(),
         other => other.to_owned(),
     }

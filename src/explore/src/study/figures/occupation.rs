@@ -3,85 +3,58 @@
 use super::super::captions;
 use super::super::plan::Printed;
 use super::super::printed::{PrintedSystem, SystemTopology};
-use super::super::results::Results;
+use super::super::results::{Results, StudiedProgram};
 use super::super::variants;
-use super::{ladder, pipeline_label};
-use robovec_present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
+use super::{label, percentage};
+use robovec_present::{Curve, Figure, Mark, Paint, Panel, Stroke};
 
 pub(super) fn figures(results: &Results) -> Vec<Figure> {
-    let Some(machine) = results.main_machine() else {
-        return Vec::new();
-    };
-    let mut figures = Vec::new();
-    for pipeline in 0..results.plan.pipelines.len() {
-        let models = 0..results.plan.models.len();
-        for model in models.filter(|&model| !variants::is_variant(results, model)) {
-            figures.extend(figure(results, model, pipeline, machine));
-        }
-    }
-    // In the order of the thesis, what it does not have behind.
-    figures.sort_by_key(|(number, _)| number.unwrap_or(u32::MAX));
-    figures.into_iter().map(|(_, figure)| figure).collect()
+    let shown = |program: &StudiedProgram<'_>| !variants::is_variant(results, program.place[0]);
+    let mut programs: Vec<StudiedProgram<'_>> = results.ordinary().filter(shown).collect();
+    // In the order of the thesis, then what it does not have.
+    programs.sort_by_key(|program| {
+        let [model, pipeline, _] = program.place;
+        (number(program).unwrap_or(u32::MAX), pipeline, model)
+    });
+    programs.into_iter().filter_map(figure).collect()
 }
 
-/// A figure, and the second half of its number in chapter 3.
-fn figure(
-    results: &Results,
-    model: usize,
-    pipeline: usize,
-    machine: usize,
-) -> Option<(Option<u32>, Figure)> {
-    let placed = ladder(results, model, pipeline, machine);
-    if placed.is_empty() {
-        return None;
-    }
-    let number = number(results, model, pipeline);
-    let count_of_curves = placed.len();
-    let panel = |kind: usize, title: &str| {
+fn figure(program: StudiedProgram<'_>) -> Option<Figure> {
+    let placed = program.ladder();
+    let count = placed.len();
+    let panel = |(kind, title): (usize, &str)| {
         let curves = placed.iter().enumerate().map(|(index, placed)| {
-            let request = placed.request;
-            let count = [request.n_add, request.n_multi][kind];
             let curve = placed.point.kinds[kind].occupation.curve();
-            Curve::new(
-                count.to_string(),
-                Paint::Ordered(index, count_of_curves),
-                Stroke::Plain,
-                curve.map(|[time, share]| Mark::at(100.0 * time, 100.0 * share)),
-            )
+            let marks = curve.map(|[time, share]| Mark::at(100.0 * time, 100.0 * share));
+            let label = placed.counts()[kind].to_string();
+            let paint = Paint::Ordered(index, count);
+            Curve::new(label, paint, Stroke::Plain, marks)
         });
-        Panel::curves(
-            title,
-            PlotAxis::new("share of the run (%)", AxisScale::Linear).showing(0.0, 100.0),
-            PlotAxis::new("occupation (%)", AxisScale::Linear).showing(0.0, 100.0),
-            curves,
-        )
+        let [x, y] = ["share of the run (%)", "occupation (%)"].map(percentage);
+        Panel::curves(title, x, y, curves)
     };
-    let (name, prefix) = match number {
+    let kinds = ["adders", "multipliers"].into_iter().enumerate();
+    let panels: Vec<Panel> = kinds.filter(|_| !placed.is_empty()).map(panel).collect();
+    let (model, pipeline) = (&program.subject().name, program.pipeline());
+    let (name, prefix) = match number(&program) {
         Some(number) => (format!("figure-3.{number}"), format!("Figure 3.{number}: ")),
-        None => {
-            let model = &results.plan.models[model].name;
-            let pipeline = &results.plan.pipelines[pipeline].name;
-            (format!("occupation-{model}-{pipeline}"), String::new())
-        }
+        None => (
+            format!("occupation-{model}-{}", pipeline.name),
+            String::new(),
+        ),
     };
     let words = [
         ("number", prefix.as_str()),
-        ("model", &results.plan.models[model].name),
-        ("pipeline", &pipeline_label(results, pipeline)),
+        ("model", model),
+        ("pipeline", &label(pipeline)),
     ];
-    let panels = vec![panel(0, "adders"), panel(1, "multipliers")];
-    Some((
-        number,
-        captions::figure("occupation", &name, &words, panels)?,
-    ))
+    captions::figure("occupation", &name, &words, panels)
 }
 
 /// The number `n` of Figure 3.n that shows this program's counterpart.
-fn number(results: &Results, model: usize, pipeline: usize) -> Option<u32> {
-    number_of(
-        results.system(model)?,
-        results.plan.pipelines[pipeline].printed?,
-    )
+fn number(program: &StudiedProgram<'_>) -> Option<u32> {
+    let system = program.results.system(program.place[0])?;
+    number_of(system, program.pipeline().printed?)
 }
 
 fn number_of(system: &PrintedSystem, printed: Printed) -> Option<u32> {

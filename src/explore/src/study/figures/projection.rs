@@ -2,8 +2,8 @@
 
 use super::super::captions;
 use super::super::plan::Printed;
-use super::super::printed::SystemTopology;
-use super::super::results::Results;
+use super::super::printed::{SystemTopology, thesis};
+use super::super::results::{Results, StudiedProgram};
 use super::super::zone::Zone;
 use robovec_present::number::round;
 use robovec_present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
@@ -12,7 +12,7 @@ use robovec_present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, St
 const FURTHEST: f64 = 200.0;
 
 /// The topologies the thesis fits.
-pub(in super::super) const TOPOLOGIES: [SystemTopology; 3] = [
+const TOPOLOGIES: [SystemTopology; 3] = [
     SystemTopology::Serial,
     SystemTopology::SemiSerial,
     SystemTopology::Parallel,
@@ -20,16 +20,16 @@ pub(in super::super) const TOPOLOGIES: [SystemTopology; 3] = [
 
 /// A line fitted to points by least squares.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(in super::super) struct LineFit {
+struct LineFit {
     /// Intercept at zero degrees of freedom.
-    pub(in super::super) offset: f64,
+    offset: f64,
     /// Per degree of freedom.
-    pub(in super::super) slope: f64,
+    slope: f64,
 }
 
 /// The line through points that is best by least squares; `None` for fewer
 /// than two different abscissae.
-pub(in super::super) fn fit(points: &[[f64; 2]]) -> Option<LineFit> {
+fn fit(points: &[[f64; 2]]) -> Option<LineFit> {
     let count = points.len() as f64;
     let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / count;
     let (x, y) = (mean(0), mean(1));
@@ -48,31 +48,20 @@ pub(in super::super) fn fit(points: &[[f64; 2]]) -> Option<LineFit> {
 }
 
 /// Degrees of freedom and number Y of our programs of a topology.
-pub(in super::super) fn numbers(
-    results: &Results,
-    topology: SystemTopology,
-    pipeline: usize,
-) -> Vec<[f64; 2]> {
-    let Some(machine) = results.main_machine() else {
-        return Vec::new();
+fn numbers(results: &Results, topology: SystemTopology, pipeline: usize) -> Vec<[f64; 2]> {
+    let programs = results.ordinary();
+    let programs = programs.filter(|program| program.place[1] == pipeline);
+    let point = |program: StudiedProgram<'_>| {
+        let system = results.system(program.place[0]);
+        let system = system.filter(|system| system.topology == topology)?;
+        Some([f64::from(system.dof), program.facts.number_y()])
     };
-    let models = 0..results.plan.models.len();
-    let point = |model: usize| {
-        let system = results
-            .system(model)
-            .filter(|system| system.topology == topology)?;
-        let facts = results.program(model, pipeline, machine)?;
-        Some([f64::from(system.dof), facts.number_y()])
-    };
-    models.filter_map(point).collect()
+    programs.filter_map(point).collect()
 }
 
 /// Those of the thesis that can be right.
-pub(in super::super) fn printed_numbers(
-    topology: SystemTopology,
-    printed: Printed,
-) -> Vec<[f64; 2]> {
-    let systems = super::super::printed::thesis().systems.iter();
+fn printed_numbers(topology: SystemTopology, printed: Printed) -> Vec<[f64; 2]> {
+    let systems = thesis().systems.iter();
     let systems = systems.filter(|system| system.topology == topology);
     let rows = systems.filter_map(|system| Some((system, system.row(printed)?)));
     let sound = rows.filter(|(_, row)| row.is_sound("asap_cycle"));

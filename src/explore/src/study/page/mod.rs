@@ -4,10 +4,10 @@
 //! JSON for the chart that a reader composes. **Invariant.** The page refers
 //! to no other file and no address.
 
-use super::cpu::{self, CpuTime};
-use super::results::{Results, time_us};
+use super::cpu::CpuTime;
+use super::results::Results;
+use super::tables::processors;
 use super::verdict::verdicts;
-use super::zone::zone;
 use robovec_ir::diagnostic::counted;
 use robovec_present::escape::Escaped;
 use robovec_present::json::json_script;
@@ -37,14 +37,7 @@ pub fn page(
         counted(results.outcome.points.len(), "placement"),
         env!("CARGO_PKG_VERSION")
     );
-    let measured: Vec<DataTable> = [
-        cpu::table::winners(results, times),
-        cpu::step::table(results, times),
-        cpu::table::programs(times),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
+    let measured = processors::tables(results, times);
     let shown = measured
         .iter()
         .chain(tables)
@@ -87,29 +80,25 @@ fn data(results: &Results, cpu: &[CpuTime]) -> Value {
     let machine = results
         .main_machine()
         .map(|machine| &plan.machines[machine]);
-    let all = results.outcome.points.iter();
-    let points = all.map(|(request, point)| {
-        let placed = super::results::StudyPlacement { request, point };
-        let facts = results.program(request.model, request.pipeline, request.machine);
-        let facts = facts.filter(|_| point.failure.is_none());
-        let machine = &plan.machines[request.machine];
+    let points = results.points().map(|placed| {
+        let (request, point) = (placed.request, placed.point);
         let most = |words: [f64; 3]| words[2];
         json!({
             "model": plan.models[request.model].name,
             "pipeline": plan.pipelines[request.pipeline].name,
-            "machine": machine.name,
+            "machine": plan.machines[request.machine].name,
             "n_add": request.n_add,
             "n_multi": request.n_multi,
-            "priority": request.priority,
-            "choice": request.choice,
+            "priority": request.options.priority,
+            "choice": request.options.choice,
             "cycles": point.cycles,
             "lower_bound": point.lower_bound,
-            "time_us": round(time_us(point, machine.clock().mhz), 4),
+            "time_us": round(placed.time_us(), 4),
             "rate": round(point.rate, 4),
             "busy": [round(point.kinds[0].rate, 4), round(point.kinds[1].rate, 4)],
             "memory": [most(point.kinds[0].memory), most(point.kinds[1].memory)],
             "buffer": [most(point.kinds[0].buffer), most(point.kinds[1].buffer)],
-            "zone": facts.map(|facts| zone(facts, placed)),
+            "zone": placed.zone(),
             "failure": point.failure,
         })
     });

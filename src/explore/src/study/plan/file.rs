@@ -1,6 +1,6 @@
 //! A plan as it is written: TOML with places for messages.
 
-use super::{ChoiceKey, PriorityKey};
+use robovec_schedule::{ElementChoice, Priority};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -113,10 +113,10 @@ pub(super) struct SweepEntry {
     pub(super) grid: Option<Spanned<Vec<u32>>>,
     /// Orders of placement.
     #[serde(default)]
-    pub(super) priority: Option<Vec<PriorityKey>>,
+    pub(super) priority: Option<Vec<Priority>>,
     /// Choices among free elements.
     #[serde(default)]
-    pub(super) choice: Option<Vec<ChoiceKey>>,
+    pub(super) choice: Option<Vec<ElementChoice>>,
 }
 
 /// Adders and multipliers.

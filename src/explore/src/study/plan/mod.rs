@@ -13,7 +13,7 @@ use robovec_fpga::hardware::{self, MachineClock};
 use robovec_framework::pipeline::Pipeline;
 use robovec_ir::Machine;
 use robovec_num::limits::NumberLimit;
-use robovec_schedule::{ElementChoice, PlaceOptions, Priority};
+use robovec_schedule::PlaceOptions;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -161,56 +161,14 @@ pub struct PlacementRequest {
     pub n_add: u32,
     /// Multipliers.
     pub n_multi: u32,
-    /// Order of placement.
-    pub priority: PriorityKey,
-    /// Choice among free elements.
-    pub choice: ChoiceKey,
-}
-
-/// [`Priority`], ordered, so that placements can be sorted.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PriorityKey {
-    /// [`Priority::Best`].
-    Best,
-    /// [`Priority::Alap`].
-    Alap,
-    /// [`Priority::FanOut`].
-    FanOut,
-    /// [`Priority::Mobility`].
-    Mobility,
-}
-
-/// [`ElementChoice`], ordered, so that placements can be sorted.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ChoiceKey {
-    /// [`ElementChoice::Preferential`].
-    Preferential,
-    /// [`ElementChoice::First`].
-    First,
+    /// Order of placement, and choice among free elements.
+    pub options: PlaceOptions,
 }
 
 impl PlacementRequest {
     /// True for the order and the choice of ordinary figures.
     pub fn is_usual(&self) -> bool {
-        self.priority == PriorityKey::Best && self.choice == ChoiceKey::Preferential
-    }
-
-    /// The options of the placer.
-    pub fn options(&self) -> PlaceOptions {
-        PlaceOptions {
-            priority: match self.priority {
-                PriorityKey::Best => Priority::Best,
-                PriorityKey::Alap => Priority::Alap,
-                PriorityKey::FanOut => Priority::FanOut,
-                PriorityKey::Mobility => Priority::Mobility,
-            },
-            choice: match self.choice {
-                ChoiceKey::Preferential => ElementChoice::Preferential,
-                ChoiceKey::First => ElementChoice::First,
-            },
-        }
+        self.options == PlaceOptions::default()
     }
 }
 

@@ -2,12 +2,13 @@
 
 use super::file::{ElementsEntry, SweepEntry};
 use super::resolve::{HEADLINE, MAX_PLACEMENTS, PlanResolver, suggestion};
-use super::{ChoiceKey, DEFAULT_MACHINE, ELEMENTS, NamedMachine, PlacementRequest, PriorityKey};
+use super::{DEFAULT_MACHINE, ELEMENTS, NamedMachine, PlacementRequest};
 use crate::axes::Axes;
 use crate::study::couples;
 use robovec_ir::Operation;
 use robovec_ir::diagnostic::{Diagnostic, Report, did_you_mean};
 use robovec_num::limits::Amount;
+use robovec_schedule::PlaceOptions;
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::Path;
@@ -23,11 +24,9 @@ impl PlanResolver<'_> {
         let mut elements = elements;
         elements.sort_unstable();
         elements.dedup();
-        let priorities = sweep.priority.clone().unwrap_or(vec![PriorityKey::Best]);
-        let choices = sweep
-            .choice
-            .clone()
-            .unwrap_or(vec![ChoiceKey::Preferential]);
+        let usual = PlaceOptions::default();
+        let priorities = sweep.priority.clone().unwrap_or(vec![usual.priority]);
+        let choices = sweep.choice.clone().unwrap_or(vec![usual.choice]);
         // Counted before they are made.
         let axes = Axes([
             models.len(),
@@ -52,8 +51,10 @@ impl PlanResolver<'_> {
                 machine: machines[machine],
                 n_add: elements[numbers][0],
                 n_multi: elements[numbers][1],
-                priority: priorities[priority],
-                choice: choices[choice],
+                options: PlaceOptions {
+                    priority: priorities[priority],
+                    choice: choices[choice],
+                },
             },
         ));
     }

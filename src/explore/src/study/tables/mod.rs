@@ -1,16 +1,12 @@
-//! The tables of a study, each named by its number in the thesis.
+//! The tables of a study, each named by its number in the thesis; what the thesis
+//! has no table for has a name of its own.
 
-mod cases;
-mod errors;
-mod formulations;
-mod knees;
 mod operators;
-mod orders;
-mod points;
-mod ranks;
+mod placements;
+pub(super) mod processors;
+mod programs;
 mod reasons;
-pub(crate) mod resources;
-pub(in crate::study) mod whole_step;
+mod resources;
 
 use super::results::Results;
 use robovec_present::DataTable;
@@ -18,17 +14,20 @@ use robovec_present::DataTable;
 /// All tables for which the study has points.
 pub fn all(results: &Results) -> Vec<DataTable> {
     let mut tables = operators::tables();
-    tables.extend(resources::table(results));
-    tables.extend(ranks::table(results));
-    tables.extend(orders::table(results));
-    tables.extend(cases::table(results));
-    tables.extend(knees::table(results));
-    tables.extend(formulations::table(results));
-    tables.extend(whole_step::table(results));
-    tables.extend(errors::table(results));
-    tables.extend(knees::splits(results));
-    tables.extend(knees::couples_table(results));
-    tables.push(points::programs(results));
-    tables.push(points::points(results));
+    let more = [
+        resources::table(results),
+        placements::ranks(results),
+        placements::orders(results),
+        programs::cases(results),
+        programs::knees(results),
+        programs::formulations(results),
+        placements::whole_step(results),
+        programs::errors(results),
+        placements::splits(results),
+        placements::couples(results),
+    ];
+    tables.extend(more.into_iter().flatten());
+    tables.push(programs::programs(results));
+    tables.push(placements::points(results));
     tables
 }

@@ -4,19 +4,36 @@
 use super::super::plan::{Printed, StudySubject};
 use super::super::printed::{PrintedSystem, SystemTopology, thesis};
 use super::super::program::ProgramFacts;
-use super::super::results::Results;
+use super::super::results::StudiedProgram;
 
 /// Equations and vectors of the two systems for which the thesis gives them
 /// (3.1 and the introduction to chapter 2).
 const BOGIE_EQUATIONS: [u32; 2] = [1812, 18];
 const MIXED_EQUATIONS: [u32; 2] = [18_536, 80];
 
+/// Reason why a row of a program differs from the thesis': facts about its model, the
+/// pipeline, and the printed figures.
+pub(super) fn of(program: &StudiedProgram<'_>) -> String {
+    let Some(system) = program.results.system(program.place[0]) else {
+        return String::new();
+    };
+    let reason = match program.pipeline().printed {
+        None => return "the thesis has no row for this pipeline".to_owned(),
+        Some(Printed::Modified) if system.modified.is_none() => {
+            return "the thesis changed only the bogie and the 23- and 50-dof systems by hand"
+                .to_owned();
+        }
+        Some(Printed::Modified) => modified(system, program),
+        Some(Printed::Original) => original(system, program.subject(), program.facts),
+    };
+    let remark = program.row().map(|row| row.remark.clone());
+    let mut parts = vec![reason, remark.unwrap_or_default()];
+    parts.retain(|part| !part.is_empty());
+    parts.join("; ")
+}
+
 /// Of a system as written.
-pub(super) fn original(
-    system: &PrintedSystem,
-    subject: &StudySubject,
-    facts: &ProgramFacts,
-) -> String {
+fn original(system: &PrintedSystem, subject: &StudySubject, facts: &ProgramFacts) -> String {
     if subject.source != built_in(system) {
         return "the equations are of another system than the thesis'".to_owned();
     }
@@ -58,16 +75,12 @@ pub(super) fn original(
 }
 
 /// Of a system changed by hand in the thesis and by the compiler here.
-pub(super) fn modified(
-    results: &Results,
-    model: usize,
-    pipeline: usize,
-    facts: &ProgramFacts,
-) -> String {
-    let machine = results.main_machine();
-    let before = results.pipeline(Printed::Original).zip(machine);
-    let before = before.and_then(|(original, machine)| results.program(model, original, machine));
-    let (Some(before), Some(system)) = (before, results.system(model)) else {
+fn modified(system: &PrintedSystem, program: &StudiedProgram<'_>) -> String {
+    let (results, facts) = (program.results, program.facts);
+    let [model, _, machine] = program.place;
+    let before = results.pipeline(Printed::Original);
+    let before = before.and_then(|original| results.program([model, original, machine]));
+    let Some(StudiedProgram { facts: before, .. }) = before else {
         return "the compiler's chain beside the thesis' by hand".to_owned();
     };
     let share = |after: f64, before: f64| 100.0 * after / before.max(1.0);
@@ -75,7 +88,7 @@ pub(super) fn modified(
         "the compiler takes the chain to {:.0} % of the unmodified one",
         share(f64::from(facts.asap_cycle), f64::from(before.asap_cycle))
     );
-    if let Some(row) = results.row(model, pipeline) {
+    if let Some(row) = program.row() {
         text += &format!(
             ", the thesis by hand to {:.0} %",
             share(

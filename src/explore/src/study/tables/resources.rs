@@ -7,11 +7,10 @@
 //! has the selects of the crossbar and the addresses of the buffer too.
 
 use super::super::captions;
-use super::super::cost::shape;
 use super::super::printed::SystemTopology;
 use super::super::results::Results;
 use robovec_fpga::hardware::{MachinePart, MachineShape, PartKind, ResourceUse, parts};
-use robovec_present::{DataCell, DataTable};
+use robovec_present::{DataTable, columns};
 
 /// Machine that the thesis built: adders, multipliers.
 const BUILT: [u32; 2] = [4, 4];
@@ -45,96 +44,79 @@ fn printed(part: PartKind, adds: bool) -> ([&'static str; 3], &'static str) {
     }
 }
 
+/// A part of the machine, or all of them: what one takes, beside what the thesis
+/// prints for it.
+struct PartRow {
+    name: String,
+    count: Option<u32>,
+    memory: Option<String>,
+    each: ResourceUse,
+    printed: Option<([&'static str; 3], &'static str)>,
+}
+
 pub(super) fn table(results: &Results) -> Option<DataTable> {
-    let model = results.plan.headline;
-    let machine = results.main_machine()?;
-    let pipeline = results.original();
-    let mut usual = results.usual(model, pipeline, machine);
-    let placed = usual.find(|placed| [placed.request.n_add, placed.request.n_multi] == BUILT)?;
-    let shape = shape(results, placed);
+    let program = results.original_headline()?;
+    let placed = program.usual().find(|placed| placed.counts() == BUILT)?;
+    let shape = placed.shape();
+    let system = results.system(results.plan.headline);
+    let is_bogie = system.is_some_and(|system| system.topology == SystemTopology::Bogie);
     let parts = parts(&shape);
-    let is_bogie = results
-        .system(model)
-        .is_some_and(|system| system.topology == SystemTopology::Bogie);
-    let mut rows: Vec<Vec<DataCell>> = parts
-        .iter()
-        .map(|part| row(part, &shape, is_bogie))
-        .collect();
-    rows.push(total(&parts, is_bogie));
+    let row = |part: &MachinePart| row(part, &shape, is_bogie);
+    let mut rows: Vec<PartRow> = parts.iter().map(row).collect();
+    let each = parts.iter();
+    rows.push(PartRow {
+        name: "all".to_owned(),
+        count: None,
+        memory: None,
+        each: each.map(|part| part.each * f64::from(part.count)).sum(),
+        printed: Some(if is_bogie {
+            let remark = "the parts the thesis prints add up to 124 to 140 blocks";
+            (["-", "120", "20"], remark)
+        } else {
+            ([""; 3], "")
+        }),
+    });
+    let amount = |amount: f64| amount.round() as u32;
+    let printed = |column: usize| move |row: &PartRow| Some(row.printed?.0[column]);
+    let columns = columns! { PartRow;
+        "part", [Hidden, All], |row| row.name.clone();
+        "count", [Hidden, All], |row| row.count;
+        "memory (words x bits)", [Hidden, All], |row| row.memory.clone();
+        "look-up tables", [Hidden, All], move |row| amount(row.each.aluts);
+        "registers", [Hidden, All], move |row| amount(row.each.registers);
+        "blocks of 10 kbit", [Hidden, All], move |row| amount(row.each.memory_blocks);
+        "multiplier blocks", [Hidden, All], move |row| amount(row.each.multiplier_blocks);
+        "thesis: look-up tables", [Hidden, All], printed(0);
+        "thesis: blocks", [Hidden, All], printed(1);
+        "thesis: multiplier blocks", [Hidden, All], printed(2);
+        "remark", [Hidden, All], |row| Some(row.printed?.1);
+    };
     let words = [("headline", captions::headline(results))];
-    captions::filled("table-1.4", &words, rows)
+    captions::filled("table-1.4", &words, &columns, &rows)
 }
 
-fn total(parts: &[MachinePart], is_bogie: bool) -> Vec<DataCell> {
-    let all: ResourceUse = parts
-        .iter()
-        .map(|part| part.each * f64::from(part.count))
-        .sum();
-    let mut cells = vec![DataCell::text("all"), DataCell::Empty, DataCell::Empty];
-    cells.extend(amounts(&all));
-    let printed = if is_bogie {
-        ["-", "120", "20"]
-    } else {
-        [""; 3]
-    };
-    cells.extend(printed.map(DataCell::text));
-    cells.push(DataCell::text(if is_bogie {
-        "the parts the thesis prints add up to 124 to 140 blocks"
-    } else {
-        ""
-    }));
-    cells
-}
-
-/// Tables, registers, blocks of memory and multiplier blocks.
-fn amounts(taken: &ResourceUse) -> [DataCell; 4] {
-    let all = [
-        taken.aluts,
-        taken.registers,
-        taken.memory_blocks,
-        taken.multiplier_blocks,
-    ];
-    all.map(|amount| DataCell::count(amount.round() as u32))
-}
-
-fn row(part: &MachinePart, shape: &MachineShape, is_bogie: bool) -> Vec<DataCell> {
-    let kind = shape
-        .kinds
-        .iter()
-        .find(|kind| part.kind.as_ref() == Some(&kind.element.kind));
-    let name = match kind {
-        Some(kind) => format!("{} of '{}'", part.part.name(), kind.element.kind),
-        None => part.part.name().to_owned(),
-    };
-    let memory = match (part.part, kind) {
-        (PartKind::Instructions, Some(kind)) => Some(format!(
-            "{} x {}",
-            1_u32 << shape.instruction_address(),
-            shape.instruction_width(kind)
-        )),
-        (PartKind::Operands, _) => Some(format!(
-            "{} x {}",
-            1_u32 << shape.operand_address(),
-            shape.number.width()
-        )),
-        (PartKind::Buffer, _) => shape
-            .buffer
-            .map(|(words, _)| format!("{words} x {}", shape.number.width())),
-        _ => None,
-    };
-    let mut cells = vec![
-        DataCell::text(&name),
-        DataCell::count(part.count),
-        memory.map_or(DataCell::Empty, DataCell::Text),
-    ];
-    cells.extend(amounts(&part.each));
-    if is_bogie {
-        let adds = kind.is_some_and(|kind| kind.element.operations.iter().any(|op| op == "add"));
-        let (figures, remark) = printed(part.part, adds);
-        cells.extend(figures.map(DataCell::text));
-        cells.push(DataCell::text(remark));
-    } else {
-        cells.extend(std::iter::repeat_n(DataCell::Empty, 4));
+fn row(part: &MachinePart, shape: &MachineShape, is_bogie: bool) -> PartRow {
+    let mut kinds = shape.kinds.iter();
+    let kind = kinds.find(|kind| part.kind.as_ref() == Some(&kind.element.kind));
+    let words = |address: u32, width: u32| Some(format!("{} x {width}", 1_u32 << address));
+    let adds = kind.is_some_and(|kind| kind.element.operations.iter().any(|op| op == "add"));
+    PartRow {
+        name: match kind {
+            Some(kind) => format!("{} of '{}'", part.part.name(), kind.element.kind),
+            None => part.part.name().to_owned(),
+        },
+        count: Some(part.count),
+        memory: match (part.part, kind) {
+            (PartKind::Instructions, Some(kind)) => {
+                words(shape.instruction_address(), shape.instruction_width(kind))
+            }
+            (PartKind::Operands, _) => words(shape.operand_address(), shape.number.width()),
+            (PartKind::Buffer, _) => shape
+                .buffer
+                .map(|(words, _)| format!("{words} x {}", shape.number.width())),
+            _ => None,
+        },
+        each: part.each,
+        printed: is_bogie.then(|| printed(part.part, adds)),
     }
-    cells
 }

@@ -1,9 +1,6 @@
 //! The time of the programs of a study on one core of a processor, beside the
 //! cycles of the array.
 
-pub mod step;
-pub mod table;
-
 use crate::processor::{Computer, contest};
 use robovec_bench::own::operations;
 use robovec_ir::View;
