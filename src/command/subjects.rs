@@ -2,8 +2,8 @@
 
 use super::{CommandFailure, generation, input};
 use robovec_dynamics::generate::{Formulation, Options, TermOrder};
+use robovec_explore::study::ProgramSources;
 use robovec_explore::study::plan::StudySubject;
-use robovec_explore::study::program::ProgramSources;
 use robovec_io::sources;
 use robovec_ir::Module;
 use robovec_ir::diagnostic::{Report, did_you_mean};

@@ -7,17 +7,12 @@ use robovec_explore::processor::{Computer, LARGEST};
 use robovec_explore::program::view;
 use robovec_explore::share::WorkShare;
 use robovec_explore::store::PointStore;
-use robovec_explore::study::cpu::{self, CpuTime, Job};
 use robovec_explore::study::plan::{self, Selection, StudyPlan};
-use robovec_explore::study::program::StudyEquations;
-use robovec_explore::study::results::Results;
-use robovec_explore::study::verdict::verdicts;
-use robovec_explore::study::{figures, page, run, tables};
+use robovec_explore::study::{self, CpuJob, CpuTime, Results, StudyEquations};
 use robovec_io::files::limited;
 use robovec_ir::Module;
 use robovec_ir::diagnostic::counted;
 use robovec_present::json::json_text;
-use robovec_present::plot;
 use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
@@ -63,8 +58,10 @@ pub(super) fn run(arguments: &ExploreArguments, plan: &str) -> Result<String, Co
     } else {
         Vec::new()
     };
-    write(folder, &results, &times)?;
-    Ok(summary(&results, folder))
+    for (inner, files) in study::files(&results, &times) {
+        output::write_files(&folder.join(inner), &files)?;
+    }
+    Ok(study::summary(&results, folder))
 }
 
 fn read_plan(arguments: &ExploreArguments, plan: &str) -> Result<StudyPlan, CommandFailure> {
@@ -102,7 +99,7 @@ fn compute(plan: StudyPlan, store: &PointStore) -> Result<Results, CommandFailur
         bar.inc(1);
         bar.set_message(model.to_owned());
     };
-    let outcome = run::run(&plan, &SubjectFiles, store, &progress);
+    let outcome = study::run(&plan, &SubjectFiles, store, &progress);
     bar.finish_and_clear();
     Ok(Results {
         outcome: outcome?,
@@ -128,7 +125,7 @@ fn time(
     let mut times: Vec<CpuTime> = Vec::new();
     let mut timed: HashMap<String, usize> = HashMap::new();
     let mut measure = |model: &str, pipeline: &str, [module, shorter]: [&Module; 2]| {
-        let job = Job {
+        let job = CpuJob {
             model,
             pipeline,
             view: view(module),
@@ -140,7 +137,7 @@ fn time(
         times.push(match (known, times.get(*same)) {
             (Some(known), _) => known.clone(),
             (None, Some(same)) => same.of(&job),
-            (None, None) => cpu::measure(&job, &computer, arguments.cpu_limit.unwrap_or(LARGEST)),
+            (None, None) => study::time(&job, &computer, arguments.cpu_limit.unwrap_or(LARGEST)),
         });
         // What takes long is kept at once.
         output::write_file(&path, |writer| {
@@ -172,80 +169,4 @@ fn time(
     }
     bar.finish_and_clear();
     Ok(times)
-}
-
-/// Writes all results, each file whole.
-fn write(folder: &Path, results: &Results, times: &[CpuTime]) -> Result<(), CommandFailure> {
-    let tables = tables::all(results);
-    let figures = figures::all(results);
-    let mut files = Vec::new();
-    for table in &tables {
-        files.push((format!("{}.csv", table.name), table.to_csv()));
-        files.push((format!("{}.json", table.name), json_text(table)));
-    }
-    output::write_files(&folder.join("tables"), &files)?;
-    files.clear();
-    for figure in &figures {
-        files.push((format!("{}.svg", figure.name), plot::draw(figure)));
-        files.push((format!("{}.csv", figure.name), figure.to_csv()));
-    }
-    output::write_files(&folder.join("figures"), &files)?;
-    // A line for each placement: curves of hundreds of numbers are not for
-    // reading.
-    let report = page::page(results, &tables, &figures, times);
-    let results = lines(&results.to_json());
-    output::write_files(
-        folder,
-        &[("explore.html", report), ("explore.json", results)],
-    )
-}
-
-/// JSON with the entries of the outermost lists on lines of their own.
-fn lines(value: &serde_json::Value) -> String {
-    let mut text = "{".to_owned();
-    for (index, (key, value)) in value.as_object().into_iter().flatten().enumerate() {
-        text += if index == 0 { "\n" } else { ",\n" };
-        text += &format!("{}: ", serde_json::Value::from(key.as_str()));
-        match value.as_array() {
-            Some(list) if !list.is_empty() => {
-                let entries: Vec<String> = list.iter().map(ToString::to_string).collect();
-                text += &format!("[\n{}\n]", entries.join(",\n"));
-            }
-            _ => text += &value.to_string(),
-        }
-    }
-    text + "\n}\n"
-}
-
-fn summary(results: &Results, folder: &Path) -> String {
-    let reused = match results.outcome.reused {
-        0 => String::new(),
-        reused => format!(", {reused} of them from an earlier run"),
-    };
-    let mut text = format!(
-        "{}{reused}; results in {}\n",
-        counted(results.outcome.points.len(), "placement"),
-        folder.display()
-    );
-    let mut failures = results.failures();
-    if let Some((request, reason)) = failures.next() {
-        text += &format!(
-            "{} of them are impossible, the first is {} on {} with {}+{} elements: {reason}\n",
-            1 + failures.count(),
-            results.plan.models[request.model].name,
-            results.plan.machines[request.machine].name,
-            request.n_add,
-            request.n_multi,
-        );
-    }
-    let headline = results.plan.models.get(results.plan.headline);
-    let verdicts = verdicts(results).into_iter();
-    let own = verdicts.filter(|own| headline.is_some_and(|model| model.name == own.model));
-    for verdict in own {
-        text += &format!(
-            "{}: {} {}\n",
-            verdict.pipeline, verdict.answer, verdict.cost
-        );
-    }
-    text
 }

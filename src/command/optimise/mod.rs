@@ -8,9 +8,8 @@ use super::shares::ShareArguments;
 use super::{CommandFailure, input, output, progress};
 use clap::Args;
 use robovec_bench::{Compiler, own};
-use robovec_explore::optimise::maker::MakerTally;
 use robovec_explore::optimise::{
-    OptimisationError, OptimisationQuestion, OptimisationTarget, optimise, search_share,
+    MakerTally, OptimisationError, OptimisationQuestion, OptimisationTarget, optimise, search_share,
 };
 use robovec_explore::placing::with_counts;
 use robovec_explore::share::SharedWork;

@@ -37,12 +37,12 @@
 //! and which gives the errors of candidates. Every challenge draws others. A
 //! choice that did not hold is never taken again, so that the search ends.
 
-pub mod bound;
-pub mod challenge;
+mod bound;
+mod challenge;
 pub mod confirm;
 mod format;
 mod mixture;
-pub mod motion;
+mod motion;
 pub mod page;
 mod ranges;
 mod search;

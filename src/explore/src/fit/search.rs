@@ -251,7 +251,6 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         candidates
     }
 
-    /// The format of a candidate.
     pub(super) fn format_of(&self, candidate: &FitCandidate) -> Format {
         let formats = self.formats[candidate.program].iter();
         let mut named = formats.filter(|(format, _)| format.to_string() == candidate.format);

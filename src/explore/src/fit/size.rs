@@ -38,7 +38,6 @@ impl SizedMachine {
 /// Figures of a sized machine in a format.
 #[derive(Clone, Copy)]
 pub(super) struct SizedFigures {
-    /// Its clock.
     pub(super) clock: MachineClock,
     /// Resources of the device that it takes.
     pub(super) resources: DeviceShare,

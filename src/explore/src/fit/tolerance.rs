@@ -9,7 +9,6 @@ use robovec_ir::Format;
 /// The errors of a program in a format at the states of a yardstick.
 #[derive(Clone, Debug)]
 pub(super) struct FormatErrors {
-    /// The errors.
     pub(super) errors: MeasuredErrors,
     /// For every state the largest error of an output over what is allowed of
     /// it; 0 where the scene allows every error, infinite for what is no

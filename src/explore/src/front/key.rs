@@ -11,7 +11,6 @@ use robovec_ir::Module;
 pub(super) struct ChoiceKeys {
     /// Of the function as it came, the machine and the states.
     common: Option<PointKey>,
-    /// Of the other formulations.
     others: Vec<(Formulation, PointKey)>,
 }
 

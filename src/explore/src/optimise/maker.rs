@@ -28,7 +28,7 @@ use std::sync::{Arc, OnceLock};
 
 /// A program of the search.
 #[derive(Clone, Debug)]
-pub struct MadeProgram {
+pub(super) struct MadeProgram {
     /// The module, with one function.
     pub module: Arc<Module>,
     /// Key of its start and passes; `None` where nothing is kept.
@@ -51,7 +51,6 @@ pub struct MakerTally {
 /// Part of a program that is kept.
 #[derive(Serialize, Deserialize)]
 enum KeptProgram {
-    /// Its text.
     Text(String),
     /// Reason why a pass gave up.
     Failure(String),

@@ -27,7 +27,6 @@ pub(super) struct ProgramFigures {
 
 /// Measurements of all programs.
 pub(super) struct MeasuredPrograms {
-    /// One for each program.
     pub(super) figures: Vec<ProgramFigures>,
     /// Index of the one that is taken.
     pub(super) best: usize,

@@ -13,11 +13,11 @@
 //! user has to trust.
 
 pub mod found;
-pub mod maker;
-pub mod measure;
+mod maker;
+mod measure;
 pub mod page;
-pub mod processor;
-pub mod proof;
+mod processor;
+mod proof;
 pub mod start;
 pub mod text;
 
@@ -25,7 +25,8 @@ use crate::device;
 use crate::placing::words_of_a_side;
 use crate::program::ExplorationError;
 use crate::share::SharedWork;
-use maker::{MadeProgram, MakerTally};
+use maker::MadeProgram;
+pub use maker::MakerTally;
 use robovec_bench::Compiler;
 use robovec_error::yardstick::account::{ErrorAccount, random_states};
 use robovec_fpga::hardware;

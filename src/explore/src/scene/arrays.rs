@@ -161,7 +161,6 @@ impl SceneArrays {
         self.last_index(array, word, span, problems)
     }
 
-    /// The name of a joint by its number from 1.
     pub(super) fn joint_name(&self, number: u32) -> String {
         let names = self.names.get(JOINTS).map_or(&[][..], |names| &names.list);
         let found = names.iter().find(|(_, joint)| *joint == number);

@@ -11,7 +11,6 @@ use toml::de::{DeArray, DeTable, DeValue};
 /// A range of bytes of the file.
 pub(super) type DocumentRange = Range<usize>;
 
-/// A table.
 pub(super) type DocumentTable<'t> = DeTable<'t>;
 
 /// A value with its place.
@@ -187,7 +186,6 @@ pub(super) fn string<'a>(
     None
 }
 
-/// A table.
 pub(super) fn table<'a, 't>(
     value: &'a DocumentValue<'t>,
     problems: &mut DocumentProblems,

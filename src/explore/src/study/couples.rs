@@ -6,16 +6,16 @@ use robovec_ir::Machine;
 use robovec_ir::machine::ClockOrigin;
 
 /// The word for all couples in lists of machines.
-pub const ALL: &str = "couples";
+pub(super) const ALL: &str = "couples";
 
 /// The machines of all couples: the thesis' machine with their stages and
 /// clock.
-pub fn machines() -> impl Iterator<Item = NamedMachine> {
+pub(super) fn machines() -> impl Iterator<Item = NamedMachine> {
     couples().into_iter().map(machine)
 }
 
 /// The machine of a name like `couple-7-4`.
-pub fn machine_named(name: &str) -> Option<NamedMachine> {
+pub(super) fn machine_named(name: &str) -> Option<NamedMachine> {
     machines().find(|machine| machine.name == name)
 }
 

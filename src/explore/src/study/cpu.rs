@@ -42,7 +42,7 @@ pub struct CpuTime {
 impl CpuTime {
     /// True when it is a measurement of this program by the same compiler on
     /// the same processor.
-    pub fn is_of(&self, job: &Job<'_>, computer: &Computer) -> bool {
+    pub fn is_of(&self, job: &CpuJob<'_>, computer: &Computer) -> bool {
         self.model == job.model
             && self.pipeline == job.pipeline
             && self.program == job.program()
@@ -52,7 +52,7 @@ impl CpuTime {
     }
 
     /// The same times for a job of the same functions under other names.
-    pub fn of(&self, job: &Job<'_>) -> CpuTime {
+    pub fn of(&self, job: &CpuJob<'_>) -> CpuTime {
         CpuTime {
             model: job.model.to_owned(),
             pipeline: job.pipeline.to_owned(),
@@ -69,7 +69,7 @@ impl CpuTime {
 
 /// A function to be timed.
 #[derive(Clone, Copy, Debug)]
-pub struct Job<'a> {
+pub struct CpuJob<'a> {
     /// The model.
     pub model: &'a str,
     /// The pipeline or formulation.
@@ -80,7 +80,7 @@ pub struct Job<'a> {
     pub shorter: View<'a>,
 }
 
-impl Job<'_> {
+impl CpuJob<'_> {
     /// Hash of the text of both functions.
     pub fn program(&self) -> String {
         let mut hash = Fnv::new();
@@ -92,7 +92,7 @@ impl Job<'_> {
 }
 
 /// Measures a function; one at a time, or the figures mean nothing.
-pub fn measure(job: &Job<'_>, computer: &Computer, largest: usize) -> CpuTime {
+pub fn time(job: &CpuJob<'_>, computer: &Computer, largest: usize) -> CpuTime {
     let operations = operations(job.view);
     let result = if computer.compiler.is_empty() {
         Err("not measured, there is no C compiler 'cc'".to_owned())

@@ -10,7 +10,7 @@ use crate::store::PointKey;
 /// Of `pipeline` and `machine` the names are left out, and of `request` the
 /// indices into the plan: another plan that asks for the same finds the same
 /// point. The numbers of elements in `request` replace those of the machine.
-pub fn placement_key(
+pub(super) fn placement_key(
     equations: PointKey,
     build: PointKey,
     pipeline: &NamedPipeline,

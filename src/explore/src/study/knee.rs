@@ -7,10 +7,9 @@ use serde::Serialize;
 
 /// Knee of the placements of one program.
 #[derive(Clone, Debug, Serialize)]
-pub struct Knee {
+pub(super) struct Knee {
     /// The longest chain, in cycles.
     pub chain: u32,
-    /// The number Y.
     pub number_y: f64,
     /// The smallest equal numbers within 2 % of the longest chain.
     pub equal: Option<Split>,
@@ -32,7 +31,7 @@ pub struct Knee {
 
 /// Adders and multipliers, and what they reach.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
-pub struct Split {
+pub(super) struct Split {
     /// Adders.
     pub n_add: u32,
     /// Multipliers.
@@ -57,13 +56,12 @@ impl Split {
         }
     }
 
-    /// All elements.
-    pub fn elements(&self) -> u32 {
+    pub(super) fn elements(&self) -> u32 {
         self.n_add + self.n_multi
     }
 
     /// `4+4 (8)`, as the thesis' two ways of counting need it.
-    pub fn text(&self) -> String {
+    pub(super) fn text(&self) -> String {
         format!("{}+{} ({})", self.n_add, self.n_multi, self.elements())
     }
 }

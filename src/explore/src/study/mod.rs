@@ -11,21 +11,107 @@
 //! alone: no clock, no number of threads, no order of work enters a result.
 
 mod captions;
-pub mod couples;
-pub mod cpu;
-pub mod figures;
-pub mod key;
-pub mod knee;
-pub mod occupation;
-pub mod page;
+mod couples;
+mod cpu;
+mod figures;
+mod key;
+mod knee;
+mod occupation;
+mod page;
 pub mod plan;
-pub mod point;
-pub mod printed;
-pub mod program;
-pub mod results;
-pub mod run;
+mod point;
+mod printed;
+mod program;
+mod results;
+mod run;
 mod step;
-pub mod tables;
+mod tables;
 mod variants;
-pub mod verdict;
-pub mod zone;
+mod verdict;
+mod zone;
+
+pub use cpu::{CpuJob, CpuTime, time};
+pub use program::{ProgramSources, StudyEquations};
+pub use results::Results;
+pub use run::{StudyOutcome, run};
+
+use robovec_ir::diagnostic::counted;
+use robovec_present::json::json_text;
+use robovec_present::plot;
+use std::path::Path;
+
+/// The files of a study: those of each folder, by name.
+pub fn files(results: &Results, times: &[CpuTime]) -> [(&'static str, Vec<(String, String)>); 3] {
+    let (tables, figures) = (tables::all(results), figures::all(results));
+    let mut inside = [Vec::new(), Vec::new()];
+    for table in &tables {
+        inside[0].push((format!("{}.csv", table.name), table.to_csv()));
+        inside[0].push((format!("{}.json", table.name), json_text(table)));
+    }
+    for figure in &figures {
+        inside[1].push((format!("{}.svg", figure.name), plot::draw(figure)));
+        inside[1].push((format!("{}.csv", figure.name), figure.to_csv()));
+    }
+    let page = page::page(results, &tables, &figures, times);
+    let [tables, figures] = inside;
+    let whole = vec![
+        ("explore.html".to_owned(), page),
+        ("explore.json".to_owned(), lines(&results.to_json())),
+    ];
+    [("tables", tables), ("figures", figures), ("", whole)]
+}
+
+/// JSON with the entries of the outermost lists on lines of their own: curves of
+/// hundreds of numbers are not for reading.
+fn lines(value: &serde_json::Value) -> String {
+    let mut text = "{".to_owned();
+    for (index, (key, value)) in value.as_object().into_iter().flatten().enumerate() {
+        text += if index == 0 { "\n" } else { ",\n" };
+        text += &format!("{}: ", serde_json::Value::from(key.as_str()));
+        match value.as_array() {
+            Some(list) if !list.is_empty() => {
+                let entries: Vec<String> = list.iter().map(ToString::to_string).collect();
+                text += &format!("[\n{}\n]", entries.join(",\n"));
+            }
+            _ => text += &value.to_string(),
+        }
+    }
+    text + "\n}\n"
+}
+
+/// Number of placements, what failed, and the verdict on the headline.
+pub fn summary(results: &Results, folder: &Path) -> String {
+    let reused = match results.outcome.reused {
+        0 => String::new(),
+        reused => format!(", {reused} of them from an earlier run"),
+    };
+    let mut text = format!(
+        "{}{reused}; results in {}\n",
+        counted(results.outcome.points.len(), "placement"),
+        folder.display()
+    );
+    let mut failures = results.points().filter_map(|placed| {
+        let reason = placed.point.failure.as_ref()?;
+        Some((placed.request, reason))
+    });
+    if let Some((request, reason)) = failures.next() {
+        text += &format!(
+            "{} of them are impossible, the first is {} on {} with {}+{} elements: {reason}\n",
+            1 + failures.count(),
+            results.plan.models[request.model].name,
+            results.plan.machines[request.machine].name,
+            request.n_add,
+            request.n_multi,
+        );
+    }
+    for verdict in results
+        .of_headline()
+        .filter_map(|program| verdict::verdict(&program))
+    {
+        text += &format!(
+            "{}: {} {}\n",
+            verdict.pipeline, verdict.answer, verdict.cost
+        );
+    }
+    text
+}

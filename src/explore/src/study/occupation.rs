@@ -6,10 +6,10 @@ use robovec_ir::placement::Schedule;
 use serde::{Deserialize, Serialize};
 
 /// Cycles of the rolling window (thesis 3.6).
-pub const WINDOW: u32 = 50;
+pub(super) const WINDOW: u32 = 50;
 
 /// Samples of a run, equally spaced from its first to its last cycle.
-pub const SAMPLES: u32 = 201;
+pub(super) const SAMPLES: u32 = 201;
 
 /// Occupation at [`SAMPLES`] moments, in thousandths.
 #[derive(Clone, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
@@ -29,7 +29,7 @@ impl OccupationCurve {
 /// The occupation of the elements of one kind, by its index in the schedule.
 ///
 /// The window is centred, and cut off at the ends of the run.
-pub fn occupation(schedule: &Schedule, kind: usize) -> OccupationCurve {
+pub(super) fn occupation(schedule: &Schedule, kind: usize) -> OccupationCurve {
     let before: u32 = schedule.kinds[..kind].iter().map(|kind| kind.count).sum();
     let count = schedule.kinds[kind].count;
     // issued[c] counts the operations issued before cycle c.

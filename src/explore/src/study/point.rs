@@ -49,7 +49,7 @@ pub struct KindPoint {
 
 /// Places a program and measures the placement, which the verifier has
 /// accepted.
-pub fn measure(
+pub(super) fn measure(
     program: &StudyProgram,
     machine: &NamedMachine,
     request: &PlacementRequest,

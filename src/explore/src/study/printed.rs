@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 /// The results the thesis prints.
 #[derive(Clone, PartialEq, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Thesis {
+pub(super) struct Thesis {
     /// Table 2.2.
     pub table_2_2: Orders,
     /// Table 3.1, in its order.
@@ -22,7 +22,7 @@ pub struct Thesis {
 /// Table 2.2: cycles of the bogie.
 #[derive(Clone, PartialEq, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Orders {
+pub(super) struct Orders {
     /// Elements of each kind.
     pub elements: Vec<u32>,
     /// Cycles by the classical order.
@@ -34,12 +34,11 @@ pub struct Orders {
 /// A system of Table 3.1.
 #[derive(Clone, PartialEq, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct PrintedSystem {
+pub(super) struct PrintedSystem {
     /// Its name in the table.
     pub name: String,
     /// Degrees of freedom.
     pub dof: u32,
-    /// Its topology.
     pub topology: SystemTopology,
     /// The row of the system as Robotran wrote it.
     pub original: PrintedRow,
@@ -51,7 +50,7 @@ pub struct PrintedSystem {
 /// Connection of the bodies of a system.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum SystemTopology {
+pub(super) enum SystemTopology {
     /// The railway bogie.
     Bogie,
     /// One chain.
@@ -66,7 +65,7 @@ pub enum SystemTopology {
 
 impl SystemTopology {
     /// The topology's name.
-    pub fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         match self {
             SystemTopology::Bogie => "bogie",
             SystemTopology::Serial => "serial",
@@ -80,8 +79,7 @@ impl SystemTopology {
 /// A row of Table 3.1.
 #[derive(Clone, PartialEq, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct PrintedRow {
-    /// Operations.
+pub(super) struct PrintedRow {
     pub operations: u32,
     /// The longest chain, in operations.
     pub asap: u32,
@@ -99,14 +97,14 @@ pub struct PrintedRow {
 
 impl PrintedRow {
     /// True when a cell is one to rely on.
-    pub fn is_sound(&self, cell: &str) -> bool {
+    pub(super) fn is_sound(&self, cell: &str) -> bool {
         self.doubtful.iter().all(|doubtful| doubtful != cell)
     }
 }
 
 impl PrintedSystem {
     /// The row that a pipeline's result is compared with.
-    pub fn row(&self, printed: Printed) -> Option<&PrintedRow> {
+    pub(super) fn row(&self, printed: Printed) -> Option<&PrintedRow> {
         match printed {
             Printed::Original => Some(&self.original),
             Printed::Modified => self.modified.as_ref(),
@@ -115,7 +113,7 @@ impl PrintedSystem {
 }
 
 /// The printed results.
-pub fn thesis() -> &'static Thesis {
+pub(super) fn thesis() -> &'static Thesis {
     static THESIS: LazyLock<Thesis> = LazyLock::new(|| {
         // A test reads it, so it is well formed wherever the program runs.
         toml::from_str(include_str!("printed.toml")).expect("printed.toml is well formed")
@@ -124,12 +122,11 @@ pub fn thesis() -> &'static Thesis {
 }
 
 /// The names of the systems.
-pub fn systems() -> impl Iterator<Item = &'static str> {
+pub(super) fn systems() -> impl Iterator<Item = &'static str> {
     thesis().systems.iter().map(|system| system.name.as_str())
 }
 
-/// The system of a name.
-pub fn system(name: &str) -> Option<&'static PrintedSystem> {
+pub(super) fn system(name: &str) -> Option<&'static PrintedSystem> {
     thesis().systems.iter().find(|system| system.name == name)
 }
 

@@ -30,19 +30,15 @@ pub trait ProgramSources: Sync {
 /// Counts of a program before placement.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct ProgramFacts {
-    /// The model.
     pub model: String,
-    /// The pipeline.
     pub pipeline: String,
     /// The machine whose latencies count, and for which the pipeline works.
     pub machine: String,
-    /// The function.
     pub function: String,
     /// Equations as read or generated.
     pub equations: usize,
     /// Groups of equations that need only those before them, as read.
     pub vectors: usize,
-    /// Operations.
     pub operations: usize,
     /// Additions and subtractions.
     pub add_sub: usize,

@@ -23,14 +23,13 @@ pub struct Results {
 
 /// A placement: what was asked for and what it gave.
 #[derive(Clone, Copy, Debug)]
-pub struct StudyPlacement<'a> {
+pub(super) struct StudyPlacement<'a> {
     pub(super) results: &'a Results,
     pub(super) request: &'a PlacementRequest,
     pub(super) point: &'a PlacedPoint,
 }
 
 impl<'a> StudyPlacement<'a> {
-    /// All elements.
     pub(super) fn elements(&self) -> u32 {
         self.request.n_add + self.request.n_multi
     }
@@ -195,12 +194,6 @@ impl Results {
     pub(super) fn placed(&self) -> impl Iterator<Item = StudyPlacement<'_>> {
         self.points()
             .filter(|placed| placed.point.failure.is_none())
-    }
-
-    /// The placements that failed, with the reason.
-    pub fn failures(&self) -> impl Iterator<Item = (&PlacementRequest, &str)> {
-        let all = self.outcome.points.iter();
-        all.filter_map(|(request, point)| Some((request, point.failure.as_deref()?)))
     }
 
     /// All programs, by model, pipeline and machine.

@@ -13,14 +13,12 @@ use serde::Serialize;
 
 /// The verdict about one program.
 #[derive(Clone, Debug, Serialize)]
-pub struct StudyVerdict {
-    /// The model.
+pub(super) struct StudyVerdict {
     pub model: String,
     /// The system, which models with other equations share.
     pub system: String,
     /// Label that tells its equations from others of the system.
     pub formulation: String,
-    /// The pipeline.
     pub pipeline: String,
     /// The answer in one sentence.
     pub answer: String,
@@ -36,13 +34,13 @@ pub struct StudyVerdict {
 
 /// The verdict about every program on the machine of the ordinary figures:
 /// the headline model first.
-pub fn verdicts(results: &Results) -> Vec<StudyVerdict> {
+pub(super) fn verdicts(results: &Results) -> Vec<StudyVerdict> {
     let mut programs: Vec<StudiedProgram<'_>> = results.ordinary().collect();
     programs.sort_by_key(|program| program.place[0] != results.plan.headline);
     programs.iter().filter_map(verdict).collect()
 }
 
-fn verdict(program: &StudiedProgram<'_>) -> Option<StudyVerdict> {
+pub(super) fn verdict(program: &StudiedProgram<'_>) -> Option<StudyVerdict> {
     let (facts, clock) = (program.facts, program.clock());
     let knee = knee(program)?;
     let subject = program.subject();

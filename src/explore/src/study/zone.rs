@@ -7,14 +7,14 @@ use robovec_present::{MarkFill, MarkZone};
 /// Maximum length of a schedule that counts as saturated, in parts of its
 /// longest chain, and maximum above full use of the scarcer kind that counts as
 /// parallel.
-pub const SATURATED: f64 = 1.02;
+pub(super) const SATURATED: f64 = 1.02;
 /// See [`SATURATED`].
-pub const BUSY: f64 = 1.10;
+pub(super) const BUSY: f64 = 1.10;
 
 /// A zone.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Zone {
+pub(super) enum Zone {
     /// More elements shorten the run in proportion.
     Parallelisation,
     /// More elements shorten the run, at the cost of their use.
@@ -25,7 +25,7 @@ pub enum Zone {
 
 impl Zone {
     /// The zone's name.
-    pub fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         match self {
             Zone::Parallelisation => "parallelisation",
             Zone::Transition => "transition",
@@ -50,7 +50,7 @@ impl Zone {
 /// The zone that a placement lies in: saturated when it takes no longer than
 /// the longest chain, parallel when the scarcer kind of elements is busy nearly
 /// all the time, and in transition otherwise.
-pub fn zone(facts: &ProgramFacts, placed: StudyPlacement<'_>) -> Zone {
+pub(super) fn zone(facts: &ProgramFacts, placed: StudyPlacement<'_>) -> Zone {
     let cycles = f64::from(placed.point.cycles);
     let request = placed.request;
     let add = facts.add_sub as f64 / f64::from(request.n_add);

@@ -15,7 +15,7 @@ use super::results::Results;
 use robovec_present::{AxisScale, Figure, PlotAxis};
 
 /// All figures for which the study has points.
-pub fn all(results: &Results) -> Vec<Figure> {
+pub(super) fn all(results: &Results) -> Vec<Figure> {
     let mut figures = Vec::new();
     figures.extend(couples::operators());
     figures.extend(couples::variants(results));

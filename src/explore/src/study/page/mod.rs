@@ -23,7 +23,7 @@ const SCRIPT: &str = include_str!("page.js");
 const LONGEST_TABLE: usize = 400;
 
 /// The report as HTML.
-pub fn page(
+pub(super) fn page(
     results: &Results,
     tables: &[DataTable],
     figures: &[Figure],

@@ -8,7 +8,6 @@ use toml::Spanned;
 #[derive(Deserialize, Debug)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PlanFile {
-    /// Its name.
     pub(super) name: String,
     /// One line for people.
     #[serde(default)]

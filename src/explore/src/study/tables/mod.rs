@@ -12,7 +12,7 @@ use super::results::Results;
 use robovec_present::DataTable;
 
 /// All tables for which the study has points.
-pub fn all(results: &Results) -> Vec<DataTable> {
+pub(super) fn all(results: &Results) -> Vec<DataTable> {
     let mut tables = operators::tables();
     let more = [
         resources::table(results),
