@@ -1,28 +1,14 @@
 //! Explorations of designs of machines: resources against time.
 
-use super::{ExploreArguments, Explored, ExploredFunction, ResultFiles, each};
+use super::{ExploreArguments, each};
+use crate::command::CommandFailure;
 use crate::command::flags::{FlagLimit, whole};
-use crate::command::{CommandFailure, input, progress};
 use clap::{Args, ValueEnum};
-use robovec_dynamics::generate::Formulation;
-use robovec_error::yardstick::Yardstick;
-use robovec_error::yardstick::account::random_states;
 use robovec_explore::operators::{Couple, couples};
-use robovec_explore::optimise::found::found;
-use robovec_explore::optimise::start::starts;
-use robovec_explore::program::{ExplorationError, transformed_by, view};
-use robovec_explore::share::SharedWork;
-use robovec_explore::sweep::design::{DesignSpace, interconnect_names};
-use robovec_explore::sweep::energy::{PowerFigures, WATTS};
-use robovec_explore::sweep::placement::place_share;
-use robovec_explore::sweep::{SweptProgram, check_work, page, sweep, text};
-use robovec_ir::diagnostic::counted;
+use robovec_explore::sweep::{
+    DesignSpace, PowerFigures, SweepQuestion, WATTS, interconnect_names, sweep,
+};
 use robovec_ir::machine::{DeviceFamily, Interconnect, MemoryStyle};
-use robovec_ir::states::States;
-use robovec_ir::{Machine, Module};
-use robovec_passes::optimise::steps;
-use robovec_present::json::json_text;
-use std::sync::Arc;
 
 /// Axes of machines, and what designs are compared by.
 #[derive(Args, Debug)]
@@ -87,97 +73,21 @@ pub(super) fn run(
     axes: &DesignArguments,
 ) -> Result<String, CommandFailure> {
     let space = space(axes)?;
-    let thesis = input::machine("thesis")?;
-    let explore = |function: ExploredFunction, work: SharedWork<'_>| {
-        let ExploredFunction {
-            name,
-            module,
-            others,
-            ranges,
-            states,
-            seed,
-        } = function;
-        let has_ranges = !ranges.is_empty();
-        let source = States::new(seed).within(Arc::new(ranges));
-        let failure = |error: String| CommandFailure::plain(format!("{name}: {error}"));
-        let yardstick = Yardstick::new(view(&module), &source, states);
-        let made = |passes: &str| transformed_by(&module, passes, &thesis, None);
-        let named = |passes: &String| SweptProgram::new(passes.clone(), made(passes)?, &yardstick);
-        let swept = match arguments.passes.as_slice() {
-            [] => searched(&module, others, (&thesis, &space), work, &yardstick),
-            passes => passes.iter().map(named).collect(),
-        };
-        let swept = swept.map_err(|error| failure(error.to_string()))?;
-        if arguments.shares.shard.is_some() {
-            let placed = check_work(&swept, &space)
-                .and_then(|()| place_share(&swept, &space, work))
-                .map_err(|error| failure(error.to_string()))?;
-            let designs = counted(placed.designs.len(), "placement");
-            return Ok(Explored::Share(designs, placed.found));
-        }
-        let compiled = arguments.cpu.then(|| made("$cpu")).transpose();
-        let compiled = compiled.map_err(|error| failure(error.to_string()))?;
-        let compiled = compiled.as_ref().map(view);
-        let drawn = random_states(yardstick.len(), seed, has_ranges);
-        let mut result = sweep(&name, swept, &drawn, &space, work, compiled)
-            .map_err(|error| failure(error.to_string()))?;
-        if let (true, Some((_, reason))) = (result.points.is_empty(), result.failures.first()) {
-            return Err(failure(format!(
-                "none of {} could be placed, the first because {reason}",
-                counted(result.failures.len(), "design")
-            )));
-        }
-        if let Some((idle_watts, full_watts)) = axes.idle_watts.zip(axes.full_watts) {
-            result.add_energy(PowerFigures {
+    let watts = axes.idle_watts.zip(axes.full_watts);
+    each(arguments, None, |function, work, progress| {
+        let question = SweepQuestion {
+            space: &space,
+            passes: &arguments.passes,
+            cpu: arguments.cpu,
+            power: watts.map(|(idle_watts, full_watts)| PowerFigures {
                 idle_watts,
                 full_watts,
                 core_watts: axes.cpu_watts,
-            });
-        }
-        let text = text::text(&result);
-        Ok(Explored::Whole(result, text))
-    };
-    each(arguments, explore, |sweeps| ResultFiles {
-        table: text::points_table(sweeps),
-        data: json_text(sweeps),
-        figure: text::figure(sweeps),
-        page: page::page(sweeps),
+            }),
+            work,
+        };
+        Ok(sweep(&function, &question, progress))
     })
-}
-
-/// The programs that the search finds for the fewest elements of a space, the
-/// most, and between.
-fn searched(
-    module: &Module,
-    others: Vec<(Formulation, Module)>,
-    (machine, space): (&Machine, &DesignSpace),
-    work: SharedWork<'_>,
-    yardstick: &Yardstick,
-) -> Result<Vec<SweptProgram>, ExplorationError> {
-    let starts = starts(module.clone(), others);
-    let mut pairs: Vec<[u32; 2]> = space.pairs().map(|(add, multi)| [add, multi]).collect();
-    pairs.sort_by_key(|&[add, multi]| (u64::from(add) + u64::from(multi), add));
-    let wanted: Vec<[u32; 2]> = match pairs.len() {
-        0..=3 => pairs,
-        count => vec![pairs[0], pairs[count / 2], pairs[count - 1]],
-    };
-    let bar = progress::spinner();
-    let told = |what: &str| bar.set_message(what.to_owned());
-    let found = found(&starts, machine, &wanted, work, &told);
-    bar.finish_and_clear();
-    let programs = found?.into_iter();
-    let programs = programs.map(|found| {
-        let module = Arc::unwrap_or_clone(found.program);
-        SweptProgram::new(found.name, module, yardstick)
-    });
-    let mut programs = programs.collect::<Result<Vec<SweptProgram>, ExplorationError>>()?;
-    if programs.is_empty() {
-        // The machine can place none: the sweep says why for each design.
-        let passes = format!("atomise,{}", steps::REASSOCIATED);
-        let program = transformed_by(module, &passes, machine, None)?;
-        programs.push(SweptProgram::new(passes, program, yardstick)?);
-    }
-    Ok(programs)
 }
 
 fn space(arguments: &DesignArguments) -> Result<DesignSpace, CommandFailure> {

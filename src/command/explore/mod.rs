@@ -7,19 +7,21 @@ mod programs;
 use super::flags::{SEED, real, states, whole};
 use super::shares::ShareArguments;
 use super::subjects::named_model;
-use super::{CommandFailure, generation, input, output};
+use super::{CommandFailure, generation, input, output, progress};
 use clap::Args;
 use designs::DesignArguments;
 use robovec_dynamics::generate::{Formulation, Options};
+use robovec_explore::ExplorationProgress;
+use robovec_explore::exploration::{self, Exploration, Explored, ExploredFunction};
 use robovec_explore::optimise::start::FORMULATIONS;
-use robovec_explore::share::SharedWork;
+use robovec_explore::program::ExplorationError;
+use robovec_explore::share::{SharedWork, WorkShare};
 use robovec_explore::study::plan::ELEMENTS;
-use robovec_ir::Module;
 use robovec_ir::count::Counts;
-use robovec_ir::states::Ranges;
-use robovec_present::{DataTable, Figure};
+use robovec_ir::states::{Ranges, States};
 use robovec_robotran::FunctionKind;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Measure every combination of what is varied, and show what no other one beats: programs (speed
 /// against error), designs of machines (resources against time), or the models, pipelines and
@@ -158,83 +160,57 @@ pub(super) fn run(arguments: &ExploreArguments) -> Result<String, CommandFailure
     })
 }
 
-/// A function alone in a module.
-struct ExploredFunction {
-    name: String,
-    module: Module,
-    /// The same in other formulations.
-    others: Vec<(Formulation, Module)>,
-    /// The ranges that its file gives inputs.
-    ranges: Ranges,
-    /// Number of states that it is measured at.
-    states: u32,
-    seed: u64,
-}
-
-/// Results for a function.
-enum Explored<R> {
-    /// A share of the work: pieces, in words, and how many of them were found.
-    Share(String, usize),
-    /// All of it, with its text.
-    Whole(R, String),
-}
-
 /// Explores one subject after the other; results are written where all of the work
 /// was done, and their text is returned.
-fn each<R>(
+fn each<E: Exploration>(
     arguments: &ExploreArguments,
-    explore: impl Fn(ExploredFunction, SharedWork<'_>) -> Result<Explored<R>, CommandFailure>,
-    files: impl FnOnce(&[R]) -> ResultFiles,
+    angle: Option<f64>,
+    explore: impl Fn(
+        ExploredFunction,
+        SharedWork<'_>,
+        ExplorationProgress<'_>,
+    ) -> Result<Result<Explored<E>, ExplorationError>, CommandFailure>,
 ) -> Result<String, CommandFailure> {
     let shares = &arguments.shares;
     let store = shares.store(arguments.output.as_deref())?;
     let work = SharedWork::new(store.as_ref(), shares.share());
+    let bar = progress::spinner();
     let mut text = String::new();
-    let mut results = Vec::new();
+    let mut results: Vec<E> = Vec::new();
     for subject in &arguments.subjects {
-        let function = function(subject, arguments)?;
+        let function = function(subject, arguments, angle)?;
         let name = function.name.clone();
-        match explore(function, work)? {
+        let told = |what: &str| bar.set_message(format!("{name}: {what}"));
+        let explored = explore(function, work, &told)?;
+        match explored.map_err(|error| CommandFailure::plain(format!("{name}: {error}")))? {
             Explored::Share(pieces, found) => {
                 text += &format!("{name}: {pieces}, {found} of them found\n");
             }
-            Explored::Whole(result, told) => {
-                text += &told;
+            Explored::Whole(result) => {
+                text += &result.text();
                 text.push('\n');
                 results.push(result);
             }
         }
     }
-    if let (Some(folder), None) = (&arguments.output, shares.shard) {
-        let ResultFiles {
-            table,
-            data,
-            figure,
-            page,
-        } = files(&results);
-        let mut files = output::result_files(&table, data, &figure);
-        files.push(("explore.html".to_owned(), page));
-        output::write_files(folder, &files)?;
+    bar.finish_and_clear();
+    if let (Some(folder), WorkShare::ALL) = (&arguments.output, shares.share()) {
+        output::write_files(folder, &exploration::files(&results))?;
     }
     Ok(text)
 }
 
-/// Results of all subjects, as files have them.
-struct ResultFiles {
-    table: DataTable,
-    data: String,
-    figure: Figure,
-    page: String,
-}
-
+/// A function with its formulations; positions of which nothing is known lie within
+/// an angle, where there is one.
 fn function(
     subject: &str,
     arguments: &ExploreArguments,
+    angle: Option<f64>,
 ) -> Result<ExploredFunction, CommandFailure> {
     let wanted = arguments.function.as_deref().unwrap_or("dirdyna");
     let (name, model) = named_model(subject)?;
     let mut others = Vec::new();
-    let (module, ranges) = match model {
+    let (module, mut ranges) = match model {
         None => {
             let read = input::equations(Path::new(subject), None)?;
             let mut module = read.module;
@@ -257,16 +233,26 @@ fn function(
             (equations(Formulation::Recursive)?, Ranges::default())
         }
     };
+    let mut inputs = module.functions[0].inputs().iter();
+    let positions = inputs.find(|array| module.tables.symbols.text(array.name) == "q");
+    if let (Some(angle), Some(array)) = (angle, positions) {
+        for offset in 0..array.shape.len() as u32 {
+            let indices = array.shape.indices(offset).0;
+            if ranges.get("q", indices).is_none() {
+                ranges.set("q", indices, -angle, angle);
+            }
+        }
+    }
     let operations = Counts::of(&module.functions[0]).operations;
+    let states = States::new(arguments.seed.unwrap_or(1)).within(Arc::new(ranges));
     Ok(ExploredFunction {
         name,
         module,
         others,
-        ranges,
-        states: match arguments.states {
+        states,
+        count: match arguments.states {
             None | Some(0) => robovec_analysis::rounding::usual_states(operations),
             Some(count) => count,
         },
-        seed: arguments.seed.unwrap_or(1),
     })
 }

@@ -20,6 +20,7 @@
 
 pub mod axes;
 pub mod device;
+pub mod exploration;
 pub mod fit;
 pub mod front;
 pub mod neglect;

@@ -20,6 +20,23 @@ pub enum ExplorationError {
     /// The program is about something else.
     #[error(transparent)]
     Unmeasurable(#[from] Unmeasurable),
+    /// Too much work.
+    #[error(
+        "{designs} designs of {operations} operations are more than is placed at once; ask for \
+         fewer elements, couples or instances"
+    )]
+    TooMuch {
+        /// Designs asked for.
+        designs: u64,
+        /// Operations of all programs.
+        operations: usize,
+    },
+    /// No design can hold the function.
+    #[error("none of {0} could be placed, the first because {1}")]
+    NothingPlaced(String, String),
+    /// A placement could not be written.
+    #[error("cannot keep a placement: {0}")]
+    NotKept(String),
 }
 
 /// The first function of a module, with its tables.

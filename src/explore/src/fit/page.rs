@@ -34,23 +34,11 @@ pub fn page(
         ),
         points: "All candidates",
         tables: page::table(&candidates_table(outcome), "fit.csv"),
-        method: &page::fill(METHOD, &[("device", &task.machine.device.device().name)]),
+        method: &page::fill(
+            include_str!("method.html"),
+            &[("device", &task.machine.device.device().name)],
+        ),
         data: json_script(&outcome.candidates),
     };
     page.to_html()
 }
-
-/// Explanation of the numbers.
-const METHOD: &str = "<p>Every formulation is specialised to the scene and rewritten by several \
-pipelines; sines and cosines are left to a host or written as series of the least order that is \
-exact enough; the format is the narrowest that meets the tolerances, beside binary32, and of the \
-shortest programs fixed point and a format for every value; the elements are the fewest within the deadline, and powers of two. Errors are those of the whole program \
-against the general function in double-double arithmetic with true sines and cosines, at random \
-states of the scene.</p>\
-<p><b>Of tolerance</b>: the largest error of any output over what the scene allows it. <b>Share of \
-the device</b>: the largest of the shares of look-up tables, memory blocks and multiplier blocks of \
-the device ({{device}}), estimated by formulas; nothing was synthesised. <b>Cells</b>: what the arithmetic costs, the square \
-of the bits for a product and the bits for a sum. <b>Held</b>: measured again at so \
-many states that the search has not seen and at states bred from the worst of them, and run cycle by \
-cycle from memory images, within the tolerances; the share of states is what independent states \
-establish with a confidence of 95 %.</p>";

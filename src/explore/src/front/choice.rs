@@ -11,7 +11,7 @@ use robovec_passes::optimise::steps;
 
 /// A way to compute a function.
 #[derive(Clone, PartialEq, Debug)]
-pub struct FrontChoice {
+pub(super) struct FrontChoice {
     /// Its name in tables.
     pub name: String,
     /// True for what the thesis could choose.
@@ -38,7 +38,13 @@ const LARGE: usize = 30_000;
 
 /// A format with 27 bits of significand: the multipliers of Cyclone V are 27
 /// bits wide, so that it costs no more of them than binary32.
-pub const FULL_MULTIPLIER: &str = "float(8,26)";
+pub(super) const FULL_MULTIPLIER: &str = "float(8,26)";
+
+/// Binary32, and [`FULL_MULTIPLIER`].
+fn wide() -> Vec<Format> {
+    let full = FULL_MULTIPLIER.parse().expect("it is a format");
+    vec![Format::BINARY32, full]
+}
 
 fn choice(name: &str, stages: &[&str]) -> FrontChoice {
     FrontChoice {
@@ -51,7 +57,7 @@ fn choice(name: &str, stages: &[&str]) -> FrontChoice {
 }
 
 /// All that the thesis could choose.
-pub fn of_the_thesis() -> Vec<FrontChoice> {
+pub(super) fn of_the_thesis() -> Vec<FrontChoice> {
     let thesis = |name, stages: &[&str]| FrontChoice {
         thesis: true,
         ..choice(name, stages)
@@ -72,7 +78,11 @@ pub fn of_the_thesis() -> Vec<FrontChoice> {
 /// Our choices for a function of so many operations: from the equations, and,
 /// where there is a model, from its other formulations. Angles up to `angle`
 /// (rad) are covered by the series that the elements compute.
-pub fn ours(operations: usize, formulations: &[Formulation], angle: f64) -> Vec<FrontChoice> {
+pub(super) fn ours(
+    operations: usize,
+    formulations: &[Formulation],
+    angle: f64,
+) -> Vec<FrontChoice> {
     let composite = format!("atomise,{}", steps::COMPOSITE);
     let ahead = |growth: u32| format!("lookahead{{growth={growth}}},balance,cse,dce");
     let growths: &[u32] = if operations > LARGE {
@@ -81,14 +91,10 @@ pub fn ours(operations: usize, formulations: &[Formulation], angle: f64) -> Vec<
         &[100, 120, 150]
     };
     let mut choices = Vec::new();
-    let wide: Vec<Format> = [Format::BINARY32]
-        .into_iter()
-        .chain(FULL_MULTIPLIER.parse())
-        .collect();
     let mut add = |name: String, formulation: Option<Formulation>, stages: &[&str]| {
         choices.push(FrontChoice {
             formulation,
-            formats: wide.clone(),
+            formats: wide(),
             ..choice(&name, stages)
         });
     };
@@ -142,13 +148,10 @@ pub fn ours(operations: usize, formulations: &[Formulation], angle: f64) -> Vec<
 }
 
 /// Choice that a search found for the numbers of elements asked for.
-pub fn found(name: &str, formulation: Option<Formulation>, passes: &str) -> FrontChoice {
-    let wide = [Format::BINARY32]
-        .into_iter()
-        .chain(FULL_MULTIPLIER.parse());
+pub(super) fn found(name: &str, formulation: Option<Formulation>, passes: &str) -> FrontChoice {
     FrontChoice {
         formulation,
-        formats: wide.collect(),
+        formats: wide(),
         ..choice(&format!("found: {name}"), &[passes])
     }
 }

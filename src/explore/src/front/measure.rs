@@ -55,7 +55,7 @@ pub struct FrontPoint {
 /// # Errors
 ///
 /// Fails when program and yardstick do not fit.
-pub fn measure(
+pub(super) fn measure(
     choice: &FrontChoice,
     module: &Module,
     machine: &Machine,

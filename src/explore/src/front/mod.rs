@@ -8,39 +8,33 @@
 //! case, in cost. What is not dominated is the front, and the only place where
 //! there is something to choose.
 
-pub mod choice;
-mod key;
-pub mod measure;
-pub mod page;
-pub mod text;
+mod choice;
+mod measure;
+mod text;
 
-use crate::optimise::found::found;
-use crate::optimise::start::starts;
+pub use measure::FrontPoint;
+
+use crate::exploration::{Explored, ExploredFunction};
 use crate::pareto::{self, EqualPoints};
 use crate::program::{ExplorationError, ProgramWorkshop, view};
-use crate::share::SharedWork;
+use crate::share::{SharedWork, WorkShare};
+use crate::store::PointKey;
 use crate::{ExplorationProgress, processor};
 use choice::FrontChoice;
-use key::ChoiceKeys;
-use measure::{FrontPoint, measure};
+use measure::measure;
 use robovec_dynamics::generate::Formulation;
 use robovec_error::yardstick::Yardstick;
-use robovec_ir::count::Counts;
-use robovec_ir::states::States;
+use robovec_ir::diagnostic::counted;
 use robovec_ir::{Machine, Module};
 use serde::Serialize;
 
 /// Question.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct FrontQuestion<'a> {
     /// The machine.
     pub machine: &'a Machine,
     /// Numbers of elements per kind.
     pub elements: &'a [u32],
-    /// Origin of the states.
-    pub states: &'a States,
-    /// Number of states.
-    pub count: u32,
     /// The largest position of the states, rad.
     pub angle: f64,
     /// Also compile every program with the C compiler and time it here.
@@ -90,105 +84,119 @@ pub struct FrontVerdict {
     pub in_its_format: Option<usize>,
 }
 
-/// Measurements of a share of the choices.
-#[derive(Clone, PartialEq, Debug)]
-pub struct MeasuredShare {
-    /// The choices of the share.
-    pub choices: usize,
-    /// Number of them kept by an earlier run or another worker.
-    pub found: usize,
-    /// Their points, in the order of the choices.
-    points: Vec<FrontPoint>,
-    left: Vec<(String, String)>,
-}
-
-/// Measures all choices for a function: `module` holds it alone, as it came;
-/// `others` the same in other formulations. Each choice is told before it is
-/// measured.
+/// Measures all choices for a function, or those of a share; those that are kept are
+/// found, and the others kept. Each choice is told before it is measured.
 ///
 /// # Errors
 ///
 /// Fails when a pass gives up on it, a formulation computes something else, or
 /// a point cannot be kept.
 pub fn front(
-    name: &str,
-    module: &Module,
-    others: Vec<(Formulation, Module)>,
+    mut function: ExploredFunction,
     question: &FrontQuestion<'_>,
     progress: ExplorationProgress<'_>,
-) -> Result<Front, ExplorationError> {
-    let measured = measure_share(module, others, question, progress)?;
-    let verdicts = verdicts(&measured.points, question.elements.len());
-    Ok(Front {
-        name: name.to_owned(),
-        machine: question.machine.clone(),
-        operations: Counts::of(view(module).function).operations,
-        elements: question.elements.to_vec(),
-        states: question.count,
-        seed: question.states.seed(),
-        has_ranges: !question.states.ranges().is_empty(),
-        left: measured.left,
-        points: measured.points,
-        verdicts,
-    })
-}
-
-/// Measures the choices of a share; those that are kept are found, and the
-/// others kept.
-///
-/// # Errors
-///
-/// Those of [`front`].
-pub fn measure_share(
-    module: &Module,
-    mut others: Vec<(Formulation, Module)>,
-    question: &FrontQuestion<'_>,
-    progress: ExplorationProgress<'_>,
-) -> Result<MeasuredShare, ExplorationError> {
-    let view = view(module);
-    let operations = Counts::of(view.function).operations;
-    let yardstick = Yardstick::new(view, question.states, question.count);
-    let left = leave_out(&yardstick, &mut others);
-    let keys = ChoiceKeys::new(module, &others, question);
-    let mut workshop = ProgramWorkshop::new(question.machine, module.clone());
-    let formulations: Vec<Formulation> =
-        others.iter().map(|(formulation, _)| *formulation).collect();
-    let mut choices: Vec<FrontChoice> = choice::of_the_thesis();
-    choices.extend(choice::ours(operations, &formulations, question.angle));
-    choices.extend(searched(module, &others, question, progress)?);
-    for (formulation, module) in others {
+) -> Result<Explored<Front>, ExplorationError> {
+    let (machine, work) = (question.machine, question.work);
+    let operations = function.operations();
+    let yardstick = function.yardstick();
+    let left = leave_out(&yardstick, &mut function.others);
+    let choices = choices(&function, question, progress)?;
+    let keys = keys(&function, question, &choices);
+    let mut workshop = ProgramWorkshop::new(machine, function.module);
+    for (formulation, module) in function.others {
         workshop.add(formulation, module);
     }
-    let mut share = MeasuredShare {
-        choices: 0,
-        found: 0,
-        points: Vec::new(),
-        left,
-    };
-    let numbered = choices.iter().enumerate();
-    for (_, choice) in numbered.filter(|&(number, _)| question.work.share.holds(number)) {
+    let mut points: Vec<FrontPoint> = Vec::new();
+    let (mut count, mut found) = (0, 0);
+    let numbered = choices.iter().zip(keys).enumerate();
+    for (_, (choice, key)) in numbered.filter(|&(number, _)| work.share.holds(number)) {
         progress(&choice.name);
-        let key = keys.of(choice);
-        let kept: Option<Vec<FrontPoint>> = question.work.load(key);
-        share.choices += 1;
-        share.found += usize::from(kept.is_some());
-        let times = question.cpu && operations <= processor::LARGEST;
+        let kept: Option<Vec<FrontPoint>> = work.load(key);
+        count += 1;
+        found += usize::from(kept.is_some());
         let mut program = || workshop.program(choice.formulation, &choice.stages);
         let mut measured = match kept {
             Some(kept) => kept,
             None => {
-                let (machine, elements) = (question.machine, question.elements);
-                let measured = measure(choice, &*program()?, machine, elements, &yardstick)?;
-                question.work.save(key, &measured);
+                let measured =
+                    measure(choice, &*program()?, machine, question.elements, &yardstick)?;
+                work.save(key, &measured);
                 measured
             }
         };
-        if times {
+        if question.cpu && operations <= processor::LARGEST {
             measure::time(&*program()?, &mut measured);
         }
-        share.points.extend(measured);
+        points.extend(measured);
     }
-    Ok(share)
+    if work.share != WorkShare::ALL {
+        return Ok(Explored::Share(counted(count, "choice"), found));
+    }
+    let verdicts = verdicts(&points, question.elements.len());
+    Ok(Explored::Whole(Front {
+        name: function.name,
+        machine: machine.clone(),
+        operations,
+        elements: question.elements.to_vec(),
+        states: function.count,
+        seed: function.states.seed(),
+        has_ranges: !function.states.ranges().is_empty(),
+        left,
+        points,
+        verdicts,
+    }))
+}
+
+/// What the thesis could choose, and ours: those of a list, and what the search of
+/// `robovec optimise` finds for the numbers of elements.
+fn choices(
+    function: &ExploredFunction,
+    question: &FrontQuestion<'_>,
+    progress: ExplorationProgress<'_>,
+) -> Result<Vec<FrontChoice>, ExplorationError> {
+    let formulations: Vec<Formulation> = function.others.iter().map(|(one, _)| *one).collect();
+    let mut choices: Vec<FrontChoice> = choice::of_the_thesis();
+    let ours = choice::ours(function.operations(), &formulations, question.angle);
+    choices.extend(ours);
+    let elements: Vec<[u32; 2]> = question.elements.iter().map(|&n| [n, n]).collect();
+    let found = function.searched(question.machine, &elements, question.work, progress)?;
+    choices.extend(found.into_iter().map(|program| {
+        let other = program.start.checked_sub(1);
+        let formulation = other.map(|other| formulations[other]);
+        choice::found(&program.name, formulation, &program.passes)
+    }));
+    Ok(choices)
+}
+
+/// The keys of the points of choices: hashes of all that they depend on; `None` where
+/// nothing is kept.
+fn keys(
+    function: &ExploredFunction,
+    question: &FrontQuestion<'_>,
+    choices: &[FrontChoice],
+) -> Vec<Option<PointKey>> {
+    let Some(key) = question.work.key("front") else {
+        return vec![None; choices.len()];
+    };
+    let key = key
+        .with_module(&function.module)
+        .with_machine(question.machine);
+    let (states, count, angle) = (&function.states, function.count, question.angle);
+    let key = key.with(&format!(
+        "{:?} {states:?} {count} {angle}",
+        question.elements
+    ));
+    let others = function.others.iter();
+    let others = others.map(|(formulation, module)| (*formulation, key.with_module(module)));
+    let others: Vec<(Formulation, PointKey)> = others.collect();
+    let of = |choice: &FrontChoice| {
+        let mut own = others.iter();
+        let own = own.find(|(formulation, _)| choice.formulation == Some(*formulation));
+        let key = own.map_or(key, |(_, key)| *key);
+        // What the points are called is kept with them.
+        Some(key.with(&format!("{choice:?}")))
+    };
+    choices.iter().map(of).collect()
 }
 
 /// Leaves out formulations that read what the function does not, with the
@@ -207,31 +215,6 @@ fn leave_out(
         inputs.is_ok()
     });
     left
-}
-
-/// Program that the search of `robovec optimise` finds for the numbers of
-/// elements.
-fn searched(
-    module: &Module,
-    others: &[(Formulation, Module)],
-    question: &FrontQuestion<'_>,
-    progress: ExplorationProgress<'_>,
-) -> Result<Vec<FrontChoice>, ExplorationError> {
-    let starts = starts(module.clone(), others.iter().cloned());
-    let elements: Vec<[u32; 2]> = question.elements.iter().map(|&n| [n, n]).collect();
-    let programs = found(
-        &starts,
-        question.machine,
-        &elements,
-        question.work,
-        progress,
-    );
-    let programs = programs?.into_iter().map(|program| {
-        let other = program.start.checked_sub(1);
-        let formulation = other.map(|other| others[other].0);
-        choice::found(&program.name, formulation, &program.passes)
-    });
-    Ok(programs.collect())
 }
 
 /// Measures compared with a given number of elements: cycles, the median of the

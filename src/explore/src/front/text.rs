@@ -2,9 +2,14 @@
 
 use super::measure::FrontPoint;
 use super::{Front, FrontVerdict};
+use crate::exploration::Exploration;
 use robovec_error::yardstick::account::{measure_text, random_states};
+use robovec_fpga::hardware;
+use robovec_ir::Machine;
 use robovec_ir::diagnostic::counted;
 use robovec_present::number::share_percent;
+use robovec_present::page;
+use robovec_present::text::distinct;
 use robovec_present::{
     AxisScale, ColumnList, Curve, DataTable, Figure, Mark, MarkFill, MarkZone, Panel, PlotAxis,
     columns,
@@ -37,52 +42,6 @@ fn standing(front: &Front, index: usize, elements: usize, undominated: &[usize])
     }
 }
 
-/// One table per number of elements, and what became of the thesis' choices.
-pub fn text(front: &Front) -> String {
-    let mut text = format!(
-        "{}: {} as they came, {}\n",
-        front.name,
-        counted(front.operations, "operation"),
-        counted(front.states, "state")
-    );
-    for (name, reason) in &front.left {
-        // Writing to a string cannot fail, here and below.
-        let _ = writeln!(text, "formulation {name} was left out: {reason}");
-    }
-    for (place, count) in front.elements.iter().enumerate() {
-        let undominated = front.undominated(place);
-        // What another one of ours beats is in the files.
-        let rows: Vec<PointRow<'_>> = rows(front, place)
-            .into_iter()
-            .filter(|row| row.point.thesis || undominated.contains(&row.index))
-            .collect();
-        let _ = writeln!(
-            text,
-            "\n{count}+{count} elements\n{}",
-            columns().text(&rows)
-        );
-    }
-    let drawn = random_states(front.states as usize, front.seed, front.has_ranges);
-    let _ = writeln!(
-        text,
-        "\nmedian and worst error in parts {}; relative errors in parts of the element",
-        measure_text(&drawn)
-    );
-    let count = |by: fn(&FrontVerdict) -> Option<usize>| {
-        let verdicts = front.verdicts.iter();
-        verdicts.filter(|verdict| by(verdict).is_some()).count()
-    };
-    let _ = writeln!(
-        text,
-        "\nof {} of the thesis, counted per number of elements, {} dominated, {} of them within \
-         the own number format",
-        counted(front.verdicts.len(), "choice"),
-        count(|verdict| verdict.by),
-        count(|verdict| verdict.in_its_format),
-    );
-    text
-}
-
 /// A point with a number of elements.
 struct PointRow<'a> {
     front: &'a Front,
@@ -93,7 +52,7 @@ struct PointRow<'a> {
 }
 
 /// The rows of a number of elements, the fastest first.
-fn rows(front: &Front, place: usize) -> Vec<PointRow<'_>> {
+fn rows_of(front: &Front, place: usize) -> Vec<PointRow<'_>> {
     let undominated = front.undominated(place);
     let row = |index| PointRow {
         front,
@@ -143,23 +102,6 @@ fn order(front: &Front, elements: usize) -> Vec<usize> {
     order
 }
 
-/// All points of all functions as one table.
-pub fn points_table(fronts: &[Front]) -> DataTable {
-    let rows: Vec<PointRow<'_>> = fronts
-        .iter()
-        .flat_map(|front| (0..front.elements.len()).flat_map(|place| rows(front, place)))
-        .collect();
-    columns().table(
-        "explore",
-        "Speed against error",
-        "Every choice in every format. Errors are those of the whole program against \
-                  double-double: series, rounding, data. A choice is beaten when another one is \
-                  nowhere worse and somewhere better in cycles, in the median of the relative \
-                  errors, in the worst normwise error and in the share of the device.",
-        &rows,
-    )
-}
-
 /// A choice of the thesis with what of ours is nowhere worse, and what of ours
 /// in the same format.
 struct VerdictRow<'a> {
@@ -171,7 +113,7 @@ struct VerdictRow<'a> {
 }
 
 /// Choices of the thesis, and those of ours that are nowhere worse.
-pub fn verdicts_table(fronts: &[Front]) -> DataTable {
+fn verdicts_table(fronts: &[Front]) -> DataTable {
     let mut rows = Vec::new();
     for front in fronts {
         rows.extend(front.verdicts.iter().map(|verdict| {
@@ -220,20 +162,114 @@ pub fn verdicts_table(fronts: &[Front]) -> DataTable {
     )
 }
 
-/// One panel per function and number of elements: cycles against error.
-pub fn figure(fronts: &[Front]) -> Figure {
-    let panels: Vec<Panel> = fronts
-        .iter()
-        .flat_map(|front| (0..front.elements.len()).map(|place| panel(front, place)))
-        .collect();
-    Figure::new(
-        "explore",
-        "Speed against error",
-        "Length of the schedule against the worst normwise error, in units of the \
-                  rounding of binary32 (2^-24). Full marks: points that no other one beats.",
-        panels.len().clamp(1, 2),
-        panels,
-    )
+impl Exploration for Front {
+    const POINTS: &'static str = "All points";
+    const METHOD: &'static str = include_str!("method.html");
+
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// One table per number of elements, and what became of the thesis' choices.
+    fn text(&self) -> String {
+        let mut text = format!(
+            "{}: {} as they came, {}\n",
+            self.name,
+            counted(self.operations, "operation"),
+            counted(self.states, "state")
+        );
+        for (name, reason) in &self.left {
+            // Writing to a string cannot fail, here and below.
+            let _ = writeln!(text, "formulation {name} was left out: {reason}");
+        }
+        for (place, count) in self.elements.iter().enumerate() {
+            let undominated = self.undominated(place);
+            // What another one of ours beats is in the files.
+            let rows: Vec<PointRow<'_>> = rows_of(self, place)
+                .into_iter()
+                .filter(|row| row.point.thesis || undominated.contains(&row.index))
+                .collect();
+            let _ = writeln!(
+                text,
+                "\n{count}+{count} elements\n{}",
+                columns().text(&rows)
+            );
+        }
+        let drawn = random_states(self.states as usize, self.seed, self.has_ranges);
+        let _ = writeln!(
+            text,
+            "\nmedian and worst error in parts {}; relative errors in parts of the element",
+            measure_text(&drawn)
+        );
+        let count = |by: fn(&FrontVerdict) -> Option<usize>| {
+            let verdicts = self.verdicts.iter();
+            verdicts.filter(|verdict| by(verdict).is_some()).count()
+        };
+        let _ = writeln!(
+            text,
+            "\nof {} of the thesis, counted per number of elements, {} dominated, {} of them within \
+             the own number format",
+            counted(self.verdicts.len(), "choice"),
+            count(|verdict| verdict.by),
+            count(|verdict| verdict.in_its_format),
+        );
+        text
+    }
+
+    fn table(fronts: &[Front]) -> DataTable {
+        let places = |front: &Front| 0..front.elements.len();
+        let rows = fronts.iter();
+        let rows =
+            rows.flat_map(|front| places(front).flat_map(move |place| rows_of(front, place)));
+        columns().table(
+            "explore",
+            "Speed against error",
+            "Every choice in every format. Errors are those of the whole program against \
+             double-double: series, rounding, data. A choice is beaten when another one is \
+             nowhere worse and somewhere better in cycles, in the median of the relative \
+             errors, in the worst normwise error and in the share of the device.",
+            &rows.collect::<Vec<_>>(),
+        )
+    }
+
+    /// One panel per function and number of elements: cycles against error.
+    fn figure(fronts: &[Front]) -> Figure {
+        let panels = fronts.iter();
+        let panels = panels.flat_map(|front| {
+            let places = 0..front.elements.len();
+            places.map(|place| panel(front, place))
+        });
+        let panels: Vec<Panel> = panels.collect();
+        Figure::new(
+            "explore",
+            "Speed against error",
+            "Length of the schedule against the worst normwise error, in units of the rounding of \
+             binary32 (2^-24). Full marks: points that no other one beats.",
+            panels.len().clamp(1, 2),
+            panels,
+        )
+    }
+
+    fn machines(fronts: &[Front]) -> [String; 2] {
+        let mut machines: Vec<&Machine> = Vec::new();
+        for front in fronts {
+            if !machines.contains(&&front.machine) {
+                machines.push(&front.machine);
+            }
+        }
+        let devices = machines.iter();
+        let devices = devices.map(|machine| machine.device.device().name.as_str());
+        let devices = distinct(devices);
+        let about = machines.into_iter().map(|machine| {
+            let (name, clock) = (&machine.name, hardware::clock(machine).text());
+            format!("Machine {name}: {}, {clock}.", machine.description)
+        });
+        [about.collect::<Vec<_>>().join(" "), devices]
+    }
+
+    fn opening(fronts: &[Front], figure: String) -> String {
+        page::folding_table(&verdicts_table(fronts), "", true) + &figure
+    }
 }
 
 /// The zone of points that no other one beats.

@@ -95,10 +95,10 @@ impl Default for DesignSpace {
 impl DesignSpace {
     /// All designs, in order.
     pub fn designs(&self) -> Vec<MachineDesign> {
-        let pairs: Vec<(u32, u32)> = self.pairs().collect();
+        let pairs: Vec<[u32; 2]> = self.pairs().collect();
         let axes = self.axes(pairs.len()).combinations();
         axes.map(|[pair, couple, memory, buffer, interconnect, instances]| {
-            let (adders, multipliers) = pairs[pair];
+            let [adders, multipliers] = pairs[pair];
             let couple = &self.couples[couple];
             MachineDesign {
                 adders,
@@ -126,12 +126,12 @@ impl DesignSpace {
     }
 
     /// Numbers of adders and multipliers.
-    pub fn pairs(&self) -> impl Iterator<Item = (u32, u32)> {
+    pub(super) fn pairs(&self) -> impl Iterator<Item = [u32; 2]> {
         let pairs = self.adders.iter().flat_map(|&adders| {
             let multipliers = self.multipliers.iter();
-            multipliers.map(move |&multipliers| (adders, multipliers))
+            multipliers.map(move |&multipliers| [adders, multipliers])
         });
-        pairs.filter(|&(a, b)| a.max(b) <= a.min(b).saturating_mul(self.ratio))
+        pairs.filter(|&[a, b]| a.max(b) <= a.min(b).saturating_mul(self.ratio))
     }
 
     /// Number of designs, and how many instances all of them place

@@ -32,7 +32,7 @@ pub struct PowerFigures {
 impl FunctionSweep {
     /// Adds the energy of an evaluation to every point, and to the
     /// processor's time where there is one.
-    pub fn add_energy(&mut self, power: PowerFigures) {
+    pub(super) fn add_energy(&mut self, power: PowerFigures) {
         for point in &mut self.points {
             let used = (power.full_watts - power.idle_watts) * point.share.min(1.0);
             // Watts times microseconds are microjoules.

@@ -11,31 +11,36 @@
 //! **Invariant.** Nothing but the time on the processor, which is measured
 //! only on request, depends on clocks, threads or the order of work.
 
-pub mod design;
-pub mod energy;
-pub mod page;
-pub mod placement;
-pub mod text;
+mod design;
+mod energy;
+mod placement;
+mod text;
 
+pub use design::{DesignSpace, MachineDesign, interconnect_names};
+pub use energy::{PowerFigures, WATTS};
+
+use crate::ExplorationProgress;
 use crate::device::{self, DeviceShare};
+use crate::exploration::{Explored, ExploredFunction};
 use crate::pareto::{self, EqualPoints};
-use crate::processor;
+use crate::processor::{self, ProcessorTimes};
 use crate::program::{ExplorationError, transformed_by, view};
-use crate::share::SharedWork;
-use design::{DesignSpace, MachineDesign};
-use energy::PowerFigures;
+use crate::share::{SharedWork, WorkShare};
 use placement::DesignPlacement;
 use robovec_analysis::critical_path::critical_path;
 use robovec_error::yardstick::{ErrorSpread, Yardstick};
 use robovec_fpga::hardware::{self, MachineClock};
 use robovec_ir::count::Counts;
-use robovec_ir::{Machine, Module, View};
+use robovec_ir::diagnostic::counted;
+use robovec_ir::{Machine, Module};
+use robovec_passes::optimise::steps;
 use serde::Serialize;
+use std::sync::Arc;
 
 /// The most operations times designs that are placed at once.
-pub const MAX_WORK: u64 = 6_000_000_000;
+const MAX_WORK: u64 = 6_000_000_000;
 /// Most designs of a sweep.
-pub const MAX_DESIGNS: u64 = 1_000_000;
+const MAX_DESIGNS: u64 = 1_000_000;
 
 /// A program that may be placed on designs.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -121,26 +126,20 @@ pub struct FunctionSweep {
     pub cpu_remark: String,
 }
 
-/// Reason why a sweep cannot be made.
-#[derive(Debug, thiserror::Error)]
-pub enum SweepError {
-    /// A pass gave up on the function.
-    #[error(transparent)]
-    Program(#[from] ExplorationError),
-    /// Too much work.
-    #[error(
-        "{designs} designs of {operations} operations are more than is placed at once; ask for \
-         fewer elements, couples or instances"
-    )]
-    TooMuch {
-        /// Designs asked for.
-        designs: u64,
-        /// Operations of all programs.
-        operations: usize,
-    },
-    /// A placement could not be written.
-    #[error("cannot keep a placement: {0}")]
-    NotKept(std::io::Error),
+/// Question.
+#[derive(Clone, Copy, Debug)]
+pub struct SweepQuestion<'a> {
+    /// The designs.
+    pub space: &'a DesignSpace,
+    /// Pipelines that make the programs to be placed; programs are searched where
+    /// there are none.
+    pub passes: &'a [String],
+    /// Also time what a processor would run.
+    pub cpu: bool,
+    /// Power of the device, where it is known.
+    pub power: Option<PowerFigures>,
+    /// Store of the placements, and the share of the designs that is placed.
+    pub work: SharedWork<'a>,
 }
 
 impl SweptProgram {
@@ -151,7 +150,7 @@ impl SweptProgram {
     ///
     /// Fails when it reads or computes something that the yardstick's function
     /// does not.
-    pub fn new(
+    fn new(
         name: String,
         module: Module,
         yardstick: &Yardstick,
@@ -169,48 +168,47 @@ impl SweptProgram {
     }
 }
 
-/// Places programs of one function, whose errors were measured at these
-/// states (in words), on every design of a space, of which each
-/// takes the one with the shortest schedule, and times what a processor would
-/// run in its place.
+/// Places programs of a function on every design of a space, of which each takes the
+/// one with the shortest schedule, and times what a processor would run in its place;
+/// or places them on a share of the designs.
 ///
 /// # Errors
 ///
-/// Fails when the designs are too many for the programs' size, interleaving
-/// fails, or a placement cannot be kept.
+/// Fails when a pass gives up, no design can hold the function, the designs are too
+/// many for the programs' size, or a placement cannot be kept.
 pub fn sweep(
-    name: &str,
-    programs: Vec<SweptProgram>,
-    states: &str,
-    space: &DesignSpace,
-    work: SharedWork<'_>,
-    processor: Option<View<'_>>,
-) -> Result<FunctionSweep, SweepError> {
+    function: &ExploredFunction,
+    question: &SweepQuestion<'_>,
+    progress: ExplorationProgress<'_>,
+) -> Result<Explored<FunctionSweep>, ExplorationError> {
+    let space = question.space;
+    let programs = programs(function, question, progress)?;
     check_work(&programs, space)?;
-    let placed = placement::place_share(&programs, space, work)?;
+    let (placed, found) = placement::place(&programs, space, question.work)?;
+    if question.work.share != WorkShare::ALL {
+        return Ok(Explored::Share(counted(placed.len(), "placement"), found));
+    }
     let mut points = Vec::new();
     let mut failures = Vec::new();
-    for (design, result) in placed.designs {
+    for (design, result) in placed {
         match result {
             Ok(placement) => points.push(point(design, placement)),
             Err(reason) => failures.push((design, reason)),
         }
     }
+    if let (true, Some((_, reason))) = (points.is_empty(), failures.first()) {
+        let designs = counted(failures.len(), "design");
+        return Err(ExplorationError::NothingPlaced(designs, reason.clone()));
+    }
     mark_front(&mut points);
-    let cpu = processor.map(|view| {
-        if Counts::of(view.function).operations > processor::LARGEST {
-            Err("it is too large for a C compiler".to_owned())
-        } else {
-            processor::contest(view, view)
-        }
-    });
+    let cpu = question.cpu.then(|| timed(&function.module)).transpose()?;
     let times = cpu.clone().and_then(Result::ok).unwrap_or_default();
-    Ok(FunctionSweep {
-        name: name.to_owned(),
+    let mut sweep = FunctionSweep {
+        name: function.name.clone(),
         device: space.device.device().name.clone(),
         programs,
         number: thesis().number.to_string(),
-        states: states.to_owned(),
+        states: function.drawn(),
         points,
         failures,
         cpu_us: times.single().map(|time| time * 1e-3),
@@ -219,48 +217,66 @@ pub fn sweep(
         cpu_energy_uj: None,
         power: None,
         cpu_remark: cpu.and_then(Result::err).unwrap_or_default(),
+    };
+    if let Some(power) = question.power {
+        sweep.add_energy(power);
+    }
+    Ok(Explored::Whole(sweep))
+}
+
+/// Times of the C that is generated for a processor, or why there are none.
+fn timed(module: &Module) -> Result<Result<ProcessorTimes, String>, ExplorationError> {
+    let program = transformed_by(module, "$cpu", &thesis(), None)?;
+    let view = view(&program);
+    Ok(match Counts::of(view.function).operations {
+        0..=processor::LARGEST => processor::contest(view, view),
+        _ => Err("it is too large for a C compiler".to_owned()),
     })
 }
 
+/// The programs of the pipelines, or those that the search finds for the fewest
+/// elements of a space, the most, and between.
+fn programs(
+    function: &ExploredFunction,
+    question: &SweepQuestion<'_>,
+    progress: ExplorationProgress<'_>,
+) -> Result<Vec<SweptProgram>, ExplorationError> {
+    let yardstick = function.yardstick();
+    let made = |passes: &str| {
+        let program = transformed_by(&function.module, passes, &thesis(), None)?;
+        SweptProgram::new(passes.to_owned(), program, &yardstick)
+    };
+    if !question.passes.is_empty() {
+        return question.passes.iter().map(|passes| made(passes)).collect();
+    }
+    let mut pairs: Vec<[u32; 2]> = question.space.pairs().collect();
+    pairs.sort_by_key(|&[add, multi]| (u64::from(add) + u64::from(multi), add));
+    if let count @ 4.. = pairs.len() {
+        pairs = vec![pairs[0], pairs[count / 2], pairs[count - 1]];
+    }
+    let found = function.searched(&thesis(), &pairs, question.work, progress)?;
+    if found.is_empty() {
+        // The machine can place none: the sweep says why for each design.
+        return Ok(vec![made(&format!("atomise,{}", steps::REASSOCIATED))?]);
+    }
+    let programs = found.into_iter().map(|found| {
+        let module = Arc::unwrap_or_clone(found.program);
+        SweptProgram::new(found.name, module, &yardstick)
+    });
+    programs.collect()
+}
+
 /// Refuses more work than is done at once.
-///
-/// # Errors
-///
-/// Fails when the designs are too many for the programs' size.
-pub fn check_work(programs: &[SweptProgram], space: &DesignSpace) -> Result<(), SweepError> {
+fn check_work(programs: &[SweptProgram], space: &DesignSpace) -> Result<(), ExplorationError> {
     let operations: usize = programs.iter().map(|program| program.operations).sum();
     let (designs, instances) = space.count();
     if designs > MAX_DESIGNS || instances.saturating_mul(operations as u64) > MAX_WORK {
-        return Err(SweepError::TooMuch {
+        return Err(ExplorationError::TooMuch {
             designs,
             operations,
         });
     }
     Ok(())
-}
-
-/// All programs for every number of instances.
-fn interleaved(
-    programs: &[SweptProgram],
-    space: &DesignSpace,
-) -> Result<Vec<Vec<Module>>, SweepError> {
-    let machine = thesis();
-    let one = |program: &SweptProgram, count: u32| match count {
-        1 => Ok(program.module.clone()),
-        _ => {
-            let interleave = format!("interleave{{instances={count}}}");
-            Ok(transformed_by(
-                &program.module,
-                &interleave,
-                &machine,
-                None,
-            )?)
-        }
-    };
-    let counts = space.instances.iter();
-    counts
-        .map(|&count| programs.iter().map(|program| one(program, count)).collect())
-        .collect()
 }
 
 /// The machine that designs are variants of.
@@ -317,7 +333,7 @@ mod tests {
     use robovec_ir::states::States;
 
     /// Products of pairs, and their sum.
-    fn programs() -> Vec<SweptProgram> {
+    fn function() -> ExploredFunction {
         let mut text = "function f atomic {\n  in q[1..16]\n  out c\n".to_owned();
         for index in 1..=8 {
             text += &format!("  %p{index} = q[{index}]*q[{}]\n", index + 8);
@@ -327,13 +343,31 @@ mod tests {
             text += &format!("  %s{index} = %s{} + %p{}\n", index - 1, index + 1);
         }
         text += "  c = %s7\n}\n";
-        let printed = parse::parse_module("f.rvir", &text).expect("well formed");
-        let short = transformed_by(&printed, "balance", &thesis(), None).expect("sums");
-        let yardstick = Yardstick::new(view(&printed), &States::new(1), 8);
-        let program = |name: &str, module: Module| {
-            SweptProgram::new(name.to_owned(), module, &yardstick).expect("the same function")
+        ExploredFunction {
+            name: "f".to_owned(),
+            module: parse::parse_module("f.rvir", &text).expect("well formed"),
+            others: Vec::new(),
+            states: States::new(1),
+            count: 8,
+        }
+    }
+
+    /// As printed, and a shorter sum.
+    const PASSES: [&str; 2] = ["cse", "balance"];
+
+    fn swept(space: &DesignSpace, passes: &[&str]) -> Result<FunctionSweep, ExplorationError> {
+        let passes: Vec<String> = passes.iter().map(|&passes| passes.to_owned()).collect();
+        let question = SweepQuestion {
+            space,
+            passes: &passes,
+            cpu: false,
+            power: None,
+            work: SharedWork::ALONE,
         };
-        vec![program("printed", printed.clone()), program("short", short)]
+        match sweep(&function(), &question, &|_| ())? {
+            Explored::Whole(sweep) => Ok(sweep),
+            Explored::Share(..) => unreachable!("all of the work was asked for"),
+        }
     }
 
     /// A few machines, with so many instances at once, and all points of them.
@@ -344,14 +378,7 @@ mod tests {
             instances: instances.to_vec(),
             ..DesignSpace::default()
         };
-        let sweep = sweep(
-            "f",
-            programs(),
-            "8 random states",
-            &space,
-            SharedWork::ALONE,
-            None,
-        );
+        let sweep = swept(&space, &PASSES);
         (space, sweep.expect("it is small"))
     }
 
@@ -372,16 +399,7 @@ mod tests {
         // Every design takes the program with the shortest schedule.
         let mut is_short_taken = false;
         for index in 0..2 {
-            let alone = vec![programs().swap_remove(index)];
-            let alone = super::sweep(
-                "f",
-                alone,
-                "8 random states",
-                &space,
-                SharedWork::ALONE,
-                None,
-            )
-            .expect("it is small");
+            let alone = swept(&space, &PASSES[index..=index]).expect("it is small");
             for (point, own) in sweep.points.iter().zip(&alone.points) {
                 assert!(point.cycles <= own.cycles);
                 is_short_taken |= point.program == 1;
@@ -400,15 +418,7 @@ mod tests {
             multipliers: (1..=4096).collect(),
             ..DesignSpace::default()
         };
-        let error = sweep(
-            "f",
-            programs(),
-            "8 random states",
-            &space,
-            SharedWork::ALONE,
-            None,
-        )
-        .expect_err("it is too much");
-        assert!(matches!(error, SweepError::TooMuch { .. }), "{error}");
+        let error = swept(&space, &PASSES).expect_err("it is too much");
+        assert!(matches!(error, ExplorationError::TooMuch { .. }), "{error}");
     }
 }

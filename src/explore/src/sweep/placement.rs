@@ -6,18 +6,20 @@
 //! the same machine, by the same build of robovec.
 
 use super::design::{DesignSpace, MachineDesign};
-use super::{SweepError, SweptProgram, interleaved};
+use super::{SweptProgram, thesis};
 use crate::placing::verified;
+use crate::program::{ExplorationError, transformed_by};
 use crate::share::SharedWork;
 use crate::store::PointKey;
 use rayon::prelude::*;
 use robovec_ir::{Machine, Module};
 use robovec_schedule::{PlaceOptions, schedule_bound};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// The shortest schedule of the programs on a design.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
-pub struct DesignPlacement {
+pub(super) struct DesignPlacement {
     /// Index of the program, from 0.
     pub program: usize,
     /// Length of the schedule of all instances, cycles.
@@ -29,79 +31,47 @@ pub struct DesignPlacement {
 }
 
 /// A design and what came of it: a placement, or why there is none.
-pub type PlacedDesign = (MachineDesign, Result<DesignPlacement, String>);
+type PlacedDesign = (MachineDesign, Result<DesignPlacement, String>);
 
-/// Work of a worker.
-#[derive(Clone, PartialEq, Debug)]
-pub struct PlacedShare {
-    /// The designs of the share, in the order of the space.
-    pub designs: Vec<PlacedDesign>,
-    /// Number of them found in the store.
-    pub found: usize,
-}
-
-/// Places programs on the designs of a share; those that are kept are found, and
-/// the others kept.
-///
-/// # Errors
-///
-/// Fails when interleaving fails, or a placement cannot be kept.
-pub fn place_share(
+/// Places programs on the designs of a share, in the order of the space; those that
+/// are kept are found, and the others kept. The second result is how many were found.
+pub(super) fn place(
     programs: &[SweptProgram],
     space: &DesignSpace,
     work: SharedWork<'_>,
-) -> Result<PlacedShare, SweepError> {
-    let candidates = Candidates::new(programs, space, work.key("sweep"))?;
+) -> Result<(Vec<PlacedDesign>, usize), ExplorationError> {
+    let key = work.key("sweep");
+    // All programs for every number of instances, with the key of their texts.
+    let mut many: BTreeMap<u32, (Vec<Module>, Option<PointKey>)> = BTreeMap::new();
+    for &count in &space.instances {
+        let interleaved = programs.iter().map(|program| interleaved(program, count));
+        let modules = interleaved.collect::<Result<Vec<Module>, ExplorationError>>()?;
+        let key = key.map(|key| modules.iter().fold(key, PointKey::with_module));
+        many.insert(count, (modules, key));
+    }
     let designs = space.designs().into_iter().enumerate();
     let designs = designs.filter(|&(number, _)| work.share.holds(number));
     let designs: Vec<MachineDesign> = designs.map(|(_, design)| design).collect();
     let place = |design: &MachineDesign| {
-        let (modules, programs) = candidates.of(design);
+        let (modules, key) = &many[&design.instances];
         let machine = design.machine();
-        let key = programs.map(|programs| programs.with_machine(&machine));
+        let key = key.map(|key| key.with_machine(&machine));
         work.point(key, || shortest(modules, &machine))
     };
     let placed: Result<Vec<_>, std::io::Error> = designs.par_iter().map(place).collect();
-    let placed = placed.map_err(SweepError::NotKept)?;
+    let placed = placed.map_err(|error| ExplorationError::NotKept(error.to_string()))?;
     let found = placed.iter().filter(|(_, is_found)| *is_found).count();
     let results = placed.into_iter().map(|(result, _)| result);
-    Ok(PlacedShare {
-        designs: designs.into_iter().zip(results).collect(),
-        found,
-    })
+    Ok((designs.into_iter().zip(results).collect(), found))
 }
 
-/// All programs for every number of instances of a space, with the keys of
-/// their texts.
-struct Candidates<'a> {
-    space: &'a DesignSpace,
-    many: Vec<(Vec<Module>, Option<PointKey>)>,
-}
-
-impl Candidates<'_> {
-    fn new<'a>(
-        programs: &[SweptProgram],
-        space: &'a DesignSpace,
-        key: Option<PointKey>,
-    ) -> Result<Candidates<'a>, SweepError> {
-        let many = interleaved(programs, space)?.into_iter();
-        let keyed = many.map(|modules| {
-            let with = |key: PointKey, module: &Module| key.with_module(module);
-            let key = key.map(|key| modules.iter().fold(key, with));
-            (modules, key)
-        });
-        Ok(Candidates {
-            space,
-            many: keyed.collect(),
-        })
+/// So many instances of a program in one.
+fn interleaved(program: &SweptProgram, count: u32) -> Result<Module, ExplorationError> {
+    if count == 1 {
+        return Ok(program.module.clone());
     }
-
-    fn of(&self, design: &MachineDesign) -> (&[Module], Option<PointKey>) {
-        let mut instances = self.space.instances.iter();
-        let place = instances.position(|&count| count == design.instances);
-        let (modules, key) = &self.many[place.expect("a design has instances of the space")];
-        (modules, *key)
-    }
+    let passes = format!("interleave{{instances={count}}}");
+    transformed_by(&program.module, &passes, &thesis(), None)
 }
 
 /// Places the programs on a machine, but for those whose bound is no shorter

@@ -1,46 +1,15 @@
 //! A sweep as aligned text, as a table for programs, and as a figure.
 
 use super::{FunctionSweep, SweepPoint, SweptProgram};
+use crate::exploration::Exploration;
 use robovec_error::yardstick::account::{ERROR_HEADS, measure_text};
 use robovec_ir::diagnostic::counted;
 use robovec_ir::machine::MemoryStyle;
+use robovec_present::page;
 use robovec_present::text::distinct;
 use robovec_present::{
     AxisScale, ColumnList, Curve, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, columns,
 };
-
-/// The front with the processor's time beside it, and what did not work.
-pub fn text(sweep: &FunctionSweep) -> String {
-    let rows: Vec<DesignRow<'_>> = sweep
-        .front()
-        .into_iter()
-        .map(|point| (sweep, point))
-        .collect();
-    let mut text = format!(
-        "{}: {} on {}, {} on the front\n\n{}\n{}\n",
-        sweep.name,
-        counted(sweep.points.len(), "design"),
-        sweep.device,
-        rows.len(),
-        programs(sweep),
-        design_columns().text(&rows)
-    );
-    text += &format!(
-        "errors of the programs in {}, in parts {}\n",
-        sweep.number,
-        measure_text(&sweep.states)
-    );
-    text += &verdict(sweep);
-    text += &sweep.energy_text();
-    if let Some((_, reason)) = sweep.failures.first() {
-        let count = sweep.failures.len();
-        text += &format!(
-            "{} could not be placed, the first because {reason}\n",
-            counted(count, "design")
-        );
-    }
-    text
-}
 
 /// The table of programs.
 fn programs(sweep: &FunctionSweep) -> String {
@@ -161,54 +130,103 @@ fn buffer_name(buffer: Option<u32>) -> String {
     buffer.map_or("none".to_owned(), |words| words.to_string())
 }
 
-/// All points of all functions as one table.
-pub fn points_table(sweeps: &[FunctionSweep]) -> DataTable {
-    let rows: Vec<DesignRow<'_>> = sweeps
-        .iter()
-        .flat_map(|sweep| sweep.points.iter().map(move |point| (sweep, point)))
-        .collect();
-    design_columns().table(
-        "explore",
-        "Resources against time",
-        format!(
-            "Every design. The share is the largest of those of look-up tables, memory blocks and \
-             multiplier blocks of the device ({}), by formulas; nothing is synthesised. The clock \
-             is that which the model of the device estimates, as in every other command. Errors \
-             are those of the program in {}, in parts of the largest element of an array, at \
-             random states against double-double arithmetic.",
-            devices(sweeps),
-            distinct(sweeps.iter().map(|sweep| sweep.number.as_str())),
-        ),
-        &rows,
-    )
+impl Exploration for FunctionSweep {
+    const POINTS: &'static str = "All designs";
+    const METHOD: &'static str = include_str!("method.html");
+
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The front with the processor's time beside it, and what did not work.
+    fn text(&self) -> String {
+        let rows: Vec<DesignRow<'_>> = self
+            .front()
+            .into_iter()
+            .map(|point| (self, point))
+            .collect();
+        let mut text = format!(
+            "{}: {} on {}, {} on the front\n\n{}\n{}\n",
+            self.name,
+            counted(self.points.len(), "design"),
+            self.device,
+            rows.len(),
+            programs(self),
+            design_columns().text(&rows)
+        );
+        text += &format!(
+            "errors of the programs in {}, in parts {}\n",
+            self.number,
+            measure_text(&self.states)
+        );
+        text += &verdict(self);
+        text += &self.energy_text();
+        if let Some((_, reason)) = self.failures.first() {
+            let count = self.failures.len();
+            text += &format!(
+                "{} could not be placed, the first because {reason}\n",
+                counted(count, "design")
+            );
+        }
+        text
+    }
+
+    fn table(sweeps: &[FunctionSweep]) -> DataTable {
+        let rows = sweeps.iter();
+        let rows = rows.flat_map(|sweep| sweep.points.iter().map(move |point| (sweep, point)));
+        design_columns().table(
+            "explore",
+            "Resources against time",
+            format!(
+                "Every design. The share is the largest of those of look-up tables, memory blocks \
+                 and multiplier blocks of the device ({}), by formulas; nothing is synthesised. \
+                 The clock is that which the model of the device estimates, as in every other \
+                 command. Errors are those of the program in {}, in parts of the largest element \
+                 of an array, at random states against double-double arithmetic.",
+                devices(sweeps),
+                distinct(sweeps.iter().map(|sweep| sweep.number.as_str())),
+            ),
+            &rows.collect::<Vec<_>>(),
+        )
+    }
+
+    /// One panel per function: share of the device against time per evaluation.
+    fn figure(sweeps: &[FunctionSweep]) -> Figure {
+        let panels: Vec<Panel> = sweeps.iter().map(panel).collect();
+        let devices = devices(sweeps);
+        let caption =
+            format!("Share of the device ({devices}) against the time of one evaluation.");
+        let columns = panels.len().clamp(1, 2);
+        let line = "The line joins the designs that no other one beats.";
+        let dashed = "The dashed line is a core of this computer.";
+        Figure::new(
+            "explore",
+            "Resources against time",
+            caption,
+            columns,
+            panels,
+        )
+        .with_note(Stroke::Plain, line)
+        .with_note(Stroke::Dashed, dashed)
+    }
+
+    fn machines(sweeps: &[FunctionSweep]) -> [String; 2] {
+        let devices = devices(sweeps);
+        [format!("{devices}."), devices]
+    }
+
+    fn opening(sweeps: &[FunctionSweep], figure: String) -> String {
+        let mut fronts = Self::table(sweeps);
+        let last = fronts.columns.len() - 1;
+        fronts.rows.retain(|row| !row[last].plain().is_empty());
+        fronts.title = "Designs that no other one beats".to_owned();
+        figure + &page::table(&fronts, "explore.csv")
+    }
 }
 
 /// The devices of some sweeps.
-pub(super) fn devices(sweeps: &[FunctionSweep]) -> String {
+fn devices(sweeps: &[FunctionSweep]) -> String {
     distinct(sweeps.iter().map(|sweep| sweep.device.as_str()))
-}
-
-/// One panel per function: share of the device against time per evaluation.
-pub fn figure(sweeps: &[FunctionSweep]) -> Figure {
-    let panels: Vec<Panel> = sweeps.iter().map(panel).collect();
-    Figure::new(
-        "explore",
-        "Resources against time",
-        format!(
-            "Share of the device ({}) against the time of one evaluation.",
-            devices(sweeps)
-        ),
-        panels.len().clamp(1, 2),
-        panels,
-    )
-    .with_note(
-        Stroke::Plain,
-        "The line joins the designs that no other one beats.",
-    )
-    .with_note(
-        Stroke::Dashed,
-        "The dashed line is a core of this computer.",
-    )
 }
 
 fn panel(sweep: &FunctionSweep) -> Panel {
