@@ -15,7 +15,7 @@ const fn former(line: &'static str, now: &'static str, results: &'static str) ->
     FormerCommand { line, now, results }
 }
 
-pub(super) const FORMER: [FormerCommand; 12] = [
+pub(super) const FORMER: [FormerCommand; 15] = [
     former(
         "accuracy FILE…",
         "error FILE… --passes '$shorten'",
@@ -38,10 +38,25 @@ pub(super) const FORMER: [FormerCommand; 12] = [
         "error FILE… --prove",
         "with the bound of one state",
     ),
+    former(
+        "front SUBJECT…",
+        "explore SUBJECT…",
+        "`front.html`, `.csv`, `.json`, `.svg` are `explore.html`, …",
+    ),
     former("modal MODEL", "sim modal MODEL", ""),
     former("neglect SCENE", "fit SCENE --reduce", ""),
     former("scene SCENE", "fit SCENE --explain", ""),
     former("simulate FOLDER", "rtl simulate FOLDER", ""),
+    former(
+        "study",
+        "explore --plan thesis",
+        "`--models A,B` are subjects",
+    ),
+    former(
+        "sweep SUBJECT…",
+        "explore SUBJECT… --designs",
+        "`sweep.html`, `.csv`, `.json`, `.svg` are `explore.html`, …",
+    ),
     former("synthesise", "rtl synthesise", ""),
     former(
         "trig FILE…",

@@ -123,17 +123,16 @@ const WORDS: [GrammarWord; 20] = [
 
 /// Commands by what one does with them.
 pub(super) const GROUPS: [(&str, &[&str]); 5] = [
-    ("Get the best program",
-        &["optimise", "explore", "view", "bench"]),
+    (
+        "Get the best program",
+        &["optimise", "explore", "view", "bench"],
+    ),
     ("From models to equations", &["model", "gen", "sim"]),
     (
         "Are they right, and how exact",
         &["eval", "check", "error", "stress"],
     ),
-    (
-        "Only what is needed, on which hardware",
-        &["fit", "rtl"],
-    ),
+    ("Only what is needed, on which hardware", &["fit", "rtl"]),
     ("Research on rewriting", &["rules"]),
 ];
 

@@ -44,7 +44,7 @@ struct ToolArguments {
     tool_seconds: u64,
 }
 
-/// Reading of robots, in commands that read models.
+// Reading of robots. No doc comment: it would become the commands' own.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Robots (.urdf)")]
 struct RobotArguments {
