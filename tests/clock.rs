@@ -62,7 +62,7 @@ fn report_sweep_and_rtl_tell_the_same_clock() {
         assert_eq!(found["clock"]["origin"], "estimated");
 
         let swept = format!(
-            "sweep {input} --passes atomise,cse,dce --adders 2 --multipliers 2 --couples 10-5 \
+            "explore {input} --passes atomise,cse,dce --adders 2 --multipliers 2 --couples 10-5 \
              --memories side-split --buffers 16 --instances 1 --device {device} -o swept"
         );
         let swept: Vec<&str> = swept.split(' ').filter(|word| !word.is_empty()).collect();

@@ -211,9 +211,9 @@ fn states_lie_in_the_ranges_of_a_core() {
         );
     }
     for command in [
-        "front CORE --elements 1 --states 20",
+        "explore CORE --elements 1 --states 20",
         "optimise CORE --effort 1",
-        "sweep CORE --passes atomise --adders 1 --multipliers 1 --couples 7-4",
+        "explore CORE --passes atomise --adders 1 --multipliers 1 --couples 7-4",
     ] {
         let text = said(&run(command, "tests/fpcore/placed.fpcore"));
         assert!(

@@ -49,7 +49,7 @@ fn losses_are_laws_of_the_joints() {
     for command in [
         "gen lossy.urdf",
         "eval lossy.urdf --states=1",
-        "front lossy.urdf --elements=1 --states=8",
+        "explore lossy.urdf --elements=1 --states=8",
     ] {
         let output = run(command);
         let message = stderr(&output);
