@@ -300,6 +300,11 @@ impl Figure {
                     }
                 }
                 PanelContent::Tiles(map) => {
+                    assert_eq!(
+                        map.values.len(),
+                        map.rows.len() * map.columns.len(),
+                        "a value for every square"
+                    );
                     let rows = map
                         .rows
                         .iter()

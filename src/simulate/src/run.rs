@@ -74,6 +74,10 @@ impl<'p> ProgramRunner<'p> {
             written: EMPTY,
             read: false,
         };
+        assert!(
+            program.elements.iter().all(|element| element.latency > 0),
+            "a result leaves its element in a later cycle"
+        );
         let mut slots = Vec::with_capacity(program.elements.len());
         let mut next = 0;
         for element in &program.elements {
@@ -134,6 +138,11 @@ impl<'p> ProgramRunner<'p> {
             constants: program.constants.iter().map(round).collect(),
             host: Vec::with_capacity(program.host.len()),
         };
+        assert_eq!(
+            known.inputs.len(),
+            program.inputs.len(),
+            "one number per input element"
+        );
         for (words, &number) in program.inputs.iter().zip(&known.inputs) {
             words.iter().for_each(|&word| self.put(word, number));
         }

@@ -81,6 +81,10 @@ impl Observer for Recorder<'_> {
         // Memories follow one another in the order of their offsets, none is
         // empty where there is a word.
         let memory = memories.partition_point(|unit| unit.offset <= word) - 1;
+        debug_assert!(
+            self.places.last().is_none_or(|&last| last < word),
+            "words are loaded in order"
+        );
         self.places.push(word);
         self.loaded.push(LoadedWord {
             memory: memory as u32,

@@ -360,6 +360,7 @@ impl Work for LoopCorrection<'_> {
 
 /// A scalar product.
 fn product<A: Arithmetic>(a: &A, x: &[A::Number], y: &[A::Number]) -> A::Number {
+    debug_assert_eq!(x.len(), y.len(), "vectors of one length");
     let pairs = x.iter().zip(y);
     pairs.fold(a.literal(0.0), |sum, (&x, &y)| a.add(sum, a.mul(x, y)))
 }

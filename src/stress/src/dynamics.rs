@@ -353,6 +353,7 @@ impl DynamicsBench<'_> {
             let Some(solution) = solution else {
                 return Ok(failed);
             };
+            assert_eq!(solution.len(), joints, "one step per joint");
             for (sum, step) in guess.qdd.iter_mut().zip(solution) {
                 *sum = rounded(*sum + step, format);
             }

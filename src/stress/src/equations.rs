@@ -130,6 +130,11 @@ impl StressBench for EquationsBench<'_> {
         let Ok(module) = self.module(&ProgramTreatment::default()) else {
             return f64::NAN;
         };
+        assert_eq!(
+            self.exact.len(),
+            self.subject.forms.plain.numbers.len(),
+            "every case has exact results"
+        );
         let cases = self.subject.forms.plain.numbers.iter().zip(&self.exact);
         worst(cases.map(|(inputs, exact)| {
             sensitivity(format.unit_roundoff(), DRAWS, inputs, |inputs| {
@@ -151,6 +156,11 @@ impl StressBench for EquationsBench<'_> {
         let form = self.subject.forms.named(treatment.form)?;
         let (mut outside, mut all) = (0u32, 0u32);
         let (mut worst_component, mut worst_norm) = (0.0, 0.0);
+        assert_eq!(
+            form.numbers.len(),
+            self.exact.len(),
+            "every form has the same cases"
+        );
         for (inputs, exact) in form.numbers.iter().zip(&self.exact) {
             let found = match function.formats {
                 None => evaluate(&module, WorkingPrecision::In(treatment.format), inputs),

@@ -17,6 +17,7 @@ pub(super) fn factorise<A: Arithmetic<Number: Wide>>(
     size: usize,
     matrix: &mut [A::Number],
 ) -> Result<(), usize> {
+    assert_eq!(matrix.len(), size * size, "a square matrix");
     for row in 0..size {
         for column in 0..=row {
             let mut rest = matrix[row * size + column];
@@ -43,6 +44,11 @@ pub(super) fn substitute<A: Arithmetic>(
     right: &[A::Number],
 ) -> Vec<A::Number> {
     let size = right.len();
+    assert_eq!(
+        factor.len(),
+        size * size,
+        "a square factor with one number per row"
+    );
     let mut x = right.to_vec();
     for row in 0..size {
         for k in 0..row {
@@ -77,6 +83,8 @@ pub(super) fn eliminate<A: Arithmetic<Number: Wide>>(
     mut matrix: Vec<A::Number>,
     mut right: Vec<A::Number>,
 ) -> Option<Vec<A::Number>> {
+    assert_eq!(matrix.len(), size * size, "a square matrix");
+    assert_eq!(right.len(), size, "one number per row");
     for k in 0..size {
         let height = |matrix: &[A::Number], row: usize| matrix[row * size + k].wide().high.abs();
         let order = |&a: &usize, &b: &usize| height(&matrix, a).total_cmp(&height(&matrix, b));
@@ -116,6 +124,11 @@ const SWEEPS: usize = 40;
 /// and Van Loan, "Matrix Computations", 8.5).
 pub(super) fn eigenvalues(mut matrix: DenseMatrix) -> Vec<f64> {
     let size = matrix.rows();
+    assert_eq!(matrix.columns(), size, "a square matrix");
+    debug_assert!(
+        (0..size).all(|p| (0..p).all(|q| matrix[(p, q)].to_bits() == matrix[(q, p)].to_bits())),
+        "a symmetric matrix"
+    );
     let all = (0..size).flat_map(|row| matrix.row(row));
     let largest = all.fold(0.0f64, |most, x| most.max(x.abs()));
     for _ in 0..SWEEPS {
@@ -174,6 +187,7 @@ pub(super) fn condition(matrix: DenseMatrix) -> f64 {
 /// method, by power iteration on the matrix and on its inverse; infinite when
 /// binary64 cannot factorise it.
 pub(super) fn estimated_condition(size: usize, entries: &[f64]) -> f64 {
+    assert_eq!(entries.len(), size * size, "a square matrix");
     use robovec_num::arithmetic::Binary64;
     const STEPS: usize = 60;
     let mut factor = entries.to_vec();

@@ -206,6 +206,11 @@ impl ModelProgram {
     /// Number of inputs and values, of those that are not zero, outside the
     /// range of a format's normal numbers.
     pub(super) fn out_of_range(&self, format: Format, units: Units, inputs: &[f64]) -> [usize; 2] {
+        assert_eq!(
+            inputs.len(),
+            self.input_dimensions.len(),
+            "every input has a dimension"
+        );
         let scaled: Vec<f64> = inputs
             .iter()
             .zip(&self.input_dimensions)

@@ -49,6 +49,7 @@ pub(super) fn solve_blocks(
             _ => system.by_pivots(equations, names),
         };
         let found = found.map_err(|place| block[place])?;
+        assert_eq!(found.len(), block.len(), "every row of a block is solved");
         for (row, values) in block.into_iter().zip(found) {
             solution[row] = values;
         }
@@ -227,6 +228,7 @@ impl<'r> LoopBlock<'r> {
 
 /// The product of two vectors.
 fn dot(one: &[Scalar], other: &[Scalar]) -> Sum {
+    assert_eq!(one.len(), other.len(), "vectors of one length");
     let mut sum = Sum::new();
     for (&a, &b) in one.iter().zip(other) {
         sum.add(&[a, b]);

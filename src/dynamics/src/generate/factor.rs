@@ -15,6 +15,10 @@ pub(super) type SparseRow = Vec<(usize, Scalar)>;
 
 /// The entry of a row.
 pub(super) fn entry(row: &[(usize, Scalar)], column: usize) -> Scalar {
+    debug_assert!(
+        row.is_sorted_by(|one, next| one.0 < next.0),
+        "columns ascend"
+    );
     row.binary_search_by_key(&column, |&(column, _)| column)
         .map_or(Scalar::ZERO, |place| row[place].1)
 }
@@ -55,6 +59,15 @@ pub(super) fn solve_symmetric(
     joints: &[usize],
 ) -> Result<Vec<Vec<Scalar>>, Stop> {
     let count = rows.len();
+    assert_eq!(joints.len(), count, "every row has its joint");
+    assert!(
+        sides.iter().all(|side| side.len() == count),
+        "one number per row"
+    );
+    debug_assert!(
+        (0..count).all(|i| rows[i].iter().all(|&(column, _)| column <= i)),
+        "rows are those of the lower triangle"
+    );
     let mut work = 0;
     let mut factors: Vec<SparseRow> = vec![Vec::new(); count];
     let mut entries: Vec<SparseRow> = vec![Vec::new(); count];
@@ -142,6 +155,12 @@ pub(super) fn solve_square(
     sides: usize,
 ) -> Result<Vec<SparseRow>, usize> {
     let count = rows.len();
+    debug_assert!(
+        rows.iter()
+            .flatten()
+            .all(|&(column, _)| column < count + sides),
+        "columns are those of the matrix and of the right sides"
+    );
     let mut inverses = Vec::with_capacity(count);
     let mut upper: Vec<SparseRow> = Vec::with_capacity(count);
     for (i, given) in rows.iter().enumerate() {

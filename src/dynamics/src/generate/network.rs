@@ -46,6 +46,7 @@ pub(super) fn paths<T: Copy>(
     values: &[T],
     combine: impl FnMut(PathBlock, T, T) -> T,
 ) -> Vec<T> {
+    assert_eq!(values.len(), parents.len(), "one value per joint");
     let mut depths: Vec<usize> = Vec::with_capacity(parents.len());
     for parent in parents {
         depths.push(parent.map_or(0, |parent| depths[parent] + 1));
@@ -168,6 +169,13 @@ pub(super) fn subtrees<T: Copy>(
     values: &[T],
     mut add: impl FnMut(PathBlock, &[T]) -> T,
 ) -> Vec<T> {
+    assert_eq!(values.len(), parents.len(), "one value per joint");
+    assert!(
+        (0..)
+            .zip(parents)
+            .all(|(joint, parent)| parent.is_none_or(|parent| parent < joint)),
+        "parents come before children"
+    );
     let chains = chains(parents);
     let mut sums = values.to_vec();
     let mut pending: Vec<Vec<usize>> = vec![Vec::new(); parents.len()];

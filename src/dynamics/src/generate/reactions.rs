@@ -40,6 +40,12 @@ pub(super) fn write(
 ) -> Result<(), GenerateError> {
     let (user, of_user) = balance.user;
     let solution = of_loops(reduction, roles, loops, balance)?;
+    assert_eq!(solution.len(), roles.rows.len(), "one multiplier per row");
+    assert_eq!(
+        user.len(),
+        of_user.len(),
+        "one multiplier per row of the user"
+    );
     for (&multiplier, &number) in solution.iter().zip(&roles.rows) {
         reduction
             .equations

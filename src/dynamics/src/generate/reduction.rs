@@ -210,6 +210,11 @@ impl CoordinateReduction<'_, '_, '_> {
         solution: &[Scalar],
     ) -> Vec<Scalar> {
         let mut accelerations = self.given.clone();
+        assert_eq!(
+            solution.len(),
+            partition.free.len(),
+            "one solution per free joint"
+        );
         for (&joint, &value) in partition.free.iter().zip(solution) {
             accelerations[joint] = value;
         }

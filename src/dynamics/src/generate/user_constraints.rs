@@ -108,6 +108,11 @@ impl BoundAccelerations {
             return Vec::new();
         }
         let matrix = &self.reduced.matrix;
+        assert_eq!(
+            self.reduced.rest.len(),
+            matrix.len(),
+            "every row has a rest"
+        );
         let square = products(equations, "us", matrix, forced);
         let mut right = Vec::with_capacity(matrix.len());
         for (number, (row, &rest)) in matrix.iter().zip(&self.reduced.rest).enumerate() {
@@ -132,6 +137,11 @@ impl BoundAccelerations {
         forced: &[Vec<Scalar>],
         multipliers: &[Scalar],
     ) -> Vec<Scalar> {
+        assert_eq!(
+            forced.len(),
+            multipliers.len(),
+            "every multiplier has its column"
+        );
         let places = unbound.iter().enumerate();
         let sums = places.map(|(place, &acceleration)| {
             let mut sum = Sum::of(acceleration);
@@ -150,6 +160,10 @@ impl BoundAccelerations {
 /// solved for once more. A singular `A` gives no numbers.
 pub(super) fn solve_unknown(equations: &mut Equations, system: &ReducedRows) -> Vec<Scalar> {
     let matrix = &system.matrix;
+    assert!(
+        matrix.iter().all(|row| row.len() == matrix.len()),
+        "a square matrix"
+    );
     let right: Vec<Scalar> = system.rest.iter().map(|&rest| -rest).collect();
     if let ([row], [right]) = (&matrix[..], &right[..]) {
         let inverse = equations.quotient(QuantityLabel::new("uq", 0, 1), Scalar::ONE, row[0]);
@@ -206,6 +220,7 @@ pub(super) fn products(
     for (i, a) in one.iter().enumerate() {
         let mut row = SparseRow::new();
         for (j, b) in other.iter().enumerate() {
+            debug_assert_eq!(a.len(), b.len(), "rows of one length");
             let mut sum = Sum::new();
             for (&a, &b) in a.iter().zip(b) {
                 sum.add(&[a, b]);
@@ -227,6 +242,7 @@ pub(super) fn solve_positive(
     right: &[Scalar],
 ) -> Vec<Scalar> {
     let count = rows.len();
+    assert_eq!(right.len(), count, "one right side per row");
     for (row, &right) in rows.iter_mut().zip(right) {
         if !right.is_zero() {
             row.push((count, right));

@@ -183,6 +183,11 @@ impl LoopClosure<'_> {
         residual: &[f64],
         jacobian: &DenseMatrix,
     ) -> bool {
+        assert_eq!(
+            residual.len(),
+            jacobian.rows(),
+            "one residual per row of the Jacobian"
+        );
         let right: Vec<f64> = partition.rows.iter().map(|&row| -residual[row]).collect();
         let square = jacobian.select(&partition.rows, &partition.dependent);
         let Some(step) = solve_square(square, column(&right)) else {

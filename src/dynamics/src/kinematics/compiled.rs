@@ -99,6 +99,11 @@ impl CompiledFunction {
 
     /// The numbers of the assignments as outputs.
     fn outputs_of(&self, numbers: Vec<f64>) -> EvaluatedOutputs<'_> {
+        assert_eq!(
+            numbers.len(),
+            self.function.assignments.len(),
+            "one number per output"
+        );
         let mut flat = vec![0.0; self.function.output_len()];
         for (assignment, number) in self.function.assignments.iter().zip(numbers) {
             flat[assignment.output.index()] = number;

@@ -48,6 +48,7 @@ impl DenseMatrix {
 
     /// Matrix times vector.
     pub fn times(&self, vector: &[f64]) -> Vec<f64> {
+        assert_eq!(vector.len(), self.columns, "one number per column");
         (0..self.rows())
             .map(|row| dot(self.row(row), vector))
             .collect()
@@ -55,6 +56,7 @@ impl DenseMatrix {
 
     /// The transposed matrix times a vector.
     pub fn transposed_times(&self, vector: &[f64]) -> Vec<f64> {
+        assert_eq!(vector.len(), self.rows, "one number per row");
         let mut result = vec![0.0; self.columns];
         for (row, &factor) in vector.iter().enumerate() {
             for (sum, entry) in result.iter_mut().zip(self.row(row)) {
@@ -77,6 +79,7 @@ impl DenseMatrix {
 
     /// Matrix times matrix.
     pub fn product(&self, other: &DenseMatrix) -> DenseMatrix {
+        assert_eq!(self.columns, other.rows, "one row per column");
         let entries = (0..self.rows()).flat_map(|row| other.transposed_times(self.row(row)));
         DenseMatrix {
             rows: self.rows,
@@ -89,6 +92,7 @@ impl DenseMatrix {
 impl std::ops::Index<(usize, usize)> for DenseMatrix {
     type Output = f64;
     fn index(&self, (row, column): (usize, usize)) -> &f64 {
+        debug_assert!(column < self.columns, "the column exists");
         &self.entries[row * self.columns + column]
     }
 }
@@ -101,6 +105,7 @@ impl std::ops::IndexMut<(usize, usize)> for DenseMatrix {
 
 /// The sum of products.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    debug_assert_eq!(a.len(), b.len(), "vectors of one length");
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
@@ -137,6 +142,11 @@ pub fn solve_positive(
     threshold: f64,
 ) -> Result<Vec<f64>, usize> {
     let n = right.len();
+    assert_eq!(
+        (matrix.rows, matrix.columns),
+        (n, n),
+        "a square matrix with one number per row"
+    );
     // A factorisation L D L', with D on the diagonal.
     for i in 0..n {
         let original = matrix[(i, i)];
@@ -183,6 +193,7 @@ pub struct Pivot {
 /// first. Their number is the rank. A column of weight 0 is left out.
 pub fn eliminate(mut matrix: DenseMatrix, weights: &[f64], threshold: f64) -> Vec<Pivot> {
     let (rows, columns) = (matrix.rows(), matrix.columns());
+    assert_eq!(weights.len(), columns, "one weight per column");
     let mut row_free = vec![true; rows];
     let mut column_free = vec![true; columns];
     let mut pivots: Vec<Pivot> = Vec::new();
@@ -220,6 +231,7 @@ pub fn eliminate(mut matrix: DenseMatrix, weights: &[f64], threshold: f64) -> Ve
 /// pivoting: 1 or -1, and 0 where it is singular or not finite.
 pub fn determinant_sign(mut matrix: DenseMatrix) -> i8 {
     let n = matrix.rows();
+    assert_eq!(matrix.columns, n, "a square matrix");
     let mut sign = 1;
     for k in 0..n {
         let size = |row: &usize| matrix[(*row, k)].abs();
@@ -251,6 +263,8 @@ pub fn determinant_sign(mut matrix: DenseMatrix) -> i8 {
 /// elimination with partial pivoting. `None` when the matrix is singular.
 pub fn solve_square(mut matrix: DenseMatrix, mut right: DenseMatrix) -> Option<DenseMatrix> {
     let n = matrix.rows();
+    assert_eq!(matrix.columns, n, "a square matrix");
+    assert_eq!(right.rows, n, "right sides of one length");
     let sides = right.columns();
     for k in 0..n {
         let pivot = (k..n).max_by(|&a, &b| {

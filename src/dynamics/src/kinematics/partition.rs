@@ -28,6 +28,11 @@ impl Partition {
     /// the loops well, and else those with the largest pivots. `threshold` is
     /// the fraction of the largest pivot below which one counts as zero.
     pub fn new(model: &Model, jacobian: &DenseMatrix, threshold: f64) -> Partition {
+        assert_eq!(
+            jacobian.columns(),
+            model.joints.len(),
+            "one column per joint"
+        );
         let weights = |natures: &[Nature]| {
             let weight = |nature: Nature| f64::from(u8::from(natures.contains(&nature)));
             let joints = model.joints.iter();

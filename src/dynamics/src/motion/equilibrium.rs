@@ -151,6 +151,7 @@ fn weights(motions: &SmallMotions) -> Vec<f64> {
 }
 
 fn size(residual: &[f64], weights: &[f64]) -> f64 {
+    assert_eq!(residual.len(), weights.len(), "one weight per row");
     let scaled = residual
         .iter()
         .zip(weights)
@@ -174,6 +175,11 @@ fn held(motions: &SmallMotions) -> Vec<Pivot> {
 
 /// `K^-1 numbers` for the coordinates that something holds, zero for others.
 fn newton(motions: &SmallMotions, pivots: &[Pivot], numbers: &[f64]) -> Option<Vec<f64>> {
+    assert_eq!(
+        numbers.len(),
+        motions.joints.len(),
+        "one number per coordinate"
+    );
     let mut step = vec![0.0; motions.joints.len()];
     if pivots.is_empty() {
         return Some(step);

@@ -114,6 +114,11 @@ impl EventWatch {
     /// Those that are on another side than they were last seen on, and whose
     /// direction is asked for.
     pub(super) fn passed(&self, signals: &[Signal]) -> Vec<usize> {
+        assert_eq!(
+            signals.len(),
+            self.watched.len(),
+            "one signal per watched quantity"
+        );
         let places = self.watched.iter().zip(signals).enumerate();
         let passed = places.filter(|(_, (one, signal))| {
             let now = side(signal.value);
@@ -153,6 +158,11 @@ impl EventWatch {
     /// The part of a step after which a quantity may have passed its value and
     /// come back, by the cubic through values and rates at both ends.
     pub(super) fn dip(&self, step: f64, before: &[Signal], after: &[Signal]) -> Option<f64> {
+        assert_eq!(
+            (before.len(), after.len()),
+            (self.watched.len(), self.watched.len()),
+            "one signal per watched quantity"
+        );
         let pairs = self.watched.iter().zip(before.iter().zip(after));
         let dips = pairs.filter_map(|(one, (before, after))| {
             let above = one.above?;

@@ -178,6 +178,11 @@ impl<A: Arithmetic, S: Arithmetic> FreeSlopes<'_, A, S> {
             self.inputs[input] = self.slopes.arithmetic.literal(number);
         }
         let found = evaluate(&motion.function, self.slopes.arithmetic, &self.inputs);
+        assert_eq!(
+            found.len(),
+            motion.joints.len(),
+            "one acceleration per joint"
+        );
         let mut slope = place[joints..].to_vec();
         slope.resize(place.len(), self.state.arithmetic.literal(0.0));
         for (&joint, number) in motion.joints.iter().zip(found) {

@@ -33,6 +33,10 @@ pub fn runge_kutta<E>(
 
 /// `state` plus multiples of slopes.
 fn advance(state: &[f64], slopes: &[(f64, &Vec<f64>)]) -> Vec<f64> {
+    debug_assert!(
+        slopes.iter().all(|(_, slope)| slope.len() == state.len()),
+        "one slope per number"
+    );
     let moved = |(index, &start): (usize, &f64)| {
         let terms = slopes.iter().map(|(factor, slope)| factor * slope[index]);
         start + terms.sum::<f64>()

@@ -285,6 +285,11 @@ impl MultibodySystem<'_> {
         if self.laws.links.iter().any(Spring::acts) {
             let rates = self.equations.link_lengths(state);
             let slopes = self.equations.link_lengths_along(state, direction);
+            assert_eq!(
+                slopes.len(),
+                self.laws.links.len(),
+                "every link has a length"
+            );
             for (index, ([length, rate], law)) in slopes.iter().zip(&self.laws.links).enumerate() {
                 let sign = self.lengths[index].signum();
                 let damping = law.damping + law.dry_slope(rates[index][1] * sign);
@@ -296,6 +301,12 @@ impl MultibodySystem<'_> {
         if self.laws.forces.iter().any(Support::acts) {
             let motions = self.equations.force_motion(state);
             let slopes = self.equations.force_motion_along(state, direction);
+            assert_eq!(
+                motions.len(),
+                self.laws.forces.len(),
+                "every force has a point that moves"
+            );
+            assert_eq!(slopes.len(), motions.len(), "every motion has a slope");
             let forces = motions.iter().zip(&slopes).zip(&self.laws.forces);
             for (index, ((motion, slope), law)) in forces.enumerate() {
                 let contact = law

@@ -50,6 +50,11 @@ impl MultibodySystem<'_> {
     fn load_links(&self, state: &mut MotionState) -> f64 {
         let mut power = 0.0;
         let lengths = self.equations.link_lengths(state);
+        assert_eq!(
+            lengths.len(),
+            self.laws.links.len(),
+            "every link has a length"
+        );
         for (index, ([length, rate], law)) in lengths.iter().zip(&self.laws.links).enumerate() {
             let start = self.lengths[index];
             let (length, rate) = (length * start.signum(), rate * start.signum());
@@ -66,6 +71,11 @@ impl MultibodySystem<'_> {
     fn load_points(&self, state: &mut MotionState) -> f64 {
         let mut power = 0.0;
         let motions = self.equations.force_motion(state);
+        assert_eq!(
+            motions.len(),
+            self.laws.forces.len(),
+            "every force has a point that moves"
+        );
         for (index, (motion, law)) in motions.iter().zip(&self.laws.forces).enumerate() {
             let point = &self.model.points[self.model.forces[index].point];
             let [place, velocity, spin] = motion;

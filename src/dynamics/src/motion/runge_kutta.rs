@@ -41,6 +41,7 @@ impl<N: Copy> IntegratedState<N> {
         let [half, whole, sixth, third] =
             [0.5, 1.0, 1.0 / 6.0, 1.0 / 3.0].map(|part| a.literal(part * how.step));
         let moved = |numbers: &[N], slope: &[N], factor: N| -> Vec<N> {
+            assert_eq!(numbers.len(), slope.len(), "one slope per number");
             let pairs = numbers.iter().zip(slope);
             pairs.map(|(&y, &k)| a.add(y, a.mul(factor, k))).collect()
         };

@@ -400,6 +400,12 @@ impl Integrator<'_, '_, '_> {
 
     /// The largest error of a position or velocity over its tolerance.
     fn ratio(&self, next: &[f64], error: &[f64], (relative, absolute): (f64, f64)) -> f64 {
+        assert_eq!(
+            next.len(),
+            self.packed.len(),
+            "a step keeps the numbers of a state"
+        );
+        assert_eq!(error.len(), self.packed.len(), "one error per number");
         let numbers = self.packed.iter().zip(next).zip(error);
         // The work, which comes last, follows from the motion.
         let count = self.packed.len() - 1;

@@ -57,6 +57,17 @@ impl<'m> MultibodySystem<'m> {
         laws: Laws,
         setting: &EquationSetting<'_>,
     ) -> Result<(MultibodySystem<'m>, MotionState), MotionError> {
+        assert_eq!(
+            (laws.joints.len(), laws.drives.len()),
+            (model.joints.len(), model.joints.len()),
+            "every joint has its laws"
+        );
+        assert_eq!(laws.links.len(), model.links.len(), "every link has a law");
+        assert_eq!(
+            laws.forces.len(),
+            model.forces.len(),
+            "every external force has a law"
+        );
         let mut state = MotionState::initial(model);
         let mut system = MultibodySystem {
             model,

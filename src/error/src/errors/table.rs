@@ -163,6 +163,7 @@ impl ErrorTable {
         let asked = |method| settings.methods.contains(&method);
         if asked(ErrorMethod::Bound) || asked(ErrorMethod::Predict) {
             let errors = run.outputs(&settings.outputs);
+            assert_eq!(errors.len(), rows.len(), "every row has its error");
             for (row, error) in rows.iter_mut().zip(errors) {
                 row.predicted = asked(ErrorMethod::Predict).then_some(error.predicted);
                 row.bound = asked(ErrorMethod::Bound).then_some(error.bound);
@@ -176,6 +177,7 @@ impl ErrorTable {
         if asked(ErrorMethod::Stochastic) {
             let seed = settings.states.seed();
             let sampled = stochastic_slots(&tape, settings.format, &inputs, seed, &slots)?;
+            assert_eq!(sampled.len(), rows.len(), "every row has its samples");
             for (row, sampled) in rows.iter_mut().zip(sampled) {
                 row.sigma = Some(sampled.sigma);
             }

@@ -212,6 +212,11 @@ impl Yardstick {
         view: View<'_>,
         results: &[Vec<f64>],
     ) -> Result<MeasuredErrors, Unmeasurable> {
+        assert_eq!(
+            results.len(),
+            self.exact.len(),
+            "every state has its results"
+        );
         let rows = self.rows(view)?;
         let names = view.function.assignments.iter();
         let names = names.map(|a| print_output(view, a.output));
@@ -253,6 +258,7 @@ impl Yardstick {
     ) -> Result<Vec<f64>, Unmeasurable> {
         let rows = self.rows(view)?;
         let share = |(exact, computed): (&Vec<Double>, &Vec<f64>)| {
+            assert_eq!(computed.len(), rows.len(), "one result per output");
             let exact: Vec<Double> = rows.iter().map(|row| row.of(exact)).collect();
             let values: Vec<f64> = exact.iter().map(|value| value.high).collect();
             let shares = exact.iter().zip(computed).zip(allowed.of(&values));
@@ -306,6 +312,7 @@ struct ErrorTally {
 
 impl ErrorTally {
     fn add(&mut self, state: usize, rows: &[ExactPlace], exact: &[Double], computed: &[f64]) {
+        assert_eq!(computed.len(), rows.len(), "one result per output");
         let mut norms: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
         for (row, &computed) in rows.iter().zip(computed) {
             let exact = row.of(exact);

@@ -139,6 +139,7 @@ impl Plane {
             .collect();
         let wanted: Vec<f64> = ends.iter().map(|(_, at)| at[1]).collect();
         let heights = spread(&wanted, self.frame.top + 4.0, self.frame.bottom() + 8.0);
+        assert_eq!(heights.len(), ends.len(), "every label has a height");
         for ((curve, at), height) in ends.iter().zip(heights) {
             let start = [(at[0] + 5.0).min(self.frame.right() + 3.0), at[1]];
             let turn = self.frame.right() + 4.0;

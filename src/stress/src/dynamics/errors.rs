@@ -16,6 +16,7 @@ use robovec_robotran::FunctionKind;
 
 /// The largest difference over the largest magnitude of the reference.
 pub(in super::super) fn normwise(found: &[Double], exact: &[Double]) -> f64 {
+    assert_eq!(found.len(), exact.len(), "one reference per number");
     let size = exact.iter().fold(0.0f64, |most, x| most.max(x.high.abs()));
     let errors = found.iter().zip(exact).map(|(x, y)| (*x - *y).high.abs());
     worst(errors) / size

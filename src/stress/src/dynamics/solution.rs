@@ -23,6 +23,8 @@ impl Work for Solution<'_> {
 
     fn run<A: Arithmetic<Number: Wide>>(self, arithmetic: &A) -> Option<Vec<f64>> {
         let size = self.size;
+        assert_eq!(self.mass.len(), size * size, "a square matrix");
+        assert_eq!(self.right.len(), size, "one number per row");
         let scale: Vec<i32> = (0..size)
             .map(|i| -exponent(self.mass[i * size + i].high).div_euclid(2))
             .collect();
