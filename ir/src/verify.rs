@@ -88,7 +88,7 @@ mod timing;
 use crate::entity::{Constant, Operand, Value};
 use crate::function::Level;
 use crate::machine::Machine;
-use crate::module::View;
+use crate::module::{Module, View};
 use crate::print;
 use crate::source::SourcePlace;
 use placement::PlacementCheck;
@@ -181,6 +181,13 @@ impl Violation {
         };
         set.and_then(|set| sources.first(set))
     }
+}
+
+/// True when every function of a module is well-formed.
+pub fn is_valid(module: &Module) -> bool {
+    let tables = &module.tables;
+    let mut functions = module.functions.iter();
+    functions.all(|function| verify(View { tables, function }).is_empty())
 }
 
 /// Checks the invariants of the function's level. The result is empty for a

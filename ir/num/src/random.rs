@@ -46,6 +46,7 @@ impl Random {
 
     /// A number from 0 to below a count that is not zero.
     pub fn below(&mut self, count: usize) -> usize {
+        debug_assert!(count > 0, "nothing is below zero");
         (self.bits() % count as u64) as usize
     }
 

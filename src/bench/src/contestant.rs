@@ -207,6 +207,7 @@ impl Contestant {
             .iter()
             .map(|&bytes| f64::from_le_bytes(bytes))
             .collect();
-        Ok(numbers.chunks(width.max(1)).map(<[f64]>::to_vec).collect())
+        let rows = (0..states).map(|state| numbers[state * width..][..width].to_vec());
+        Ok(rows.collect())
     }
 }

@@ -131,6 +131,7 @@ impl<'a> ReferenceResults<'a> {
     /// symmetric element may lie in the other half of its matrix.
     fn places(&self, keys: &[OutputKey]) -> Vec<Option<usize>> {
         let places: BTreeMap<&OutputKey, usize> = keys.iter().zip(0..).collect();
+        assert_eq!(places.len(), keys.len(), "nobody sets an output twice");
         let find = |key: &OutputKey| {
             let [row, column] = key.indices;
             let turned = OutputKey {
@@ -159,6 +160,11 @@ impl<'a> ReferenceResults<'a> {
         if !self.keys.is_empty() && places.iter().all(Option::is_none) {
             return Err("it sets none of the outputs".to_owned());
         }
+        assert_eq!(
+            results.len(),
+            self.states.len(),
+            "a contestant has results for every state"
+        );
         let mut worst = (0.0, None);
         for (expected, found) in self.states.iter().zip(results) {
             let mut largest: BTreeMap<&str, f64> = BTreeMap::new();

@@ -25,7 +25,7 @@ mod tools;
 mod tree;
 
 use contestant::{Contestant, ContestantFamily};
-use functions::{OutputKey, ReferenceResults};
+use functions::ReferenceResults;
 use robovec_error::yardstick::ErrorSpread;
 use robovec_ir::View;
 use robovec_ir::states::States;
@@ -159,6 +159,11 @@ pub fn bench(
     }
     let entered = entered.into_iter().flatten();
     let (mut outcomes, programs): (Vec<BenchOutcome>, Vec<PathBuf>) = entered.unzip();
+    assert_eq!(
+        outcomes.len(),
+        contestants.len(),
+        "every contestant has entered"
+    );
     for round in 0..rounds {
         for ((contestant, outcome), place) in contestants.iter().zip(&mut outcomes).zip(&programs) {
             if outcome.failure.is_some() {
@@ -220,8 +225,8 @@ fn first_run(
     if difference <= contestant.tolerance {
         return Ok(());
     }
+    let key = key.expect("a difference is that of an output");
     Err(format!(
-        "another result: {} differs by {difference:.1e} of the largest element",
-        key.map_or_else(|| "an output".to_owned(), |key: OutputKey| key.to_string())
+        "another result: {key} differs by {difference:.1e} of the largest element"
     ))
 }

@@ -176,6 +176,11 @@ impl PeerQuestion<'_> {
             if question.has_loads {
                 let [force, torque] =
                     ["frc", "trq"].map(|array| elements(question.view, &inputs, array, 3, joints));
+                assert_eq!(
+                    force.len(),
+                    torque.len(),
+                    "a joint has a force and a torque"
+                );
                 let loads = force.chunks(3).zip(torque.chunks(3));
                 numbers.extend(loads.flat_map(|(force, torque)| [force, torque].concat()));
             }

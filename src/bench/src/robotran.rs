@@ -27,7 +27,7 @@ pub fn file(question: &BenchQuestion<'_>, compiler: &Compiler, path: &Path) -> C
         Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
         Err(error) => return missing(question, error.to_string()),
     };
-    let folder = path.parent().unwrap_or(Path::new("."));
+    let folder = path.parent().expect("a file lies in a folder");
     let beside = |name: &str| std::fs::read(folder.join(name)).ok();
     contestant(&plan(question, compiler, "Robotran's file"), &text, &beside)
 }

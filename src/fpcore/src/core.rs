@@ -153,11 +153,11 @@ pub(super) struct TakenNames(BTreeMap<String, u64>);
 
 /// The name, with a number behind it when another thing bears it.
 pub(super) fn unlike(name: String, taken: &mut TakenNames) -> String {
-    if !taken.0.contains_key(&name) {
+    let Some(&tried) = taken.0.get(&name) else {
         taken.0.insert(name.clone(), 1);
         return name;
-    }
-    let mut number = taken.0.get(&name).copied().unwrap_or(1);
+    };
+    let mut number = tried;
     let free = loop {
         number += 1;
         let free = format!("{name}_{number}");

@@ -19,6 +19,7 @@ use self::core::{Core, cores};
 use robovec_ir::diagnostic::{Diagnostic, Report, clip, did_you_mean};
 use robovec_ir::parenthesised;
 use robovec_ir::states::Ranges;
+use robovec_ir::verify::is_valid;
 use robovec_ir::{Format, Module};
 use robovec_robotran::LineIndex;
 
@@ -72,6 +73,7 @@ pub fn read(file: &str, text: &str, wanted: Option<&str>) -> Result<ReadCore, Re
         return Err(fail(problems.errors));
     }
     module.functions.push(lowered.function);
+    debug_assert!(is_valid(&module), "every function that was read is valid");
     let warnings = if problems.warnings.is_empty() {
         Report::new()
     } else {

@@ -66,12 +66,13 @@ pub(super) fn lower(
     let mut taken = TakenNames::default();
     let arguments = lowering.arguments(&core.arguments, &mut function, &mut taken);
     lowering.run();
-    let CoreLowering {
-        terms, mut results, ..
-    } = lowering;
+    let CoreLowering { terms, results, .. } = lowering;
+    let [result] = results[..] else {
+        panic!("an expression leaves one result");
+    };
     let output = unlike("result".to_owned(), &mut taken);
     function.add_output(tables.symbols.intern(&output), Shape::Scalar);
-    if let (Some(result), true) = (results.pop(), problems.errors.is_empty()) {
+    if problems.errors.is_empty() {
         terms.emit((result, core.body), forest, tables, places, &mut function);
     }
     LoweredCore {
@@ -194,7 +195,7 @@ impl<'text> CoreLowering<'_, 'text, '_> {
     }
 
     fn atom(&mut self, tree: u32) -> u32 {
-        let atom = self.forest.atom(tree).unwrap_or_default();
+        let atom = self.forest.atom(tree).expect("an atom has a text");
         if let Some(&term) = self.scope.get(atom).and_then(|terms| terms.last()) {
             return term;
         }

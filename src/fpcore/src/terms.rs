@@ -49,6 +49,11 @@ pub(super) struct Terms {
 impl Terms {
     /// Adds a term.
     pub(super) fn push(&mut self, term: Term) -> u32 {
+        debug_assert!(
+            !matches!(term, Term::Node { operation, operands }
+                if operands[..operation.arity()].iter().any(|&term| term as usize >= self.terms.len())),
+            "operands are earlier terms"
+        );
         self.terms.push(term);
         self.named.push(false);
         self.defined.push(Operand::NONE);
@@ -138,6 +143,8 @@ impl Terms {
                 }
             }
         }
-        made.pop().expect("the root is made last")
+        let root = made.pop().expect("the root is made last");
+        assert!(made.is_empty(), "every other operand has a user");
+        root
     }
 }

@@ -214,7 +214,9 @@ impl TrunkTree {
 fn even(total: usize, parts: usize) -> Vec<usize> {
     let parts = parts.clamp(1, total.max(1));
     let lengths = (0..parts).map(|part| total / parts + usize::from(part < total % parts));
-    lengths.filter(|&length| length > 0).collect()
+    let lengths: Vec<usize> = lengths.filter(|&length| length > 0).collect();
+    assert_eq!(lengths.iter().sum::<usize>(), total, "nothing is left over");
+    lengths
 }
 
 /// One long branch and several short ones.
@@ -275,6 +277,7 @@ pub fn tree(name: &str, topology: &TrunkTree, seed: u64) -> Model {
             }
         }
     }
+    assert_eq!(number, topology.joints(), "the tree is built as a whole");
     builder.finish()
 }
 
@@ -367,7 +370,9 @@ pub fn random_tree(seed: u64, joints: usize) -> Model {
         random_mass(&mut builder, body, &mut random);
         bodies.push(body);
     }
-    builder.finish()
+    let model = builder.finish();
+    assert_eq!(model.joints.len(), joints, "as many joints as asked for");
+    model
 }
 
 /// Zero now and then.

@@ -443,6 +443,11 @@ impl Model {
         for index in 0..self.bodies.len() {
             let Body { parent, point, .. } = self.bodies[index];
             let range = self.bodies[index].joints.clone();
+            assert!(!range.is_empty(), "a body has at least one joint");
+            assert!(
+                parent.is_none_or(|parent| parent < index),
+                "a parent comes before its children"
+            );
             let on = self.last_joint(parent);
             for joint in range.clone() {
                 let first = joint == range.start;

@@ -8,6 +8,11 @@ use std::ops::Range;
 /// Warns of massless ends of the tree and of impossible inertias; `places` are
 /// where the names of bodies stand.
 pub(super) fn remark(model: &Model, places: &[Range<usize>], messages: &mut Messages) {
+    assert_eq!(
+        places.len(),
+        model.bodies.len(),
+        "the name of every body has a place"
+    );
     massless(model, places, messages);
     for (body, place) in model.bodies.iter().zip(places) {
         impossible(&body_title(&body.name), &body.inertia, place, messages);

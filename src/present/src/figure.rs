@@ -60,6 +60,10 @@ impl Panel {
 
     /// Axes with a map on them.
     pub fn map(title: impl Into<String>, x: PlotAxis, y: PlotAxis, map: TileMap) -> Panel {
+        debug_assert!(
+            map.columns.is_sorted() && map.rows.is_sorted(),
+            "the numbers along an axis ascend"
+        );
         Panel {
             title: title.into(),
             x,
@@ -121,6 +125,7 @@ impl PlotAxis {
 
     /// The axis, extended to show a range.
     pub fn showing(mut self, from: f64, to: f64) -> PlotAxis {
+        debug_assert!(from <= to, "a range ends behind its start");
         (self.from, self.to) = (Some(from), Some(to));
         self
     }
@@ -263,6 +268,7 @@ impl Figure {
         columns: usize,
         panels: Vec<Panel>,
     ) -> Figure {
+        debug_assert!(columns > 0, "a row has a panel");
         Figure {
             name: name.into(),
             title: title.into(),

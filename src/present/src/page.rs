@@ -61,15 +61,19 @@ impl PointsPage<'_> {
 }
 
 /// Fills the places `{{name}}` of a template; what is filled in is not looked
-/// at again, and a place without a part stays empty.
+/// at again.
+///
+/// # Panics
+///
+/// Panics when a place of the template has no part.
 pub fn fill(template: &str, parts: &[(&str, &str)]) -> String {
     let mut text = String::new();
     let mut rest = template;
     while let Some((before, after)) = rest.split_once("{{") {
         text.push_str(before);
-        let (name, after) = after.split_once("}}").unwrap_or((after, ""));
+        let (name, after) = after.split_once("}}").expect("a place of a template ends");
         let part = parts.iter().find(|(known, _)| *known == name);
-        text.push_str(part.map_or("", |(_, part)| part));
+        text.push_str(part.expect("every place of a template has a part").1);
         rest = after;
     }
     text + rest
@@ -150,6 +154,6 @@ mod tests {
     #[test]
     fn what_is_filled_in_is_not_filled_again() {
         let parts = [("a", "{{b}}"), ("b", "2")];
-        assert_eq!(fill("<{{a}}|{{b}}|{{c}}>", &parts), "<{{b}}|2|>");
+        assert_eq!(fill("<{{a}}|{{b}}>", &parts), "<{{b}}|2>");
     }
 }

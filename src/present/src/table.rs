@@ -98,12 +98,18 @@ impl DataTable {
         columns: &str,
         rows: impl IntoIterator<Item = Vec<DataCell>>,
     ) -> DataTable {
+        let columns: Vec<String> = columns.split(BETWEEN).map(str::to_owned).collect();
+        let rows: Vec<Vec<DataCell>> = rows.into_iter().collect();
+        debug_assert!(
+            rows.iter().all(|row| row.len() == columns.len()),
+            "every row is as long as the head"
+        );
         DataTable {
             name: name.into(),
             title: title.into(),
             caption: caption.into(),
-            columns: columns.split(BETWEEN).map(str::to_owned).collect(),
-            rows: rows.into_iter().collect(),
+            columns,
+            rows,
         }
     }
 

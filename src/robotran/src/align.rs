@@ -40,6 +40,11 @@ pub fn align(
         .collect();
     clear(&mut one, &set);
     clear(&mut other, &set);
+    assert_eq!(
+        one.assignments.len(),
+        other.assignments.len(),
+        "both set the same elements"
+    );
     (one, other)
 }
 

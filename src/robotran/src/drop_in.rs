@@ -132,6 +132,11 @@ pub fn state(view: View<'_>) -> Vec<f64> {
         }
     }
     let mut numbers = States::new(1).draw(view, 0);
+    assert_eq!(
+        numbers.len(),
+        is_read.len(),
+        "a state has a number per input element"
+    );
     for (number, is_read) in numbers.iter_mut().zip(is_read) {
         if !is_read {
             *number = 0.0;

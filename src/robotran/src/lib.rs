@@ -55,6 +55,7 @@ use self::token::RobotranToken;
 pub use self::token::SourceSpan;
 use self::tokens::{ExpressionStacks, TokenSource, TokenStream};
 use robovec_ir::diagnostic::{Diagnostic, Report};
+use robovec_ir::verify::is_valid;
 use robovec_ir::{Module, Symbols};
 use robovec_num::limits::NumberLimit;
 use std::fmt;
@@ -181,6 +182,7 @@ pub fn read(name: &str, bytes: &[u8], language: Option<Language>) -> Result<Read
     let mut warnings = warnings;
     warnings.truncate(ERROR_LIMIT);
     if errors.is_empty() {
+        debug_assert!(is_valid(&module), "every function that was read is valid");
         let shown = if warnings.is_empty() { "" } else { &text };
         return Ok(Read {
             module,

@@ -156,6 +156,8 @@ impl DecodedSteps {
         images: &[Image],
         fields: &[WordFields],
     ) -> Result<DecodedSteps, LoadError> {
+        assert_eq!(names.len(), images.len(), "every image is of an element");
+        assert_eq!(fields.len(), images.len(), "every image has a layout");
         let mut found = ElementSteps::default();
         for (element, image) in images.iter().enumerate() {
             let name = || names[element].to_owned();

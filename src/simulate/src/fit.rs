@@ -126,8 +126,8 @@ impl Loader<'_> {
         }
         let mut found = Fnv::new();
         for element in &self.manifest.elements {
-            let text = self.files.get(element.instructions.file.as_str());
-            found.update(text.copied().unwrap_or("").as_bytes());
+            // The instructions were loaded from it.
+            found.update(self.files[element.instructions.file.as_str()].as_bytes());
         }
         if found.text() != self.manifest.schedule_hash {
             return Err(LoadError::OtherSchedule {

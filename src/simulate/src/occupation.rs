@@ -167,6 +167,10 @@ impl BufferUse {
 /// Most intervals that share a cycle. A value is held from the end of the
 /// first cycle to the last cycle.
 fn most_at_once(intervals: &[(u32, u32)]) -> u32 {
+    debug_assert!(
+        intervals.iter().all(|(start, end)| start < end),
+        "a value is held for one cycle at least"
+    );
     let mut changes: Vec<(u32, bool)> = intervals
         .iter()
         .flat_map(|&(start, end)| [(start, true), (end, false)])
@@ -176,11 +180,7 @@ fn most_at_once(intervals: &[(u32, u32)]) -> u32 {
     changes.sort_unstable();
     let (mut now, mut most) = (0u32, 0u32);
     for (_, starts) in changes {
-        now = if starts {
-            now + 1
-        } else {
-            now.saturating_sub(1)
-        };
+        now = if starts { now + 1 } else { now - 1 };
         most = most.max(now);
     }
     most

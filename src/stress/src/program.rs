@@ -166,6 +166,11 @@ impl ModelProgram {
         if units == Units::SI {
             return numbers.work(Evaluation { function, inputs });
         }
+        assert_eq!(
+            inputs.len(),
+            self.input_dimensions.len(),
+            "every input has a dimension"
+        );
         let scaled: Vec<f64> = inputs
             .iter()
             .zip(&self.input_dimensions)
@@ -175,6 +180,11 @@ impl ModelProgram {
             function: &self.function,
             inputs: &scaled,
         });
+        assert_eq!(
+            outputs.len(),
+            self.output_dimensions.len(),
+            "every output has a dimension"
+        );
         outputs
             .into_iter()
             .zip(&self.output_dimensions)

@@ -318,6 +318,11 @@ impl StepsBench<'_> {
     /// The largest distance from the reference, every watched number relative
     /// to its largest size in the run.
     fn distance(&self, found: &[Vec<Double>]) -> f64 {
+        assert_eq!(
+            found.len(),
+            self.exact.len(),
+            "every run has the same samples"
+        );
         worst((0..self.watched()).map(|place| {
             let sizes = self.exact.iter().map(|sample| sample[place].high.abs());
             let size = worst(sizes);

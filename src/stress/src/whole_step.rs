@@ -153,6 +153,11 @@ impl Work for StepEvaluation<'_> {
 
     fn run<A: Arithmetic<Number: Wide>>(self, arithmetic: &A) -> Vec<Double> {
         let step = self.step;
+        assert_eq!(
+            self.inputs.len(),
+            step.origins.len(),
+            "one number per input of the step"
+        );
         let literals = self.inputs.iter().map(|&number| arithmetic.literal(number));
         let mut numbers: Vec<A::Number> = literals.collect();
         let part = |part: usize, numbers: &[A::Number]| {

@@ -114,6 +114,11 @@ impl ViewData {
             ..ReportOptions::default()
         };
         let report = ModuleReport::collect(run.module, run.machine, run.passes, &options);
+        assert_eq!(
+            report.functions.len(),
+            run.module.functions.len(),
+            "every function has a report"
+        );
         let functions = run.module.functions.iter().zip(report.functions);
         let functions = functions.map(|(function, mut report)| {
             let passes = report.passes.clone();

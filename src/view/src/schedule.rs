@@ -57,6 +57,19 @@ pub(super) fn collect(function: &Function, machine: &Machine) -> Option<Schedule
         data.free
             .push(busy.first_free(slot.element, ready, slot.cycle));
     }
+    let columns = [
+        data.element.len(),
+        data.cycle.len(),
+        data.delay.len(),
+        data.ready.len(),
+        data.last.len(),
+        data.free.len(),
+    ];
+    assert_eq!(
+        columns,
+        [function.nodes().len(); 6],
+        "every value is in every column"
+    );
     if let Some(placement) = &function.placement {
         for (value, _) in function.values() {
             let writes = placement.writes_of(value).iter();
@@ -89,6 +102,7 @@ fn ready(
             continue;
         };
         let result = made.cycle + weights.of(function.node(operand).operation);
+        debug_assert!(result <= slot.cycle, "an operand is there when it is read");
         let readable = function.placement.as_ref().and_then(|placement| {
             let address = placement.reads[value.index()][side]?;
             let writes = placement.writes_of(operand).iter();

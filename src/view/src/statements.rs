@@ -110,6 +110,16 @@ pub(super) fn collect(
         data.origins.push(origin(state.output_origins[index]));
         data.errors.push(errors.1[index]);
     }
+    let columns = [
+        data.names.len(),
+        data.texts.len(),
+        data.sources.len(),
+        data.arrivals.len(),
+        data.slacks.len(),
+        data.origins.len(),
+        data.errors.len(),
+    ];
+    assert_eq!(columns, [count; 7], "every statement is in every column");
     data
 }
 

@@ -198,6 +198,11 @@ impl Equations {
             self.arrays.push((array.to_owned(), indices.len()));
             self.arrays.len() - 1
         }) as u32;
+        debug_assert_eq!(
+            self.arrays[number as usize].1,
+            indices.len(),
+            "an array has the same number of indices everywhere"
+        );
         if let Some(&atom) = self.inputs.get(&(number, padded)) {
             return Scalar::of_atom(atom).negated_if(negative);
         }
@@ -218,6 +223,7 @@ impl Equations {
 
     /// A number.
     pub(super) fn number(&mut self, number: f64) -> Scalar {
+        debug_assert!(number.is_finite(), "the numbers of a model are finite");
         let magnitude = number.abs();
         if magnitude == 0.0 {
             return Scalar::ZERO;
@@ -239,6 +245,10 @@ impl Equations {
     /// Sets an output element, in frames until [`Equations::number_outputs`];
     /// constant rotations have none.
     pub(super) fn output(&mut self, array: &str, indices: &[usize], value: Scalar) {
+        debug_assert!(
+            (value.atom() as usize) < self.atoms.len(),
+            "an output is defined before it is set"
+        );
         let padded = padded(indices);
         if self.numbers_of_joints.element(array, padded).is_none() {
             return;
@@ -274,6 +284,16 @@ impl Equations {
 
     /// The value of a sum: a new equation, an earlier one or a scalar.
     pub(super) fn define(&mut self, label: QuantityLabel, mut sum: Sum) -> Scalar {
+        debug_assert!(
+            sum.terms
+                .iter()
+                .flat_map(|term| &term.factors)
+                .all(|factor| match *factor {
+                    ProductFactor::Atom(atom) => (atom as usize) < self.atoms.len(),
+                    ProductFactor::Group(group) => (group as usize) < self.groups.len(),
+                }),
+            "an equation reads what is defined before it"
+        );
         cancel(&mut sum);
         if let Some(scalar) = trivial(&sum) {
             return scalar;

@@ -84,11 +84,12 @@ pub(super) fn lower(
     let mut ordered: Vec<(Output, Scalar)> = equations
         .outputs
         .iter()
-        .filter_map(|&(array, indices, value)| {
+        .map(|&(array, indices, value)| {
             let array = outputs[array as usize];
             let rank = usize::from(indices[0] > 0) + usize::from(indices[1] > 0);
-            let offset = array.shape.offset(&indices[..rank])?;
-            Some((Output(array.offset + offset), value))
+            let offset = array.shape.offset(&indices[..rank]);
+            let offset = offset.expect("an array is as large as its outputs need");
+            (Output(array.offset + offset), value)
         })
         .collect();
     ordered.sort_by_key(|&(output, _)| output);
@@ -246,7 +247,10 @@ fn declare_outputs(
         let shape = extents.shape(name, indices, most);
         declared[array] = Some(function.add_output(tables.symbols.intern(name), shape));
     }
-    declared.into_iter().flatten().collect()
+    let declared = declared.into_iter();
+    declared
+        .map(|array| array.expect("every array is in the order"))
+        .collect()
 }
 
 struct FunctionWriter<'a> {
@@ -265,7 +269,7 @@ impl FunctionWriter<'_> {
             Atom::Zero => self.function.constant(0.0).into(),
             Atom::One => self.function.constant(1.0).into(),
             Atom::Number(number) => self.function.constant(number).into(),
-            Atom::Input { .. } => inputs[index].map_or(Operand::NONE, Operand::from),
+            Atom::Input { .. } => inputs[index].expect("what is needed is declared").into(),
             Atom::Equation(equation) => self.equation(equation),
         };
     }
@@ -312,7 +316,9 @@ impl FunctionWriter<'_> {
     }
 
     fn operand(&self, scalar: Scalar) -> Operand {
-        self.operands[scalar.atom() as usize]
+        let operand = self.operands[scalar.atom() as usize];
+        debug_assert!(!operand.is_none(), "what is read was written before");
+        operand
     }
 
     fn signed(&mut self, scalar: Scalar) -> Operand {

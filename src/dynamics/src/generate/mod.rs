@@ -62,6 +62,7 @@ pub use self::network::PrefixNetwork;
 pub use self::roles::{
     constraints as loop_constraints, cuts_of_rows, independent_joints, redundant_rows,
 };
+use robovec_ir::verify::is_valid;
 use robovec_ir::{Function, Level, Module};
 use robovec_model::Model;
 use robovec_robotran::FunctionKind;
@@ -426,6 +427,7 @@ pub fn generate_into(
         let function = head(model, request, case);
         lower::lower(equations, &extents, function, module);
     }
+    debug_assert!(is_valid(module), "every generated function is valid");
     match request.function {
         FunctionKind::AccelD | FunctionKind::Linear => linearised::finish(module, model, request),
         _ => Ok(()),

@@ -38,6 +38,15 @@ impl JointRoles {
                 });
             }
         }
+        debug_assert!(
+            roles.free.is_sorted() && roles.bound.is_sorted(),
+            "joints ascend"
+        );
+        assert_eq!(
+            roles.dependent.len(),
+            roles.rows.len(),
+            "a dependent joint has a row"
+        );
         Ok(roles)
     }
 

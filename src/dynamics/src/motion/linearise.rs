@@ -261,7 +261,7 @@ impl MultibodySystem<'_> {
         let left = (0..state.q.len()).map(|i| {
             dot(matrix_slope.row(i), &state.qdd) + bias_slope[i] - direction.joint_forces[i]
                 + dot(matrix.row(i), &accelerated)
-                - held.get(i).copied().unwrap_or_default()
+                - held[i]
         });
         let left: Vec<f64> = left.collect();
         if !largest(&left).is_finite() {

@@ -99,6 +99,13 @@ fn dense(matrix: &DenseMatrix) -> DMatrix<f64> {
 
 impl QuadraticProblem {
     fn new(motions: &SmallMotions) -> QuadraticProblem {
+        let count = motions.joints.len();
+        assert!(
+            [&motions.mass, &motions.damping, &motions.stiffness]
+                .iter()
+                .all(|matrix| [matrix.rows(), matrix.columns()] == [count; 2]),
+            "one row and one column per independent joint"
+        );
         QuadraticProblem {
             mass: dense(&motions.mass),
             damping: dense(&motions.damping),

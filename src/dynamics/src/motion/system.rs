@@ -179,6 +179,11 @@ impl<'m> MultibodySystem<'m> {
     /// closed where they are projected.
     pub(super) fn unpack(&mut self, time: f64, packed: &[f64]) -> Result<MotionState, MotionError> {
         let joints = self.model.joints.len();
+        assert_eq!(
+            packed.len(),
+            2 * joints + 1,
+            "positions, velocities and work"
+        );
         if !largest(packed).is_finite() {
             return Err(MotionError::not_finite("a position or velocity", time));
         }
@@ -208,6 +213,7 @@ impl<'m> MultibodySystem<'m> {
         let mut slope = state.qd;
         slope.extend_from_slice(&motion.accelerations);
         slope.push(motion.power);
+        assert_eq!(slope.len(), packed.len(), "every number has a slope");
         Ok(slope)
     }
 

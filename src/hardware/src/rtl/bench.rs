@@ -82,7 +82,8 @@ fn instructions(
         let file = &element.instructions.file;
         let image = Image::parse(find(images, file)?);
         let image = image.map_err(|error| BenchFailure::Image(file.clone(), error))?;
-        let words = (0..manifest.cycles.min(image.depth())).map(|cycle| {
+        assert_eq!(image.depth(), manifest.cycles, "a word for every cycle");
+        let words = (0..manifest.cycles).map(|cycle| {
             let limbs = image.word(cycle).iter();
             limbs
                 .flat_map(|&limb| [limb as u32, (limb >> 32) as u32])

@@ -84,6 +84,7 @@ impl Classes {
         let (left, right) = (self.find(left), self.find(right));
         let (low, high) = (left.min(right), left.max(right));
         self.0[high as usize] = low;
+        debug_assert_eq!(self.0[0], 0, "class 0 stays that of the constants");
     }
 }
 

@@ -54,6 +54,11 @@ pub fn page(machine: &MappedMachine, tool: &Yosys) -> String {
 
 fn resources(machine: &MappedMachine) -> String {
     let mut rows = Vec::new();
+    assert_eq!(
+        machine.estimated.len(),
+        machine.counted.len(),
+        "every part is estimated and counted"
+    );
     for (part, counted) in machine.estimated.iter().zip(&machine.counted) {
         let mut row = vec![
             part.kind.clone().unwrap_or_default(),

@@ -124,7 +124,7 @@ fn read_body(
 ) {
     let name = fields.name("bodyname", &format!("body {}", index + 1), messages);
     let title = body_title(&name);
-    let name_place = fields.one("bodyname").map_or(0..0, place);
+    let name_place = fields.place_or_own("bodyname");
     if name == BASE {
         messages.error(
             name_place.clone(),

@@ -126,23 +126,24 @@ pub(super) fn repeated_joints(
     let mut seen: FxHashMap<&str, Range<usize>> = FxHashMap::default();
     let nodes = bodies.iter().flat_map(|body| body.many("joint"));
     for (joint, node) in model.joints.iter().zip(nodes) {
-        let name_place = node
-            .children()
-            .find(|child| child.has_tag_name("jointname"))
-            .map_or(0..0, place);
+        // A name that is missing is empty, and has had its error.
+        if joint.name.is_empty() {
+            continue;
+        }
+        let mut children = node.children();
+        let named = children.find(|child| child.has_tag_name("jointname"));
+        let name_place = place(named.expect("the name was read"));
         if let Some(first) = seen.get(joint.name.as_str()) {
-            if !joint.name.is_empty() {
-                messages.push_error(second(
-                    &format!(
-                        "there are two joints '{}', the second in {}",
-                        clip(&joint.name),
-                        body_title(&model.bodies[joint.body].name)
-                    ),
-                    name_place,
-                    first.clone(),
-                    "give one of them another name",
-                ));
-            }
+            messages.push_error(second(
+                &format!(
+                    "there are two joints '{}', the second in {}",
+                    clip(&joint.name),
+                    body_title(&model.bodies[joint.body].name)
+                ),
+                name_place,
+                first.clone(),
+                "give one of them another name",
+            ));
         } else {
             seen.insert(&joint.name, name_place);
         }

@@ -12,6 +12,7 @@ pub(super) fn hang(
     model: &mut Model,
     messages: &mut Messages,
 ) {
+    assert_eq!(bodies.len(), model.bodies.len(), "every element is a body");
     let mut parents = vec![None; bodies.len()];
     for (index, fields) in bodies.iter().enumerate() {
         let title = body_title(&model.bodies[index].name);
@@ -62,7 +63,7 @@ fn order(
                 .find(|child| child.has_tag_name("bodyname"))?;
             Some(place(child))
         });
-        let range = range.unwrap_or(0..0);
+        let range = range.expect("the name of the parent was read");
         // At most one step for each body leads back, or to the base.
         let next = |&body: &usize| parents[body];
         let mut path: Vec<usize> = std::iter::successors(Some(index), next)

@@ -102,6 +102,7 @@ fn coordinates([x, y, z]: [f64; 3]) -> String {
 
 /// The numbers that are not zero; nothing when all are.
 fn numbers(element: &str, names: &[&str], values: &[f64]) -> String {
+    assert_eq!(names.len(), values.len(), "every number has a name");
     let given = names.iter().zip(values).filter(|(_, value)| **value != 0.0);
     let inner: String = given
         .map(|(name, value)| format!("<{name}>{value:?}</{name}>"))
@@ -115,7 +116,10 @@ fn numbers(element: &str, names: &[&str], values: &[f64]) -> String {
 /// The sensors, or external forces, at a point.
 fn sensors(element: &str, sensors: &[Sensor], point: usize) -> String {
     let mut text = String::new();
-    // They are in the order of their points.
+    debug_assert!(
+        sensors.is_sorted_by_key(|sensor| sensor.point),
+        "sensors are in the order of their points"
+    );
     let start = sensors.partition_point(|sensor| sensor.point < point);
     for sensor in sensors[start..].iter().take_while(|s| s.point == point) {
         let mut asks = sensor.asks;

@@ -64,6 +64,16 @@ pub(super) fn build(
     base: RobotBase,
     messages: &mut Messages,
 ) -> Option<BuiltRobot> {
+    assert_eq!(
+        order.joints.len(),
+        robot.joints.len(),
+        "the order has every joint"
+    );
+    assert_eq!(
+        couplings.len(),
+        robot.joints.len(),
+        "every joint follows another or none"
+    );
     let mut builder = RobotBuilder {
         robot,
         model: Model::new(&robot.name),
@@ -266,6 +276,11 @@ impl RobotBuilder<'_> {
 
     fn finish(mut self) -> BuiltRobot {
         let model = &mut self.model;
+        assert_eq!(
+            self.inertias.len(),
+            model.bodies.len(),
+            "every body has an inertia"
+        );
         for (body, inertia) in model.bodies.iter_mut().zip(&self.inertias) {
             body.mass = inertia.mass;
             // Where nothing weighs, a centre means nothing.

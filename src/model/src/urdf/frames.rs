@@ -19,6 +19,10 @@ const ROUNDING: f64 = 4e-15;
 /// An axis of that frame needs no turn; one in a plane of two axes needs one, by
 /// at most half a right angle; any other needs two.
 pub(super) fn of_axis(direction: Point3) -> AxisFrame {
+    debug_assert!(
+        (direction.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-6,
+        "an axis has length one"
+    );
     let nearest = (0..3).fold(0, |best, k| {
         if direction[k].abs() > direction[best].abs() {
             k

@@ -118,15 +118,14 @@ fn on_a_cycle(
     for &joint in reached {
         is_reached[joint] = true;
     }
-    let Some(start) = is_reached.iter().position(|reached| !reached) else {
-        return;
-    };
+    let start = is_reached.iter().position(|reached| !reached);
+    let start = start.expect("a joint was not reached");
     // Upwards from any of them one comes onto the cycle after as many steps as
     // there are joints at the most.
     let above = |joint: usize| parents[robot.joints[joint].parent];
     let mut joint = start;
     for _ in 0..robot.joints.len() {
-        joint = above(joint).unwrap_or(joint);
+        joint = above(joint).expect("what hangs on the root was reached");
     }
     let joint = &robot.joints[joint];
     messages.error(

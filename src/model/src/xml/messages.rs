@@ -148,8 +148,8 @@ pub(crate) fn place(node: Node<'_, '_>) -> Range<usize> {
     }
     let start = node.range().start;
     let source = &node.document().input_text()[start..];
-    let length = source.find(['>', ' ', '\n', '\r', '\t', '/']).unwrap_or(1);
-    start..start + length.max(1)
+    let length = source.find(['>', ' ', '\n', '\r', '\t', '/']);
+    start..start + length.expect("the tag of an element ends")
 }
 
 /// The text of an element, without the blanks around it.

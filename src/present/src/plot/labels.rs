@@ -10,6 +10,7 @@ const SPACING: f64 = 12.5;
 /// Labels that overlap form a block around the mean of what they want; blocks
 /// that meet are merged.
 pub(super) fn spread(wanted: &[f64], from: f64, to: f64) -> Vec<f64> {
+    debug_assert!(from <= to, "labels have room");
     let mut order: Vec<usize> = (0..wanted.len()).collect();
     order.sort_by(|&a, &b| wanted[a].total_cmp(&wanted[b]).then(a.cmp(&b)));
     // Blocks of labels: number, and sum of the places their first ones want.

@@ -51,6 +51,11 @@ impl Lowering<'_, '_> {
                 crossing: Some(&crossing[index]),
             };
             let scan = scan::scan(&self.syntax, storage, &part.runs, true);
+            assert_eq!(
+                scan.written.len(),
+                written.len(),
+                "every part is scanned with the same arrays"
+            );
             for (all, one) in written.iter_mut().zip(&scan.written) {
                 *all |= one;
             }

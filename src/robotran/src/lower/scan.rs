@@ -53,6 +53,10 @@ pub(super) fn scan(
     runs: &[Range<usize>],
     part: bool,
 ) -> Scan {
+    debug_assert!(
+        runs.is_sorted_by(|one, next| one.end <= next.start),
+        "runs stand in the order of the file"
+    );
     let arrays = storage.arrays.len();
     let mut scanner = Scanner {
         syntax,

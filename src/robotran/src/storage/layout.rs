@@ -19,6 +19,7 @@ fn is_known_otherwise(name: &str, rank: u32) -> bool {
 
 impl StorageBuilder<'_> {
     pub(super) fn lay_out(&mut self, storage: &mut Storage, uses: &[ArrayUse]) {
+        assert_eq!(storage.names.len(), uses.len(), "every array has its uses");
         let mut total = 0u64;
         for (name, used) in storage.names.clone().into_iter().zip(uses) {
             let text = self.symbols.text(name.symbol());
@@ -83,7 +84,8 @@ impl StorageBuilder<'_> {
         for index in self.elements.clone() {
             let element = self.syntax.elements[index];
             if element.name != last.0 {
-                last = (element.name, storage.find(element.name).unwrap_or(0));
+                let array = storage.find(element.name);
+                last = (element.name, array.expect("every element is in an array"));
             }
             let array = storage.arrays[last.1 as usize];
             let column = element.column;

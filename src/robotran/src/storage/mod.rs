@@ -97,6 +97,7 @@ impl Storage {
 
     /// The number of the array of an element.
     pub(super) fn array_of(&self, slot: u32) -> usize {
+        debug_assert!((slot as usize) < self.len, "an element lies in an array");
         self.arrays.partition_point(|array| array.offset <= slot) - 1
     }
 

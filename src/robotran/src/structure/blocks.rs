@@ -157,25 +157,23 @@ impl Cutter<'_> {
 
     fn close(&mut self) {
         self.end_run();
-        match self.stack.pop().map(|open| open.block) {
-            Some(BlockKind::Function) => self.returned = false,
-            Some(BlockKind::SensorCase(number)) => {
+        let closed = self.stack.pop().expect("a block is open");
+        match closed.block {
+            BlockKind::Function => self.returned = false,
+            BlockKind::SensorCase(number) => {
                 let mut chain = std::mem::take(&mut self.earlier);
                 chain.push(number);
                 self.chain = Some(chain);
             }
             // `else if` of C: a condition within an `else`.
-            Some(BlockKind::Others(mut chain)) => {
+            BlockKind::Others(mut chain) => {
                 chain.extend(self.chain.take().into_iter().flatten());
                 self.chain = Some(chain);
             }
-            Some(
-                BlockKind::Plain
-                | BlockKind::Switch { .. }
-                | BlockKind::Control(_)
-                | BlockKind::Dead,
-            )
-            | None => {}
+            BlockKind::Plain
+            | BlockKind::Switch { .. }
+            | BlockKind::Control(_)
+            | BlockKind::Dead => {}
         }
     }
 

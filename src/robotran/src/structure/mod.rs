@@ -54,6 +54,11 @@ impl FunctionBlock {
 
     /// Statements from the first run to the last.
     pub(super) fn statements(&self) -> Range<usize> {
+        debug_assert!(
+            self.runs
+                .is_sorted_by(|one, next| one.statements.end <= next.statements.start),
+            "runs stand in the order of the file"
+        );
         match &self.runs[..] {
             [] => 0..0,
             [first, ..] => {

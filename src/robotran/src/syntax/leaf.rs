@@ -46,14 +46,26 @@ impl SyntaxLeaf {
     }
 
     pub(crate) fn node(index: u32) -> SyntaxLeaf {
+        debug_assert!(
+            (index as usize) < CAPACITY,
+            "a text within the limit has fewer nodes"
+        );
         SyntaxLeaf(index)
     }
 
     pub(super) fn element(index: u32) -> SyntaxLeaf {
+        debug_assert!(
+            (index as usize) < CAPACITY,
+            "a text within the limit has fewer elements"
+        );
         SyntaxLeaf(ELEMENT | index)
     }
 
     pub(super) fn number(index: u32) -> SyntaxLeaf {
+        debug_assert!(
+            (index as usize) < CAPACITY,
+            "a text within the limit has fewer literals"
+        );
         SyntaxLeaf(NUMBER | index)
     }
 

@@ -244,6 +244,11 @@ impl RobotranFile<'_> {
         for assignment in &function.assignments {
             set[assignment.output.index()] = true;
         }
+        assert_eq!(
+            outputs.len(),
+            function.outputs().len(),
+            "every output array has a name"
+        );
         for (array, name) in function.outputs().iter().zip(outputs) {
             let known = self.arrays.of(array.name);
             // What is also given keeps what it was given.

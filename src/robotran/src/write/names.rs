@@ -186,6 +186,7 @@ impl FileIdentifiers {
     /// of a file come through here before any comes through
     /// [`FileIdentifiers::derive`], so that no derived name takes one of Robotran's.
     pub(super) fn keep(&mut self, names: impl Iterator<Item = Name>, symbols: &Symbols) {
+        assert!(self.made.is_empty(), "names are kept before any is derived");
         for name in names.filter(|name| !name.is_none() && name.suffix == 0) {
             let index = name.base.index();
             if index >= self.plain.len() {
@@ -235,6 +236,7 @@ impl FileIdentifiers {
             }
             self.numbers.insert(wanted, number);
         }
+        debug_assert!(is_word(&text), "an identifier is a word");
         self.taken.insert(text.as_str().into());
         text.into()
     }
@@ -255,11 +257,8 @@ impl FileIdentifiers {
         if self.is_plain(name) {
             return symbols.text(name.base);
         }
-        match self.made.get(&name) {
-            Some(made) => made,
-            // Every name of the file has come through `keep` and `derive`.
-            None => symbols.text(name.base),
-        }
+        let made = self.made.get(&name);
+        made.expect("every name of the file came through `keep` and `derive`")
     }
 }
 

@@ -254,6 +254,11 @@ fn overwritten(function: &Function, passed: &[Option<usize>]) -> Vec<Input> {
     let mut written: HashSet<Input, FxBuildHasher> = HashSet::default();
     let mut known: HashSet<Input, FxBuildHasher> = HashSet::default();
     let mut open = Vec::new();
+    assert_eq!(
+        passed.len(),
+        function.assignments.len(),
+        "every output is passed to a call or not"
+    );
     for (assignment, passed) in function.assignments.iter().zip(passed) {
         if passed.is_none() {
             open.push(assignment.operand);

@@ -191,11 +191,14 @@ impl FormatReport {
             backward: element.conditioned.map(|found| found.backward),
             judgement: element.conditioned.map(|found| found.judgement.name()),
         };
+        debug_assert!(
+            accuracy.elements.is_sorted_by_key(|element| element.output),
+            "elements are in the order of the outputs"
+        );
         let mut arrays: Vec<ArrayReport> = Vec::new();
         for array in &accuracy.arrays {
             let description = &outputs[array.array];
             let range = description.offset..description.offset + description.shape.len() as u32;
-            // Assignments stand in order of the output elements.
             let first = accuracy
                 .elements
                 .partition_point(|element| element.output.0 < range.start);

@@ -162,6 +162,10 @@ fn occupation(schedule: &Schedule) -> Vec<KindReport> {
     }
     let mut issued = vec![[0u32; SLICES]; schedule.kinds.len()];
     for slot in schedule.slots.iter().flatten() {
+        assert!(
+            u64::from(slot.cycle) < cycles,
+            "an operation starts within the schedule"
+        );
         let slice = u64::from(slot.cycle) * SLICES as u64 / cycles;
         issued[kinds[slot.element.index()]][slice as usize] += 1;
     }
@@ -171,6 +175,10 @@ fn occupation(schedule: &Schedule) -> Vec<KindReport> {
     let describe = |(kind, issued): (&ElementKind, &[u32; SLICES])| {
         let share = |slice: usize| {
             let slots = (start(slice + 1) - start(slice)) * u64::from(kind.count);
+            debug_assert!(
+                u64::from(issued[slice]) <= slots,
+                "an element starts one operation in a cycle"
+            );
             if slots == 0 {
                 0.0
             } else {

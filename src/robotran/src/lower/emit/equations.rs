@@ -78,7 +78,10 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
 
     pub(super) fn operand(&mut self, leaf: SyntaxLeaf, base: u32, first: u32) -> Operand {
         match leaf.kind() {
-            LeafKind::Node(index) => Operand::from(Value(base + (index - first))),
+            LeafKind::Node(index) => {
+                debug_assert!(index >= first, "an expression is one run of the arena");
+                Operand::from(Value(base + (index - first)))
+            }
             LeafKind::Number(index) => {
                 let number = self.shared.syntax.numbers[index as usize].number();
                 Operand::from(self.function.constant(number))

@@ -108,6 +108,16 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
         signature: &'e FunctionSignature,
         crossing: Option<&'e CrossingScalars>,
     ) -> FunctionEmitter<'e, 'a, 't> {
+        assert_eq!(
+            scan.flags.len(),
+            storage.len,
+            "the scan is of these elements"
+        );
+        assert_eq!(
+            scan.written.len(),
+            storage.arrays.len(),
+            "the scan is of these arrays"
+        );
         let arrays = storage.arrays.len();
         let known = shared.tables.symbols.len();
         let mut emitter = FunctionEmitter {

@@ -169,6 +169,10 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
                 }
             }
         }
+        assert!(
+            self.function.nodes().len() < LATER as usize,
+            "later expressions are numbered behind all others"
+        );
         self.append_trees();
         self.function.sort_assignments();
         for symbol in self.defined {

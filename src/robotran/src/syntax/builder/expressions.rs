@@ -14,6 +14,12 @@ impl SyntaxBuilder {
         right: SyntaxLeaf,
     ) -> SyntaxLeaf {
         let index = self.syntax.nodes.len() as u32;
+        debug_assert!(
+            [left, right]
+                .into_iter()
+                .all(|leaf| !matches!(leaf.kind(), LeafKind::Node(node) if node >= index)),
+            "every operand comes before its user"
+        );
         self.syntax.nodes.push(SyntaxNode {
             operands: [left, right],
             operation,

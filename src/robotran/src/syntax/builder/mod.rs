@@ -10,8 +10,9 @@ mod expressions;
 
 use super::{StatementKind, SyntaxLeaf, SyntaxStatement, SyntaxTree};
 use crate::literal::{IntegerArithmetic, Literal, Unkept};
-use crate::token::LexicalError;
-use crate::token::{RobotranElement, RobotranName, RobotranToken, SourceSpan, TypeWords};
+use crate::token::{
+    LexicalError, RobotranElement, RobotranName, RobotranToken, SourceSpan, TypeWords,
+};
 use hashbrown::HashMap;
 use rustc_hash::FxBuildHasher;
 
@@ -96,6 +97,13 @@ impl SyntaxBuilder {
     }
 
     pub(super) fn finish(&mut self) {
+        debug_assert!(
+            self.complete
+                .iter()
+                .zip(self.lengths())
+                .all(|(before, now)| *before <= now),
+            "what is complete stays"
+        );
         self.complete = self.lengths();
         self.chain = self.syntax.statements.len();
     }

@@ -50,6 +50,7 @@ fn chart(kind: &KindReport, cycles: u32, text: &mut String) {
 /// The part of a bar that falls into a row, counted from the bottom. What is
 /// not zero shows at least one eighth.
 fn block(share: f64, row: usize) -> char {
+    debug_assert!(row < HEIGHT, "a bar has so many rows");
     let steps = BLOCKS.len() - 1;
     let full = HEIGHT * steps;
     let mut eighths = (share.clamp(0.0, 1.0) * full as f64).round() as usize;
