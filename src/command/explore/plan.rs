@@ -5,8 +5,7 @@ use crate::command::subjects::{self, SubjectFiles, locate};
 use crate::command::{CommandFailure, input, output, progress};
 use robovec_explore::processor::{Computer, LARGEST};
 use robovec_explore::program::view;
-use robovec_explore::share::WorkShare;
-use robovec_explore::store::PointStore;
+use robovec_explore::share::{SharedWork, WorkShare};
 use robovec_explore::study::plan::{self, Selection, StudyPlan};
 use robovec_explore::study::{self, CpuJob, CpuTime, Results, StudyEquations};
 use robovec_io::files::limited;
@@ -39,14 +38,16 @@ pub(super) fn run(arguments: &ExploreArguments, plan: &str) -> Result<String, Co
     let folder = arguments.output.as_deref();
     let folder = folder.expect("a plan requires a folder");
     let mut plan = read_plan(arguments, plan)?;
-    keep(arguments.shares.share(), &mut plan);
+    let share = arguments.shares.share();
+    keep(share, &mut plan);
     // A slip in a name is told before hours of work, not after them.
     for subject in &plan.models {
         locate(subject)?;
     }
     let store = arguments.shares.store(Some(folder))?;
-    let results = compute(plan, &store.expect("there is a folder"))?;
-    if arguments.shares.shard.is_some() {
+    // All that is left of the plan is done.
+    let results = compute(plan, SharedWork::new(store.as_ref(), WorkShare::ALL))?;
+    if share != WorkShare::ALL {
         let (placed, found) = (results.outcome.points.len(), results.outcome.reused);
         return Ok(format!(
             "{}, {found} of them found\n",
@@ -93,13 +94,13 @@ fn read_plan(arguments: &ExploreArguments, plan: &str) -> Result<StudyPlan, Comm
     plan::resolve(&name, &text, &selection, &read_machine).map_err(CommandFailure)
 }
 
-fn compute(plan: StudyPlan, store: &PointStore) -> Result<Results, CommandFailure> {
+fn compute(plan: StudyPlan, work: SharedWork<'_>) -> Result<Results, CommandFailure> {
     let bar = progress::bar(plan.requests.len(), PROGRESS);
     let progress = |model: &str| {
         bar.inc(1);
         bar.set_message(model.to_owned());
     };
-    let outcome = study::run(&plan, &SubjectFiles, store, &progress);
+    let outcome = study::run(&plan, &SubjectFiles, work, &progress);
     bar.finish_and_clear();
     Ok(Results {
         outcome: outcome?,

@@ -94,10 +94,14 @@ impl<'a> SharedWork<'a> {
         key: Option<PointKey>,
         measure: impl FnOnce() -> P,
     ) -> io::Result<(P, bool)> {
-        match self.kept.zip(key) {
-            None => Ok((measure(), false)),
-            Some(((store, _), key)) => store.point(key, measure),
+        if let Some(known) = self.load(key) {
+            return Ok((known, true));
         }
+        let point = measure();
+        if let Some(((store, _), key)) = self.kept.zip(key) {
+            store.save(key, &point)?;
+        }
+        Ok((point, false))
     }
 }
 

@@ -78,13 +78,9 @@ impl Write for PointKey {
 }
 
 /// The build of robovec that runs: its version and the bytes of the program,
-/// so that points of a changed compiler are not taken for its own.
-///
-/// # Errors
-///
-/// Fails when the program cannot be read: nobody knows then which it is, and
-/// points cannot be told apart.
-pub fn build_key() -> io::Result<PointKey> {
+/// so that points of a changed compiler are not taken for its own. Where the program
+/// cannot be read nobody knows which it is, and points cannot be told apart.
+pub(crate) fn build_key() -> io::Result<PointKey> {
     let program = std::env::current_exe().and_then(fs::read)?;
     let key = PointKey::new().with(env!("CARGO_PKG_VERSION"));
     // A digest of words is enough and quick for large programs.
@@ -132,7 +128,7 @@ impl PointStore {
     }
 
     /// The point of a key, if it is there and sound.
-    pub fn load<P: Serialize + DeserializeOwned>(&self, key: PointKey) -> Option<P> {
+    pub(crate) fn load<P: Serialize + DeserializeOwned>(&self, key: PointKey) -> Option<P> {
         if !self.reuse {
             return None;
         }
@@ -142,31 +138,8 @@ impl PointStore {
         sound.then_some(stored.point)
     }
 
-    /// The point of a key, measured and kept where it is not there; and whether
-    /// it was there.
-    ///
-    /// # Errors
-    ///
-    /// Fails when it cannot be written.
-    pub fn point<P: Serialize + DeserializeOwned>(
-        &self,
-        key: PointKey,
-        measure: impl FnOnce() -> P,
-    ) -> io::Result<(P, bool)> {
-        if let Some(point) = self.load(key) {
-            return Ok((point, true));
-        }
-        let point = measure();
-        self.save(key, &point)?;
-        Ok((point, false))
-    }
-
-    /// Keeps a point.
-    ///
-    /// # Errors
-    ///
-    /// Fails when it cannot be written; a file of that name is then as it was.
-    pub fn save(&self, key: PointKey, point: &impl Serialize) -> io::Result<()> {
+    /// Keeps a point; where it cannot be written, a file of that name is as it was.
+    pub(crate) fn save(&self, key: PointKey, point: &impl Serialize) -> io::Result<()> {
         let stored = StoredPoint {
             key: key.file_name(),
             content: content(point),

@@ -3,7 +3,9 @@
 //! What is measured is the scene that is read back from this text, so that
 //! the file that is written is the one that was judged.
 
+use super::search::NeglectFindings;
 use robovec_dynamics::motion::Laws;
+use robovec_model::mbs::write_mbs;
 use robovec_model::{Anchor, Model};
 use toml::{Table, Value};
 
@@ -112,6 +114,13 @@ impl SceneTable {
         self.section("bind").insert(key, Value::Float(0.0));
     }
 
+    /// Binds the elements of an array that belong to a body to zero.
+    pub(super) fn clear_body(&mut self, array: &str, matrix: bool, model: &Model, body: usize) {
+        let joint = model.bodies[body].joints.end - 1;
+        let names = [&*model.joints[joint].name, &*model.bodies[body].name];
+        self.clear(array, matrix, joint, &names);
+    }
+
     /// Binds a whole array to zero.
     pub(super) fn clear_all(&mut self, array: &str) {
         let bound = self.section("bind");
@@ -163,10 +172,39 @@ impl SceneTable {
             }
         }
         for (body, _) in loaded.iter().enumerate().filter(|(_, loaded)| !**loaded) {
-            let joint = model.bodies[body].joints.end - 1;
-            let names = [&*model.joints[joint].name, &*model.bodies[body].name];
-            self.clear("frc", true, joint, &names);
-            self.clear("trq", true, joint, &names);
+            self.clear_body("frc", true, model, body);
+            self.clear_body("trq", true, model, body);
         }
     }
+}
+
+/// The files of a reduced scene, as (name, text): the scene, the model without
+/// the links and external forces that are left out, and the laws that remain.
+/// `stem` begins their names; `machine` is the file of the scene's machine
+/// where it is no built-in one.
+pub fn files(
+    findings: &NeglectFindings,
+    stem: &str,
+    machine: Option<&str>,
+) -> Vec<(String, String)> {
+    let mut scene = findings.reduced.clone();
+    scene.set("model", format!("{stem}.mbs"));
+    if findings.rest > 0.0 {
+        scene.set_motion(&format!("{stem}.laws.toml"), findings.rest);
+    }
+    if let Some(machine) = machine {
+        scene.set("machine", machine.to_owned());
+    }
+    let head = "Written by robovec: a scene that leaves out what it may.";
+    // The declaration of XML comes before everything else.
+    let model = write_mbs(&findings.model).replacen("?>\n", &format!("?>\n<!-- {head} -->\n"), 1);
+    let laws = findings.laws.to_text(&findings.model);
+    vec![
+        (
+            format!("{stem}.scene.toml"),
+            format!("# {head}\n{}", scene.text()),
+        ),
+        (format!("{stem}.mbs"), model),
+        (format!("{stem}.laws.toml"), format!("# {head}\n{laws}")),
+    ]
 }

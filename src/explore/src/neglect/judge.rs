@@ -5,7 +5,9 @@ use super::NeglectError;
 use super::document::SceneTable;
 use super::omission::{Omission, without_forces};
 use crate::program::{transformed_by, view};
-use crate::scene::{self, ModelSubject, PIPELINE, SceneFile, SceneMotion, SceneSubject, USUAL};
+use crate::scene::{
+    self, ModelSubject, NeglectKind, PIPELINE, SceneFile, SceneMotion, SceneSubject, USUAL,
+};
 use robovec_dynamics::generate::{GenerationRequest, generate};
 use robovec_dynamics::kinematics::MotionState;
 use robovec_dynamics::motion::{
@@ -100,29 +102,20 @@ impl NeglectJudge<'_> {
         omitted: &[Omission],
     ) -> Result<ReducedScene, NeglectError> {
         let mut table = table.clone();
-        let locked = |joint: usize| omitted.contains(&Omission::Joint(joint));
-        for &one in omitted {
-            let body_names = |body: usize| {
-                let joint = model.bodies[body].joints.end - 1;
-                let names = [&*model.joints[joint].name, &*model.bodies[body].name];
-                (joint, names)
-            };
-            match one {
-                Omission::Joint(joint) => table.lock(model, joint, self.means[joint]),
-                Omission::Velocity(joint) if !locked(joint) => {
-                    table.clear("qd", false, joint, &[&model.joints[joint].name]);
+        let locked = |joint: usize| omitted.contains(&Omission(NeglectKind::Joints, joint));
+        for &Omission(kind, index) in omitted {
+            match kind {
+                NeglectKind::Joints => table.lock(model, index, self.means[index]),
+                NeglectKind::Velocities if !locked(index) => {
+                    table.clear("qd", false, index, &[&model.joints[index].name]);
                 }
-                Omission::Angle(joint) if !locked(joint) => table.small(model, joint),
-                Omission::Inertia(body) => {
-                    let (joint, names) = body_names(body);
-                    table.clear("In", true, joint, &names);
+                NeglectKind::Angles if !locked(index) => table.small(model, index),
+                NeglectKind::Inertias => table.clear_body("In", true, model, index),
+                NeglectKind::Masses => {
+                    table.clear_body("In", true, model, index);
+                    table.clear_body("m", false, model, index);
                 }
-                Omission::Mass(body) => {
-                    let (joint, names) = body_names(body);
-                    table.clear("In", true, joint, &names);
-                    table.clear("m", false, joint, &names);
-                }
-                Omission::Gravity => table.clear_all("g"),
+                NeglectKind::Gravity => table.clear_all("g"),
                 _ => {}
             }
         }

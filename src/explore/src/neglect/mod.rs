@@ -18,15 +18,14 @@ mod judge;
 mod omission;
 mod search;
 mod text;
-mod write;
 
+pub use document::files;
 pub use judge::SceneOperations;
 pub use omission::Omission;
 pub use search::{
     NeglectFinding, NeglectFindings, NeglectTask, SceneFigures, WatchedCurve, neglect,
 };
 pub use text::{figure, text};
-pub use write::files;
 
 use crate::program::ExplorationError;
 use crate::scene::EffectError;

@@ -7,6 +7,8 @@ use super::document::{
 };
 use super::inputs::InputReader;
 use super::{ERROR, INPUT};
+use robovec_framework::option_words;
+use robovec_framework::options::OptionValue;
 use robovec_num::limits::NumberLimit;
 use std::path::PathBuf;
 use toml::de::DeValue;
@@ -15,57 +17,29 @@ use toml::de::DeValue;
 pub(super) const TIME: NumberLimit =
     NumberLimit::real(1e-6, 1e3, "every candidate is simulated that long");
 
-/// A kind of thing that can be left out.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub enum NeglectKind {
-    /// The velocity of a joint in the equations of motion: what it does to
-    /// centrifugal, Coriolis and gyroscopic forces.
-    Velocities,
-    /// The curvature of sine and cosine of a joint's angle.
-    Angles,
-    /// The moments of inertia of a body.
-    Inertias,
-    /// The mass and the moments of inertia of a body.
-    Masses,
-    /// The law of forces of a joint.
-    JointForces,
-    /// A link.
-    Links,
-    /// An external force.
-    ExternalForces,
-    /// Gravity.
-    Gravity,
-    /// A joint, which is locked at its mean position.
-    Joints,
-}
-
-impl NeglectKind {
-    /// All kinds.
-    pub const ALL: [NeglectKind; 9] = [
-        NeglectKind::Velocities,
-        NeglectKind::Angles,
-        NeglectKind::Inertias,
-        NeglectKind::Masses,
-        NeglectKind::JointForces,
-        NeglectKind::Links,
-        NeglectKind::ExternalForces,
-        NeglectKind::Gravity,
-        NeglectKind::Joints,
-    ];
-
-    /// Its name in scene files.
-    pub fn name(self) -> &'static str {
-        match self {
-            NeglectKind::Velocities => "velocities",
-            NeglectKind::Angles => "angles",
-            NeglectKind::Inertias => "inertias",
-            NeglectKind::Masses => "masses",
-            NeglectKind::JointForces => "joint-forces",
-            NeglectKind::Links => "links",
-            NeglectKind::ExternalForces => "external-forces",
-            NeglectKind::Gravity => "gravity",
-            NeglectKind::Joints => "joints",
-        }
+option_words! {
+    /// A kind of thing that can be left out.
+    #[derive(PartialOrd, Ord)]
+    pub enum NeglectKind {
+        /// The velocity of a joint in the equations of motion: what it does to
+        /// centrifugal, Coriolis and gyroscopic forces.
+        Velocities = "velocities",
+        /// The curvature of sine and cosine of a joint's angle.
+        Angles = "angles",
+        /// The moments of inertia of a body.
+        Inertias = "inertias",
+        /// The mass and the moments of inertia of a body.
+        Masses = "masses",
+        /// The law of forces of a joint.
+        JointForces = "joint-forces",
+        /// A link.
+        Links = "links",
+        /// An external force.
+        ExternalForces = "external-forces",
+        /// Gravity.
+        Gravity = "gravity",
+        /// A joint, which is locked at its mean position.
+        Joints = "joints",
     }
 }
 
@@ -214,11 +188,11 @@ impl InputReader<'_> {
     fn kinds(&mut self, value: &DocumentValue<'_>) -> Vec<NeglectKind> {
         let mut kinds = Vec::new();
         for (word, span) in strings(value, self.problems) {
-            let mut all = NeglectKind::ALL.into_iter();
-            match all.find(|kind| kind.name() == word) {
-                Some(kind) => kinds.push(kind),
-                None => {
-                    let names = NeglectKind::ALL.map(NeglectKind::name);
+            match NeglectKind::parse(word) {
+                Ok(kind) => kinds.push(kind),
+                Err(_) => {
+                    let names = NeglectKind::type_name();
+                    let names: Vec<&str> = names.split(" | ").collect();
                     let what = "there is no kind of things to leave out";
                     self.problems.unknown(span, what, word, &names);
                 }

@@ -14,7 +14,6 @@ mod captions;
 mod couples;
 mod cpu;
 mod figures;
-mod key;
 mod knee;
 mod occupation;
 mod page;

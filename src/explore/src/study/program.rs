@@ -3,14 +3,13 @@
 
 use super::plan::{NamedMachine, NamedPipeline, StudySubject};
 use crate::program::{transformed, view};
-use crate::store::PointKey;
 use robovec_analysis::critical_path::critical_path;
 use robovec_analysis::rounding::{RoundingErrors, UNIT, rounding, usual_states};
 use robovec_error::yardstick::account::random_states;
 use robovec_ir::count::Counts;
-use robovec_ir::diagnostic::{Diagnostic, Report, did_you_mean};
+use robovec_ir::diagnostic::{Report, did_you_mean};
 use robovec_ir::states::States;
-use robovec_ir::{Machine, Module, Operation, print};
+use robovec_ir::{Machine, Module, Operation};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -85,8 +84,6 @@ impl ProgramFacts {
 pub struct StudyEquations {
     /// The function studied, alone in its module.
     pub module: Module,
-    /// Stands for the text.
-    pub key: PointKey,
     equations: usize,
     vectors: usize,
     rounding: Arc<RoundingErrors>,
@@ -104,16 +101,12 @@ impl StudyEquations {
     ) -> Result<StudyEquations, Report> {
         let mut module = sources.equations(subject)?;
         pick(&mut module, subject)?;
-        let mut key = PointKey::new();
-        // Hashing cannot fail.
-        let _ = print::write_module(&module, &mut key);
         let function = &module.functions[0];
         let counts = Counts::of(function);
         let states = usual_states(counts.operations);
         Ok(StudyEquations {
             rounding: Arc::new(rounding(view(&module), &States::new(SEED), states)),
             module,
-            key,
             equations: counts.equations,
             vectors: counts.vectors,
         })
@@ -181,10 +174,8 @@ fn pick(module: &mut Module, subject: &StudySubject) -> Result<(), Report> {
     if let Some(near) = did_you_mean(&wanted, names.iter().map(String::as_str)) {
         notes.insert(0, format!("did you mean '{near}'?"));
     }
-    let mut report = Report::new();
     let message = format!("the model '{}' has no function '{wanted}'", subject.name);
-    report.push(Diagnostic::error().with_message(message).with_notes(notes));
-    Err(report)
+    Err(Report::error(message, notes))
 }
 
 /// Additions and multiplications on one of the longest chains: the first, by

@@ -5,16 +5,16 @@
 //! one is placed, on all cores, the next is made ready. Results stand in the
 //! order of their requests, whatever the order of work.
 
-use super::key::placement_key;
-use super::plan::{PlacementRequest, StudyPlan};
+use super::plan::{NamedMachine, NamedPipeline, PlacementRequest, StudyPlan};
 use super::point::{PlacedPoint, measure};
 use super::program::{ProgramFacts, ProgramSources, StudyEquations, StudyProgram};
 use super::zone::is_saturated;
 use crate::ExplorationProgress;
-use crate::store::{PointKey, PointStore, build_key};
+use crate::share::SharedWork;
+use crate::store::PointKey;
 use rayon::prelude::*;
 use robovec_analysis::critical_path::Weights;
-use robovec_ir::diagnostic::{Diagnostic, Report};
+use robovec_ir::diagnostic::Report;
 use robovec_schedule::PlaceOptions;
 use std::collections::BTreeMap;
 
@@ -38,15 +38,14 @@ pub struct StudyOutcome {
 pub fn run(
     plan: &StudyPlan,
     sources: &dyn ProgramSources,
-    store: &PointStore,
+    work: SharedWork<'_>,
     progress: ExplorationProgress<'_>,
 ) -> Result<StudyOutcome, Report> {
     let runner = StudyRunner {
         plan,
         sources,
-        store,
+        work,
         progress,
-        build: build_key().ok(),
     };
     let mut outcome = StudyOutcome::default();
     let models = runner.models();
@@ -75,17 +74,15 @@ pub fn run(
 struct StudyRunner<'a> {
     plan: &'a StudyPlan,
     sources: &'a dyn ProgramSources,
-    store: &'a PointStore,
+    work: SharedWork<'a>,
     progress: ExplorationProgress<'a>,
-    /// Of this robovec; absent when it cannot be known, and then no point is
-    /// stored or found.
-    build: Option<PointKey>,
 }
 
 /// A model made ready.
 struct PreparedModel {
     model: usize,
-    key: PointKey,
+    /// Of its equations; `None` where nothing is kept.
+    key: Option<PointKey>,
     programs: Vec<StudyProgram>,
     /// The program of each pipeline and machine.
     variant_of: BTreeMap<(usize, usize), usize>,
@@ -136,10 +133,9 @@ impl StudyRunner<'_> {
                 let machine = &self.plan.machines[machine];
                 let made = equations.optimise(subject, pipeline, machine);
                 made.map_err(|reason| {
-                    failure(format!(
-                        "{}, pipeline '{}': {reason}",
-                        subject.name, pipeline.name
-                    ))
+                    let (model, pipeline) = (&subject.name, &pipeline.name);
+                    let message = format!("{model}, pipeline '{pipeline}': {reason}");
+                    Report::error(message, Vec::new())
                 })
             })
             .collect();
@@ -149,9 +145,10 @@ impl StudyRunner<'_> {
             facts.machine.clone_from(&self.plan.machines[machine].name);
             ((model, pipeline, machine), facts)
         });
+        let key = self.work.key("study");
         Ok(PreparedModel {
             model,
-            key: equations.key,
+            key: key.map(|key| key.with_module(&equations.module)),
             facts: facts.collect(),
             programs,
             variant_of,
@@ -185,19 +182,14 @@ impl StudyRunner<'_> {
     ) -> Result<FoundPlacement, Report> {
         let pipeline = &self.plan.pipelines[request.pipeline];
         let machine = &self.plan.machines[request.machine];
-        let key = self
-            .build
-            .map(|build| placement_key(prepared.key, build, pipeline, machine, &request));
+        let key = prepared.key;
+        let key = key.map(|key| placement_key(key, pipeline, machine, &request));
         (self.progress)(&self.plan.models[request.model].name);
         let variant = prepared.variant_of[&(request.pipeline, request.machine)];
-        let measure = || measure(&prepared.programs[variant], machine, &request);
-        let (point, reused) = match key {
-            None => (measure(), false),
-            Some(key) => {
-                let point = self.store.point(key, measure);
-                point.map_err(|error| failure(format!("cannot store a point: {error}")))?
-            }
-        };
+        let program = &prepared.programs[variant];
+        let point = self.work.point(key, || measure(program, machine, &request));
+        let (point, reused) = point
+            .map_err(|error| Report::error(format!("cannot store a point: {error}"), Vec::new()))?;
         Ok((request, point, reused))
     }
 
@@ -250,8 +242,112 @@ impl StudyRunner<'_> {
     }
 }
 
-fn failure(message: String) -> Report {
-    let mut report = Report::new();
-    report.push(Diagnostic::error().with_message(message));
-    report
+/// The key of a placement, given that of its equations. Of `pipeline` and `machine` the
+/// names are left out, and of `request` the indices into the plan: another plan that
+/// asks for the same finds the same point. The numbers of elements in `request` replace
+/// those of the machine.
+fn placement_key(
+    equations: PointKey,
+    pipeline: &NamedPipeline,
+    machine: &NamedMachine,
+    request: &PlacementRequest,
+) -> PointKey {
+    let (add, multi, options) = (request.n_add, request.n_multi, request.options);
+    let key = equations.with(&pipeline.pipeline.to_string());
+    key.with_machine(&machine.machine)
+        .with(&format!("{add}+{multi} {options:?}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use robovec_ir::{Format, Machine};
+    use robovec_passes::registry::REGISTRY;
+    use robovec_schedule::{ElementChoice, Priority};
+
+    /// Parts of a key.
+    struct KeyParts {
+        equations: PointKey,
+        pipeline: NamedPipeline,
+        machine: NamedMachine,
+        request: PlacementRequest,
+    }
+
+    impl KeyParts {
+        fn key(&self) -> PointKey {
+            placement_key(self.equations, &self.pipeline, &self.machine, &self.request)
+        }
+    }
+
+    fn example() -> KeyParts {
+        KeyParts {
+            equations: PointKey::new().with("function f equations {}"),
+            pipeline: NamedPipeline {
+                name: "usual".to_owned(),
+                pipeline: REGISTRY.pipeline("atomise,cse,place").expect("a pipeline"),
+                printed: None,
+            },
+            machine: NamedMachine {
+                name: "thesis".to_owned(),
+                machine: Machine::built_in("thesis").expect("it ships"),
+                couple: None,
+            },
+            request: PlacementRequest {
+                model: 0,
+                pipeline: 0,
+                machine: 0,
+                n_add: 4,
+                n_multi: 4,
+                options: PlaceOptions::default(),
+            },
+        }
+    }
+
+    #[test]
+    fn a_key_depends_on_everything_a_point_depends_on() {
+        type Change = fn(&mut KeyParts);
+        let changes: [(&str, Change); 11] = [
+            ("nothing", |_| {}),
+            ("equations", |parts| {
+                parts.equations = parts.equations.with("another");
+            }),
+            ("pipeline", |parts| {
+                parts.pipeline.pipeline = REGISTRY.pipeline("atomise,place").expect("a pipeline");
+            }),
+            ("stages", |parts| {
+                parts.machine.machine.elements[0].stages += 1
+            }),
+            ("words", |parts| {
+                parts.machine.machine.memory.words = Some(77)
+            }),
+            ("number", |parts| {
+                parts.machine.machine.number = Format::BINARY64
+            }),
+            ("adders", |parts| parts.request.n_add += 1),
+            ("multipliers", |parts| parts.request.n_multi += 1),
+            ("priority", |parts| {
+                parts.request.options.priority = Priority::Alap
+            }),
+            ("another", |parts| {
+                parts.request.options.priority = Priority::FanOut
+            }),
+            ("choice", |parts| {
+                parts.request.options.choice = ElementChoice::First
+            }),
+        ];
+        let mut keys = Vec::new();
+        for (what, change) in changes {
+            let mut parts = example();
+            change(&mut parts);
+            let key = parts.key();
+            assert!(!keys.contains(&key), "{what}");
+            keys.push(key);
+        }
+        // Two numbers that stand side by side are not taken for others.
+        let mut parts = example();
+        (parts.request.n_add, parts.request.n_multi) = (1, 12);
+        let one = parts.key();
+        (parts.request.n_add, parts.request.n_multi) = (11, 2);
+        assert_ne!(one, parts.key());
+    }
 }
