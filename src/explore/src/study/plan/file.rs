@@ -13,7 +13,6 @@ pub(super) struct PlanFile {
     #[serde(default)]
     pub(super) description: String,
     /// The model that the verdict at the top of the report is about.
-    #[serde(default)]
     pub(super) headline: Option<Spanned<String>>,
     /// True if the exact knees are searched for.
     #[serde(default, rename = "exact-knees")]
@@ -40,13 +39,10 @@ pub(super) struct ModelEntry {
     pub(super) name: Spanned<String>,
     /// A file of equations, a model file, or a built-in model; by default the
     /// name.
-    #[serde(default)]
     pub(super) source: Option<Spanned<String>>,
     /// The function studied, where there are several.
-    #[serde(default)]
     pub(super) function: Option<String>,
     /// The system of the thesis it stands for.
-    #[serde(default)]
     pub(super) printed: Option<Spanned<String>>,
     /// True if only sweeps that name the model have it.
     #[serde(default, rename = "by-name")]
@@ -60,19 +56,12 @@ pub(super) struct ModelEntry {
 #[derive(Deserialize, Clone, Default, Debug)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(super) struct StyleEntry {
-    #[serde(default)]
     pub(super) formulation: Option<Spanned<String>>,
-    #[serde(default)]
     pub(super) child_first: Option<bool>,
-    #[serde(default)]
     pub(super) expanded: Option<bool>,
-    #[serde(default)]
     pub(super) leading_signs: Option<bool>,
-    #[serde(default)]
     pub(super) forces: Option<bool>,
-    #[serde(default)]
     pub(super) any_angles: Option<bool>,
-    #[serde(default)]
     pub(super) all_parameters: Option<bool>,
 }
 
@@ -85,7 +74,6 @@ pub(super) struct PipelineEntry {
     /// Its passes, without placement.
     pub(super) passes: Spanned<String>,
     /// Rows of the thesis it is compared with.
-    #[serde(default)]
     pub(super) printed: Option<super::Printed>,
 }
 
@@ -95,26 +83,20 @@ pub(super) struct PipelineEntry {
 #[serde(deny_unknown_fields)]
 pub(super) struct SweepEntry {
     /// Names of models; all by default.
-    #[serde(default)]
     pub(super) models: Option<Vec<Spanned<String>>>,
     /// Names of pipelines; all by default.
-    #[serde(default)]
     pub(super) pipelines: Option<Vec<Spanned<String>>>,
     /// Machines: names, files, `couples`.
-    #[serde(default)]
     pub(super) machines: Option<Vec<Spanned<String>>>,
     /// Adders and multipliers: `n` for n of each, `[a, m]` for unequal
     /// numbers.
     #[serde(default)]
     pub(super) elements: Vec<Spanned<ElementsEntry>>,
     /// Every number of adders with every number of multipliers.
-    #[serde(default)]
     pub(super) grid: Option<Spanned<Vec<u32>>>,
     /// Orders of placement.
-    #[serde(default)]
     pub(super) priority: Option<Vec<Priority>>,
     /// Choices among free elements.
-    #[serde(default)]
     pub(super) choice: Option<Vec<ElementChoice>>,
 }
 

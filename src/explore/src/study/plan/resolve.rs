@@ -92,22 +92,16 @@ impl PlanResolver<'_> {
         if self.foreign.has_errors() {
             return Err(self.foreign);
         }
-        if self.plan.requests.len() > MAX_PLACEMENTS {
-            let diagnostic = Diagnostic::error().with_message(format!(
-                "the plan asks for {} placements; there can be {MAX_PLACEMENTS}",
-                self.plan.requests.len()
-            ));
-            return Err(Report::of(name, text, vec![diagnostic]));
-        }
-        if self.plan.requests.is_empty() {
-            let diagnostic = Diagnostic::error()
+        let problem = match self.plan.requests.len() {
+            0 => Diagnostic::error()
                 .with_message("the plan and the options leave nothing to place")
-                .with_notes(vec![
-                    "a sweep needs models, pipelines, machines and 'elements' or 'grid'".to_owned(),
-                ]);
-            return Err(Report::of(name, text, vec![diagnostic]));
-        }
-        Ok(self.plan)
+                .with_note("a sweep needs models, pipelines, machines and 'elements' or 'grid'"),
+            1..=MAX_PLACEMENTS => return Ok(self.plan),
+            count => Diagnostic::error().with_message(format!(
+                "the plan asks for {count} placements; there can be {MAX_PLACEMENTS}"
+            )),
+        };
+        Err(Report::of(name, text, vec![problem]))
     }
 
     fn models(&mut self, file: &PlanFile) {
@@ -129,11 +123,8 @@ impl PlanResolver<'_> {
             }
             all.push(StudySubject {
                 name: name.clone(),
-                source: entry
-                    .source
-                    .as_ref()
-                    .unwrap_or(&entry.name)
-                    .get_ref()
+                source: (entry.source.as_ref())
+                    .map_or(name, |source| source.get_ref())
                     .clone(),
                 folder: self.selection.folder.clone(),
                 function: entry.function.clone(),
@@ -223,34 +214,28 @@ impl PlanResolver<'_> {
             return;
         };
         for wanted in wanted {
-            if self
-                .plan
-                .pipelines
-                .iter()
-                .any(|known| known.name == *wanted)
-            {
+            let known = |one: &&NamedPipeline| one.name == *wanted;
+            if self.plan.pipelines.iter().any(|one| known(&one)) {
                 continue;
             }
-            if let Some(known) = all.iter().find(|known| known.name == *wanted) {
-                self.plan.pipelines.push(known.clone());
-                continue;
-            }
-            match read_pipeline(wanted) {
-                Ok(pipeline) => self.plan.pipelines.push(NamedPipeline {
+            let pipeline = match all.iter().find(known) {
+                Some(known) => Ok(known.clone()),
+                None => read_pipeline(wanted).map(|pipeline| NamedPipeline {
                     name: wanted.clone(),
                     pipeline,
                     printed: None,
                 }),
+            };
+            match pipeline {
+                Ok(pipeline) => self.plan.pipelines.push(pipeline),
                 Err(reason) => {
                     let names: Vec<&str> = all.iter().map(|known| known.name.as_str()).collect();
-                    self.foreign.push(
-                        Diagnostic::error()
-                            .with_message(format!("--passes: '{wanted}': {reason}"))
-                            .with_notes(vec![format!(
-                                "pipelines of this plan: {}; or passes as in robovec-opt",
-                                names.join(", ")
-                            )]),
-                    );
+                    let names = names.join(", ");
+                    let message = format!("--passes: '{wanted}': {reason}");
+                    let note =
+                        format!("pipelines of this plan: {names}; or passes as in robovec-opt");
+                    let diagnostic = Diagnostic::error().with_message(message);
+                    self.foreign.push(diagnostic.with_note(note));
                 }
             }
         }
@@ -279,16 +264,7 @@ fn pick_model(all: &[StudySubject], wanted: &str, style: &GenerationStyle) -> St
     let stem = stem.map_or(wanted.into(), |stem| stem.to_string_lossy());
     StudySubject {
         by_name: false,
-        name: stem
-            .chars()
-            .map(|c| {
-                if c.is_alphanumeric() || "-_.".contains(c) {
-                    c
-                } else {
-                    '_'
-                }
-            })
-            .collect(),
+        name: stem.replace(|c: char| !c.is_alphanumeric() && !"-_.".contains(c), "_"),
         source: wanted.to_owned(),
         folder: None,
         function: None,

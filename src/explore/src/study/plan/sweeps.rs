@@ -6,7 +6,7 @@ use super::{DEFAULT_MACHINE, ELEMENTS, NamedMachine, PlacementRequest};
 use crate::axes::Axes;
 use crate::study::couples;
 use robovec_ir::Operation;
-use robovec_ir::diagnostic::{Diagnostic, Report, did_you_mean};
+use robovec_ir::diagnostic::{Report, did_you_mean};
 use robovec_num::limits::Amount;
 use robovec_schedule::PlaceOptions;
 use std::collections::BTreeSet;
@@ -20,8 +20,7 @@ impl PlanResolver<'_> {
         let models = self.sweep_models(sweep);
         let pipelines = self.sweep_pipelines(sweep);
         let machines = self.sweep_machines(sweep);
-        let elements = self.sweep_elements(sweep);
-        let mut elements = elements;
+        let mut elements = self.sweep_elements(sweep);
         elements.sort_unstable();
         elements.dedup();
         let usual = PlaceOptions::default();
@@ -65,32 +64,18 @@ impl PlanResolver<'_> {
             let all = (0..models.len()).filter(|&model| !models[model].by_name);
             return all.collect();
         };
+        let is_chosen = self.selection.models.is_some();
+        let known = self.plan.models.iter();
+        let known: Vec<String> = known.map(|one| one.name.clone()).collect();
+        let headline = self.plan.headline;
+        // The first model that is left may be one for other sweeps.
+        let model = self.plan.models.get(headline);
+        let is_meant = model.is_some_and(|model| !is_chosen || !model.by_name);
         let mut found = Vec::new();
         for name in names {
-            let position = match name.get_ref().as_str() {
-                // The first model that is left may be one for other sweeps.
-                HEADLINE => {
-                    let headline = self.plan.models.get(self.plan.headline);
-                    let is_chosen = self.selection.models.is_none();
-                    let is_meant = headline.is_some_and(|model| is_chosen || !model.by_name);
-                    is_meant.then_some(self.plan.headline)
-                }
-                wanted => self
-                    .plan
-                    .models
-                    .iter()
-                    .position(|model| model.name == wanted),
-            };
-            match position {
-                Some(position) => found.push(position),
-                // Models the command line leaves out leave sweeps too.
-                None if self.selection.models.is_some() => {}
-                None => {
-                    let known = self.plan.models.iter().map(|model| model.name.as_str());
-                    let near = did_you_mean(name.get_ref(), known);
-                    let message = format!("there is no model '{}' in this plan", name.get_ref());
-                    self.problem(name.span(), message, suggestion(near));
-                }
+            match name.get_ref().as_str() {
+                HEADLINE if is_meant => found.push(headline),
+                _ => found.extend(self.named("model", &known, name, is_chosen)),
             }
         }
         found
@@ -100,22 +85,30 @@ impl PlanResolver<'_> {
         let Some(names) = &sweep.pipelines else {
             return (0..self.plan.pipelines.len()).collect();
         };
-        let mut found = Vec::new();
-        for name in names {
-            let mut known = self.plan.pipelines.iter();
-            match known.position(|pipeline| pipeline.name == *name.get_ref()) {
-                Some(position) => found.push(position),
-                None if self.selection.pipelines.is_some() => {}
-                None => {
-                    let known = self.plan.pipelines.iter();
-                    let known = known.map(|pipeline| pipeline.name.as_str());
-                    let near = did_you_mean(name.get_ref(), known);
-                    let message = format!("there is no pipeline '{}' in this plan", name.get_ref());
-                    self.problem(name.span(), message, suggestion(near));
-                }
-            }
+        let is_chosen = self.selection.pipelines.is_some();
+        let known = self.plan.pipelines.iter();
+        let known: Vec<String> = known.map(|one| one.name.clone()).collect();
+        let place = |name| self.named("pipeline", &known, name, is_chosen);
+        names.iter().filter_map(place).collect()
+    }
+
+    /// The place of a name in a list; what the command line leaves out of the list
+    /// leaves sweeps too.
+    fn named(
+        &mut self,
+        what: &str,
+        known: &[String],
+        name: &Spanned<String>,
+        is_chosen: bool,
+    ) -> Option<usize> {
+        let (span, name) = (name.span(), name.get_ref());
+        let place = known.iter().position(|known| known == name);
+        if place.is_none() && !is_chosen {
+            let near = did_you_mean(name, known.iter().map(String::as_str));
+            let message = format!("there is no {what} '{name}' in this plan");
+            self.problem(span, message, suggestion(near));
         }
-        found
+        place
     }
 
     fn sweep_machines(&mut self, sweep: &SweepEntry) -> Vec<usize> {
@@ -159,12 +152,8 @@ impl PlanResolver<'_> {
             .file_stem()
             .map(|stem| stem.to_string_lossy());
         let known = file_name.as_deref().unwrap_or(name);
-        let position = self
-            .plan
-            .machines
-            .iter()
-            .position(|machine| machine.name == known);
-        if let Some(position) = position {
+        let mut machines = self.plan.machines.iter();
+        if let Some(position) = machines.position(|machine| machine.name == known) {
             return Ok(position);
         }
         let machine = match couples::machine_named(name) {
@@ -180,11 +169,11 @@ impl PlanResolver<'_> {
             || kind(Operation::Mul).is_none()
             || kind(Operation::Add) == kind(Operation::Mul)
         {
-            let mut report = Report::new();
-            report.push(Diagnostic::error().with_message(format!(
-                "the machine '{name}' needs one kind of elements that adds and another that multiplies"
-            )));
-            return Err(report);
+            let message = format!(
+                "the machine '{name}' needs one kind of elements that adds and another that \
+                 multiplies"
+            );
+            return Err(Report::error(message, Vec::new()));
         }
         Ok(self.add_machine(machine))
     }
@@ -218,10 +207,10 @@ impl PlanResolver<'_> {
         if let Some(grid) = &sweep.grid {
             self.check_elements(grid.get_ref(), &grid.span());
             // Each number once, so that a long list is not squared.
-            let counts: BTreeSet<u32> = grid.get_ref().iter().copied().collect();
             // What is beyond the limit was refused, and is not made either.
             let allowed = |count: &u32| ELEMENTS.admits(Amount::Whole(u64::from(*count)));
-            let counts: Vec<u32> = counts.into_iter().filter(allowed).collect();
+            let counts = grid.get_ref().iter().copied().filter(allowed);
+            let counts: BTreeSet<u32> = counts.collect();
             for &adders in &counts {
                 elements.extend(counts.iter().map(|&multipliers| [adders, multipliers]));
             }
