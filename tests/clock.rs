@@ -67,7 +67,7 @@ fn report_sweep_and_rtl_tell_the_same_clock() {
         );
         let swept: Vec<&str> = swept.split(' ').filter(|word| !word.is_empty()).collect();
         said(&robovec_in(folder, &swept));
-        let swept = json(&folder.join("swept/sweep.json"));
+        let swept = json(&folder.join("swept/explore.json"));
         let found = find(&swept, "clock").expect("a point has a clock");
         assert_eq!(found["mhz"].as_f64(), Some(clock.mhz), "{found}");
         assert_eq!(found["origin"], "estimated");

@@ -6,7 +6,7 @@ use crate::command::CommandFailure;
 use crate::command::output::{self, result_files};
 use robovec_cgen::c;
 use robovec_error::yardstick::account::share_cell;
-use robovec_explore::optimise::{OptimisationQuestion, OptimisationTarget, Optimised, page, text};
+use robovec_explore::optimise::{OptimisationQuestion, OptimisationTarget, Optimised, text};
 use robovec_explore::program::{transformed_by, view};
 use robovec_fpga::hardware;
 use robovec_framework::manager::{self, Config};
@@ -45,7 +45,7 @@ pub(super) fn tell(
     files.extend(result_files(&table, json_text(&found.points), &figure));
     files.push((
         "optimise.html".to_owned(),
-        page::page(&given.name, found, &facts, &commands),
+        text::page(&given.name, found, &facts, &commands),
     ));
     let top: Vec<(&str, &str)> = files
         .iter()

@@ -144,7 +144,7 @@ pub fn contest(regular: View<'_>, shorter: View<'_>) -> Result<ProcessorTimes, S
 }
 
 /// Question about the C of a function.
-fn question<'a>(view: View<'a>, states: &'a States) -> BenchQuestion<'a> {
+pub(crate) fn question<'a>(view: View<'a>, states: &'a States) -> BenchQuestion<'a> {
     BenchQuestion {
         name: "function".to_owned(),
         view,

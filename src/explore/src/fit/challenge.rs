@@ -13,9 +13,9 @@
 //! inputs of a user are not rounded either. Work is counted in operations: the
 //! same task gives the same states on any number of threads.
 
-use super::tolerance::shares;
+use super::format::shares;
 use super::{FitError, FitProgram, FitTask};
-use crate::program::{ExplorationError, view};
+use crate::program::view;
 use rayon::prelude::*;
 use robovec_error::yardstick::{Yardstick, results};
 use robovec_ir::count::Counts;
@@ -46,7 +46,7 @@ const PARENTS: usize = 64;
 const TOLD: usize = 16;
 
 /// Result of trying a choice.
-#[derive(Clone, PartialEq, Debug, Serialize)]
+#[derive(Clone, PartialEq, Default, Debug, Serialize)]
 pub struct Challenge {
     /// The seed that the fresh states come from.
     pub seed: u64,
@@ -94,11 +94,7 @@ pub(super) fn challenge(
     let breed = Breed::new(task, &source);
     let mut result = Challenge {
         seed,
-        fresh: 0,
-        fresh_used: 0.0,
-        directed: 0,
-        used: 0.0,
-        worst: Vec::new(),
+        ..Challenge::default()
     };
     let mut parents: Vec<JudgedState> = Vec::new();
     while result.fresh < fresh && result.holds() {
@@ -157,7 +153,7 @@ fn judged(
     let measure = |chunk: &[Vec<f64>]| -> Result<Vec<f64>, FitError> {
         let yardstick = Yardstick::at(view(task.general), chunk.to_vec());
         let view = view(&program.module);
-        let inputs = yardstick.inputs(view).map_err(ExplorationError::from)?;
+        let inputs = yardstick.inputs(view)?;
         shares(task, program, &yardstick, &results(view, format, &inputs))
     };
     let found: Result<Vec<Vec<f64>>, FitError> = states.par_chunks(CHUNK).map(measure).collect();
@@ -269,12 +265,8 @@ mod tests {
     #[test]
     fn the_share_is_what_independent_states_establish() {
         let tried = |fresh| Challenge {
-            seed: 1,
             fresh,
-            fresh_used: 0.5,
-            directed: 0,
-            used: 0.5,
-            worst: Vec::new(),
+            ..Challenge::default()
         };
         // The rule of three: 1 - 3/n.
         assert!((tried(1000).share() - (1.0 - 2.9957 / 1000.0)).abs() < 1e-5);

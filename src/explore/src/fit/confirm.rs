@@ -6,7 +6,7 @@
 //! found: its results must be the evaluator's bit for bit, and within the
 //! tolerances.
 
-use super::{Challenge, FitCandidate, FitError, FitProgram, FitTask, size, tolerance};
+use super::{Challenge, FitCandidate, FitError, FitProgram, FitTask, format, size};
 use crate::placing::placed;
 use crate::program::{ExplorationError, view};
 use robovec_error::yardstick::{Yardstick, results};
@@ -20,7 +20,7 @@ const SIMULATED: usize = 8;
 
 /// Confirmation of a choice on the machine: the states it was run at, and the
 /// results.
-#[derive(Clone, PartialEq, Debug, Serialize)]
+#[derive(Clone, PartialEq, Default, Debug, Serialize)]
 pub struct Confirmation {
     /// States run cycle by cycle.
     pub simulated: usize,
@@ -94,41 +94,33 @@ pub fn confirm(
 ) -> Result<Confirmation, FitError> {
     if program.mixture.is_some() {
         return Ok(Confirmation {
-            simulated: 0,
             cycles: candidate.cycles,
-            equal: false,
-            simulated_used: 0.0,
             remark: "a machine's elements compute in one format, its values do not".to_owned(),
             is_for_other_hardware: true,
+            ..Confirmation::default()
         });
     }
     let ready = ready(task, program, candidate)?;
     let worst = &challenge.worst[..SIMULATED.min(challenge.worst.len())];
     let worst = Yardstick::at(view(task.general), worst.to_vec());
     let view = view(&program.module);
-    let inputs = worst.inputs(view).map_err(ExplorationError::from)?;
+    let inputs = worst.inputs(view)?;
     let mut confirmation = Confirmation {
-        simulated: 0,
         cycles: candidate.cycles,
-        equal: false,
         simulated_used: f64::INFINITY,
-        remark: String::new(),
-        is_for_other_hardware: false,
+        ..Confirmation::default()
     };
     match run(&ready, &inputs) {
         Err(reason) => confirmation.remark = reason,
         Ok((cycles, simulated)) => {
             let expected = results(view, ready.machine.number, &inputs);
             let bits = |rows: &[Vec<f64>]| -> Vec<u64> {
-                rows.iter()
-                    .flatten()
-                    .map(|number| number.to_bits())
-                    .collect()
+                rows.iter().flatten().copied().map(f64::to_bits).collect()
             };
             confirmation.cycles = cycles;
             confirmation.simulated = inputs.len();
             confirmation.equal = bits(&simulated) == bits(&expected);
-            let shares = tolerance::shares(task, program, &worst, &simulated)?;
+            let shares = format::shares(task, program, &worst, &simulated)?;
             confirmation.simulated_used = shares.into_iter().fold(0.0, f64::max);
         }
     }

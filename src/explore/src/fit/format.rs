@@ -1,11 +1,13 @@
-//! The narrowest formats that meet the tolerances, floating and fixed.
+//! The narrowest formats that meet the tolerances, floating and fixed; the errors of a
+//! program in a format beside what the scene allows, and the size of its numbers.
 
-use super::ranges::{exponent_bits, largest_exponent};
-use super::tolerance::FormatErrors;
 use super::{FitError, FitProgram, FitTask};
-use crate::program::ExplorationError;
-use robovec_error::yardstick::Yardstick;
+use crate::program::view;
+use robovec_error::yardstick::{MeasuredErrors, Unmeasurable, Yardstick, results};
+use robovec_framework::scene::Allowed;
 use robovec_ir::Format;
+use robovec_ir::evaluate::evaluate_nodes;
+use robovec_num::arithmetic::Binary64;
 use robovec_num::{FixedFormat, NumberFormat};
 
 /// Mantissas that are looked at.
@@ -165,7 +167,108 @@ impl FormatQuestion<'_> {
     }
 
     fn largest_exponent(&self) -> Result<i32, FitError> {
-        let largest = largest_exponent(self.program, self.validation);
-        Ok(largest.map_err(ExplorationError::from)?)
+        Ok(largest_exponent(self.program, self.validation)?)
+    }
+}
+
+/// The errors of a program in a format at the states of a yardstick.
+#[derive(Clone, Debug)]
+pub(super) struct FormatErrors {
+    pub(super) errors: MeasuredErrors,
+    /// For every state the largest error of an output over what is allowed of
+    /// it; 0 where the scene allows every error, infinite for what is no
+    /// number.
+    pub(super) shares: Vec<f64>,
+}
+
+impl FormatErrors {
+    /// The errors at the states of a yardstick.
+    pub(super) fn at(
+        task: &FitTask<'_>,
+        program: &FitProgram,
+        format: Format,
+        yardstick: &Yardstick,
+    ) -> Result<FormatErrors, FitError> {
+        let view = view(&program.module);
+        let inputs = yardstick.inputs(view)?;
+        let results = results(view, format, &inputs);
+        let errors = yardstick.judge(view, &results);
+        Ok(FormatErrors {
+            errors: errors?,
+            shares: shares(task, program, yardstick, &results)?,
+        })
+    }
+
+    /// The largest error over what is allowed.
+    pub(super) fn used(&self) -> f64 {
+        self.shares.iter().copied().fold(0.0, f64::max)
+    }
+}
+
+/// For every state of a yardstick the largest error over what is allowed, of
+/// results in the order of the program's assignments.
+pub(super) fn shares(
+    task: &FitTask<'_>,
+    program: &FitProgram,
+    yardstick: &Yardstick,
+    results: &[Vec<f64>],
+) -> Result<Vec<f64>, FitError> {
+    let view = view(&program.module);
+    let allowed = Allowed::new(view, Some(task.scene), f64::INFINITY, &task.sizes);
+    let shares = yardstick.shares(view, results, &allowed);
+    Ok(shares?)
+}
+
+/// The exponent of the largest number that a program meets at the yardstick's
+/// states: inputs, constants and every value on the way.
+pub(super) fn largest_exponent(
+    program: &FitProgram,
+    yardstick: &Yardstick,
+) -> Result<i32, Unmeasurable> {
+    let view = view(&program.module);
+    let mut largest = 0.0f64;
+    for inputs in yardstick.inputs(view)? {
+        let values = evaluate_nodes(view.function, &Binary64, &inputs);
+        let numbers = values
+            .iter()
+            .chain(&inputs)
+            .chain(view.function.constants());
+        for number in numbers.filter(|number| number.is_finite()) {
+            largest = largest.max(number.abs());
+        }
+    }
+    Ok(largest.max(1.0).log2().ceil() as i32)
+}
+
+/// Powers of two that the largest number of other states may exceed those of
+/// the states looked at.
+const MARGIN: i32 = 2;
+
+/// The fewest bits of exponent whose largest number is above `2^exponent`,
+/// with a margin; at least 4, since fewer leave no normal numbers below one
+/// to speak of.
+pub(super) fn exponent_bits(exponent: i32) -> u32 {
+    let holds = |bits: &u32| {
+        let format = NumberFormat {
+            exponent: *bits,
+            mantissa: 1,
+            subnormals: true,
+        };
+        format.largest_exponent() >= exponent + MARGIN
+    };
+    (4..=11).find(holds).unwrap_or(11)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exponents_hold_with_a_margin() {
+        assert_eq!(
+            [0, 5, 6, 13, 14, 125, 126].map(exponent_bits),
+            [4, 4, 5, 5, 6, 8, 9]
+        );
+        assert_eq!(exponent_bits(4000), 11);
     }
 }

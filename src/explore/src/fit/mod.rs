@@ -44,12 +44,10 @@ mod format;
 mod mixture;
 mod motion;
 pub mod page;
-mod ranges;
 mod search;
 mod series;
 mod size;
 pub mod text;
-mod tolerance;
 mod units;
 mod variants;
 
@@ -64,7 +62,7 @@ use crate::device::DeviceShare;
 use crate::pareto::{self, EqualPoints};
 use crate::program::ExplorationError;
 use robovec_dynamics::generate::Formulation;
-use robovec_error::yardstick::ErrorSpread;
+use robovec_error::yardstick::{ErrorSpread, Unmeasurable};
 use robovec_fpga::hardware::MachineClock;
 use robovec_framework::scene::{ArraySizes, Scene};
 use robovec_ir::{Machine, Module};
@@ -221,6 +219,12 @@ pub enum FitError {
     /// No program can be placed on the machine.
     #[error("no program can be placed on the machine: {0}")]
     Placement(PlaceError),
+}
+
+impl From<Unmeasurable> for FitError {
+    fn from(error: Unmeasurable) -> FitError {
+        FitError::Measure(error.into())
+    }
 }
 
 /// Searches programs, formats and numbers of elements for a scene, and measures

@@ -1,8 +1,7 @@
 //! Programs with the formats and sizes they are tried in.
 
 use super::challenge::Challenge;
-use super::format::{FormatQuestion, MeasuredFormat, PART, WIDEST};
-use super::tolerance::FormatErrors;
+use super::format::{FormatErrors, FormatQuestion, MeasuredFormat, PART, WIDEST};
 use super::{
     CostMeasure, FitCandidate, FitError, FitOutcome, FitProgram, FitTask, MOTION_STEPS, SinePlace,
     SineTreatment, bound, mixture, series, size, units, variants,

@@ -1,7 +1,7 @@
 //! Sines and cosines on the elements: of each method the least order whose
 //! error leaves room for rounding.
 
-use super::tolerance::FormatErrors;
+use super::format::FormatErrors;
 use super::{FitError, FitProgram, FitTask};
 use crate::ExplorationProgress;
 use crate::program::transformed_by;

@@ -1,7 +1,7 @@
 //! The programs: every formulation specialised, with the equations as short
 //! or as few as the passes make them.
 
-use super::tolerance::FormatErrors;
+use super::format::FormatErrors;
 use super::{FitError, FitProgram, FitTask, SineTreatment};
 use crate::ExplorationProgress;
 use crate::optimise::found::found;
@@ -70,16 +70,9 @@ pub(super) fn programs(
             let name = format!("{}, {words}", formulation.name());
             progress(&name);
             match transformed_by(&special, &stages, task.machine, Some(task.scene)) {
-                Ok(module) => programs.push(FitProgram {
-                    name,
-                    pipeline: format!("specialise,{stages}"),
-                    formulation: *formulation,
-                    treatment: SineTreatment::True,
-                    module: Arc::new(module),
-                    model_share: 0.0,
-                    mixture: None,
-                    excluded: None,
-                }),
+                Ok(module) => {
+                    programs.push(specialised(name, &stages, *formulation, Arc::new(module)));
+                }
                 Err(error) => last = Some(error),
             }
         }
@@ -137,35 +130,36 @@ fn searched(
     progress: ExplorationProgress<'_>,
 ) -> Result<Vec<FitProgram>, ExplorationError> {
     let starts = formulations.iter().map(|(formulation, module)| {
-        let made = module.clone();
-        match formulation {
-            Formulation::Recursive => OptimisationStart {
-                name: formulation.name().to_owned(),
-                ..OptimisationStart::given(made)
-            },
-            _ => OptimisationStart::formulation(*formulation, made, String::new()),
-        }
+        OptimisationStart::formulation(*formulation, module.clone(), String::new())
     });
     let starts: Vec<OptimisationStart> = starts.collect();
     if starts.is_empty() {
         return Ok(Vec::new());
     }
-    let found = found(
-        &starts,
-        task.machine,
-        &SEARCHED,
-        SharedWork::ALONE,
-        progress,
-    )?;
-    let programs = found.into_iter().map(|found| FitProgram {
-        name: found.name,
-        pipeline: format!("specialise,{}", found.passes),
-        formulation: formulations[found.start].0,
+    let (machine, work) = (task.machine, SharedWork::ALONE);
+    let found = found(&starts, machine, &SEARCHED, work, progress)?;
+    let programs = found.into_iter().map(|found| {
+        let formulation = formulations[found.start].0;
+        specialised(found.name, &found.passes, formulation, found.program)
+    });
+    Ok(programs.collect())
+}
+
+/// A program that passes made of a specialised formulation, not measured yet.
+fn specialised(
+    name: String,
+    passes: &str,
+    formulation: Formulation,
+    module: Arc<Module>,
+) -> FitProgram {
+    FitProgram {
+        name,
+        pipeline: format!("specialise,{passes}"),
+        formulation,
         treatment: SineTreatment::True,
-        module: found.program,
+        module,
         model_share: 0.0,
         mixture: None,
         excluded: None,
-    });
-    Ok(programs.collect())
+    }
 }

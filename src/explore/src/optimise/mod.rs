@@ -15,7 +15,6 @@
 pub mod found;
 mod maker;
 mod measure;
-pub mod page;
 mod processor;
 mod proof;
 pub mod start;

@@ -10,7 +10,7 @@ use super::measure::ProgramFigures;
 use super::start::PreparedStarts;
 use super::{OptimisationQuestion, OptimisationTarget};
 use crate::ExplorationProgress;
-use crate::processor::LARGEST;
+use crate::processor::{LARGEST, question};
 use crate::program::view;
 use rayon::prelude::*;
 use robovec_analysis::processor::processor_work;
@@ -21,8 +21,6 @@ use robovec_passes::optimise::search::SearchOutcome;
 use robovec_passes::optimise::steps::{FEWEST, PREPARATIONS, PRESET, SearchStep};
 use std::path::Path;
 
-/// States that programs are timed at.
-const STATES: u32 = 16;
 /// Rounds, and the time of everybody in a round, ms: of all candidates, and of
 /// those that may be the fastest.
 const ROUNDS: [(u32, u32); 2] = [(2, 30), (8, 60)];
@@ -178,14 +176,10 @@ impl ProgramTiming<'_> {
         rounds: u32,
         milliseconds: u32,
     ) -> Result<Vec<BenchOutcome>, String> {
+        let function = view(&self.prepared.modules[0]);
         let question = BenchQuestion {
-            name: "function".to_owned(),
-            view: view(&self.prepared.modules[0]),
-            model: None,
-            has_loads: false,
-            states: self.question.states,
-            count: STATES,
             flags: Some(flags),
+            ..question(function, self.question.states)
         };
         let contestants = candidates.iter().map(|&index| {
             let trial = &self.outcome.trials[index];

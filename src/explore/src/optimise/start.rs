@@ -139,30 +139,17 @@ pub fn formulations(
 }
 
 /// Options of the generator, with the flags of `robovec gen` for them.
-fn ways() -> [(Options, &'static str); 4] {
-    let usual = Options::default;
-    let bare = || Options {
-        external_forces: false,
-        ..usual()
-    };
-    [
-        (usual(), ""),
-        (bare(), " --no-forces"),
-        (
-            Options {
-                all_parameters: true,
-                ..usual()
-            },
-            " --all-parameters",
-        ),
-        (
-            Options {
-                all_parameters: true,
-                ..bare()
-            },
-            " --no-forces --all-parameters",
-        ),
-    ]
+fn ways() -> [(Options, String); 4] {
+    [(true, false), (false, false), (true, true), (false, true)].map(|(forces, all)| {
+        let options = Options {
+            external_forces: forces,
+            all_parameters: all,
+            ..Options::default()
+        };
+        let bare = if forces { "" } else { " --no-forces" };
+        let all = if all { " --all-parameters" } else { "" };
+        (options, format!("{bare}{all}"))
+    })
 }
 
 /// The function of a module that is the one that came in, alone in it, with

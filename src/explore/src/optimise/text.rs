@@ -2,7 +2,9 @@
 
 use super::{OptimisationPoint, Optimised};
 use robovec_error::yardstick::account::{ERROR_HEADS, measure_text};
+use robovec_present::json::json_script;
 use robovec_present::number::share_percent;
+use robovec_present::page::{self, PointsPage};
 use robovec_present::{
     AxisScale, ColumnList, Curve, DataTable, Digits, Figure, Mark, Paint, Panel, PlotAxis, Stroke,
     columns,
@@ -156,4 +158,21 @@ pub fn figure(found: &Optimised) -> Figure {
         1,
         vec![panel],
     )
+}
+
+/// The page: `facts` says what was taken and why, `commands` how it is made
+/// again.
+pub fn page(name: &str, found: &Optimised, facts: &str, commands: &str) -> String {
+    let page = PointsPage {
+        title: format!("The best program of {name}"),
+        subtitle: format!("Computed by robovec {}.", env!("CARGO_PKG_VERSION")),
+        figures: page::lines(facts) + &page::figure(&figure(found)),
+        points: "All that was tried",
+        tables: page::table(&points_table(found), "optimise.csv")
+            + "<h2>How to make it again</h2>"
+            + &page::lines(commands),
+        method: include_str!("method.html"),
+        data: json_script(&found.points),
+    };
+    page.to_html()
 }

@@ -3,11 +3,11 @@
 
 use super::{SceneFile, SceneSubject};
 use crate::device;
-use crate::program::view;
+use crate::program::{transformed, view};
 use robovec_analysis::critical_path::critical_path;
 use robovec_analysis::rounding::usual_states;
 use robovec_error::yardstick::{ErrorSpread, Unmeasurable, Yardstick};
-use robovec_framework::manager::{self, Config};
+use robovec_framework::manager::RunError;
 use robovec_framework::scene::{Bindings, Scene};
 use robovec_ir::count::Counts;
 use robovec_ir::states::States;
@@ -42,7 +42,7 @@ pub enum EffectError {
     Generate(#[from] robovec_dynamics::generate::GenerateError),
     /// A pass gave up.
     #[error(transparent)]
-    Run(#[from] manager::RunError),
+    Run(#[from] RunError),
     /// A program could not be measured.
     #[error(transparent)]
     Measure(#[from] Unmeasurable),
@@ -87,7 +87,7 @@ pub fn effects(file: &SceneFile, machine: &Machine) -> Result<Vec<SceneEffect>, 
 
 fn effect(
     what: &'static str,
-    mut module: Module,
+    module: Module,
     scene: Option<&Scene>,
     (machine, states): (&Machine, &States),
 ) -> Result<SceneEffect, EffectError> {
@@ -96,12 +96,7 @@ fn effect(
         .pipeline(pipeline)
         .expect("the usual pipeline is well formed");
     let general = alone(&module);
-    let mut log = std::io::sink();
-    let config = Config {
-        scene,
-        ..Config::new(machine, &mut log)
-    };
-    manager::run(&mut module, &pipeline, config)?;
+    let module = transformed(&module, &pipeline, machine, scene)?;
     let mut effect = SceneEffect {
         what,
         operations: 0,

@@ -1,49 +1,8 @@
 //! Scene files: what a program is needed for, as a user writes it.
 //!
-//! ```toml
-//! name = "bogie on straight track"
-//! model = "../models/bogie.mbs"   # or: equations = "mbs_accelred_bogie.c"
-//! function = "accelred"           # of a model by default dirdyna
-//! formulation = "articulated"     # by default the generator's
-//! machine = "thesis"              # a name, or a .toml file beside the scene
-//! trigonometry = "elements"       # sines and cosines as series; else "host"
-//! deadline = 50.0                 # µs
-//! parameters = "from-model"       # dpt, l, m, In, g, lrod are the model's
-//! free = ["m[Frame]"]             # but these stay inputs
-//! driven = ["T1_Frame"]           # joints whose motion is prescribed
-//!
-//! small = ["R1_Frame"]             # joints with sin q = q and cos q = 1
-//!
-//! [locked]                        # joints that do not move
-//! R3_Frame = 0.0                  # m or rad, or "initial"
-//!
-//! [[output]]                      # what is needed; without any, everything
-//! elements = ["qdd[T3_Frame]", "qdd[6]"]
-//! error = 1e-6                    # allowed, …
-//! measure = "norm"                # … of the array's largest element,
-//!                                 # "relative" or "absolute"
-//!
-//! [bind]                          # inputs that are known numbers
-//! frc = 0.0
-//! "trq[2,*]" = 0.0
-//!
-//! [range]                         # how large the others are
-//! q = { all = [-0.05, 0.05], T1_Frame = [-100, 100] }
-//!
-//! [motion]                        # a motion that programs are judged by
-//! laws = "../laws/bogie.toml"     # its forces
-//! time = 10.0                     # s
-//! error = 0.01                    # of the largest displacement of …
-//! watch = ["T3_Frame"]            # … these joints
-//!
-//! [neglect]                       # what may be left out (`robovec fit --reduce`)
-//! kinds = ["joints", "angles"]    # by default all
-//! keep = ["Motor"]
-//! ```
-//!
 //! The scene itself is [`robovec_framework::scene::Scene`]; here it is read,
 //! joined with its model or its equations ([`SceneSubject`]), and every mistake is
-//! told with its place. docs/scenes.md is the manual.
+//! reported with its place. docs/scenes.md is the manual.
 
 mod arrays;
 mod document;

@@ -11,11 +11,9 @@
 //! alone: no clock, no number of threads, no order of work enters a result.
 
 mod captions;
-mod couples;
 mod cpu;
 mod figures;
 mod knee;
-mod occupation;
 mod page;
 pub mod plan;
 mod point;
@@ -27,7 +25,6 @@ mod step;
 mod tables;
 mod variants;
 mod verdict;
-mod zone;
 
 pub use cpu::{CpuJob, CpuTime, time};
 pub use program::{ProgramSources, StudyEquations};

@@ -1,11 +1,11 @@
 //! A plan and what it gave, with the questions that tables and figures ask.
 
+use super::knee::{Zone, zone};
 use super::plan::{NamedPipeline, PlacementRequest, Printed, StudyPlan, StudySubject};
 use super::point::PlacedPoint;
 use super::printed::{self, PrintedRow, PrintedSystem};
 use super::program::ProgramFacts;
 use super::run::StudyOutcome;
-use super::zone::{Zone, zone};
 use crate::device;
 use crate::placing::{with_counts, words_of_a_side};
 use robovec_fpga::hardware::{MachineClock, MachineShape};

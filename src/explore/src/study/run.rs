@@ -5,10 +5,10 @@
 //! one is placed, on all cores, the next is made ready. Results stand in the
 //! order of their requests, whatever the order of work.
 
+use super::knee::is_saturated;
 use super::plan::{NamedMachine, NamedPipeline, PlacementRequest, StudyPlan};
 use super::point::{PlacedPoint, measure};
 use super::program::{ProgramFacts, ProgramSources, StudyEquations, StudyProgram};
-use super::zone::is_saturated;
 use crate::ExplorationProgress;
 use crate::share::SharedWork;
 use crate::store::PointKey;

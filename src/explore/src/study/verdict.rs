@@ -1,10 +1,10 @@
 //! Meaning of the study, in plain words, computed from its points.
 
+use super::knee::{BUSY, SATURATED};
 use super::knee::{Knee, Split, knee};
 use super::program::ProgramFacts;
 use super::results::{Results, StudiedProgram};
 use super::variants;
-use super::zone::{BUSY, SATURATED};
 use robovec_error::yardstick::account::measure_text;
 use robovec_fpga::hardware::MachineClock;
 use robovec_ir::diagnostic::counted;

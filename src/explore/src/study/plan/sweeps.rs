@@ -4,9 +4,10 @@ use super::file::{ElementsEntry, SweepEntry};
 use super::resolve::{HEADLINE, MAX_PLACEMENTS, PlanResolver, suggestion};
 use super::{DEFAULT_MACHINE, ELEMENTS, NamedMachine, PlacementRequest};
 use crate::axes::Axes;
-use crate::study::couples;
-use robovec_ir::Operation;
+use crate::operators::{Couple, couples, with_stages};
 use robovec_ir::diagnostic::{Report, did_you_mean};
+use robovec_ir::machine::ClockOrigin;
+use robovec_ir::{Machine, Operation};
 use robovec_num::limits::Amount;
 use robovec_schedule::PlaceOptions;
 use std::collections::BTreeSet;
@@ -127,8 +128,8 @@ impl PlanResolver<'_> {
         };
         let mut found = Vec::new();
         for (name, span) in names {
-            if name == couples::ALL {
-                found.extend(couples::machines().map(|machine| self.add_machine(machine)));
+            if name == COUPLES {
+                found.extend(couple_machines().map(|machine| self.add_machine(machine)));
                 continue;
             }
             match self.machine(&name) {
@@ -156,7 +157,7 @@ impl PlanResolver<'_> {
         if let Some(position) = machines.position(|machine| machine.name == known) {
             return Ok(position);
         }
-        let machine = match couples::machine_named(name) {
+        let machine = match couple_named(name) {
             Some(machine) => machine,
             None => NamedMachine {
                 name: known.to_owned(),
@@ -229,5 +230,53 @@ impl PlanResolver<'_> {
                 Vec::new(),
             );
         }
+    }
+}
+
+/// The word for all couples in lists of machines.
+const COUPLES: &str = "couples";
+
+/// The machines of all couples: the thesis' machine with their stages and
+/// clock.
+fn couple_machines() -> impl Iterator<Item = NamedMachine> {
+    couples().into_iter().map(couple_machine)
+}
+
+/// The machine of a name like `couple-7-4`.
+fn couple_named(name: &str) -> Option<NamedMachine> {
+    couple_machines().find(|machine| machine.name == name)
+}
+
+fn couple_machine(couple: Couple) -> NamedMachine {
+    let thesis = Machine::built_in("thesis").expect("it ships, and a test parses it");
+    let [add, multi] = couple.stages();
+    let mut machine = with_stages(&thesis, [add, multi]);
+    let name = format!("couple-{add}-{multi}");
+    machine.name.clone_from(&name);
+    machine.description = format!(
+        "adders of {add} stages, multipliers of {multi}, at {} MHz (thesis, Table 1.3)",
+        couple.mhz()
+    );
+    machine.clock_mhz = Some(f64::from(couple.mhz()));
+    machine.clock_origin = ClockOrigin::Published;
+    NamedMachine {
+        name,
+        machine,
+        couple: Some([add, multi]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_couple_is_a_machine() {
+        assert_eq!(couple_machines().count(), 15);
+        let machine = couple_named("couple-10-5").expect("it is a couple");
+        let thesis = Machine::built_in("thesis").expect("it ships");
+        assert_eq!(machine.machine.elements, thesis.elements);
+        assert_eq!(machine.machine.clock_mhz, thesis.clock_mhz);
+        assert_eq!(couple_named("couple-10-9"), None);
     }
 }

@@ -5,11 +5,7 @@
 //! those of true sines and cosines at random states. The error of a series is
 //! a modelling error that reaches every output, and mostly far above rounding
 //! (thesis 1.2.2, remark); beside each other in one table it is seen where
-//! one takes over from the other. [`view`] shows the result.
-
-mod view;
-
-pub use view::{figure, table, text};
+//! one takes over from the other.
 
 use crate::program::transformed;
 use robovec_analysis::critical_path::critical_path;
@@ -23,6 +19,11 @@ use robovec_model::Model;
 use robovec_num::soft_float::FormatArithmetic;
 use robovec_passes::registry::REGISTRY;
 use robovec_passes::trigonometry::{AngleOption, CircularMethod, Trigonometry};
+use robovec_present::number::exponential;
+use robovec_present::{
+    AxisScale, CellValue, Curve, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, columns,
+    text_lines,
+};
 use std::sync::Arc;
 
 /// Settings of the measurement.
@@ -228,4 +229,117 @@ fn ranges(view: View<'_>, model: Option<&Model>, angle: f64) -> Result<Ranges, M
         }
     }
     Ok(ranges)
+}
+
+/// The rows of one function, for people.
+pub fn text(effect: &TrigonometryEffect) -> String {
+    let mut head =
+        "angles ± | order | >error of sin | >error of cos | >operations | >path".to_owned();
+    for array in &effect.arrays {
+        head += &format!(" | >{array}: median | >{array}: worst");
+    }
+    let rows: Vec<Vec<String>> = effect.rows.iter().map(cells).collect();
+    format!("{}:\n{}", effect.name, text_lines(&head, &rows))
+}
+
+fn cells(row: &TrigonometryRow) -> Vec<String> {
+    let mut cells = vec![row.angle.to_string()];
+    match row.order {
+        None => cells.extend(["true".to_owned(), String::new(), String::new()]),
+        Some(order) => {
+            cells.push(order.to_string());
+            cells.extend(row.proved.map(exponential));
+        }
+    }
+    cells.extend(row.size.map(|number| number.to_string()));
+    for errors in &row.errors {
+        cells.extend([exponential(errors.median), exponential(errors.worst)]);
+    }
+    cells
+}
+
+/// The same as a table for programs: one row for every output array.
+pub fn table(effects: &[TrigonometryEffect]) -> DataTable {
+    type Row<'a> = (&'a TrigonometryEffect, &'a TrigonometryRow, usize);
+    let order = |row: &Row<'_>| match row.1.order {
+        None => CellValue::Text("true".to_owned()),
+        Some(order) => CellValue::Count(order.into()),
+    };
+    let columns = columns! { Row<'_>;
+        "function", [Hidden, All], |row| row.0.name.as_str();
+        "range (rad)", [Hidden, All], |row| row.1.angle;
+        "order", [Hidden, All], order;
+        "largest error of sin", [Hidden, All], |row| row.1.proved[0];
+        "largest error of cos", [Hidden, All], |row| row.1.proved[1];
+        "operations", [Hidden, All], |row| row.1.size[0];
+        "path (cycles)", [Hidden, All], |row| row.1.size[1];
+        "array", [Hidden, All], |row| row.0.arrays[row.2].as_str();
+        "normwise error, median", [Hidden, All], |row| row.1.errors[row.2].median;
+        "normwise error, worst", [Hidden, All], |row| row.1.errors[row.2].worst;
+    };
+    let mut rows: Vec<Row<'_>> = Vec::new();
+    for effect in effects {
+        for row in &effect.rows {
+            rows.extend((0..effect.arrays.len()).map(|array| (effect, row, array)));
+        }
+    }
+    columns.table(
+        "trig",
+        "Errors of outputs by the order of the polynomials for sine and cosine",
+        "The errors of sine and cosine are proved bounds on the range; those of the outputs are \
+         the largest of an array over its largest element, over random states with joints in the \
+         range, rounding included.",
+        &rows,
+    )
+}
+
+/// Median errors against the range, one curve for every order.
+pub fn figure(effects: &[TrigonometryEffect]) -> Figure {
+    let mut panels = Vec::new();
+    for effect in effects {
+        for (index, array) in effect.arrays.iter().enumerate() {
+            panels.push(Panel::curves(
+                format!("{} {array}", effect.name),
+                PlotAxis::new("range of the joints (rad)", AxisScale::Decades),
+                PlotAxis::new("median normwise error", AxisScale::Decades),
+                curves(effect, index),
+            ));
+        }
+    }
+    Figure::new(
+        "trig",
+        "Errors of outputs against the range of the joints",
+        "The median over random states of the largest error of an array over its \
+                  largest element; a curve for every order of the polynomials that stand for \
+                  sine and cosine.",
+        panels.len().clamp(1, 2),
+        panels,
+    )
+}
+
+fn curves(effect: &TrigonometryEffect, array: usize) -> Vec<Curve> {
+    let mut orders: Vec<Option<u32>> = effect.rows.iter().map(|row| row.order).collect();
+    orders.sort_unstable();
+    orders.dedup();
+    let marks = |order: Option<u32>| {
+        let rows = effect.rows.iter().filter(move |row| row.order == order);
+        let marks = rows.map(|row| Mark::at(row.angle, row.errors[array].median));
+        // A logarithm has no place for nothing.
+        marks.filter(|mark| mark.y > 0.0)
+    };
+    orders
+        .into_iter()
+        .enumerate()
+        .map(|(place, order)| {
+            Curve::new(
+                match order {
+                    None => "true".to_owned(),
+                    Some(order) => format!("order {order}"),
+                },
+                Paint::Distinct(place),
+                Stroke::Marked,
+                marks(order),
+            )
+        })
+        .collect()
 }
