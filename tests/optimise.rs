@@ -147,23 +147,18 @@ fn a_search_that_goes_on_ends_as_one_that_was_not_interrupted() {
 
 #[test]
 fn every_target_is_ready_to_use() {
-    let fpga = optimised(&["examples/models/bogie.mbs", "--effort=1", "--states=16"]);
+    let words = [
+        "examples/suspension/mbs_dirdyna_suspension.m",
+        "--effort=1",
+        "--states=16",
+    ];
+    let fpga = optimised(&words);
     for name in ["program.rvir", "rtl", "optimise.svg", "optimise.csv"] {
         assert!(fpga.path().join(name).exists(), "{name}");
     }
-    let cpu = optimised(&[
-        "examples/models/bogie.mbs",
-        "--effort=1",
-        "--states=16",
-        "--for=cpu",
-    ]);
-    assert!(cpu.path().join("mbs_dirdyna_bogie.c").exists());
-    let batch = optimised(&[
-        "examples/models/bogie.mbs",
-        "--effort=1",
-        "--states=16",
-        "--for=batch",
-    ]);
+    let cpu = optimised(&[&words[..], &["--for=cpu"]].concat());
+    assert!(cpu.path().join("mbs_dirdyna_suspension.c").exists());
+    let batch = optimised(&[&words[..], &["--for=batch"]].concat());
     assert!(batch.path().join("dirdyna_batch.c").exists());
     // A text of nobody's.
     let own = optimised(&["tests/passes/optimise/path.rvir", "--for=cpu", "--effort=1"]);
