@@ -135,8 +135,12 @@ impl Report {
     }
 
     /// The first text and the number of errors.
+    ///
+    /// # Panics
+    ///
+    /// Panics when there is no text that errors could be about.
     pub fn summary(&self) -> String {
-        let name = self.files.first().map_or("", |file| file.name());
+        let name = self.files.first().expect("errors are about a text").name();
         let count = self.error_count();
         let plural = if count == 1 { "" } else { "s" };
         format!("{name}: {count} error{plural}")

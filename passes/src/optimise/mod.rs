@@ -8,6 +8,7 @@
 //! The search is open to others: `robovec optimise` runs it over several
 //! formulations and on all cores.
 
+mod question;
 pub mod search;
 pub mod steps;
 mod table;
