@@ -56,6 +56,13 @@ pub struct BenchQuestion<'a> {
     pub flags: Option<&'a str>,
 }
 
+impl<'a> BenchQuestion<'a> {
+    /// The flags with which C is compiled that these suit.
+    fn flags_or(&self, usual: &'a str) -> &'a str {
+        self.flags.unwrap_or(usual)
+    }
+}
+
 /// Outcome of one contestant.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct BenchOutcome {

@@ -205,7 +205,7 @@ impl<'a> Generated<'a> {
 
     /// The program around the function.
     fn contestant(&self, plan: &ContestantPlan<'_>) -> Contestant {
-        let flags = plan.question.flags.unwrap_or(self.flags);
+        let flags = plan.question.flags_or(self.flags);
         let command = &plan.compiler.command;
         let [(source, _), (header, _)] = &self.files;
         let stem = source.strip_suffix(".c").expect("the source comes first");

@@ -101,7 +101,7 @@ fn contestant(
         view,
         ..
     } = *plan;
-    let flags = question.flags.unwrap_or(FLAGS);
+    let flags = question.flags_or(FLAGS);
     let Some((function, declaration, parameters)) = signature(text) else {
         return missing(
             question,

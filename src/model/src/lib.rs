@@ -173,11 +173,6 @@ impl Nature {
             Nature::Driven => "driven",
         }
     }
-
-    /// The nature with this name.
-    pub fn from_name(name: &str) -> Option<Nature> {
-        Nature::ALL.into_iter().find(|nature| nature.name() == name)
-    }
 }
 
 /// A joint with one degree of freedom.

@@ -194,8 +194,10 @@ pub fn read(name: &str, bytes: &[u8], language: Option<Language>) -> Result<Read
 
 /// True for robovec's own C for processors, by its first line.
 fn is_for_processors(text: &str) -> bool {
-    let head = text.lines().next().unwrap_or_default();
-    head.starts_with("/*") && head.contains(" by robovec")
+    let mut lines = text.lines();
+    lines
+        .next()
+        .is_some_and(|head| head.starts_with("/*") && head.contains(" by robovec"))
 }
 
 /// Reason why a file of robovec's own C for processors cannot be read, where it

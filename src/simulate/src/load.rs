@@ -268,19 +268,19 @@ impl<'a> Loader<'a> {
                 .iter()
                 .map(|name| self.operation(&element.name, name))
                 .collect::<Result<_, _>>()?;
-            let place = |memory: Option<&manifest::OperandMemory>| {
-                memory
-                    .and_then(|memory| self.names.get(&memory.name))
-                    .copied()
+            let place = |memory: &manifest::OperandMemory| self.names[&memory.name];
+            let memories = match element.memories.as_slice() {
+                [one] => [place(one); 2],
+                [left, right] => [place(left), place(right)],
+                _ => unreachable!("the memories were found to be those of the machine"),
             };
-            let left = place(element.memories.first()).unwrap_or(0);
             let buffer_words = element.buffer.as_ref().map_or(0, |buffer| buffer.words);
             units.push(ElementUnit {
                 name: element.name.clone(),
                 kind: element.kind.clone(),
                 latency: stages + 1,
                 operations,
-                memories: [left, place(element.memories.get(1)).unwrap_or(left)],
+                memories,
                 buffer_words,
                 buffer_offset: buffer_offset as u32,
             });

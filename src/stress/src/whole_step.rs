@@ -119,11 +119,14 @@ impl StepProgram {
         for (part, program) in parts.iter().enumerate() {
             for (place, name) in program.input_names.iter().enumerate() {
                 let known = names.iter().position(|known| known == name);
-                places[part].push(known.unwrap_or(names.len()));
                 if known.is_none() {
                     names.push(name);
                     origins.push((part, place));
                 }
+                places[part].push(match known {
+                    Some(known) => known,
+                    None => names.len() - 1,
+                });
             }
         }
         let results = [0, 1].map(|part: usize| {

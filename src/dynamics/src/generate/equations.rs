@@ -107,6 +107,16 @@ pub(super) struct Equation {
     pub(super) body: RightHandSide,
 }
 
+/// The place of an entry in a list; a new one at its end where there is none.
+fn place_of<T>(list: &mut Vec<T>, is: impl FnMut(&T) -> bool, new: impl FnOnce() -> T) -> u32 {
+    let found = list.iter().position(is);
+    let place = found.unwrap_or_else(|| {
+        list.push(new());
+        list.len() - 1
+    });
+    place as u32
+}
+
 /// Treatment of signs and equal equations.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct EquationStyle {
@@ -193,11 +203,11 @@ impl Equations {
         else {
             return Scalar::ZERO;
         };
-        let found = self.arrays.iter().position(|(name, _)| name == array);
-        let number = found.unwrap_or_else(|| {
-            self.arrays.push((array.to_owned(), indices.len()));
-            self.arrays.len() - 1
-        }) as u32;
+        let number = place_of(
+            &mut self.arrays,
+            |(name, _)| name == array,
+            || (array.to_owned(), indices.len()),
+        );
         debug_assert_eq!(
             self.arrays[number as usize].1,
             indices.len(),
@@ -253,11 +263,7 @@ impl Equations {
         if self.numbers_of_joints.element(array, padded).is_none() {
             return;
         }
-        let found = self.results.iter().position(|name| name == array);
-        let array = found.unwrap_or_else(|| {
-            self.results.push(array.to_owned());
-            self.results.len() - 1
-        }) as u32;
+        let array = place_of(&mut self.results, |name| name == array, || array.to_owned());
         self.outputs.push((array, padded, value));
     }
 

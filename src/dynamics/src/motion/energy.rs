@@ -70,6 +70,8 @@ fn frame(frames: &[JointFrame], joint: Option<usize>) -> JointFrame {
 
 /// The motion of all frames.
 fn frames(model: &Model, state: &MotionState) -> Vec<JointFrame> {
+    assert_eq!(state.q.len(), model.joints.len(), "one position per joint");
+    assert_eq!(state.qd.len(), model.joints.len(), "one velocity per joint");
     let mut frames: Vec<JointFrame> = Vec::with_capacity(model.joints.len());
     for (index, joint) in model.joints.iter().enumerate() {
         let parent = frame(&frames, joint.parent);

@@ -79,7 +79,7 @@ impl SimulationRun {
     /// The largest change of energy that no work explains, J.
     pub fn energy_drift(&self) -> f64 {
         let balance = |sample: &MotionSample| sample.energy.total() - sample.work;
-        let start = self.samples.first().map_or(0.0, balance);
+        let start = balance(self.samples.first().expect("a run begins with a sample"));
         let changes = self.samples.iter().map(|s| (balance(s) - start).abs());
         changes.fold(0.0, f64::max)
     }
@@ -94,6 +94,11 @@ impl SimulationRun {
     /// The largest distance between the positions of a joint, by index, in this
     /// run and another with samples at the same times, m or rad.
     pub fn distance(&self, other: &SimulationRun, joint: usize) -> f64 {
+        assert_eq!(
+            self.samples.len(),
+            other.samples.len(),
+            "both runs have samples at the same times"
+        );
         let pairs = self.samples.iter().zip(&other.samples);
         let apart = pairs.map(|(a, b)| (a.state.q[joint] - b.state.q[joint]).abs());
         apart.fold(0.0, f64::max)
@@ -113,6 +118,7 @@ pub fn mean_position(runs: &[SimulationRun], joint: usize) -> f64 {
         let samples = runs.iter().flat_map(|run| &run.samples);
         samples.map(|sample| sample.state.q[joint])
     };
+    debug_assert!(positions().next().is_some(), "a run begins with a sample");
     positions().sum::<f64>() / positions().count() as f64
 }
 
@@ -187,6 +193,10 @@ struct TriedStep {
 impl Integrator<'_, '_, '_> {
     fn sample(&mut self, time: f64) -> Result<(), MotionError> {
         let state = self.system.unpack(time, &self.packed)?;
+        debug_assert!(
+            (self.run.samples.last()).is_none_or(|last| last.state.time <= time),
+            "samples are in the order of time"
+        );
         self.run.samples.push(MotionSample {
             energy: self.system.energy(&state),
             work: work_of(&self.packed),

@@ -1,5 +1,6 @@
 //! Contents of elements, and messages about wrong ones.
 
+use crate::xml::stem;
 pub(super) use crate::xml::{Messages, content, place, second};
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use roxmltree::Node;
@@ -173,9 +174,7 @@ pub(super) fn project_name(
     messages: &mut Messages,
 ) -> String {
     if root.one("mbsname").is_none() {
-        let stem = file.strip_suffix(".mbs").unwrap_or(file).trim();
-        let usable = !stem.is_empty() && !stem.contains(['/', '\\', '\n', '\r', '\t']);
-        let stem = if usable { stem } else { "model" };
+        let stem = stem(file, ".mbs", "model");
         messages.warn(
             place(root.node),
             "the model has no name",

@@ -27,29 +27,16 @@ pub(super) fn read_joint(
     let fields = ElementFields::of(node, &one, &[], messages);
     let name = fields.name("jointname", &format!("a joint of {title}"), messages);
     let owner = format!("joint '{}' of {title}", clip(&name));
-    let kind = word(
-        &fields,
-        "type",
-        &owner,
-        JointKind::from_name,
-        messages,
-        || JointKind::ALL.iter().map(|kind| kind.name()).collect(),
-    );
-    let nature = word(
-        &fields,
-        "nature",
-        &owner,
-        Nature::from_name,
-        messages,
-        || Nature::ALL.iter().map(|nature| nature.name()).collect(),
-    );
-    let nature = nature.unwrap_or(Nature::Independent);
+    let kinds = JointKind::ALL.map(|kind| (kind.name(), kind));
+    let kind = word(&fields, "type", &owner, kinds, messages);
+    let natures = Nature::ALL.map(|nature| (nature.name(), nature));
+    let nature = word(&fields, "nature", &owner, natures, messages);
     let (has_velocity, has_acceleration) = symbols(&fields, nature, &owner, messages);
     let initial = fields.one("initialvalue");
     let initial = numbers(initial, ["q", "qd", "qdd"], &owner, messages);
     Joint {
         name,
-        kind: kind.unwrap_or(JointKind::ALL[0]),
+        kind,
         nature,
         body,
         parent: None,
@@ -64,20 +51,22 @@ pub(super) fn read_joint(
     }
 }
 
-/// A word out of a short list; `None`, with an error, for any other.
-fn word<T>(
+/// The value of a word out of a short list; the first one, with an error, for
+/// any other word.
+fn word<T: Copy, const N: usize>(
     fields: &ElementFields<'_>,
     field: &str,
     owner: &str,
-    from_name: impl Fn(&str) -> Option<T>,
+    words: [(&'static str, T); N],
     messages: &mut Messages,
-    names: impl Fn() -> Vec<&'static str>,
-) -> Option<T> {
+) -> T {
     let name = fields.name(field, owner, messages);
-    let value = from_name(&name);
-    if value.is_none() && !name.is_empty() {
-        let names = names();
-        let near = did_you_mean(&name, names.iter().copied());
+    if let Some((_, value)) = words.iter().find(|(word, _)| *word == name) {
+        return *value;
+    }
+    if !name.is_empty() {
+        let names = words.map(|(word, _)| word);
+        let near = did_you_mean(&name, names);
         let near = near.map_or(String::new(), |near| format!("did you mean '{near}'? "));
         messages.error(
             fields.place_of(field),
@@ -86,7 +75,7 @@ fn word<T>(
             &format!("{near}it is one of: {}", names.join(", ")),
         );
     }
-    value
+    words[0].1
 }
 
 /// Tests whether velocity and acceleration are symbols. Only a driven joint may

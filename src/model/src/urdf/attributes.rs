@@ -60,6 +60,15 @@ pub(super) fn place_of(node: Node<'_, '_>, attribute: &str) -> Range<usize> {
     }
 }
 
+/// Place where an attribute of a child is, or else the element.
+pub(super) fn place_in(
+    node: Node<'_, '_>,
+    child: Option<Node<'_, '_>>,
+    attribute: &str,
+) -> Range<usize> {
+    child.map_or_else(|| place(node), |child| place_of(child, attribute))
+}
+
 /// A name in an attribute; `None`, with an error, where there is none.
 pub(super) fn name(
     node: Node<'_, '_>,

@@ -1,12 +1,12 @@
 //! Elements of a robot.
 
 use super::attributes::{
-    children, name, number, number_or, place_of, read_pose, remark_unknown, triple,
+    children, name, number, number_or, place_in, place_of, read_pose, remark_unknown, triple,
 };
 use super::inertial::{LinkInertial, read_inertial};
 use crate::JointLosses;
 use crate::rotation::FramePose;
-use crate::xml::{Messages, place, second};
+use crate::xml::{Messages, is_usable, place, second, stem};
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use roxmltree::Node;
 use rustc_hash::FxHashMap;
@@ -157,9 +157,8 @@ fn is_xacro(node: &Node<'_, '_>) -> bool {
 
 /// The name of the robot, which is also part of file names.
 fn robot_name(file: &str, root: Node<'_, '_>, messages: &mut Messages) -> String {
-    let unusable = |text: &str| text.contains(|c: char| c == '/' || c == '\\' || c.is_control());
     let given = root.attribute("name").map(str::trim).unwrap_or_default();
-    if !given.is_empty() && !unusable(given) {
+    if is_usable(given) {
         return given.to_owned();
     }
     if !given.is_empty() {
@@ -170,9 +169,7 @@ fn robot_name(file: &str, root: Node<'_, '_>, messages: &mut Messages) -> String
             "use letters, digits and underscores",
         );
     }
-    let stem = file.strip_suffix(".urdf").unwrap_or(file).trim();
-    let usable = !stem.is_empty() && !unusable(stem);
-    if usable { stem } else { "robot" }.to_owned()
+    stem(file, ".urdf", "robot").to_owned()
 }
 
 fn read_link(
@@ -324,7 +321,7 @@ fn read_joint(
         losses,
         mimic,
         place: place_of(node, "name"),
-        child_place: child.map_or(place(node), |child| place_of(child, "link")),
+        child_place: place_in(node, child, "link"),
     })
 }
 

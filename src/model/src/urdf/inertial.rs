@@ -1,6 +1,6 @@
 //! Masses of links, and of bodies that are made of several.
 
-use super::attributes::{children, place_of, read_pose, required, value_of};
+use super::attributes::{children, place_in, read_pose, required, value_of};
 use crate::rotation::{FramePose, Rotation3, add, scaled};
 use crate::xml::{Messages, place};
 use roxmltree::Node;
@@ -25,7 +25,7 @@ pub(super) fn read_inertial(
     let [origin, mass, inertia] = children(node, ["origin", "mass", "inertia"], messages);
     let value = value_of(node, mass, ("mass", title), messages);
     if value < 0.0 {
-        let at = mass.map_or(place(node), |mass| place_of(mass, "value"));
+        let at = place_in(node, mass, "value");
         messages.error(
             at,
             &format!("the mass of {title} is negative"),

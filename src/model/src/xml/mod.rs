@@ -8,3 +8,14 @@ mod number;
 pub(crate) use document::{DocumentKind, decode, parse};
 pub(crate) use messages::{Messages, content, diagnostic, place, second};
 pub(crate) use number::{NUMBER, parse_number};
+
+/// True for what can be the name of a model: it becomes part of file names.
+pub(crate) fn is_usable(name: &str) -> bool {
+    !name.is_empty() && !name.contains(|c: char| matches!(c, '/' | '\\') || c.is_control())
+}
+
+/// The name of a model that has none: that of its file, without its ending.
+pub(crate) fn stem<'a>(file: &'a str, ending: &str, otherwise: &'a str) -> &'a str {
+    let stem = file.strip_suffix(ending).unwrap_or(file).trim();
+    if is_usable(stem) { stem } else { otherwise }
+}

@@ -124,7 +124,10 @@ impl ExpressionStacks {
     fn root(&mut self, builder: &mut SyntaxBuilder) -> Result<SyntaxLeaf, NotPlain> {
         self.apply(builder, 1)?;
         match (self.operands.pop(), self.operators.is_empty()) {
-            (Some(root), true) => Ok(root),
+            (Some(root), true) => {
+                debug_assert!(self.operands.is_empty(), "every operator took its operands");
+                Ok(root)
+            }
             _ => Err(NotPlain),
         }
     }

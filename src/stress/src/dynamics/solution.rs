@@ -36,7 +36,7 @@ impl Work for Solution<'_> {
         factorise(arithmetic, size, &mut factor).ok()?;
         let right = || self.right.iter().zip(&scale);
         let largest = right().map(|(x, &power)| exponent(times_power_of_two(*x, power)));
-        let largest = largest.max().unwrap_or(0);
+        let largest = largest.max().expect("a model has a joint");
         let right: Vec<A::Number> = right()
             .map(|(x, power)| arithmetic.literal(times_power_of_two(*x, power - largest)))
             .collect();

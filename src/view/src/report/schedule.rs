@@ -102,10 +102,12 @@ impl ScheduleReport {
     pub(super) fn collect(function: &Function, machine: &Machine) -> Option<ScheduleReport> {
         let schedule = function.schedule.as_ref()?;
         let performs = |operation| {
-            let kind = machine.kind_of(operation)?;
-            let name = &machine.elements[kind].kind;
-            let mut kinds = schedule.kinds.iter();
-            kinds.find(|kind| kind.name == *name).map(|kind| kind.count)
+            let kind = machine.kind_of(operation);
+            let own = kind.and_then(|kind| {
+                let name = &machine.elements[kind].kind;
+                schedule.kinds.iter().find(|kind| kind.name == *name)
+            });
+            own.map_or(0, |kind| kind.count)
         };
         let issued = schedule.slots.iter().flatten().count();
         let capacity = f64::from(schedule.element_count()) * f64::from(schedule.cycles);
@@ -125,8 +127,8 @@ impl ScheduleReport {
             machine: schedule.machine.clone(),
             machine_hash: schedule.machine_hash.map(|hash| hash.text()),
             number: own.map(|machine| format_name(machine.number)),
-            n_add: performs(Operation::Add).unwrap_or(0),
-            n_multi: performs(Operation::Mul).unwrap_or(0),
+            n_add: performs(Operation::Add),
+            n_multi: performs(Operation::Mul),
             cycles: schedule.cycles,
             lower_bound: schedule.lower_bound,
             clock,

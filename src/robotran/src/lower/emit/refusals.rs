@@ -49,7 +49,7 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
     pub(in crate::lower) fn defined_twice(&mut self, symbol: Symbol) {
         let text = self.shared.tables.symbols.text(symbol).to_owned();
         let again = self.shared.syntax.statements[self.statement].span;
-        let first = self.first_definition(symbol).unwrap_or(again);
+        let first = self.first_definition(symbol);
         self.errors.push(
             Diagnostic::error()
                 .with_message(format!("`{text}` is defined twice"))
@@ -61,7 +61,7 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
         );
     }
 
-    fn first_definition(&self, symbol: Symbol) -> Option<SourceSpan> {
+    fn first_definition(&self, symbol: Symbol) -> SourceSpan {
         let mut statements = self.shared.syntax.statements[..self.statement].iter();
         let found = statements.rfind(|statement| match statement.kind {
             StatementKind::Equation { target, .. } => defines(Some(target), symbol),
@@ -70,7 +70,7 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
             }
             _ => false,
         });
-        found.map(|statement| statement.span)
+        found.expect("what is defined has a definition").span
     }
 }
 
