@@ -19,6 +19,7 @@
 //! - `accuracy` is no client: the pass manager measures for it, at every pass.
 
 pub mod axes;
+mod captions;
 pub mod device;
 pub mod exploration;
 pub mod fit;

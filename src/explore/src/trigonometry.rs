@@ -7,6 +7,7 @@
 //! (thesis 1.2.2, remark); beside each other in one table it is seen where
 //! one takes over from the other.
 
+use crate::captions;
 use crate::program::transformed;
 use robovec_analysis::critical_path::critical_path;
 use robovec_dynamics::kinematics::{InputSources, MotionState};
@@ -283,14 +284,7 @@ pub fn table(effects: &[TrigonometryEffect]) -> DataTable {
             rows.extend((0..effect.arrays.len()).map(|array| (effect, row, array)));
         }
     }
-    columns.table(
-        "trig",
-        "Errors of outputs by the order of the polynomials for sine and cosine",
-        "The errors of sine and cosine are proved bounds on the range; those of the outputs are \
-         the largest of an array over its largest element, over random states with joints in the \
-         range, rounding included.",
-        &rows,
-    )
+    captions::table("trig", &[], &columns, &rows)
 }
 
 /// Median errors against the range, one curve for every order.
@@ -306,15 +300,7 @@ pub fn figure(effects: &[TrigonometryEffect]) -> Figure {
             ));
         }
     }
-    Figure::new(
-        "trig",
-        "Errors of outputs against the range of the joints",
-        "The median over random states of the largest error of an array over its \
-                  largest element; a curve for every order of the polynomials that stand for \
-                  sine and cosine.",
-        panels.len().clamp(1, 2),
-        panels,
-    )
+    captions::figure("trig", "trig", &[], panels).expect("a function has outputs")
 }
 
 fn curves(effect: &TrigonometryEffect, array: usize) -> Vec<Curve> {

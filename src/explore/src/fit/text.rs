@@ -5,6 +5,7 @@ use super::{
     Challenge, CostMeasure, FitCandidate, FitOutcome, FitTask, MotionShare, SineTreatment,
     VALIDATION_FACTOR,
 };
+use crate::captions;
 use robovec_error::yardstick::account::measure_text;
 use robovec_framework::scene::{Measure, OutputTolerance};
 use robovec_ir::diagnostic::counted;
@@ -431,13 +432,7 @@ fn run(confirmation: &Confirmation) -> String {
 /// All candidates as a table for programs.
 pub fn candidates_table(outcome: &FitOutcome) -> DataTable {
     let rows: Vec<usize> = (0..outcome.candidates.len()).collect();
-    columns(outcome).table(
-        "fit",
-        "Candidates",
-        "Every program in every format and size that was measured. Errors are those of \
-                  the whole program: series, rounding, data. Shares of the device are estimates.",
-        &rows,
-    )
+    captions::table("fit", &[], &columns(outcome), &rows)
 }
 
 /// Time against error, and time against the share of the device.
@@ -466,19 +461,14 @@ pub fn figure(task: &FitTask<'_>, outcome: &FitOutcome) -> Figure {
             ],
         )
     };
-    Figure::new(
-        "fit",
-        format!("What scene {} can be computed with", task.scene.name),
-        "Every candidate; errors in units of the rounding of binary32 (2^-24), shares \
-                  of the device in per cent.",
-        2,
-        vec![
-            panel("Error", "worst normwise error (2^-24)", |candidate| {
-                candidate.normwise.worst * f64::from(1u32 << 24)
-            }),
-            panel("Cost", "share of the device (%)", |candidate| {
-                candidate.share * 100.0
-            }),
-        ],
-    )
+    let panels = vec![
+        panel("Error", "worst normwise error (2^-24)", |candidate| {
+            candidate.normwise.worst * f64::from(1u32 << 24)
+        }),
+        panel("Cost", "share of the device (%)", |candidate| {
+            candidate.share * 100.0
+        }),
+    ];
+    let words = [("scene", task.scene.name.as_str())];
+    captions::figure("fit", "fit", &words, panels).expect("it has panels")
 }

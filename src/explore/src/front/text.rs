@@ -2,6 +2,7 @@
 
 use super::measure::FrontPoint;
 use super::{Front, FrontVerdict};
+use crate::captions;
 use crate::exploration::Exploration;
 use robovec_error::yardstick::account::{measure_text, random_states};
 use robovec_fpga::hardware;
@@ -153,13 +154,7 @@ fn verdicts_table(fronts: &[Front]) -> DataTable {
         "ours in its format", [Hidden, All], |row| Some(row.alike?.choice.as_str());
         "cycles", [Hidden, All], move |row| cycles(row, row.alike?);
     };
-    columns.table(
-        "verdicts",
-        "What the thesis could choose, and what dominates it",
-        "The fastest of ours that is nowhere worse in cycles, median and worst error, \
-                  and share of the device; in the last columns the same with the number format of the thesis.",
-        &rows,
-    )
+    captions::table("verdicts", &[], &columns, &rows)
 }
 
 impl Exploration for Front {
@@ -221,15 +216,11 @@ impl Exploration for Front {
         let rows = fronts.iter();
         let rows =
             rows.flat_map(|front| places(front).flat_map(move |place| rows_of(front, place)));
-        columns().table(
-            "explore",
-            "Speed against error",
-            "Every choice in every format. Errors are those of the whole program against \
-             double-double: series, rounding, data. A choice is beaten when another one is \
-             nowhere worse and somewhere better in cycles, in the median of the relative \
-             errors, in the worst normwise error and in the share of the device.",
-            &rows.collect::<Vec<_>>(),
-        )
+        let rows: Vec<PointRow<'_>> = rows.collect();
+        DataTable {
+            name: "explore".to_owned(),
+            ..captions::table("front", &[], &columns(), &rows)
+        }
     }
 
     /// One panel per function and number of elements: cycles against error.
@@ -239,15 +230,8 @@ impl Exploration for Front {
             let places = 0..front.elements.len();
             places.map(|place| panel(front, place))
         });
-        let panels: Vec<Panel> = panels.collect();
-        Figure::new(
-            "explore",
-            "Speed against error",
-            "Length of the schedule against the worst normwise error, in units of the rounding of \
-             binary32 (2^-24). Full marks: points that no other one beats.",
-            panels.len().clamp(1, 2),
-            panels,
-        )
+        let figure = captions::figure("front", "explore", &[], panels.collect());
+        figure.expect("a function has a panel")
     }
 
     fn machines(fronts: &[Front]) -> [String; 2] {

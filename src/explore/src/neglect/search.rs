@@ -123,6 +123,13 @@ struct FullMotion {
     watched: WatchedJoints,
 }
 
+/// The search of a scene: its judge, the full motion, and the model as it was read.
+struct NeglectSearch<'a> {
+    judge: NeglectJudge<'a>,
+    full: FullMotion,
+    model: &'a Model,
+}
+
 /// Finds what a scene need not model. `progress` is told what is done.
 ///
 /// # Errors
@@ -152,46 +159,39 @@ pub fn neglect(
     };
     progress("the motion of the full model");
     let full = full_motion(&mut judge, &subject.general)?;
-    let model = full.scene.subject().model.clone();
-    let own = judge.build(&judge.own, &subject.general, &[])?;
-    let own_model = own.subject().model.clone();
-    let all = candidates(&own_model, &judge.laws, &task.file.neglect, &wish.watch);
+    let search = NeglectSearch {
+        judge,
+        full,
+        model: &subject.general,
+    };
+    let (judge, full) = (&search.judge, &search.full);
+    let own = search.without(&[])?;
+    let own_model = &own.subject().model;
+    let all = candidates(own_model, &judge.laws, &task.file.neglect, &wish.watch);
     let operations = judge.operations(&own)?;
     progress("every omission alone");
-    let mut tried: Vec<(Omission, NeglectFinding)> = all
-        .par_iter()
-        .map(|&one| {
-            (
-                one,
-                alone(&judge, &full, (&subject.general, operations), one),
-            )
-        })
-        .collect();
+    let alone = |&one: &Omission| (one, search.alone(operations, one));
+    let mut tried: Vec<(Omission, NeglectFinding)> = all.par_iter().map(alone).collect();
     progress("omissions together");
-    let taken = together(&judge, &full, &subject.general, &mut tried);
+    let taken = search.together(&mut tried);
     let taken = without_subsumed(&taken, &mut tried);
-    let reduced = judge.build(&judge.own, &subject.general, &taken)?;
+    let reduced = search.without(&taken)?;
     progress("the reduced scene from fresh starts");
-    let fresh = fresh(&judge, &full, &reduced)?;
-    let fine = judge.motion(&full.scene, &full.runs[0].0, judge.wish.tolerance() / 100.0)?;
+    let fresh = search.fresh(&reduced)?;
+    let fine = judge.motion(&full.scene, &full.runs[0].0, wish.tolerance() / 100.0)?;
     let integration = full.watched.share(&full.runs[0].1, &fine);
-    let mut figures = Vec::new();
     let scenes = [
         ("the full model", &full.scene),
         ("the scene as written", &own),
         ("with things left out", &reduced),
     ];
-    for (what, scene) in scenes {
-        figures.push(figures_of(&judge, &full, what, scene)?);
-    }
-    let curves = curves(&judge, &full, &reduced)?;
+    let figures = scenes.map(|(what, scene)| search.figures_of(what, scene));
+    let figures = figures.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let curves = search.curves(&reduced)?;
     let last = figures.last().expect("three scenes were measured");
     let used = last.motion.max(fresh.unwrap_or(0.0));
-    let names = judge
-        .wish
-        .watch
-        .iter()
-        .map(|&joint| model.joints[joint].name.clone());
+    let joints = &full.scene.subject().model.joints;
+    let names = wish.watch.iter().map(|&joint| joints[joint].name.clone());
     Ok(NeglectFindings {
         watched: names.zip(full.watched.scales.iter().copied()).collect(),
         figures,
@@ -239,125 +239,199 @@ fn full_motion(judge: &mut NeglectJudge<'_>, model: &Model) -> Result<FullMotion
     })
 }
 
-/// The largest error of a scene over some of the searched motions.
-fn error(
-    judge: &NeglectJudge<'_>,
-    full: &FullMotion,
-    scene: &ReducedScene,
-    motions: usize,
-) -> Result<f64, MotionError> {
-    let mut worst: f64 = 0.0;
-    for (start, run) in full.runs.iter().take(motions) {
-        let other = judge.motion(scene, start, judge.wish.tolerance())?;
-        worst = worst.max(full.watched.share(run, &other));
+impl NeglectSearch<'_> {
+    /// The scene as it is written with things left out.
+    fn without(&self, omitted: &[Omission]) -> Result<ReducedScene, NeglectError> {
+        self.judge.build(&self.judge.own, self.model, omitted)
     }
-    Ok(worst)
-}
 
-/// Effect of leaving out one thing alone, judged by the first motion.
-fn alone(
-    judge: &NeglectJudge<'_>,
-    full: &FullMotion,
-    (model, before): (&Model, SceneOperations),
-    one: Omission,
-) -> NeglectFinding {
-    let mut finding = NeglectFinding {
-        what: one.describe(model),
-        saved: None,
-        alone: Err(String::new()),
-        taken: None,
-        within: false,
-    };
-    let tried = judge.build(&judge.own, model, &[one]).and_then(|scene| {
-        let operations = judge.operations(&scene)?;
-        finding.saved = Some(before.total() as i64 - operations.total() as i64);
-        Ok(error(judge, full, &scene, 1)?)
-    });
-    finding.alone = tried.map_err(|error| {
-        let text = error.to_string();
-        text.lines().next().unwrap_or_default().to_owned()
-    });
-    finding
-}
-
-/// Leaves things out together: those that save something alone first, then, as
-/// long as there are any, those that save something now that others are left
-/// out (the last joint across a plane, the mass behind a locked joint).
-fn together(
-    judge: &NeglectJudge<'_>,
-    full: &FullMotion,
-    model: &Model,
-    tried: &mut [(Omission, NeglectFinding)],
-) -> Vec<Omission> {
-    let harm = |finding: &NeglectFinding| finding.alone.clone().unwrap_or(f64::INFINITY);
-    // What does too much alone is not tried with others; what could not be
-    // judged alone is, last.
-    let mut harmless: Vec<usize> = (0..tried.len())
-        .filter(|&place| {
-            let alone = tried[place].1.alone.as_ref();
-            alone.map_or(true, |&error| error <= judge.wish.error)
-        })
-        .collect();
-    harmless.sort_by(|&a, &b| harm(&tried[a].1).total_cmp(&harm(&tried[b].1)));
-    let saves = |&place: &usize| tried[place].1.saved.is_some_and(|saved| saved > 0);
-    let judged = |&place: &usize| tried[place].1.alone.is_ok();
-    let first = harmless.iter().copied().filter(judged).filter(saves);
-    let mut rest: VecDeque<usize> = first.collect();
-    let mut taken: Vec<Omission> = Vec::new();
-    let mut refused: Vec<usize> = Vec::new();
-    while !rest.is_empty() {
-        as_many(judge, full, model, tried, (&mut taken, &mut refused), rest);
-        let goes = |one: &Omission| one.goes_with().is_some_and(|whole| taken.contains(&whole));
-        let open: Vec<usize> = harmless
-            .iter()
-            .copied()
-            .filter(|place| tried[*place].1.taken.is_none() && !refused.contains(place))
-            .filter(|&place| !goes(&tried[place].0))
-            .collect();
-        let operations = |omitted: &[Omission]| {
-            let scene = judge.build(&judge.own, model, omitted);
-            scene.and_then(|scene| judge.operations(&scene)).ok()
-        };
-        let now = operations(&taken);
-        let saves = open.par_iter().copied().filter(|&place| {
-            let with: Vec<Omission> = taken.iter().copied().chain([tried[place].0]).collect();
-            let less = now.zip(operations(&with));
-            less.is_some_and(|(now, with)| with.total() < now.total())
-        });
-        rest = saves.collect::<Vec<usize>>().into();
+    /// The motion of a scene from a start.
+    fn run(&self, scene: &ReducedScene, start: &Start) -> Result<SimulationRun, MotionError> {
+        self.judge.motion(scene, start, self.judge.wish.tolerance())
     }
-    taken
-}
 
-/// Leaves out as many of a list as the error allows: as many at a time as
-/// pass, fewer where they do not.
-fn as_many(
-    judge: &NeglectJudge<'_>,
-    full: &FullMotion,
-    model: &Model,
-    tried: &mut [(Omission, NeglectFinding)],
-    (taken, refused): (&mut Vec<Omission>, &mut Vec<usize>),
-    mut rest: VecDeque<usize>,
-) {
-    let mut size = rest.len();
-    while !rest.is_empty() {
-        size = size.clamp(1, rest.len());
-        let mut attempt = taken.clone();
-        attempt.extend(rest.iter().take(size).map(|&place| tried[place].0));
-        let worst = judge
-            .build(&judge.own, model, &attempt)
-            .and_then(|scene| Ok(error(judge, full, &scene, usize::MAX)?));
-        match worst {
-            Ok(worst) if worst <= judge.wish.error => {
-                for place in rest.drain(..size) {
-                    tried[place].1.taken = Some((taken.len() + 1, worst));
-                    taken.push(tried[place].0);
-                }
-                size *= 2;
-            }
-            _ if size == 1 => refused.extend(rest.pop_front()),
-            _ => size /= 2,
+    /// The largest error of a scene over some of the searched motions.
+    fn error(&self, scene: &ReducedScene, motions: usize) -> Result<f64, MotionError> {
+        let mut worst: f64 = 0.0;
+        for (start, run) in self.full.runs.iter().take(motions) {
+            let other = self.run(scene, start)?;
+            worst = worst.max(self.full.watched.share(run, &other));
         }
+        Ok(worst)
+    }
+
+    /// Effect of leaving out one thing alone, judged by the first motion.
+    fn alone(&self, before: SceneOperations, one: Omission) -> NeglectFinding {
+        let mut finding = NeglectFinding {
+            what: one.describe(self.model),
+            saved: None,
+            alone: Err(String::new()),
+            taken: None,
+            within: false,
+        };
+        let tried = self.without(&[one]).and_then(|scene| {
+            let operations = self.judge.operations(&scene)?;
+            finding.saved = Some(before.total() as i64 - operations.total() as i64);
+            Ok(self.error(&scene, 1)?)
+        });
+        finding.alone = tried.map_err(|error| {
+            let text = error.to_string();
+            text.lines().next().unwrap_or_default().to_owned()
+        });
+        finding
+    }
+
+    /// Leaves things out together: those that save something alone first, then, as
+    /// long as there are any, those that save something now that others are left
+    /// out (the last joint across a plane, the mass behind a locked joint).
+    fn together(&self, tried: &mut [(Omission, NeglectFinding)]) -> Vec<Omission> {
+        let harm = |finding: &NeglectFinding| finding.alone.clone().unwrap_or(f64::INFINITY);
+        // What does too much alone is not tried with others; what could not be
+        // judged alone is, last.
+        let mut harmless: Vec<usize> = (0..tried.len())
+            .filter(|&place| {
+                let alone = tried[place].1.alone.as_ref();
+                alone.map_or(true, |&error| error <= self.judge.wish.error)
+            })
+            .collect();
+        harmless.sort_by(|&a, &b| harm(&tried[a].1).total_cmp(&harm(&tried[b].1)));
+        let saves = |&place: &usize| tried[place].1.saved.is_some_and(|saved| saved > 0);
+        let judged = |&place: &usize| tried[place].1.alone.is_ok();
+        let first = harmless.iter().copied().filter(judged).filter(saves);
+        let mut rest: VecDeque<usize> = first.collect();
+        let mut taken: Vec<Omission> = Vec::new();
+        let mut refused: Vec<usize> = Vec::new();
+        while !rest.is_empty() {
+            self.as_many(tried, (&mut taken, &mut refused), rest);
+            let goes = |one: &Omission| one.goes_with().is_some_and(|whole| taken.contains(&whole));
+            let open: Vec<usize> = harmless
+                .iter()
+                .copied()
+                .filter(|place| tried[*place].1.taken.is_none() && !refused.contains(place))
+                .filter(|&place| !goes(&tried[place].0))
+                .collect();
+            let operations = |omitted: &[Omission]| {
+                let scene = self.without(omitted);
+                scene.and_then(|scene| self.judge.operations(&scene)).ok()
+            };
+            let now = operations(&taken);
+            let saves = open.par_iter().copied().filter(|&place| {
+                let with: Vec<Omission> = taken.iter().copied().chain([tried[place].0]).collect();
+                let less = now.zip(operations(&with));
+                less.is_some_and(|(now, with)| with.total() < now.total())
+            });
+            rest = saves.collect::<Vec<usize>>().into();
+        }
+        taken
+    }
+
+    /// Leaves out as many of a list as the error allows: as many at a time as
+    /// pass, fewer where they do not.
+    fn as_many(
+        &self,
+        tried: &mut [(Omission, NeglectFinding)],
+        (taken, refused): (&mut Vec<Omission>, &mut Vec<usize>),
+        mut rest: VecDeque<usize>,
+    ) {
+        let mut size = rest.len();
+        while !rest.is_empty() {
+            size = size.clamp(1, rest.len());
+            let mut attempt = taken.clone();
+            attempt.extend(rest.iter().take(size).map(|&place| tried[place].0));
+            let worst = self
+                .without(&attempt)
+                .and_then(|scene| Ok(self.error(&scene, usize::MAX)?));
+            match worst {
+                Ok(worst) if worst <= self.judge.wish.error => {
+                    for place in rest.drain(..size) {
+                        tried[place].1.taken = Some((taken.len() + 1, worst));
+                        taken.push(tried[place].0);
+                    }
+                    size *= 2;
+                }
+                _ if size == 1 => refused.extend(rest.pop_front()),
+                _ => size /= 2,
+            }
+        }
+    }
+
+    /// The largest error of the reduced scene from starts the search has not seen.
+    fn fresh(&self, reduced: &ReducedScene) -> Result<Option<f64>, NeglectError> {
+        if self.full.runs.len() < SEARCHED as usize {
+            return Ok(None);
+        }
+        let shares: Result<Vec<f64>, MotionError> = (SEARCHED..SEARCHED + FRESH)
+            .into_par_iter()
+            .map(|draw| {
+                let start = self.judge.wish.start(draw);
+                let run = self.run(&self.full.scene, &start)?;
+                let other = self.run(reduced, &start)?;
+                Ok(self.full.watched.share(&run, &other))
+            })
+            .collect();
+        Ok(Some(shares?.into_iter().fold(0.0, f64::max)))
+    }
+
+    /// Speed, error and cost of a scene.
+    fn figures_of(
+        &self,
+        what: &'static str,
+        scene: &ReducedScene,
+    ) -> Result<SceneFigures, NeglectError> {
+        let module = self.full.scene.file.module()?;
+        let yardstick = Yardstick::at(view(&module), self.states(view(&module))?);
+        let reduced = scene.file.module()?;
+        let known = Some(&scene.file.scene);
+        let program = transformed_by(&reduced, PIPELINE, self.judge.machine, known)?;
+        let errors = yardstick.errors(view(&program), Format::BINARY64);
+        let errors = errors.map_err(|error| NeglectError::Effect(EffectError::Measure(error)))?;
+        let mut steps = effects(&scene.file, self.judge.machine)?;
+        Ok(SceneFigures {
+            what,
+            operations: self.judge.operations(scene)?,
+            effect: steps.pop().expect("the last step uses the whole scene"),
+            motion: self.error(scene, usize::MAX)?,
+            equations: errors.normwise,
+        })
+    }
+
+    /// The inputs of the full function at states of the full motions.
+    fn states(&self, view: View<'_>) -> Result<Vec<Vec<f64>>, MotionError> {
+        let model = &self.full.scene.subject().model;
+        let inputs = InputSources::new(model, view).map_err(|element| StateError::Element {
+            function: self.full.scene.subject().name.clone(),
+            element,
+        })?;
+        let mut states = Vec::new();
+        for (start, run) in &self.full.runs {
+            let samples = run.samples.iter().step_by(COMPARED);
+            let loaded = self.judge.moved(&self.full.scene, start, |system, _| {
+                Ok(samples
+                    .map(|sample| system.loaded(&sample.state))
+                    .collect::<Vec<_>>())
+            })?;
+            states.extend(loaded.iter().map(|state| inputs.gather(state)));
+        }
+        Ok(states)
+    }
+
+    /// The positions of every watched joint in the first motion, full and reduced.
+    fn curves(&self, reduced: &ReducedScene) -> Result<Vec<WatchedCurve>, NeglectError> {
+        let (start, run) = &self.full.runs[0];
+        let other = self.run(reduced, start)?;
+        let curve = |run: &SimulationRun, joint: usize| {
+            let samples = run.samples.iter();
+            samples
+                .map(|sample| (sample.state.time, sample.state.q[joint]))
+                .collect()
+        };
+        let watched = self.judge.wish.watch.iter();
+        Ok(watched
+            .map(|&joint| WatchedCurve {
+                full: curve(run, joint),
+                reduced: curve(&other, joint),
+            })
+            .collect())
     }
 }
 
@@ -379,96 +453,4 @@ fn without_subsumed(taken: &[Omission], tried: &mut [(Omission, NeglectFinding)]
         *number = place + 1;
     }
     taken.iter().copied().filter(|one| !goes(one)).collect()
-}
-
-/// The largest error of the reduced scene from starts the search has not seen.
-fn fresh(
-    judge: &NeglectJudge<'_>,
-    full: &FullMotion,
-    reduced: &ReducedScene,
-) -> Result<Option<f64>, NeglectError> {
-    if full.runs.len() < SEARCHED as usize {
-        return Ok(None);
-    }
-    let shares: Result<Vec<f64>, MotionError> = (SEARCHED..SEARCHED + FRESH)
-        .into_par_iter()
-        .map(|draw| {
-            let start = judge.wish.start(draw);
-            let run = judge.motion(&full.scene, &start, judge.wish.tolerance())?;
-            let other = judge.motion(reduced, &start, judge.wish.tolerance())?;
-            Ok(full.watched.share(&run, &other))
-        })
-        .collect();
-    Ok(Some(shares?.into_iter().fold(0.0, f64::max)))
-}
-
-/// Speed, error and cost of a scene.
-fn figures_of(
-    judge: &NeglectJudge<'_>,
-    full: &FullMotion,
-    what: &'static str,
-    scene: &ReducedScene,
-) -> Result<SceneFigures, NeglectError> {
-    let module = full.scene.file.module()?;
-    let yardstick = Yardstick::at(view(&module), states(judge, full, view(&module))?);
-    let reduced = scene.file.module()?;
-    let known = Some(&scene.file.scene);
-    let program = transformed_by(&reduced, PIPELINE, judge.machine, known)?;
-    let errors = yardstick.errors(view(&program), Format::BINARY64);
-    let errors = errors.map_err(|error| NeglectError::Effect(EffectError::Measure(error)))?;
-    let mut steps = effects(&scene.file, judge.machine)?;
-    Ok(SceneFigures {
-        what,
-        operations: judge.operations(scene)?,
-        effect: steps.pop().expect("the last step uses the whole scene"),
-        motion: error(judge, full, scene, usize::MAX)?,
-        equations: errors.normwise,
-    })
-}
-
-/// The inputs of the full function at states of the full motions.
-fn states(
-    judge: &NeglectJudge<'_>,
-    full: &FullMotion,
-    view: View<'_>,
-) -> Result<Vec<Vec<f64>>, MotionError> {
-    let model = &full.scene.subject().model;
-    let inputs = InputSources::new(model, view).map_err(|element| StateError::Element {
-        function: full.scene.subject().name.clone(),
-        element,
-    })?;
-    let mut states = Vec::new();
-    for (start, run) in &full.runs {
-        let samples = run.samples.iter().step_by(COMPARED);
-        let loaded = judge.moved(&full.scene, start, |system, _| {
-            Ok(samples
-                .map(|sample| system.loaded(&sample.state))
-                .collect::<Vec<_>>())
-        })?;
-        states.extend(loaded.iter().map(|state| inputs.gather(state)));
-    }
-    Ok(states)
-}
-
-/// The positions of every watched joint in the first motion, full and reduced.
-fn curves(
-    judge: &NeglectJudge<'_>,
-    full: &FullMotion,
-    reduced: &ReducedScene,
-) -> Result<Vec<WatchedCurve>, NeglectError> {
-    let (start, run) = &full.runs[0];
-    let other = judge.motion(reduced, start, judge.wish.tolerance())?;
-    let curve = |run: &SimulationRun, joint: usize| {
-        let samples = run.samples.iter();
-        samples
-            .map(|sample| (sample.state.time, sample.state.q[joint]))
-            .collect()
-    };
-    let watched = judge.wish.watch.iter();
-    Ok(watched
-        .map(|&joint| WatchedCurve {
-            full: curve(run, joint),
-            reduced: curve(&other, joint),
-        })
-        .collect())
 }

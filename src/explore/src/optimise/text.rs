@@ -1,6 +1,7 @@
 //! Programs that were tried, as a table for the terminal, a file and a figure.
 
 use super::{OptimisationPoint, Optimised};
+use crate::captions;
 use robovec_error::yardstick::account::{ERROR_HEADS, measure_text};
 use robovec_present::json::json_script;
 use robovec_present::number::share_percent;
@@ -108,15 +109,7 @@ pub fn points_table(found: &Optimised) -> DataTable {
         .into_iter()
         .map(|index| &found.points[index])
         .collect();
-    columns(true).table(
-        "optimise",
-        "What was tried",
-        "Every program that was made: operations, the longest path, the proved bound of its \
-         schedules, what was measured, the share of the device that the machine takes for it, and \
-         the errors of its results in the number format of the target, in parts of the largest \
-         element of an array, against double-double arithmetic.",
-        &rows,
-    )
+    captions::table("optimise", &[], &columns(true), &rows)
 }
 
 /// Speed against error of what was measured.
@@ -151,13 +144,7 @@ pub fn figure(found: &Optimised) -> Figure {
         PlotAxis::new("worst error", AxisScale::Decades),
         curves,
     );
-    Figure::new(
-        "optimise",
-        "Speed against error",
-        "Every program that was measured.",
-        1,
-        vec![panel],
-    )
+    captions::figure("optimise", "optimise", &[], vec![panel]).expect("it has a panel")
 }
 
 /// The page: `facts` says what was taken and why, `commands` how it is made

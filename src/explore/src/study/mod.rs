@@ -10,7 +10,6 @@
 //! **Invariant.** Everything but CPU times is a function of plan and programs
 //! alone: no clock, no number of threads, no order of work enters a result.
 
-mod captions;
 mod cpu;
 mod figures;
 mod knee;
@@ -30,6 +29,7 @@ pub use cpu::{CpuJob, CpuTime, time};
 pub use program::{ProgramSources, StudyEquations};
 pub use results::Results;
 pub use run::{StudyOutcome, run};
+pub(crate) use step::ROUNDS;
 
 use robovec_ir::diagnostic::counted;
 use robovec_present::json::json_text;

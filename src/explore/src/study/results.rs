@@ -213,7 +213,13 @@ impl Results {
             .filter(move |program| Some(program.place[2]) == machine)
     }
 
-    /// Those of the model that the verdict is about.
+    /// The name of the model that the verdict is about.
+    pub(super) fn headline(&self) -> &str {
+        let subject = self.plan.models.get(self.plan.headline);
+        subject.map_or("", |subject| &subject.name)
+    }
+
+    /// The programs of that model.
     pub(super) fn of_headline(&self) -> impl Iterator<Item = StudiedProgram<'_>> {
         self.ordinary()
             .filter(|program| program.place[0] == self.plan.headline)

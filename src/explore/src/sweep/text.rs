@@ -1,6 +1,7 @@
 //! A sweep as aligned text, as a table for programs, and as a figure.
 
 use super::{FunctionSweep, SweepPoint, SweptProgram};
+use crate::captions;
 use crate::exploration::Exploration;
 use robovec_error::yardstick::account::{ERROR_HEADS, measure_text};
 use robovec_ir::diagnostic::counted;
@@ -174,40 +175,25 @@ impl Exploration for FunctionSweep {
     fn table(sweeps: &[FunctionSweep]) -> DataTable {
         let rows = sweeps.iter();
         let rows = rows.flat_map(|sweep| sweep.points.iter().map(move |point| (sweep, point)));
-        design_columns().table(
-            "explore",
-            "Resources against time",
-            format!(
-                "Every design. The share is the largest of those of look-up tables, memory blocks \
-                 and multiplier blocks of the device ({}), by formulas; nothing is synthesised. \
-                 The clock is that which the model of the device estimates, as in every other \
-                 command. Errors are those of the program in {}, in parts of the largest element \
-                 of an array, at random states against double-double arithmetic.",
-                devices(sweeps),
-                distinct(sweeps.iter().map(|sweep| sweep.number.as_str())),
-            ),
-            &rows.collect::<Vec<_>>(),
-        )
+        let rows: Vec<DesignRow<'_>> = rows.collect();
+        let numbers = distinct(sweeps.iter().map(|sweep| sweep.number.as_str()));
+        let words = [("devices", &*devices(sweeps)), ("numbers", &numbers)];
+        DataTable {
+            name: "explore".to_owned(),
+            ..captions::table("sweep", &words, &design_columns(), &rows)
+        }
     }
 
     /// One panel per function: share of the device against time per evaluation.
     fn figure(sweeps: &[FunctionSweep]) -> Figure {
-        let panels: Vec<Panel> = sweeps.iter().map(panel).collect();
-        let devices = devices(sweeps);
-        let caption =
-            format!("Share of the device ({devices}) against the time of one evaluation.");
-        let columns = panels.len().clamp(1, 2);
+        let panels = sweeps.iter().map(panel).collect();
+        let words = [("devices", &*devices(sweeps))];
         let line = "The line joins the designs that no other one beats.";
         let dashed = "The dashed line is a core of this computer.";
-        Figure::new(
-            "explore",
-            "Resources against time",
-            caption,
-            columns,
-            panels,
-        )
-        .with_note(Stroke::Plain, line)
-        .with_note(Stroke::Dashed, dashed)
+        captions::figure("sweep", "explore", &words, panels)
+            .expect("a function has a panel")
+            .with_note(Stroke::Plain, line)
+            .with_note(Stroke::Dashed, dashed)
     }
 
     fn machines(sweeps: &[FunctionSweep]) -> [String; 2] {

@@ -1,9 +1,9 @@
 //! Figures 1.9 to 1.12: pipelining variants; and all couples of Table 1.3.
 
-use super::super::captions;
 use super::super::plan::NamedPipeline;
 use super::super::results::{Results, StudyPlacement};
 use super::{elements, label, percentage};
+use crate::captions;
 use crate::operators::{ADDERS, MEMORY_CAP_MHZ, MULTIPLIERS, Operator, couples};
 use robovec_present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
 
@@ -53,7 +53,7 @@ pub(super) fn variants(results: &Results) -> Vec<Figure> {
             100.0 * placed.point.rate
         }),
     ];
-    let headline = captions::headline(results);
+    let headline = results.headline();
     let figure = |(number, what, axis, value): VariantFigure| {
         let panel = |(pipeline, named): (usize, &NamedPipeline)| {
             let curves = COMPARED.iter().enumerate().filter_map(|(index, couple)| {
@@ -95,7 +95,7 @@ pub(super) fn front(results: &Results) -> Option<Figure> {
             }
         }
     }
-    let words = [("headline", captions::headline(results))];
+    let words = [("headline", results.headline())];
     captions::figure("couples", "couples", &words, panels)
 }
 

@@ -1,11 +1,11 @@
 //! Figures 3.4 to 3.8 (cycles) and 3.9 to 3.13 (parallelisation rate)
 //! against the number of elements; formulations and unequal numbers.
 
-use super::super::captions::{self, Words};
 use super::super::program::ProgramFacts;
 use super::super::results::{Results, StudiedProgram, StudyPlacement};
 use super::super::variants;
 use super::{elements, label, percentage};
+use crate::captions::{self, Words};
 use robovec_present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke, TileMap};
 
 /// Degrees of freedom, and the figures of cycles and of rates in the thesis.
@@ -200,6 +200,6 @@ pub(super) fn splits(results: &Results) -> Option<Figure> {
         (!placed.is_empty()).then(|| Panel::map(label(program.pipeline()), x, y, map))
     };
     let panels = results.of_headline().filter_map(panel).collect();
-    let words = [("headline", captions::headline(results))];
+    let words = [("headline", results.headline())];
     captions::figure("split", "split", &words, panels)
 }

@@ -1,10 +1,10 @@
 //! Figures 2.4 to 2.7: words of memory and of buffer by the naive and by the
 //! preferential choice of elements.
 
-use super::super::captions;
 use super::super::printed::SystemTopology;
 use super::super::results::{Results, StudyPlacement};
 use super::elements;
+use crate::captions;
 use robovec_present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
 use robovec_schedule::{ElementChoice, PlaceOptions, Priority};
 

@@ -1,11 +1,11 @@
 //! Figures 3.15 to 3.38: occupation of the elements over normalised time.
 
-use super::super::captions;
 use super::super::plan::Printed;
 use super::super::printed::{PrintedSystem, SystemTopology};
 use super::super::results::{Results, StudiedProgram};
 use super::super::variants;
 use super::{label, percentage};
+use crate::captions;
 use robovec_present::{Curve, Figure, Mark, Paint, Panel, Stroke};
 
 pub(super) fn figures(results: &Results) -> Vec<Figure> {

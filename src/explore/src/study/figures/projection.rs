@@ -1,10 +1,10 @@
 //! Figure 3.14: the number Y against degrees of freedom, by topology.
 
-use super::super::captions;
 use super::super::knee::Zone;
 use super::super::plan::Printed;
 use super::super::printed::{SystemTopology, thesis};
 use super::super::results::{Results, StudiedProgram};
+use crate::captions;
 use robovec_present::number::round;
 use robovec_present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
 

@@ -1,6 +1,6 @@
 //! Tables 1.1 to 1.3: operators of the Cyclone V, and which share a clock.
 
-use super::super::captions;
+use crate::captions;
 use crate::operators::{ADDERS, Couple, MEMORY_CAP_MHZ, MULTIPLIERS, Operator, couples};
 use robovec_present::{DataTable, columns};
 

@@ -1,11 +1,11 @@
 //! Tables with a row for every placement, or for several that are compared.
 
-use super::super::captions;
 use super::super::plan::PlacementRequest;
 use super::super::printed::thesis;
 use super::super::results::{Results, StudiedProgram, StudyPlacement};
 use super::super::step::{PARTS, PlacedStep, placed, steps};
 use super::super::variants;
+use crate::captions;
 use crate::operators::{Couple, MEMORY_CAP_MHZ, couples as all_couples};
 use robovec_error::yardstick::account::ERROR_HEADS;
 use robovec_fpga::hardware::{MachineClock, clock};
@@ -61,7 +61,7 @@ pub(super) fn ranks(results: &Results) -> Option<DataTable> {
         let share = move |rank: &usize| 100.0 * f64::from(ranks[*rank]) / f64::from(total.max(1));
         columns = columns.with(head, Digits::Hidden, Digits::Decimals(1), share);
     }
-    let words = [("headline", captions::headline(results))];
+    let words = [("headline", results.headline())];
     let rows: Vec<usize> = (0..RANKS.len()).collect();
     (!placed.is_empty()).then(|| captions::table("table-2.1", &words, &columns, &rows))
 }
@@ -128,7 +128,7 @@ pub(super) fn orders(results: &Results) -> Option<DataTable> {
         "classical / thesis", [Hidden, Decimals(3)],
             |row| Some(f64::from(row.alap) / f64::from(row.thesis?[0]));
     };
-    let words = [("headline", captions::headline(results))];
+    let words = [("headline", results.headline())];
     captions::filled("table-2.2", &words, &columns, &rows)
 }
 
@@ -159,7 +159,7 @@ pub(super) fn splits(results: &Results) -> Option<DataTable> {
         "cycles of equal numbers", [Hidden, All], |row| row.2;
         "saved (%)", [Hidden, Decimals(1)], saved;
     };
-    let words = [("headline", captions::headline(results))];
+    let words = [("headline", results.headline())];
     captions::filled("split", &words, &columns, &rows)
 }
 
@@ -195,7 +195,7 @@ pub(super) fn couples(results: &Results) -> Option<DataTable> {
         "fastest, capped (µs)", [Hidden, Decimals(3)], move |row| fastest(row, MEMORY_CAP_MHZ);
     };
     let columns = columns.and(costs(|row: &Row<'_>| row.2.share(), |row| Some(row.1)));
-    let words = [("headline", captions::headline(results))];
+    let words = [("headline", results.headline())];
     captions::filled("couples", &words, &columns, &rows)
 }
 

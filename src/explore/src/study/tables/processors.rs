@@ -1,11 +1,11 @@
 //! The array of elements and one core of a processor side by side.
 
-use super::super::captions;
 use super::super::cpu::CpuTime;
 use super::super::knee::{Split, knee};
 use super::super::results::{Results, StudiedProgram};
 use super::super::step::{PARTS, StudyStep, placed, steps};
 use super::placements::{costs, sum};
+use crate::captions;
 use crate::placing::with_counts;
 use robovec_fpga::hardware::{Estimate, clock, estimated_clock_mhz};
 use robovec_ir::{Machine, Operation};

@@ -1,6 +1,5 @@
 //! Tables with a row for every program.
 
-use super::super::captions::{self, Words};
 use super::super::knee::{Knee, Split, knee};
 use super::super::plan::Printed;
 use super::super::printed::PrintedRow;
@@ -8,6 +7,7 @@ use super::super::program::ProgramFacts;
 use super::super::results::{Results, StudiedProgram};
 use super::super::variants;
 use super::reasons;
+use crate::captions::{self, Words};
 use robovec_analysis::rounding::MedianChange;
 use robovec_error::yardstick::account::ERROR_HEADS;
 use robovec_present::{CellValue, ColumnList, DataTable, Digits, columns};

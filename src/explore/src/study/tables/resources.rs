@@ -6,9 +6,9 @@
 //! the machine it built. Parts do not match one to one: our instruction word
 //! has the selects of the crossbar and the addresses of the buffer too.
 
-use super::super::captions;
 use super::super::printed::SystemTopology;
 use super::super::results::Results;
+use crate::captions;
 use robovec_fpga::hardware::{MachinePart, MachineShape, PartKind, ResourceUse, parts};
 use robovec_present::{DataTable, columns};
 
@@ -91,7 +91,7 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
         "thesis: multiplier blocks", [Hidden, All], printed(2);
         "remark", [Hidden, All], |row| Some(row.printed?.1);
     };
-    let words = [("headline", captions::headline(results))];
+    let words = [("headline", results.headline())];
     captions::filled("table-1.4", &words, &columns, &rows)
 }
 

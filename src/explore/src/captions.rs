@@ -1,8 +1,7 @@
 //! Tables and figures with the titles and captions of `captions.toml`.
 
-use super::results::Results;
-use super::step::ROUNDS;
 use crate::operators::MEMORY_CAP_MHZ;
+use crate::study::ROUNDS;
 use robovec_present::{ColumnList, DataTable, Figure, Panel};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -28,7 +27,7 @@ static CAPTIONS: LazyLock<Captions> =
     LazyLock::new(|| toml::from_str(include_str!("captions.toml")).expect("sound captions"));
 
 /// Words that texts refer to, by name.
-pub(super) type Words<'a> = [(&'a str, &'a str)];
+pub(crate) type Words<'a> = [(&'a str, &'a str)];
 
 fn fill(text: &str, words: &Words<'_>) -> String {
     let fill =
@@ -47,7 +46,7 @@ fn fill(text: &str, words: &Words<'_>) -> String {
 }
 
 /// A table of a name.
-pub(super) fn table<R>(
+pub(crate) fn table<R>(
     name: &str,
     words: &Words<'_>,
     columns: &ColumnList<'_, R>,
@@ -59,7 +58,7 @@ pub(super) fn table<R>(
 }
 
 /// A table of a name, if it has rows.
-pub(super) fn filled<R>(
+pub(crate) fn filled<R>(
     name: &str,
     words: &Words<'_>,
     columns: &ColumnList<'_, R>,
@@ -70,7 +69,7 @@ pub(super) fn filled<R>(
 
 /// A figure with panels side by side, two in a row, if there are any; `texts`
 /// is the name of its texts.
-pub(super) fn figure(
+pub(crate) fn figure(
     texts: &str,
     name: &str,
     words: &Words<'_>,
@@ -80,10 +79,4 @@ pub(super) fn figure(
     let [title, caption] = [&texts.title, &texts.caption].map(|text| fill(text, words));
     let columns = panels.len().min(2);
     (columns > 0).then(|| Figure::new(name, title, caption, columns, panels))
-}
-
-/// The name of the model in the headline.
-pub(super) fn headline(results: &Results) -> &str {
-    let subject = results.plan.models.get(results.plan.headline);
-    subject.map_or("", |subject| &subject.name)
 }
