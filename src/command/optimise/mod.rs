@@ -11,13 +11,13 @@ use robovec_bench::{Compiler, own};
 use robovec_explore::optimise::{
     MakerTally, OptimisationError, OptimisationQuestion, OptimisationTarget, optimise, search_share,
 };
-use robovec_explore::placing::with_counts;
+use robovec_explore::placing::with_elements;
 use robovec_explore::share::SharedWork;
 use robovec_framework::options::OptionValue;
 use robovec_framework::scene::Scene;
 use robovec_io::files::Replace;
+use robovec_ir::Machine;
 use robovec_ir::diagnostic::counted;
-use robovec_ir::{Machine, Operation};
 use robovec_passes::optimise::VariantClass;
 use std::path::PathBuf;
 
@@ -186,9 +186,6 @@ fn machine(
     let machine = input::machine(name)?;
     Ok(match arguments.elements {
         None => machine,
-        Some(count) => with_counts(
-            &machine,
-            &[(Operation::Add, count), (Operation::Mul, count)],
-        ),
+        Some(count) => with_elements(&machine, [count; 2]),
     })
 }

@@ -4,7 +4,7 @@
 //! hardware that `robovec rtl` writes. Nothing is synthesised.
 
 use super::placing::{placed, words_of_a_side};
-use robovec_fpga::hardware::{self, MachineShape, ResourceUse};
+use robovec_fpga::hardware::{self, MachineClock, MachineShape, ResourceUse};
 use robovec_ir::machine::Device;
 use robovec_ir::{Format, Function, Machine, Module};
 use robovec_schedule::{PlaceOptions, most_memory_words};
@@ -35,24 +35,44 @@ impl DeviceShare {
     }
 }
 
-/// Resources that a machine takes in a format, for a program of so many cycles
-/// whose elements hold at most so many words each. A memory in logic counts as
-/// the tables whose place it takes.
-pub fn taken(machine: &Machine, format: Format, cycles: u32, words: u32) -> DeviceShare {
+/// Speed and cost of a machine for a schedule.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct MachineFigures {
+    /// The clock, with its origin.
+    pub clock: MachineClock,
+    /// Time of the schedule at that clock, µs.
+    pub microseconds: f64,
+    /// Resources of the device that the machine takes.
+    pub resources: DeviceShare,
+    /// The largest of its shares of the device ([`DeviceShare::share`]).
+    pub share: f64,
+}
+
+/// The figures of a machine in a format, for a program of so many cycles whose elements
+/// hold at most so many words each. A memory in logic counts as the tables whose place
+/// it takes.
+pub fn figures(machine: &Machine, format: Format, cycles: u32, words: u32) -> MachineFigures {
     let machine = Machine {
         number: format,
         ..machine.clone()
     };
-    let shape = MachineShape::of(&machine, cycles, words);
-    taken_by(&shape, machine.device.device())
+    let device = machine.device.device();
+    let resources = taken_by(&MachineShape::of(&machine, cycles, words), device);
+    let clock = hardware::clock(&machine);
+    MachineFigures {
+        clock,
+        microseconds: clock.microseconds(cycles),
+        resources,
+        share: resources.share(device),
+    }
 }
 
-/// Resources of a device that hardware takes, counted as [`taken`] does.
+/// Resources of a device that hardware takes, counted as [`figures`] does.
 pub fn taken_by(shape: &MachineShape, device: &Device) -> DeviceShare {
     taken_in_all(&hardware::resources(shape), device)
 }
 
-/// Resources of a machine, counted as [`taken`] does.
+/// Resources of a machine, counted as [`figures`] does.
 pub fn taken_in_all(taken: &ResourceUse, device: &Device) -> DeviceShare {
     let capacity = &device.capacity;
     DeviceShare {
@@ -69,8 +89,8 @@ pub fn taken_in_all(taken: &ResourceUse, device: &Device) -> DeviceShare {
 pub fn placed_share(module: &Module, machine: &Machine) -> Option<(u32, f64)> {
     let placed = placed(module, machine, PlaceOptions::default()).ok()?;
     let cycles = placed.summary.cycles;
-    let taken = taken(machine, machine.number, cycles, placed.most_words(machine));
-    Some((cycles, taken.share(machine.device.device())))
+    let figures = figures(machine, machine.number, cycles, placed.most_words(machine));
+    Some((cycles, figures.share))
 }
 
 /// The share of the device that a machine takes with memories for a function
@@ -78,8 +98,7 @@ pub fn placed_share(module: &Module, machine: &Machine) -> Option<(u32, f64)> {
 pub fn share_of_placed(function: &Function, machine: &Machine) -> Option<f64> {
     let cycles = function.schedule.as_ref()?.cycles;
     let words = words_of_a_side(most_memory_words(function)?, machine);
-    let taken = taken(machine, machine.number, cycles, words);
-    Some(taken.share(machine.device.device()))
+    Some(figures(machine, machine.number, cycles, words).share)
 }
 
 #[cfg(test)]
@@ -91,7 +110,7 @@ mod tests {
         let machine = Machine::built_in("thesis").expect("it ships");
         let of = |format: &str| {
             let format = format.parse().expect("it is a format");
-            taken(&machine, format, 1024, 2048)
+            figures(&machine, format, 1024, 2048).resources
         };
         let (half, single, double) = (of("f16"), of("f32"), of("f64"));
         let device = machine.device.device();

@@ -7,9 +7,20 @@ use robovec_schedule::{
     placement_statistics,
 };
 
+/// A machine with so many adders and multipliers; other elements are as many as it has.
+pub fn with_elements(machine: &Machine, [add, multi]: [u32; 2]) -> Machine {
+    with_counts(machine, &[(Operation::Add, add), (Operation::Mul, multi)])
+}
+
+/// A machine with so many adders and multipliers, fused elements as many as the latter.
+pub fn with_fused(machine: &Machine, [add, multi]: [u32; 2]) -> Machine {
+    let machine = with_elements(machine, [add, multi]);
+    with_counts(&machine, &[(Operation::Fma, multi)])
+}
+
 /// A machine with so many elements of the kinds that perform these operations;
 /// a kind that performs several has the last number, others stay as they are.
-pub fn with_counts(machine: &Machine, counts: &[(Operation, u32)]) -> Machine {
+fn with_counts(machine: &Machine, counts: &[(Operation, u32)]) -> Machine {
     let mut machine = machine.clone();
     for &(operation, count) in counts {
         if let Some(kind) = machine.kind_of(operation) {

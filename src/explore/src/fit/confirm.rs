@@ -6,8 +6,8 @@
 //! found: its results must be the evaluator's bit for bit, and within the
 //! tolerances.
 
-use super::{Challenge, FitCandidate, FitError, FitProgram, FitTask, format, size};
-use crate::placing::placed;
+use super::{Challenge, FitCandidate, FitError, FitProgram, FitTask, format};
+use crate::placing::{placed, with_fused};
 use crate::program::{ExplorationError, view};
 use robovec_error::yardstick::{Yardstick, results};
 use robovec_fpga::write_images;
@@ -65,7 +65,7 @@ pub fn ready(
     program: &FitProgram,
     candidate: &FitCandidate,
 ) -> Result<Ready, FitError> {
-    let mut machine = size::sized(task.machine, candidate.elements);
+    let mut machine = with_fused(task.machine, candidate.elements);
     if let Ok(number) = candidate.format.parse() {
         machine.number = number;
     }

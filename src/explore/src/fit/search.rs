@@ -7,6 +7,7 @@ use super::{
     SineTreatment, bound, mixture, series, size, units, variants,
 };
 use crate::ExplorationProgress;
+use crate::device::MachineFigures;
 use crate::program::view;
 use robovec_analysis::critical_path::critical_path;
 use robovec_error::yardstick::Yardstick;
@@ -463,16 +464,20 @@ fn candidate(
     (index, program, path): (usize, &FitProgram, u32),
     (format, measured): (Format, &FormatErrors),
     size: &size::SizedMachine,
-    size::SizedFigures { clock, resources }: size::SizedFigures,
+    figures: MachineFigures,
 ) -> FitCandidate {
     let function = &program.module.functions[0];
-    let microseconds = clock.microseconds(size.cycles);
+    let MachineFigures {
+        clock,
+        microseconds,
+        resources,
+        share,
+    } = figures;
     let (used, errors) = (measured.used(), &measured.errors);
     let in_time = task
         .scene
         .deadline
         .is_none_or(|deadline| microseconds <= deadline);
-    let share = resources.share(task.machine.device.device());
     let remark = remark(task, program, format);
     FitCandidate {
         program: index,

@@ -1,11 +1,11 @@
 //! Number of elements: the fewest that meet the deadline, and more.
 
 use super::{FitProgram, FitTask};
-use crate::device::{DeviceShare, taken};
-use crate::placing::{placed, with_counts};
-use robovec_fpga::hardware::{self, MachineClock};
+use crate::device::{MachineFigures, figures};
+use crate::placing::{placed, with_fused};
+use robovec_fpga::hardware;
 use robovec_ir::count::Counts;
-use robovec_ir::{Format, Machine, Operation};
+use robovec_ir::{Format, Machine};
 use robovec_schedule::{PlaceError, PlaceOptions, schedule_bound};
 use std::collections::HashMap;
 
@@ -26,7 +26,7 @@ pub(super) struct SizedMachine {
 impl SizedMachine {
     /// The machine with these numbers of elements.
     pub(super) fn machine(&self, machine: &Machine) -> Machine {
-        sized(machine, self.elements)
+        with_fused(machine, self.elements)
     }
 
     /// The time of its schedule: many elements slow the clock down.
@@ -35,19 +35,11 @@ impl SizedMachine {
     }
 }
 
-/// Figures of a sized machine in a format.
-#[derive(Clone, Copy)]
-pub(super) struct SizedFigures {
-    pub(super) clock: MachineClock,
-    /// Resources of the device that it takes.
-    pub(super) resources: DeviceShare,
-}
-
 /// Figures that were computed before. Whenever a choice fails, all candidates
 /// are compared anew; their errors have changed by then, their machines have
 /// not.
 #[derive(Default)]
-pub(super) struct KnownFigures(HashMap<(SizedMachine, Format), SizedFigures>);
+pub(super) struct KnownFigures(HashMap<(SizedMachine, Format), MachineFigures>);
 
 impl KnownFigures {
     /// The figures of a sized machine in a format.
@@ -56,31 +48,11 @@ impl KnownFigures {
         machine: &Machine,
         size: &SizedMachine,
         format: Format,
-    ) -> SizedFigures {
-        let compute = || {
-            let machine = Machine {
-                number: format,
-                ..size.machine(machine)
-            };
-            SizedFigures {
-                clock: hardware::clock(&machine),
-                resources: taken(&machine, format, size.cycles, size.words),
-            }
-        };
+    ) -> MachineFigures {
+        let compute = || figures(&size.machine(machine), format, size.cycles, size.words);
         let known = self.0.entry((size.clone(), format));
         *known.or_insert_with(compute)
     }
-}
-
-/// The machine with so many adders and multipliers, fused elements among the
-/// latter.
-pub(super) fn sized(machine: &Machine, [add, multi]: [u32; 2]) -> Machine {
-    let counts = [
-        (Operation::Add, add),
-        (Operation::Mul, multi),
-        (Operation::Fma, multi),
-    ];
-    with_counts(machine, &counts)
 }
 
 /// Small numbers of elements with more of the busier kind, fewer of it and more
@@ -153,7 +125,7 @@ fn attempt(
     program: &FitProgram,
     elements: [u32; 2],
 ) -> Result<SizedMachine, PlaceError> {
-    let machine = sized(task.machine, elements);
+    let machine = with_fused(task.machine, elements);
     let placed = placed(&program.module, &machine, PlaceOptions::default())?;
     Ok(SizedMachine {
         elements,
@@ -177,7 +149,7 @@ fn fewest(task: &FitTask<'_>, program: &FitProgram) -> Option<SizedMachine> {
     let needed = |operations: usize| (operations as u32).div_ceil(deadline).max(1);
     let mut elements = [needed(counts.add_sub), needed(counts.mul)];
     // No number of elements beats the longest chain.
-    let many = sized(task.machine, [MOST, MOST]);
+    let many = with_fused(task.machine, [MOST, MOST]);
     if schedule_bound(function, &many).ok()? > deadline {
         return None;
     }

@@ -1,16 +1,15 @@
 //! Measuring the programs of the choices.
 
 use super::choice::FrontChoice;
-use crate::device;
-use crate::placing::{placed, with_counts};
+use crate::device::{self, MachineFigures};
+use crate::placing::{placed, with_fused};
 use crate::processor;
 use crate::program::{ExplorationError, view};
 use robovec_analysis::critical_path::critical_path;
 use robovec_cgen::c::Real;
 use robovec_error::yardstick::{ErrorSpread, LargestErrors, MeasuredErrors, Yardstick};
-use robovec_fpga::hardware;
 use robovec_ir::count::Counts;
-use robovec_ir::{Format, Machine, Module, Operation};
+use robovec_ir::{Format, Machine, Module};
 use robovec_schedule::PlaceOptions;
 use serde::{Deserialize, Serialize};
 
@@ -66,30 +65,19 @@ pub(super) fn measure(
     let counts = Counts::of(view.function);
     let path = critical_path(view.function, machine).asap_cycle;
     let place = |&count: &u32| {
-        let kinds = [Operation::Add, Operation::Mul, Operation::Fma];
-        let machine = with_counts(machine, &kinds.map(|kind| (kind, count)));
+        let machine = with_fused(machine, [count; 2]);
         let placed = placed(module, &machine, PlaceOptions::default()).ok()?;
         let words = placed.most_words(&machine);
         Some((machine, placed.summary.cycles, words))
     };
     let places: Vec<Option<(Machine, u32, u32)>> = elements.iter().map(place).collect();
-    let cycles = places.iter().map(|place| Some(place.as_ref()?.1));
-    let cycles: Vec<Option<u32>> = cycles.collect();
-    let time = |place: &Option<(Machine, u32, u32)>, format: Format| {
-        let (machine, cycles, _) = place.as_ref()?;
-        let machine = Machine {
-            number: format,
-            ..machine.clone()
-        };
-        Some(hardware::clock(&machine).microseconds(*cycles))
-    };
-    let share = |place: &Option<(Machine, u32, u32)>, format: Format| {
-        let (machine, cycles, words) = place.as_ref()?;
-        let taken = device::taken(machine, format, *cycles, *words);
-        Some(taken.share(machine.device.device()))
-    };
     let point = |format: &Format| {
         let errors = yardstick.errors(view, *format)?;
+        let figures = places.iter().map(|place| {
+            let (machine, cycles, words) = place.as_ref()?;
+            Some(device::figures(machine, *format, *cycles, *words))
+        });
+        let figures: Vec<Option<MachineFigures>> = figures.collect();
         Ok(FrontPoint {
             choice: choice.name.clone(),
             thesis: choice.thesis,
@@ -97,9 +85,15 @@ pub(super) fn measure(
             pipeline: choice.stages.join(","),
             operations: counts.operations,
             path,
-            cycles: cycles.clone(),
-            microseconds: places.iter().map(|place| time(place, *format)).collect(),
-            shares: places.iter().map(|place| share(place, *format)).collect(),
+            cycles: places.iter().map(|place| Some(place.as_ref()?.1)).collect(),
+            microseconds: figures
+                .iter()
+                .map(|one| Some(one.as_ref()?.microseconds))
+                .collect(),
+            shares: figures
+                .iter()
+                .map(|one| Some(one.as_ref()?.share))
+                .collect(),
             cpu_ns: None,
             relative: errors.relative,
             normwise: errors.normwise,

@@ -5,12 +5,12 @@
 use super::start::{self, OptimisationStart};
 use super::{OptimisationQuestion, OptimisationTarget, maker};
 use crate::ExplorationProgress;
-use crate::placing::with_counts;
+use crate::placing::with_fused;
 use crate::program::{ExplorationError, transformed_by};
 use crate::share::SharedWork;
 use crate::store::PointKey;
 use robovec_ir::states::States;
-use robovec_ir::{Machine, Module, Operation};
+use robovec_ir::{Machine, Module};
 use robovec_passes::optimise::VariantClass;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -59,12 +59,7 @@ pub fn found(
     let mut searched: Vec<Option<FoundProgram>> = vec![None; elements.len()];
     for index in work.share.own_and_others(elements.len()).concat() {
         let [add, multi] = elements[index];
-        let counts = [
-            (Operation::Add, add),
-            (Operation::Mul, multi),
-            (Operation::Fma, multi),
-        ];
-        let machine = with_counts(machine, &counts);
+        let machine = with_fused(machine, [add, multi]);
         let key = key.map(|key| key.with_machine(&machine));
         searched[index] = match work.load::<Option<KeptSearch>>(key) {
             Some(kept) => kept.map(|kept| made(starts, &machine, kept)).transpose()?,

@@ -260,6 +260,5 @@ pub fn optimise(
 fn share(trial: &VariantTrial<MadeProgram>, machine: &Machine) -> Option<f64> {
     let (cycles, words) = trial.cycles.zip(trial.words)?;
     let words = words_of_a_side(words, machine);
-    let taken = device::taken(machine, machine.number, cycles, words);
-    Some(taken.share(machine.device.device()))
+    Some(device::figures(machine, machine.number, cycles, words).share)
 }

@@ -2,7 +2,7 @@
 
 use super::plan::{NamedMachine, PlacementRequest};
 use super::program::StudyProgram;
-use crate::placing::{verified, with_counts};
+use crate::placing::{verified, with_elements};
 use robovec_ir::Operation;
 use robovec_ir::placement::Schedule;
 use robovec_schedule::ElementSpread;
@@ -54,12 +54,7 @@ pub(super) fn measure(
     machine: &NamedMachine,
     request: &PlacementRequest,
 ) -> PlacedPoint {
-    // Fused elements are as many as the machine has.
-    let counts = [
-        (Operation::Add, request.n_add),
-        (Operation::Mul, request.n_multi),
-    ];
-    let machine = with_counts(&machine.machine, &counts);
+    let machine = with_elements(&machine.machine, [request.n_add, request.n_multi]);
     let placed = match verified(&program.module, &machine, request.options) {
         Ok(placed) => placed,
         Err(reason) => {

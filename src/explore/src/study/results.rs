@@ -7,9 +7,9 @@ use super::printed::{self, PrintedRow, PrintedSystem};
 use super::program::ProgramFacts;
 use super::run::StudyOutcome;
 use crate::device;
-use crate::placing::{with_counts, words_of_a_side};
+use crate::placing::{with_elements, words_of_a_side};
 use robovec_fpga::hardware::{MachineClock, MachineShape};
-use robovec_ir::{Machine, Operation};
+use robovec_ir::Machine;
 use serde_json::{Value, json};
 
 /// The results of a study.
@@ -53,13 +53,9 @@ impl<'a> StudyPlacement<'a> {
 
     /// The machine, with the elements of the placement.
     pub(super) fn machine(&self) -> Machine {
-        let request = self.request;
-        with_counts(
-            &self.results.plan.machines[request.machine].machine,
-            &[
-                (Operation::Add, request.n_add),
-                (Operation::Mul, request.n_multi),
-            ],
+        with_elements(
+            &self.results.plan.machines[self.request.machine].machine,
+            self.counts(),
         )
     }
 

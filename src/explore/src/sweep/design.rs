@@ -2,11 +2,11 @@
 
 use crate::axes::Axes;
 use crate::operators::{Couple, couples, with_stages};
-use crate::placing::with_counts;
+use crate::placing::with_elements;
+use robovec_ir::Machine;
 use robovec_ir::machine::{
     BufferDescription, DeviceFamily, Interconnect, LinkNetwork, MemoryStyle, Topology,
 };
-use robovec_ir::{Machine, Operation};
 use serde::Serialize;
 
 /// One machine, and how many instances it evaluates at once.
@@ -33,9 +33,8 @@ pub struct MachineDesign {
 impl MachineDesign {
     /// The design as a machine.
     pub fn machine(&self) -> Machine {
-        let kinds = [Operation::Add, Operation::Mul];
-        let counts = [(kinds[0], self.adders), (kinds[1], self.multipliers)];
-        let mut machine = with_stages(&with_counts(&super::thesis(), &counts), self.stages);
+        let machine = with_elements(&super::thesis(), [self.adders, self.multipliers]);
+        let mut machine = with_stages(&machine, self.stages);
         machine.memory.style = self.memory;
         machine.memory.writes = Some(match self.memory {
             MemoryStyle::SideSplit => 1,

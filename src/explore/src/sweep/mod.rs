@@ -29,7 +29,7 @@ use crate::share::{SharedWork, WorkShare};
 use placement::DesignPlacement;
 use robovec_analysis::critical_path::critical_path;
 use robovec_error::yardstick::{ErrorSpread, Yardstick};
-use robovec_fpga::hardware::{self, MachineClock};
+use robovec_fpga::hardware::MachineClock;
 use robovec_ir::count::Counts;
 use robovec_ir::diagnostic::counted;
 use robovec_ir::{Machine, Module};
@@ -288,20 +288,18 @@ fn thesis() -> Machine {
 fn point(design: MachineDesign, placement: DesignPlacement) -> SweepPoint {
     let machine = design.machine();
     let cycles = placement.cycles;
-    let taken = device::taken(&machine, machine.number, cycles, placement.words);
-    let clock = hardware::clock(&machine);
-    let latency_us = clock.microseconds(cycles);
+    let figures = device::figures(&machine, machine.number, cycles, placement.words);
     SweepPoint {
         design,
         program: placement.program,
-        clock,
+        clock: figures.clock,
         cycles,
         lower_bound: placement.lower_bound,
-        latency_us,
-        us_per_evaluation: latency_us / f64::from(design.instances),
+        latency_us: figures.microseconds,
+        us_per_evaluation: figures.microseconds / f64::from(design.instances),
         energy_uj: None,
-        resources: taken,
-        share: taken.share(machine.device.device()),
+        resources: figures.resources,
+        share: figures.share,
         on_front: false,
     }
 }

@@ -6,9 +6,9 @@ use super::super::results::{Results, StudiedProgram};
 use super::super::step::{PARTS, StudyStep, placed, steps};
 use super::placements::{costs, sum};
 use crate::captions;
-use crate::placing::with_counts;
+use crate::placing::with_elements;
 use robovec_fpga::hardware::{Estimate, clock, estimated_clock_mhz};
-use robovec_ir::{Machine, Operation};
+use robovec_ir::Machine;
 use robovec_present::{DataTable, columns};
 
 /// Clock of the machine the thesis built (its section 1.3.4), MHz.
@@ -108,10 +108,10 @@ fn winners(results: &Results, cpu: &[CpuTime], processor: &str) -> Option<DataTa
         let own = || (cpu.iter()).filter(|time| time.model == placed.subject().name);
         let times = own().filter_map(|time| Some((time.single()?, time)));
         let (single, program) = times.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let counts = [(Operation::Add, best.n_add), (Operation::Mul, best.n_multi)];
+        let there = with_elements(&machine.machine, [best.n_add, best.n_multi]);
         Some(WinnerRow {
             placed,
-            array: ArrayTime::of(best.cycles, &with_counts(&machine.machine, &counts)),
+            array: ArrayTime::of(best.cycles, &there),
             best,
             program,
             single,
