@@ -132,6 +132,22 @@ pub enum MemoryStyle {
 }
 
 impl MemoryStyle {
+    /// All styles.
+    pub const ALL: [MemoryStyle; 3] = [
+        MemoryStyle::Unified,
+        MemoryStyle::SideSplit,
+        MemoryStyle::FourPort,
+    ];
+
+    /// Its name in machine files and options.
+    pub fn name(self) -> &'static str {
+        match self {
+            MemoryStyle::Unified => "unified",
+            MemoryStyle::SideSplit => "side-split",
+            MemoryStyle::FourPort => "four-port",
+        }
+    }
+
     /// Memories of one element: one, or one per operand side.
     pub fn banks(self) -> usize {
         match self {

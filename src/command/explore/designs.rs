@@ -3,12 +3,13 @@
 use super::{ExploreArguments, each};
 use crate::command::CommandFailure;
 use crate::command::flags::{FlagLimit, whole};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use robovec_explore::operators::{Couple, couples};
 use robovec_explore::sweep::{
-    DesignSpace, PowerFigures, SweepQuestion, WATTS, interconnect_names, sweep,
+    DesignSpace, PowerFigures, SweepQuestion, WATTS, interconnects, sweep,
 };
 use robovec_ir::machine::{DeviceFamily, Interconnect, MemoryStyle};
+use std::collections::BTreeSet;
 
 /// Axes of machines, and what designs are compared by.
 #[derive(Args, Debug)]
@@ -29,11 +30,13 @@ pub(super) struct DesignArguments {
           add = whole(1, 1024, "there are at most as many elements of a kind"))]
     ratio: u32,
     /// Stages of adders and multipliers, as ADD-MULTI of the thesis' Table 1.3; all by default
-    #[arg(long, value_delimiter = ',', value_name = "ADD-MULTI")]
-    couples: Vec<String>,
-    /// Styles of memories
-    #[arg(long, value_delimiter = ',', default_value = "unified,side-split")]
-    memories: Vec<MemoryWord>,
+    #[arg(long, value_delimiter = ',', value_name = "ADD-MULTI",
+          value_parser = |name: &str| named(name, couples(), Couple::name))]
+    couples: Vec<Couple>,
+    /// Styles of memories: unified, side-split, four-port
+    #[arg(long, value_delimiter = ',', default_value = "unified,side-split",
+          value_parser = |name: &str| named(name, MemoryStyle::ALL, |style| style.name()))]
+    memories: Vec<MemoryStyle>,
     /// Words of buffers, or 0 for none
     #[arg(long, value_delimiter = ',', default_value = "16,0",
           add = whole(0, 65_536, "buffers are memories of the device; 0 leaves them out"))]
@@ -43,8 +46,9 @@ pub(super) struct DesignArguments {
           add = whole(1, 64, "the program becomes so many times as large"))]
     instances: Vec<u32>,
     /// Interconnects: crossbar, bus, mesh, torus, omega, hypercube
-    #[arg(long, value_delimiter = ',', default_value = "crossbar")]
-    interconnects: Vec<String>,
+    #[arg(long, value_delimiter = ',', default_value = "crossbar",
+          value_parser = |name: &str| named(name, interconnects(), |one| one.name()))]
+    interconnects: Vec<Interconnect>,
     /// Family of devices the machines are built on: cyclone-v or ecp5
     #[arg(long, default_value_t, value_name = "FAMILY")]
     device: DeviceFamily,
@@ -60,19 +64,26 @@ pub(super) struct DesignArguments {
     cpu_watts: Option<f64>,
 }
 
-/// A style of memories on the command line.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
-enum MemoryWord {
-    Unified,
-    SideSplit,
-    FourPort,
+/// The value of a name.
+fn named<T, N: Into<String>>(
+    name: &str,
+    all: impl IntoIterator<Item = T>,
+    name_of: impl Fn(&T) -> N,
+) -> Result<T, String> {
+    let all: Vec<(String, T)> = (all.into_iter())
+        .map(|one| (name_of(&one).into(), one))
+        .collect();
+    let names: Vec<&str> = all.iter().map(|(known, _)| known.as_str()).collect();
+    let expected = format!("expected {}", names.join(", "));
+    let found = all.into_iter().find(|(known, _)| known == name);
+    found.map(|(_, one)| one).ok_or(expected)
 }
 
 pub(super) fn run(
     arguments: &ExploreArguments,
     axes: &DesignArguments,
 ) -> Result<String, CommandFailure> {
-    let space = space(axes)?;
+    let space = space(axes);
     let watts = axes.idle_watts.zip(axes.full_watts);
     each(arguments, None, |function, work, progress| {
         let question = SweepQuestion {
@@ -90,71 +101,30 @@ pub(super) fn run(
     })
 }
 
-fn space(arguments: &DesignArguments) -> Result<DesignSpace, CommandFailure> {
+fn space(arguments: &DesignArguments) -> DesignSpace {
     let sorted = |numbers: &[u32]| {
-        let mut numbers = numbers.to_vec();
-        numbers.sort_unstable();
-        numbers.dedup();
-        numbers
+        let numbers: BTreeSet<u32> = numbers.iter().copied().collect();
+        numbers.into_iter().collect::<Vec<u32>>()
     };
     let mut known = couples();
-    for wanted in &arguments.couples {
-        let is_it = |couple: &Couple| {
-            let [add, multi] = couple.stages();
-            *wanted == format!("{add}-{multi}")
-        };
-        if !known.iter().any(is_it) {
-            let names = known.iter().map(|couple| {
-                let [add, multi] = couple.stages();
-                format!("{add}-{multi}")
-            });
-            let names: Vec<String> = names.collect();
-            let message = format!("there is no couple '{wanted}'");
-            let help = format!("couples of Table 1.3: {}", names.join(", "));
-            return Err(CommandFailure::advised(message, vec![help]));
-        }
-    }
-    if !arguments.couples.is_empty() {
-        known.retain(|couple| {
-            let [add, multi] = couple.stages();
-            arguments.couples.contains(&format!("{add}-{multi}"))
-        });
-    }
-    let mut interconnects = Vec::new();
-    for name in &arguments.interconnects {
-        let Some(interconnect) = Interconnect::named(name) else {
-            let message = format!("there is no interconnect '{name}'");
-            let help = format!("interconnects: {}", interconnect_names().join(", "));
-            return Err(CommandFailure::advised(message, vec![help]));
-        };
-        if !interconnects.contains(&interconnect) {
-            interconnects.push(interconnect);
-        }
-    }
-    let memory = |word: &MemoryWord| match word {
-        MemoryWord::Unified => MemoryStyle::Unified,
-        MemoryWord::SideSplit => MemoryStyle::SideSplit,
-        MemoryWord::FourPort => MemoryStyle::FourPort,
-    };
-    let mut memories: Vec<MemoryStyle> = Vec::new();
-    for style in arguments.memories.iter().map(memory) {
-        if !memories.contains(&style) {
-            memories.push(style);
-        }
-    }
-    let buffers = sorted(&arguments.buffers);
-    Ok(DesignSpace {
+    known.retain(|couple| arguments.couples.is_empty() || arguments.couples.contains(couple));
+    let buffers = sorted(&arguments.buffers).into_iter();
+    DesignSpace {
         adders: sorted(&arguments.adders),
         multipliers: sorted(&arguments.multipliers),
         ratio: arguments.ratio,
         couples: known,
-        memories,
-        buffers: buffers
-            .into_iter()
-            .map(|words| (words > 0).then_some(words))
-            .collect(),
+        memories: each_once(&arguments.memories),
+        buffers: buffers.map(|words| (words > 0).then_some(words)).collect(),
         instances: sorted(&arguments.instances),
-        interconnects,
+        interconnects: each_once(&arguments.interconnects),
         device: arguments.device,
-    })
+    }
+}
+
+/// The values in their order, each once.
+fn each_once<T: PartialEq + Copy>(values: &[T]) -> Vec<T> {
+    let first = |(place, value): &(usize, &T)| !values[..*place].contains(value);
+    let kept = values.iter().enumerate().filter(first);
+    kept.map(|(_, value)| *value).collect()
 }

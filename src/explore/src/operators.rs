@@ -79,6 +79,11 @@ impl Couple {
         self.adder.mhz.min(self.multiplier.mhz)
     }
 
+    /// Its name, `7-4`: stages of the adder and of the multiplier.
+    pub fn name(&self) -> String {
+        format!("{}-{}", self.adder.stages, self.multiplier.stages)
+    }
+
     /// Stages of the adder and of the multiplier.
     pub fn stages(&self) -> [u32; 2] {
         [self.adder.stages, self.multiplier.stages]

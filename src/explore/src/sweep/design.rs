@@ -1,7 +1,7 @@
 //! The space of designs.
 
 use crate::axes::Axes;
-use crate::operators::{Couple, couples, with_stages};
+use crate::operators::{Couple, with_stages};
 use crate::placing::with_elements;
 use robovec_ir::Machine;
 use robovec_ir::machine::{
@@ -75,22 +75,6 @@ pub struct DesignSpace {
     pub device: DeviceFamily,
 }
 
-impl Default for DesignSpace {
-    fn default() -> DesignSpace {
-        DesignSpace {
-            adders: vec![1, 2, 4, 8, 16],
-            multipliers: vec![1, 2, 4, 8, 16],
-            ratio: 2,
-            couples: couples(),
-            memories: vec![MemoryStyle::Unified, MemoryStyle::SideSplit],
-            buffers: vec![Some(16), None],
-            instances: vec![1, 4],
-            interconnects: vec![Interconnect::Crossbar],
-            device: DeviceFamily::default(),
-        }
-    }
-}
-
 impl DesignSpace {
     /// All designs, in order.
     pub fn designs(&self) -> Vec<MachineDesign> {
@@ -143,9 +127,8 @@ impl DesignSpace {
     }
 }
 
-/// Names of all interconnects, the crossbar first.
-pub fn interconnect_names() -> Vec<&'static str> {
+/// All interconnects, the crossbar first.
+pub fn interconnects() -> Vec<Interconnect> {
     let networks = Topology::ALL.map(|topology| Interconnect::Network(LinkNetwork::of(topology)));
-    let all = std::iter::once(Interconnect::Crossbar).chain(networks);
-    all.map(|interconnect| interconnect.name()).collect()
+    [&[Interconnect::Crossbar], &networks[..]].concat()
 }

@@ -16,7 +16,7 @@ mod energy;
 mod placement;
 mod text;
 
-pub use design::{DesignSpace, MachineDesign, interconnect_names};
+pub use design::{DesignSpace, MachineDesign, interconnects};
 pub use energy::{PowerFigures, WATTS};
 
 use crate::ExplorationProgress;
@@ -327,6 +327,8 @@ impl FunctionSweep {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::operators::couples;
+    use robovec_ir::machine::{DeviceFamily, Interconnect, MemoryStyle};
     use robovec_ir::parse;
     use robovec_ir::states::States;
 
@@ -368,13 +370,25 @@ mod tests {
         }
     }
 
+    fn usual_space() -> DesignSpace {
+        DesignSpace {
+            adders: vec![1, 2],
+            multipliers: vec![1, 2],
+            ratio: 2,
+            couples: couples(),
+            memories: vec![MemoryStyle::Unified, MemoryStyle::SideSplit],
+            buffers: vec![Some(16), None],
+            instances: vec![1, 4],
+            interconnects: vec![Interconnect::Crossbar],
+            device: DeviceFamily::default(),
+        }
+    }
+
     /// A few machines, with so many instances at once, and all points of them.
     pub(super) fn small_sweep(instances: &[u32]) -> (DesignSpace, FunctionSweep) {
         let space = DesignSpace {
-            adders: vec![1, 2],
-            multipliers: vec![1, 2],
             instances: instances.to_vec(),
-            ..DesignSpace::default()
+            ..usual_space()
         };
         let sweep = swept(&space, &PASSES);
         (space, sweep.expect("it is small"))
@@ -414,7 +428,7 @@ mod tests {
         let space = DesignSpace {
             adders: (1..=4096).collect(),
             multipliers: (1..=4096).collect(),
-            ..DesignSpace::default()
+            ..usual_space()
         };
         let error = swept(&space, &PASSES).expect_err("it is too much");
         assert!(matches!(error, ExplorationError::TooMuch { .. }), "{error}");

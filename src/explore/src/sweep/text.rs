@@ -5,7 +5,6 @@ use crate::captions;
 use crate::exploration::Exploration;
 use robovec_error::yardstick::account::{ERROR_HEADS, measure_text};
 use robovec_ir::diagnostic::counted;
-use robovec_ir::machine::MemoryStyle;
 use robovec_present::page;
 use robovec_present::text::distinct;
 use robovec_present::{
@@ -53,7 +52,7 @@ fn design_columns<'a>() -> ColumnList<'a, DesignRow<'a>> {
         "adder stages", [Hidden, All], |row| row.1.design.stages[0];
         "multiplier stages", [Hidden, All], |row| row.1.design.stages[1];
         "estimated clock (MHz)", [Decimals(0), Decimals(1)], |row| row.1.clock.mhz;
-        "memory", [All, All], |row| memory_name(row.1.design.memory);
+        "memory", [All, All], |row| row.1.design.memory.name();
         "buffer words", [All, All], |row| buffer_name(row.1.design.buffer);
         "instances", [All, All], |row| row.1.design.instances;
         "interconnect", [All, All], |row| row.1.design.interconnect.name();
@@ -116,14 +115,6 @@ fn jitter(sweep: &FunctionSweep) -> String {
              the median one"
         ),
         None => design.to_owned(),
-    }
-}
-
-fn memory_name(style: MemoryStyle) -> &'static str {
-    match style {
-        MemoryStyle::Unified => "unified",
-        MemoryStyle::SideSplit => "side-split",
-        MemoryStyle::FourPort => "four-port",
     }
 }
 

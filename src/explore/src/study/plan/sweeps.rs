@@ -251,7 +251,7 @@ fn couple_machine(couple: Couple) -> NamedMachine {
     let thesis = Machine::built_in("thesis").expect("it ships, and a test parses it");
     let [add, multi] = couple.stages();
     let mut machine = with_stages(&thesis, [add, multi]);
-    let name = format!("couple-{add}-{multi}");
+    let name = format!("couple-{}", couple.name());
     machine.name.clone_from(&name);
     machine.description = format!(
         "adders of {add} stages, multipliers of {multi}, at {} MHz (thesis, Table 1.3)",
