@@ -8,37 +8,47 @@
 use robovec_dynamics::generate::Formulation;
 use robovec_ir::Format;
 use robovec_passes::optimise::steps;
+use serde::Deserialize;
 
 /// A way to compute a function.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct FrontChoice {
-    /// Its name in tables.
-    pub name: String,
+    pub(super) name: String,
     /// True for what the thesis could choose.
-    pub thesis: bool,
+    pub(super) thesis: bool,
     /// Another formulation of the equations, made from the model; the
     /// equations as they came for `None`.
-    pub formulation: Option<Formulation>,
+    pub(super) formulation: Option<Formulation>,
     /// Passes, in stages that other choices may share from the start on.
-    pub stages: Vec<String>,
+    pub(super) stages: Vec<String>,
     /// The formats it is measured in.
-    pub formats: Vec<Format>,
+    pub(super) formats: Vec<Format>,
 }
 
-/// Balanced by arrival times: what the thesis does by hand, done everywhere.
-const BALANCED: &str = "atomise,zero-removal,balance,cse,dce";
-/// Order 1 of the Taylor series.
-const ORDER_1: &str = "trigonometry{method=taylor order=1}";
-/// The form that rounds least, with neither more cycles nor more operations.
-const ACCURATE: &str = "accurate";
+/// The list of choices.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ChoiceFile {
+    thesis: Vec<ChoiceEntry>,
+    ours: Vec<ChoiceEntry>,
+    formulation: Vec<ChoiceEntry>,
+}
 
-/// Functions with more operations get fewer variants: look-ahead takes a
-/// quarter of a millisecond per operation.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ChoiceEntry {
+    name: String,
+    stages: Vec<String>,
+    /// True for what takes long, false for what takes its place in large functions.
+    slow: Option<bool>,
+}
+
+/// Functions with more operations get the choices that are not slow.
 const LARGE: usize = 30_000;
 
 /// A format with 27 bits of significand: the multipliers of Cyclone V are 27
 /// bits wide, so that it costs no more of them than binary32.
-pub(super) const FULL_MULTIPLIER: &str = "float(8,26)";
+const FULL_MULTIPLIER: &str = "float(8,26)";
 
 /// Binary32, and [`FULL_MULTIPLIER`].
 fn wide() -> Vec<Format> {
@@ -46,113 +56,73 @@ fn wide() -> Vec<Format> {
     vec![Format::BINARY32, full]
 }
 
-fn choice(name: &str, stages: &[&str]) -> FrontChoice {
-    FrontChoice {
-        name: name.to_owned(),
-        thesis: false,
-        formulation: None,
-        stages: stages.iter().map(|&stage| stage.to_owned()).collect(),
-        formats: vec![Format::BINARY32],
-    }
-}
-
-/// All that the thesis could choose.
-pub(super) fn of_the_thesis() -> Vec<FrontChoice> {
-    let thesis = |name, stages: &[&str]| FrontChoice {
-        thesis: true,
-        ..choice(name, stages)
-    };
-    vec![
-        thesis("printed, order 1", &["atomise", ORDER_1]),
-        thesis("balanced, order 1", &[BALANCED, ORDER_1]),
-        // Products with cos x = 1 need not be computed, though the thesis does.
-        thesis(
-            "balanced, order 1, folded",
-            &["atomise", ORDER_1, "fold,zero-removal,balance,cse,dce"],
+/// A stage of passes with its words filled in.
+fn stage(text: &str, angle: f64) -> String {
+    let words = [
+        (
+            "{balanced}",
+            "atomise,zero-removal,balance,cse,dce".to_owned(),
         ),
-        thesis("printed, true sin and cos", &["atomise"]),
-        thesis("balanced, true sin and cos", &[BALANCED]),
-    ]
+        ("{composite}", format!("atomise,{}", steps::COMPOSITE)),
+        (
+            "{order 1}",
+            "trigonometry{method=taylor order=1}".to_owned(),
+        ),
+        (
+            "{series}",
+            format!("atomise,trigonometry{{method=minimax order=7 range={angle}}}"),
+        ),
+    ];
+    let ahead = text.strip_prefix("{ahead ");
+    if let Some(growth) = ahead.and_then(|rest| rest.strip_suffix('}')) {
+        return format!("lookahead{{growth={growth}}},balance,cse,dce");
+    }
+    let found = words.into_iter().find(|(word, _)| *word == text);
+    found.map_or(text.to_owned(), |(_, passes)| passes)
 }
 
-/// Our choices for a function of so many operations: from the equations, and,
-/// where there is a model, from its other formulations. Angles up to `angle`
-/// (rad) are covered by the series that the elements compute.
-pub(super) fn ours(
+/// All choices of a list for a function of so many operations: those of the thesis, ours
+/// from the equations, and, where there is a model, from its other formulations. Angles
+/// up to `angle` (rad) are covered by the series that the elements compute.
+pub(super) fn listed(
     operations: usize,
     formulations: &[Formulation],
     angle: f64,
 ) -> Vec<FrontChoice> {
-    let composite = format!("atomise,{}", steps::COMPOSITE);
-    let ahead = |growth: u32| format!("lookahead{{growth={growth}}},balance,cse,dce");
-    let growths: &[u32] = if operations > LARGE {
-        &[100]
-    } else {
-        &[100, 120, 150]
-    };
-    let mut choices = Vec::new();
-    let mut add = |name: String, formulation: Option<Formulation>, stages: &[&str]| {
-        choices.push(FrontChoice {
+    let file: ChoiceFile = toml::from_str(include_str!("choices.toml")).expect("sound choices");
+    let choice = |entry: &ChoiceEntry, formulation: Option<Formulation>| {
+        let taken = entry.slow.is_none_or(|slow| slow == (operations <= LARGE));
+        let word = formulation.map_or("", Formulation::name);
+        taken.then(|| FrontChoice {
+            name: entry.name.replace("{formulation}", word),
+            thesis: false,
             formulation,
+            stages: entry.stages.iter().map(|text| stage(text, angle)).collect(),
             formats: wide(),
-            ..choice(&name, stages)
-        });
+        })
     };
-    let from = [("", BALANCED), ("composite", &composite)];
-    for (name, start) in from {
-        if !name.is_empty() {
-            add(name.to_owned(), None, &[start]);
-        }
-        for &growth in growths {
-            let name = format!(
-                "{name}{}look-ahead {growth} %",
-                if name.is_empty() { "" } else { ", " }
-            );
-            add(name, None, &[start, &ahead(growth)]);
-        }
-    }
-    // In the form that rounds least, at no cost.
-    add("balanced, accurate".to_owned(), None, &[BALANCED, ACCURATE]);
-    if operations <= LARGE {
-        add(
-            "look-ahead 120 %, accurate".to_owned(),
-            None,
-            &[BALANCED, &ahead(120), ACCURATE],
-        );
-        add(
-            "composite, look-ahead 120 %, accurate".to_owned(),
-            None,
-            &[&composite, &ahead(120), ACCURATE],
-        );
-    }
-    // Without a host: the elements compute the sines and cosines as well.
-    let series = format!("atomise,trigonometry{{method=minimax order=7 range={angle}}}");
-    let growth = growths.last().copied().unwrap_or(100);
-    add(
-        format!("series on the elements, look-ahead {growth} %"),
-        None,
-        &[&series, "zero-removal,balance,cse,dce", &ahead(growth)],
-    );
-    for &formulation in formulations {
-        let name = format!("formulation {}", formulation.name());
-        add(name.clone(), Some(formulation), &[BALANCED]);
-        if operations <= LARGE {
-            add(
-                format!("{name}, look-ahead 100 %"),
-                Some(formulation),
-                &[BALANCED, &ahead(100)],
-            );
-        }
-    }
-    choices
+    let thesis = file.thesis.iter().filter_map(|entry| choice(entry, None));
+    let thesis = thesis.map(|choice| FrontChoice {
+        thesis: true,
+        formats: vec![Format::BINARY32],
+        ..choice
+    });
+    let ours = file.ours.iter().filter_map(|entry| choice(entry, None));
+    let others = formulations.iter().flat_map(|&formulation| {
+        let entries = file.formulation.iter();
+        entries.filter_map(move |entry| choice(entry, Some(formulation)))
+    });
+    thesis.chain(ours).chain(others).collect()
 }
 
 /// Choice that a search found for the numbers of elements asked for.
 pub(super) fn found(name: &str, formulation: Option<Formulation>, passes: &str) -> FrontChoice {
     FrontChoice {
+        name: format!("found: {name}"),
+        thesis: false,
         formulation,
+        stages: vec![passes.to_owned()],
         formats: wide(),
-        ..choice(&format!("found: {name}"), &[passes])
     }
 }
 
@@ -163,11 +133,11 @@ mod tests {
 
     #[test]
     fn all_stages_are_pipelines_of_this_build() {
-        let mut choices = of_the_thesis();
-        choices.extend(ours(1000, &Formulation::ALL, 0.1));
-        for choice in choices {
-            for stage in &choice.stages {
-                assert!(REGISTRY.pipeline(stage).is_ok(), "{}: {stage}", choice.name);
+        for operations in [1000, 2 * LARGE] {
+            for choice in listed(operations, &Formulation::ALL, 0.1) {
+                for stage in &choice.stages {
+                    assert!(REGISTRY.pipeline(stage).is_ok(), "{}: {stage}", choice.name);
+                }
             }
         }
     }

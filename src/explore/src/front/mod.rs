@@ -155,9 +155,7 @@ fn choices(
     progress: ExplorationProgress<'_>,
 ) -> Result<Vec<FrontChoice>, ExplorationError> {
     let formulations: Vec<Formulation> = function.others.iter().map(|(one, _)| *one).collect();
-    let mut choices: Vec<FrontChoice> = choice::of_the_thesis();
-    let ours = choice::ours(function.operations(), &formulations, question.angle);
-    choices.extend(ours);
+    let mut choices = choice::listed(function.operations(), &formulations, question.angle);
     let elements: Vec<[u32; 2]> = question.elements.iter().map(|&n| [n, n]).collect();
     let found = function.searched(question.machine, &elements, question.work, progress)?;
     choices.extend(found.into_iter().map(|program| {

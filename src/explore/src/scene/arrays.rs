@@ -128,17 +128,14 @@ impl SceneArrays {
         let array = &self.list[array];
         let extent = match array.shape {
             Shape::Scalar => {
-                problems.add(span.clone(), format!("'{}' is a single number", array.name));
-                return None;
+                return problems
+                    .refuse(span.clone(), format!("'{}' is a single number", array.name));
             }
             Shape::Vector(extent) | Shape::Matrix(_, extent) => extent,
         };
         match self.index(word, extent, array.counts) {
             Ok(IndexPattern::Between(first, last)) if first == last => Some(first),
-            Ok(_) => {
-                problems.add(span.clone(), "one name or number is expected here");
-                None
-            }
+            Ok(_) => problems.refuse(span.clone(), "one name or number is expected here"),
             Err((message, note)) => {
                 problems.advise(span.clone(), message, note);
                 None
@@ -155,8 +152,7 @@ impl SceneArrays {
     ) -> Option<u32> {
         let array = self.list.iter().position(|array| array.name == "q");
         let Some(array) = array else {
-            problems.add(span.clone(), "the functions read no joint positions 'q'");
-            return None;
+            return problems.refuse(span.clone(), "the functions read no joint positions 'q'");
         };
         self.last_index(array, word, span, problems)
     }
@@ -226,11 +222,10 @@ impl SceneArrays {
                 1 => "one index".to_owned(),
                 count => format!("{count} indices"),
             };
-            problems.add(
+            return problems.refuse(
                 span.clone(),
                 format!("'{}' has {wanted}, not {}", clip(name), words.len()),
             );
-            return None;
         }
         for (place, (word, &extent)) in words.iter().zip(&extents).enumerate() {
             let last = place + 1 == extents.len();
@@ -308,8 +303,7 @@ fn split<'t>(
         return Some((text.trim(), None));
     };
     let Some(indices) = rest.trim_end().strip_suffix(']') else {
-        problems.add(span.clone(), "the bracket '[' is not closed by a last ']'");
-        return None;
+        return problems.refuse(span.clone(), "the bracket '[' is not closed by a last ']'");
     };
     Some((name.trim(), Some(indices)))
 }

@@ -31,6 +31,16 @@ impl DocumentProblems {
         self.advise(span, message, None);
     }
 
+    /// As [`DocumentProblems::add`]; there is no value then.
+    pub(super) fn refuse<T>(
+        &mut self,
+        span: DocumentRange,
+        message: impl Into<String>,
+    ) -> Option<T> {
+        self.add(span, message);
+        None
+    }
+
     /// As [`DocumentProblems::add`], with what to do.
     pub(super) fn advise(
         &mut self,
@@ -139,15 +149,13 @@ pub(super) fn number(value: &DocumentValue<'_>, problems: &mut DocumentProblems)
             let number = text.parse().ok();
             if number.is_some_and(|number| decimal::is_lost(text, number)) {
                 let message = format!("{text} is too small: {}", decimal::LOST);
-                problems.add(value.span(), message);
-                return None;
+                return problems.refuse(value.span(), message);
             }
             number
         }
         other => {
             let found = other.type_str();
-            problems.add(value.span(), format!("expected a number, not a {found}"));
-            return None;
+            return problems.refuse(value.span(), format!("expected a number, not a {found}"));
         }
     };
     let finite = number.filter(|number| number.is_finite());
@@ -166,10 +174,7 @@ pub(super) fn limited(
     let number = number(value, problems)?;
     match limit.check(Amount::Real(number)) {
         Ok(()) => Some(number),
-        Err(reason) => {
-            problems.add(value.span(), format!("'{name}': {reason}"));
-            None
-        }
+        Err(reason) => problems.refuse(value.span(), format!("'{name}': {reason}")),
     }
 }
 
@@ -182,8 +187,7 @@ pub(super) fn string<'a>(
         return Some(text.as_ref());
     }
     let found = value.get_ref().type_str();
-    problems.add(value.span(), format!("expected a text, not a {found}"));
-    None
+    problems.refuse(value.span(), format!("expected a text, not a {found}"))
 }
 
 pub(super) fn table<'a, 't>(
@@ -194,8 +198,7 @@ pub(super) fn table<'a, 't>(
         return Some(table);
     }
     let found = value.get_ref().type_str();
-    problems.add(value.span(), format!("expected a table, not a {found}"));
-    None
+    problems.refuse(value.span(), format!("expected a table, not a {found}"))
 }
 
 /// A list.
@@ -207,8 +210,7 @@ pub(super) fn array<'a, 't>(
         return Some(list);
     }
     let found = value.get_ref().type_str();
-    problems.add(value.span(), format!("expected a list, not a {found}"));
-    None
+    problems.refuse(value.span(), format!("expected a list, not a {found}"))
 }
 
 /// A list of texts, or a single one.

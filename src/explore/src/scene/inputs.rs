@@ -210,8 +210,7 @@ impl InputReader<'_> {
         let list = array(value, self.problems)?;
         let [low, high] = list.as_ref() else {
             let message = format!("a range is [low, high], not {} numbers", list.len());
-            self.problems.add(value.span(), message);
-            return None;
+            return self.problems.refuse(value.span(), message);
         };
         let [first, last] = [low, high].map(|end| limited(end, ("range", INPUT), self.problems));
         let (low, high) = (first?, last?);
@@ -286,8 +285,7 @@ impl InputReader<'_> {
             ("initial", Some(model)) => Some(model.joints[joint as usize - 1].initial[0]),
             ("initial", None) => {
                 let message = "there is no model that tells the initial position";
-                self.problems.add(value.span(), message);
-                None
+                self.problems.refuse(value.span(), message)
             }
             (other, _) => {
                 let what = "a position is a number or 'initial', not";

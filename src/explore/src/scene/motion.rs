@@ -179,8 +179,7 @@ impl InputReader<'_> {
         only_keys(section, keys, self.problems);
         if self.model.is_none() {
             let message = "only a model moves and can leave something out, equations do not";
-            self.problems.add(value.span(), message);
-            return None;
+            return self.problems.refuse(value.span(), message);
         }
         Some(section)
     }
@@ -257,15 +256,13 @@ impl InputReader<'_> {
         let list = array(value, self.problems)?;
         let [low, high] = list.as_ref() else {
             let message = "a range has two ends: [low, high]";
-            self.problems.add(value.span(), message);
-            return None;
+            return self.problems.refuse(value.span(), message);
         };
         let low = limited(low, limit, self.problems)?;
         let high = limited(high, limit, self.problems)?;
         if low > high {
             let message = "the low end of the range is above the high end";
-            self.problems.add(value.span(), message);
-            return None;
+            return self.problems.refuse(value.span(), message);
         }
         Some([low, high])
     }

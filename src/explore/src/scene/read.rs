@@ -190,8 +190,7 @@ fn subject(
         (Some(value), None) => ("model", value),
         (None, Some(value)) => ("equations", value),
         (Some(_), Some(value)) => {
-            problems.add(value.span(), "a scene has a model or equations, not both");
-            return Ok(None);
+            return Ok(problems.refuse(value.span(), "a scene has a model or equations, not both"));
         }
         (None, None) => {
             let note = "write: model = \"FILE.mbs\", or: equations = \"FILE.c\"".to_owned();
@@ -259,8 +258,7 @@ fn model_subject(
     ) && !formulation.gives(kind)
     {
         let message = format!("'{}' does not give {wish}", formulation.name());
-        problems.add(value.span(), message);
-        return Ok(None);
+        return Ok(problems.refuse(value.span(), message));
     }
     let read = sources::model(path)?;
     let warnings = read.warnings_for(kind);

@@ -14,7 +14,6 @@ use robovec_present::json::json_script;
 use robovec_present::number::round;
 use robovec_present::{DataTable, Figure, page};
 use serde_json::{Value, json};
-use std::fmt::Write;
 
 const TEMPLATE: &str = include_str!("page.html");
 const SCRIPT: &str = include_str!("page.js");
@@ -127,42 +126,30 @@ fn method(results: &Results) -> String {
         Lower bounds are proved. Elements are counted as adders + multipliers (all together): \
         the thesis uses both ways of counting.</p><ul>"
         .to_owned();
+    let mut item = |kind: &str, name: &str, about: &str| {
+        text += &format!("<li>{kind} <b>{}</b>{about}</li>", Escaped(name));
+    };
     for pipeline in &plan.pipelines {
-        // Writing to a string cannot fail.
-        let _ = write!(
-            text,
-            "<li>Pipeline <b>{}</b>: <code>{}</code></li>",
-            Escaped(&pipeline.name),
-            Escaped(&pipeline.pipeline.to_string())
-        );
+        let passes = pipeline.pipeline.to_string();
+        let passes = format!(": <code>{}</code>", Escaped(&passes));
+        item("Pipeline", &pipeline.name, &passes);
     }
-    for machine in plan
-        .machines
-        .iter()
-        .filter(|machine| machine.couple.is_none())
-    {
-        let _ = write!(
-            text,
-            "<li>Machine <b>{}</b>: {}, on {}, {}</li>",
-            Escaped(&machine.name),
-            Escaped(&machine.machine.description),
-            Escaped(&machine.machine.device.device().name),
-            Escaped(&machine.clock().text())
+    let ordinary = plan.machines.iter();
+    for machine in ordinary.filter(|machine| machine.couple.is_none()) {
+        let (about, device) = (
+            &machine.machine.description,
+            machine.machine.device.device(),
         );
+        let clock = machine.clock().text();
+        let about = format!(": {about}, on {}, {clock}", device.name);
+        item("Machine", &machine.name, &Escaped(&about).to_string());
     }
     for model in &plan.models {
-        let stands = model
-            .printed
-            .as_ref()
-            .map_or(String::new(), |row| format!(", for the thesis' {row}"));
-        let _ = write!(
-            text,
-            "<li>Model <b>{}</b>: {}, equations {}{}</li>",
-            Escaped(&model.name),
-            Escaped(&model.source),
-            Escaped(&super::variants::label(model)),
-            Escaped(&stands)
-        );
+        let row = model.printed.as_ref();
+        let stands = row.map_or(String::new(), |row| format!(", for the thesis' {row}"));
+        let label = super::variants::label(model);
+        let about = format!(": {}, equations {label}{stands}", model.source);
+        item("Model", &model.name, &Escaped(&about).to_string());
     }
     text + "</ul>"
 }
