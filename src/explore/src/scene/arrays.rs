@@ -1,6 +1,6 @@
 //! The arrays a scene can speak of, and the names of what their indices count.
 
-use super::document::{DocumentProblems, DocumentRange};
+use super::document::WordProblem;
 use robovec_framework::scene::{ElementPattern, IndexPattern};
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use robovec_ir::{Module, Shape};
@@ -102,59 +102,33 @@ impl SceneArrays {
     }
 
     /// The array of a name.
-    pub(super) fn find(
-        &self,
-        name: &str,
-        span: &DocumentRange,
-        problems: &mut DocumentProblems,
-    ) -> Option<usize> {
+    fn find(&self, name: &str) -> Result<usize, WordProblem> {
         let found = self.list.iter().position(|array| array.name == name);
-        if found.is_none() {
+        found.ok_or_else(|| {
             let names: Vec<&str> = self.list.iter().map(|array| array.name.as_str()).collect();
-            problems.unknown(span.clone(), "there is no input array", name, &names);
-        }
-        found
+            WordProblem::unknown("there is no input array", name, &names)
+        })
     }
 
     /// The number of what the last index of an array counts, by name or
     /// number.
-    pub(super) fn last_index(
-        &self,
-        array: usize,
-        word: &str,
-        span: &DocumentRange,
-        problems: &mut DocumentProblems,
-    ) -> Option<u32> {
+    pub(super) fn last_index(&self, array: usize, word: &str) -> Result<u32, WordProblem> {
         let array = &self.list[array];
         let extent = match array.shape {
-            Shape::Scalar => {
-                return problems
-                    .refuse(span.clone(), format!("'{}' is a single number", array.name));
-            }
+            Shape::Scalar => return Err(format!("'{}' is a single number", array.name).into()),
             Shape::Vector(extent) | Shape::Matrix(_, extent) => extent,
         };
-        match self.index(word, extent, array.counts) {
-            Ok(IndexPattern::Between(first, last)) if first == last => Some(first),
-            Ok(_) => problems.refuse(span.clone(), "one name or number is expected here"),
-            Err((message, note)) => {
-                problems.advise(span.clone(), message, note);
-                None
-            }
+        match self.index(word, extent, array.counts)? {
+            IndexPattern::Between(first, last) if first == last => Ok(first),
+            _ => Err("one name or number is expected here".to_owned().into()),
         }
     }
 
     /// The number of a joint, by name or number.
-    pub(super) fn joint(
-        &self,
-        word: &str,
-        span: &DocumentRange,
-        problems: &mut DocumentProblems,
-    ) -> Option<u32> {
+    pub(super) fn joint(&self, word: &str) -> Result<u32, WordProblem> {
         let array = self.list.iter().position(|array| array.name == "q");
-        let Some(array) = array else {
-            return problems.refuse(span.clone(), "the functions read no joint positions 'q'");
-        };
-        self.last_index(array, word, span, problems)
+        let message = "the functions read no joint positions 'q'";
+        self.last_index(array.ok_or(message.to_owned())?, word)
     }
 
     pub(super) fn joint_name(&self, number: u32) -> String {
@@ -164,17 +138,12 @@ impl SceneArrays {
     }
 
     /// Reads a pattern of elements of an input array.
-    pub(super) fn pattern(
-        &self,
-        text: &str,
-        span: &DocumentRange,
-        problems: &mut DocumentProblems,
-    ) -> Option<(usize, ElementPattern)> {
-        let (name, indices) = split(text, span, problems)?;
-        let array = self.find(name, span, problems)?;
+    pub(super) fn pattern(&self, text: &str) -> Result<(usize, ElementPattern), WordProblem> {
+        let (name, indices) = split(text)?;
+        let array = self.find(name)?;
         let known = &self.list[array];
-        let pattern = self.indices(name, known.shape, known.counts, indices, span, problems)?;
-        Some((array, pattern))
+        let pattern = self.indices(name, known.shape, known.counts, indices)?;
+        Ok((array, pattern))
     }
 
     /// Reads a pattern of elements of an output array. An index that counts
@@ -183,16 +152,17 @@ impl SceneArrays {
         &self,
         outputs: &[(String, Shape)],
         text: &str,
-        span: &DocumentRange,
-        problems: &mut DocumentProblems,
-    ) -> Option<ElementPattern> {
-        let (name, indices) = split(text, span, problems)?;
+    ) -> Result<ElementPattern, WordProblem> {
+        let (name, indices) = split(text)?;
         let Some((_, shape)) = outputs.iter().find(|(output, _)| output == name) else {
             let names: Vec<&str> = outputs.iter().map(|(name, _)| name.as_str()).collect();
-            problems.unknown(span.clone(), "there is no output array", name, &names);
-            return None;
+            return Err(WordProblem::unknown(
+                "there is no output array",
+                name,
+                &names,
+            ));
         };
-        self.indices(name, *shape, None, indices, span, problems)
+        self.indices(name, *shape, None, indices)
     }
 
     /// The indices of a pattern; names of joints stand for their numbers
@@ -203,12 +173,10 @@ impl SceneArrays {
         shape: Shape,
         counts: Option<usize>,
         words: Option<&str>,
-        span: &DocumentRange,
-        problems: &mut DocumentProblems,
-    ) -> Option<ElementPattern> {
+    ) -> Result<ElementPattern, WordProblem> {
         let mut pattern = ElementPattern::whole(name);
         let Some(words) = words else {
-            return Some(pattern);
+            return Ok(pattern);
         };
         let extents = match shape {
             Shape::Scalar => Vec::new(),
@@ -222,24 +190,16 @@ impl SceneArrays {
                 1 => "one index".to_owned(),
                 count => format!("{count} indices"),
             };
-            return problems.refuse(
-                span.clone(),
-                format!("'{}' has {wanted}, not {}", clip(name), words.len()),
-            );
+            let message = format!("'{}' has {wanted}, not {}", clip(name), words.len());
+            return Err(message.into());
         }
         for (place, (word, &extent)) in words.iter().zip(&extents).enumerate() {
             let last = place + 1 == extents.len();
             let of_joints = (self.joints == Some(extent)).then_some(JOINTS);
             let counts = counts.filter(|_| last).or(of_joints);
-            match self.index(word, extent, counts) {
-                Ok(index) => pattern.indices.push(index),
-                Err((message, note)) => {
-                    problems.advise(span.clone(), message, note);
-                    return None;
-                }
-            }
+            pattern.indices.push(self.index(word, extent, counts)?);
         }
-        Some(pattern)
+        Ok(pattern)
     }
 
     /// One index: `*`, a number, `first..last`, or a name.
@@ -248,64 +208,58 @@ impl SceneArrays {
         word: &str,
         extent: u32,
         counts: Option<usize>,
-    ) -> Result<IndexPattern, (String, Option<String>)> {
+    ) -> Result<IndexPattern, WordProblem> {
         if word == "*" {
             return Ok(IndexPattern::Any);
         }
-        let number = |word: &str| -> Result<u32, (String, Option<String>)> {
+        let number = |word: &str| -> Result<u32, WordProblem> {
             if let Ok(number) = word.parse::<u32>() {
                 let within = (1..=extent).contains(&number);
                 let message = format!("the index {number} is not from 1 to {extent}");
-                return within.then_some(number).ok_or((message, None));
+                return within.then_some(number).ok_or(message.into());
             }
             self.named(word, counts)
         };
         if let Some((first, last)) = word.split_once("..") {
             let (first, last) = (number(first.trim())?, number(last.trim())?);
             if first > last {
-                return Err((
-                    format!("'{word}' goes from a larger to a smaller index"),
-                    None,
-                ));
+                let message = format!("'{word}' goes from a larger to a smaller index");
+                return Err(message.into());
             }
             return Ok(IndexPattern::Between(first, last));
         }
         number(word).map(|index| IndexPattern::Between(index, index))
     }
 
-    fn named(&self, word: &str, counts: Option<usize>) -> Result<u32, (String, Option<String>)> {
+    fn named(&self, word: &str, counts: Option<usize>) -> Result<u32, WordProblem> {
         let names = counts.and_then(|counts| self.names.get(counts));
         let Some(names) = names else {
             let message = format!(
                 "'{}' is no index: a number from 1, 'a..b' or '*'",
                 clip(word)
             );
-            return Err((message, None));
+            return Err(message.into());
         };
         let found = names.list.iter().find(|(name, _)| name == word);
         found.map(|&(_, number)| number).ok_or_else(|| {
             let near = did_you_mean(word, names.list.iter().map(|(name, _)| name.as_str()));
-            (
-                format!("the model has no {} '{}'", names.what, clip(word)),
-                near.map(|near| format!("did you mean '{near}'?")),
-            )
+            let near = near.map(|near| format!("did you mean '{near}'?"));
+            WordProblem {
+                message: format!("the model has no {} '{}'", names.what, clip(word)),
+                notes: near.into_iter().collect(),
+            }
         })
     }
 }
 
 /// The array and the text between the brackets of a pattern.
-fn split<'t>(
-    text: &'t str,
-    span: &DocumentRange,
-    problems: &mut DocumentProblems,
-) -> Option<(&'t str, Option<&'t str>)> {
+fn split(text: &str) -> Result<(&str, Option<&str>), WordProblem> {
     let Some((name, rest)) = text.split_once('[') else {
-        return Some((text.trim(), None));
+        return Ok((text.trim(), None));
     };
-    let Some(indices) = rest.trim_end().strip_suffix(']') else {
-        return problems.refuse(span.clone(), "the bracket '[' is not closed by a last ']'");
-    };
-    Some((name.trim(), Some(indices)))
+    let indices = rest.trim_end().strip_suffix(']');
+    let message = "the bracket '[' is not closed by a last ']'";
+    Ok((name.trim(), Some(indices.ok_or(message.to_owned())?)))
 }
 
 /// Joints by name; a body stands for its last joint, which moves it.

@@ -19,6 +19,35 @@ pub(super) type DocumentValue<'t> = Spanned<DeValue<'t>>;
 /// The most messages about one file.
 const MAX_PROBLEMS: usize = 20;
 
+/// Message and advice about a word that cannot stand where it does.
+pub(super) struct WordProblem {
+    pub(super) message: String,
+    pub(super) notes: Vec<String>,
+}
+
+impl WordProblem {
+    /// A word that is none of those that can stand there.
+    pub(super) fn unknown(what: &str, word: &str, known: &[&str]) -> WordProblem {
+        let near = did_you_mean(word, known.iter().copied());
+        let near = near.map(|near| format!("did you mean '{near}'?"));
+        let mut problem = WordProblem {
+            message: format!("{what} '{}'", clip(word)),
+            notes: near.into_iter().collect(),
+        };
+        if !known.is_empty() && known.len() <= 40 {
+            problem.notes.push(format!("known: {}", known.join(", ")));
+        }
+        problem
+    }
+}
+
+impl From<String> for WordProblem {
+    fn from(message: String) -> WordProblem {
+        let notes = Vec::new();
+        WordProblem { message, notes }
+    }
+}
+
 /// Collects what is wrong with a file.
 #[derive(Default)]
 pub(super) struct DocumentProblems {
@@ -71,19 +100,22 @@ impl DocumentProblems {
 
     /// A word that is none of those that can stand there.
     pub(super) fn unknown(&mut self, span: DocumentRange, what: &str, word: &str, known: &[&str]) {
-        let mut notes: Vec<String> = did_you_mean(word, known.iter().copied())
-            .map(|near| format!("did you mean '{near}'?"))
-            .into_iter()
-            .collect();
-        if !known.is_empty() && known.len() <= 40 {
-            notes.push(format!("known: {}", known.join(", ")));
-        }
-        self.list.push(
-            Diagnostic::error()
-                .with_message(format!("{what} '{}'", clip(word)))
-                .with_labels(vec![Label::primary(0, span)])
-                .with_notes(notes),
-        );
+        let problem = WordProblem::unknown(what, word, known);
+        self.take::<()>(&span, Err(problem));
+    }
+
+    /// The value of a word, or none and a message.
+    pub(super) fn take<T>(
+        &mut self,
+        span: &DocumentRange,
+        read: Result<T, WordProblem>,
+    ) -> Option<T> {
+        let report = |WordProblem { message, notes }| {
+            let error = Diagnostic::error().with_message(message);
+            let labels = vec![Label::primary(0, span.clone())];
+            self.list.push(error.with_labels(labels).with_notes(notes));
+        };
+        read.map_err(report).ok()
     }
 
     /// True when nothing is wrong so far.

@@ -43,7 +43,8 @@ impl InputReader<'_> {
         }
         if let Some(value) = get(file, "free") {
             for (text, span) in strings(value, self.problems) {
-                if let Some((array, pattern)) = self.arrays.pattern(text, &span, self.problems) {
+                let read = self.arrays.pattern(text);
+                if let Some((array, pattern)) = self.problems.take(&span, read) {
                     self.say(array, &pattern, ElementKnowledge::Free, &span);
                 }
             }
@@ -119,7 +120,8 @@ impl InputReader<'_> {
         span: &DocumentRange,
         value: &DocumentValue<'_>,
     ) {
-        let Some((array, pattern)) = self.arrays.pattern(key, span, self.problems) else {
+        let read = self.arrays.pattern(key);
+        let Some((array, pattern)) = self.problems.take(span, read) else {
             return;
         };
         let DeValue::Table(exceptions) = value.get_ref() else {
@@ -137,8 +139,10 @@ impl InputReader<'_> {
                 self.value(section, array, &pattern, &span, value);
                 continue;
             }
-            let index = self.arrays.last_index(array, name, &span, self.problems);
-            let Some(index) = index else { continue };
+            let index = self.arrays.last_index(array, name);
+            let Some(index) = self.problems.take(&span, index) else {
+                continue;
+            };
             let last = IndexPattern::Between(index, index);
             let indices = match self.arrays.list[array].shape {
                 Shape::Matrix(..) => vec![IndexPattern::Any, last],
@@ -229,15 +233,17 @@ impl InputReader<'_> {
         let locked = get(file, "locked").and_then(|value| table(value, self.problems));
         for (word, value) in locked.into_iter().flatten() {
             let (name, span) = (word.get_ref().as_ref(), word.span());
-            let number = self.arrays.joint(name, &span, self.problems);
-            let Some(number) = number else { continue };
+            let number = self.arrays.joint(name);
+            let Some(number) = self.problems.take(&span, number) else {
+                continue;
+            };
             if let Some(position) = self.position(number, value) {
                 self.add(&mut held, number, Hold::Locked(position), span);
             }
         }
         if let Some(value) = get(file, "driven") {
             for (name, span) in strings(value, self.problems) {
-                if let Some(number) = self.arrays.joint(name, &span, self.problems) {
+                if let Some(number) = self.problems.take(&span, self.arrays.joint(name)) {
                     self.add(&mut held, number, Hold::Driven, span);
                 }
             }

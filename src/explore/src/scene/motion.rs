@@ -116,7 +116,7 @@ impl InputReader<'_> {
         };
         let mut small: Vec<u32> = Vec::new();
         for (name, span) in strings(value, self.problems) {
-            let Some(number) = self.arrays.joint(name, &span, self.problems) else {
+            let Some(number) = self.problems.take(&span, self.arrays.joint(name)) else {
                 continue;
             };
             if !model.joints[number as usize - 1].kind.is_revolute() {
@@ -269,7 +269,7 @@ impl InputReader<'_> {
 
     /// The index of a joint by name or number.
     fn index(&mut self, name: &str, span: &DocumentRange) -> Option<usize> {
-        let number = self.arrays.joint(name, span, self.problems)?;
+        let number = self.problems.take(span, self.arrays.joint(name))?;
         Some(number as usize - 1)
     }
 }

@@ -325,8 +325,10 @@ fn outputs(
             problems.add(elements.span(), "the list of elements is empty");
         }
         for (text, span) in texts {
-            let pattern = arrays.output_pattern(&known, text, &span, problems);
-            let Some(pattern) = pattern else { continue };
+            let pattern = arrays.output_pattern(&known, text);
+            let Some(pattern) = problems.take(&span, pattern) else {
+                continue;
+            };
             let need = NeededOutputs { pattern, tolerance };
             check_need(module, &needs, (&need, &span), problems);
             needs.push((need, span));
