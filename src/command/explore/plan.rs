@@ -72,26 +72,22 @@ fn read_plan(arguments: &ExploreArguments, plan: &str) -> Result<StudyPlan, Comm
     } else {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let text = input::text(path, &limited::PLAN)?;
-        (name.into_owned(), text, path.parent().map(Path::to_owned))
+        (name.into_owned(), text, path.parent())
     };
-    let near = folder.clone();
-    fn given<T: Clone>(words: &[T]) -> Option<Vec<T>> {
-        (!words.is_empty()).then(|| words.to_vec())
-    }
     let selection = Selection {
         folder,
-        models: given(&arguments.subjects),
-        pipelines: given(&arguments.passes),
-        machines: given(&arguments.machine),
-        elements: given(&arguments.elements),
+        models: &arguments.subjects,
+        pipelines: &arguments.passes,
+        machines: &arguments.machine,
+        elements: &arguments.elements,
     };
     let read_machine = |name: &str| {
-        let file = near.as_ref().map(|folder| folder.join(name));
+        let file = folder.map(|folder| folder.join(name));
         let file = file.filter(|file| file.is_file());
         let name = file.map_or(name.into(), |file| file.to_string_lossy().into_owned());
         input::machine(&name).map_err(|failure| failure.0)
     };
-    plan::resolve(&name, &text, &selection, &read_machine).map_err(CommandFailure)
+    plan::resolve(&name, &text, selection, &read_machine).map_err(CommandFailure)
 }
 
 fn compute(plan: StudyPlan, work: SharedWork<'_>) -> Result<Results, CommandFailure> {

@@ -89,55 +89,49 @@ pub fn transformed_by(
 
 /// Programs by formulation and stages: those that start with the same stages
 /// share their work.
-pub struct ProgramWorkshop<'a> {
+pub(crate) struct ProgramWorkshop<'a> {
     machine: &'a Machine,
-    start: BTreeMap<&'static str, Arc<Module>>,
-    made: BTreeMap<(&'static str, Vec<String>), Arc<Module>>,
+    /// By the name of the formulation, none for equations as they came, and the stages.
+    made: BTreeMap<(Option<&'static str>, Vec<String>), Arc<Module>>,
 }
 
-/// The name under which equations as they came are kept.
-const AS_THEY_CAME: &str = "";
-
 impl<'a> ProgramWorkshop<'a> {
-    /// A workshop for a module of one function.
-    pub fn new(machine: &'a Machine, module: Module) -> ProgramWorkshop<'a> {
+    /// A workshop for a module of one function, and the same in other formulations.
+    pub(crate) fn new(
+        machine: &'a Machine,
+        module: Module,
+        others: Vec<(Formulation, Module)>,
+    ) -> ProgramWorkshop<'a> {
+        let others = others.into_iter();
+        let others = others.map(|(formulation, module)| (Some(formulation.name()), module));
+        let starts = [(None, module)].into_iter().chain(others);
         ProgramWorkshop {
             machine,
-            start: BTreeMap::from([(AS_THEY_CAME, Arc::new(module))]),
-            made: BTreeMap::new(),
+            made: starts
+                .map(|(name, module)| ((name, Vec::new()), Arc::new(module)))
+                .collect(),
         }
     }
 
-    /// Adds the same function in another formulation.
-    pub fn add(&mut self, formulation: Formulation, module: Module) {
-        self.start.insert(formulation.name(), Arc::new(module));
-    }
-
-    /// The program that stages of passes make of a formulation, of the
-    /// equations as they came for `None`.
-    ///
-    /// # Errors
-    ///
-    /// Fails when a stage is no pipeline or a pass gives up. A formulation that
-    /// was not added is an error of the caller and gives
-    /// [`ExplorationError::Pass`].
-    pub fn program(
+    /// The program that stages of passes make of a formulation of the workshop, of the
+    /// equations as they came for `None`. Fails when a stage is no pipeline or a pass
+    /// gives up.
+    pub(crate) fn program(
         &mut self,
         formulation: Option<Formulation>,
         stages: &[String],
     ) -> Result<Arc<Module>, ExplorationError> {
-        let start = formulation.map_or(AS_THEY_CAME, Formulation::name);
-        let missing = || ExplorationError::Pass(format!("there are no equations '{start}'"));
-        let mut module = self.start.get(start).cloned().ok_or_else(missing)?;
+        let start = formulation.map(Formulation::name);
+        let mut module = self.made[&(start, Vec::new())].clone();
         for count in 1..=stages.len() {
             let key = (start, stages[..count].to_vec());
-            if let Some(known) = self.made.get(&key) {
-                module = known.clone();
-                continue;
-            }
-            let next = transformed_by(&module, &stages[count - 1], self.machine, None)?;
-            module = Arc::new(next);
-            self.made.insert(key, module.clone());
+            module = match self.made.get(&key) {
+                Some(known) => known.clone(),
+                None => {
+                    let next = transformed_by(&module, &stages[count - 1], self.machine, None)?;
+                    self.made.entry(key).or_insert(Arc::new(next)).clone()
+                }
+            };
         }
         Ok(module)
     }

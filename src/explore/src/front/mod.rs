@@ -102,10 +102,7 @@ pub fn front(
     let left = leave_out(&yardstick, &mut function.others);
     let choices = choices(&function, question, progress)?;
     let keys = keys(&function, question, &choices);
-    let mut workshop = ProgramWorkshop::new(machine, function.module);
-    for (formulation, module) in function.others {
-        workshop.add(formulation, module);
-    }
+    let mut workshop = ProgramWorkshop::new(machine, function.module, function.others);
     let mut points: Vec<FrontPoint> = Vec::new();
     let (mut count, mut found) = (0, 0);
     let numbered = choices.iter().zip(keys).enumerate();

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// A program that was found.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FoundProgram {
     /// The steps it went through, those of the start first.
     pub name: String,
@@ -24,16 +24,10 @@ pub struct FoundProgram {
     pub start: usize,
     /// The passes from there.
     pub passes: String,
-    /// One function at the level atomic, not placed.
+    /// One function at the level atomic, not placed; it is not kept, since it follows
+    /// from start and passes.
+    #[serde(skip)]
     pub program: Arc<Module>,
-}
-
-/// Part of a search that is kept: the program follows from it.
-#[derive(Serialize, Deserialize)]
-struct KeptSearch {
-    name: String,
-    start: usize,
-    passes: String,
 }
 
 /// The best programs that one effort finds for a machine with so many adders
@@ -61,12 +55,12 @@ pub fn found(
         let [add, multi] = elements[index];
         let machine = with_fused(machine, [add, multi]);
         let key = key.map(|key| key.with_machine(&machine));
-        searched[index] = match work.load::<Option<KeptSearch>>(key) {
+        searched[index] = match work.load::<Option<FoundProgram>>(key) {
             Some(kept) => kept.map(|kept| made(starts, &machine, kept)).transpose()?,
             None => {
                 progress(&format!("search for {add}+{multi}"));
                 let found = searched_for(starts, &machine, progress)?;
-                work.save(key, &found.as_ref().map(FoundProgram::kept));
+                work.save(key, &found);
                 found
             }
         };
@@ -83,28 +77,16 @@ pub fn found(
     Ok(programs)
 }
 
-impl FoundProgram {
-    fn kept(&self) -> KeptSearch {
-        KeptSearch {
-            name: self.name.clone(),
-            start: self.start,
-            passes: self.passes.clone(),
-        }
-    }
-}
-
 /// A program made again.
 fn made(
     starts: &[OptimisationStart],
     machine: &Machine,
-    kept: KeptSearch,
+    kept: FoundProgram,
 ) -> Result<FoundProgram, ExplorationError> {
     let program = transformed_by(&starts[kept.start].module, &kept.passes, machine, None)?;
     Ok(FoundProgram {
-        name: kept.name,
-        start: kept.start,
-        passes: kept.passes,
         program: Arc::new(program),
+        ..kept
     })
 }
 

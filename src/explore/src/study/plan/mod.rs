@@ -15,7 +15,7 @@ use robovec_ir::Machine;
 use robovec_num::limits::NumberLimit;
 use robovec_schedule::PlaceOptions;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 pub use resolve::resolve;
 
@@ -173,16 +173,17 @@ impl PlacementRequest {
 }
 
 /// Choices of the command line in place of the plan's own.
-#[derive(Clone, PartialEq, Eq, Default, Debug)]
-pub struct Selection {
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct Selection<'a> {
     /// The folder of the plan's file, `None` for a built-in plan.
-    pub folder: Option<PathBuf>,
-    /// Models of the plan, or sources of others.
-    pub models: Option<Vec<String>>,
+    pub folder: Option<&'a Path>,
+    /// Models of the plan, or sources of others; none for those of the plan, here and
+    /// below.
+    pub models: &'a [String],
     /// Pipelines of the plan, or pipelines as text.
-    pub pipelines: Option<Vec<String>>,
+    pub pipelines: &'a [String],
     /// Machines.
-    pub machines: Option<Vec<String>>,
+    pub machines: &'a [String],
     /// Elements of each kind.
-    pub elements: Option<Vec<u32>>,
+    pub elements: &'a [u32],
 }

@@ -31,7 +31,7 @@ pub(super) type ReadMachine<'a> = &'a dyn Fn(&str) -> Result<robovec_ir::Machine
 pub fn resolve(
     name: &str,
     text: &str,
-    selection: &Selection,
+    selection: Selection<'_>,
     read_machine: ReadMachine<'_>,
 ) -> Result<StudyPlan, Report> {
     let file: PlanFile = document::read(text).map_err(|error| {
@@ -74,7 +74,7 @@ pub(super) struct PlanResolver<'a> {
     /// Messages about other texts than the plan: pipelines, machine files.
     pub(super) foreign: Report,
     pub(super) read_machine: ReadMachine<'a>,
-    pub(super) selection: &'a Selection,
+    pub(super) selection: Selection<'a>,
 }
 
 impl PlanResolver<'_> {
@@ -126,7 +126,7 @@ impl PlanResolver<'_> {
                 source: (entry.source.as_ref())
                     .map_or(name, |source| source.get_ref())
                     .clone(),
-                folder: self.selection.folder.clone(),
+                folder: self.selection.folder.map(Path::to_owned),
                 function: entry.function.clone(),
                 printed: entry.printed.as_ref().map(|row| row.get_ref().clone()),
                 by_name: entry.by_name,
@@ -141,9 +141,9 @@ impl PlanResolver<'_> {
             let near = did_you_mean(headline.get_ref(), seen.iter().copied());
             self.problem(headline.span(), message, suggestion(near));
         }
-        self.plan.models = match &self.selection.models {
-            None => all,
-            Some(wanted) => {
+        self.plan.models = match self.selection.models {
+            [] => all,
+            wanted => {
                 let mut models: Vec<StudySubject> = Vec::new();
                 for wanted in wanted {
                     let model = pick_model(&all, wanted, &usual);
@@ -209,11 +209,11 @@ impl PlanResolver<'_> {
                 Err(reason) => self.problem(entry.passes.span(), reason, Vec::new()),
             }
         }
-        let Some(wanted) = &self.selection.pipelines else {
+        if self.selection.pipelines.is_empty() {
             self.plan.pipelines = all;
             return;
-        };
-        for wanted in wanted {
+        }
+        for wanted in self.selection.pipelines {
             let known = |one: &&NamedPipeline| one.name == *wanted;
             if self.plan.pipelines.iter().any(|one| known(&one)) {
                 continue;
@@ -314,14 +314,14 @@ mod tests {
         Machine::built_in(name).ok_or_else(Report::new)
     }
 
-    fn thesis(selection: &Selection) -> StudyPlan {
+    fn thesis(selection: Selection<'_>) -> StudyPlan {
         resolve("thesis.toml", super::super::THESIS, selection, &machine)
             .expect("the built-in plan is right")
     }
 
     #[test]
     fn the_plan_of_the_thesis_has_a_model_for_every_system() {
-        let plan = thesis(&Selection::default());
+        let plan = thesis(Selection::default());
         for system in printed::systems() {
             let stands = |model: &&StudySubject| model.printed.as_deref() == Some(system);
             assert_eq!(plan.models.iter().filter(stands).count(), 1, "{system}");
@@ -346,10 +346,11 @@ mod tests {
 
     #[test]
     fn files_of_one_name_become_two_models_and_repetitions_one() {
-        let words = |words: &[&str]| Some(words.iter().map(|&word| word.to_owned()).collect());
-        let plan = thesis(&Selection {
-            models: words(&["a/x.m", "b/x.m", "a/x.m", "serial-23", "serial-23"]),
-            pipelines: words(&["printed", "printed", "atomise,cse"]),
+        let models = ["a/x.m", "b/x.m", "a/x.m", "serial-23", "serial-23"].map(str::to_owned);
+        let pipelines = ["printed", "printed", "atomise,cse"].map(str::to_owned);
+        let plan = thesis(Selection {
+            models: &models,
+            pipelines: &pipelines,
             ..Selection::default()
         });
         let names: Vec<&str> = plan

@@ -65,7 +65,7 @@ impl PlanResolver<'_> {
             let all = (0..models.len()).filter(|&model| !models[model].by_name);
             return all.collect();
         };
-        let is_chosen = self.selection.models.is_some();
+        let is_chosen = !self.selection.models.is_empty();
         let known = self.plan.models.iter();
         let known: Vec<String> = known.map(|one| one.name.clone()).collect();
         let headline = self.plan.headline;
@@ -86,7 +86,7 @@ impl PlanResolver<'_> {
         let Some(names) = &sweep.pipelines else {
             return (0..self.plan.pipelines.len()).collect();
         };
-        let is_chosen = self.selection.pipelines.is_some();
+        let is_chosen = !self.selection.pipelines.is_empty();
         let known = self.plan.pipelines.iter();
         let known: Vec<String> = known.map(|one| one.name.clone()).collect();
         let place = |name| self.named("pipeline", &known, name, is_chosen);
@@ -113,7 +113,7 @@ impl PlanResolver<'_> {
     }
 
     fn sweep_machines(&mut self, sweep: &SweepEntry) -> Vec<usize> {
-        let wanted = self.selection.machines.as_ref();
+        let wanted = Some(self.selection.machines).filter(|wanted| !wanted.is_empty());
         let names: Vec<(String, Option<Range<usize>>)> = match (&sweep.machines, wanted) {
             (None, None) => vec![(DEFAULT_MACHINE.to_owned(), None)],
             (None, Some(wanted)) => wanted.iter().map(|name| (name.clone(), None)).collect(),
@@ -190,19 +190,17 @@ impl PlanResolver<'_> {
 
     fn sweep_elements(&mut self, sweep: &SweepEntry) -> Vec<[u32; 2]> {
         let mut elements = Vec::new();
-        match &self.selection.elements {
-            Some(wanted) if sweep.grid.is_none() => {
-                elements.extend(wanted.iter().map(|&count| [count; 2]));
-            }
-            Some(_) | None => {
-                for entry in &sweep.elements {
-                    let pair = match *entry.get_ref() {
-                        ElementsEntry::Equal(count) => [count; 2],
-                        ElementsEntry::Pair(pair) => pair,
-                    };
-                    self.check_elements(&pair, &entry.span());
-                    elements.push(pair);
-                }
+        let wanted = self.selection.elements;
+        if !wanted.is_empty() && sweep.grid.is_none() {
+            elements.extend(wanted.iter().map(|&count| [count; 2]));
+        } else {
+            for entry in &sweep.elements {
+                let pair = match *entry.get_ref() {
+                    ElementsEntry::Equal(count) => [count; 2],
+                    ElementsEntry::Pair(pair) => pair,
+                };
+                self.check_elements(&pair, &entry.span());
+                elements.push(pair);
             }
         }
         if let Some(grid) = &sweep.grid {
