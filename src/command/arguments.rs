@@ -182,9 +182,6 @@ pub(crate) fn command() -> clap::Command {
     super::grammar::words(super::flags::enforce(OptimiserArguments::command()))
 }
 
-/// The machine compiled for when nobody says.
-pub(crate) const USUAL_MACHINE: &str = "thesis";
-
 /// A language robovec reads.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum InputLanguage {
@@ -225,7 +222,7 @@ fn is_single_dash_long(text: &str) -> bool {
     let Some(name) = text.strip_prefix('-') else {
         return false;
     };
-    let word = name.split('=').next().unwrap_or(name);
+    let word = name.split_once('=').map_or(name, |(word, _)| word);
     word.len() > 2
         && word
             .bytes()

@@ -13,7 +13,7 @@ use robovec_ir::diagnostic::{Report, clip};
 use robovec_ir::states::States;
 use robovec_model::Model;
 use robovec_robotran::FunctionKind;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Way in which the result is written.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
@@ -134,8 +134,8 @@ pub(super) fn run(arguments: &EvalArguments) -> Result<String, CommandFailure> {
         },
     };
     evaluate_at_states(&request).map_err(|diagnostics| {
-        let name = file.unwrap_or(Path::new(""));
-        let text = text.clone().unwrap_or_default();
+        // Only a file of states can be wrong.
+        let (name, text) = file.zip(text.clone()).expect("states of a file");
         CommandFailure(Report::of(&name.display().to_string(), text, diagnostics))
     })
 }

@@ -272,6 +272,13 @@ fn value_name(flag: Arg) -> Arg {
     }
 }
 
+/// Description of a command, on one line.
+fn about(program: &Command, name: &str) -> String {
+    let about = program.find_subcommand(name).and_then(Command::get_about);
+    let about = about.expect("commands of groups are described");
+    about.to_string().replace('\n', " ")
+}
+
 /// The commands by groups, with what they do.
 fn groups(command: &Command) -> String {
     let mut text = String::new();
@@ -279,11 +286,7 @@ fn groups(command: &Command) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "\n{title}:");
         for name in names {
-            let sub = command.find_subcommand(name);
-            let about = sub.and_then(Command::get_about);
-            let about = about.map(ToString::to_string).unwrap_or_default();
-            let about = about.split('\n').collect::<Vec<_>>().join(" ");
-            let _ = writeln!(text, "  {name:<12} {about}");
+            let _ = writeln!(text, "  {name:<12} {}", about(command, name));
         }
     }
     text
@@ -348,10 +351,7 @@ pub fn manual() -> String {
     for (title, names) in GROUPS {
         let _ = writeln!(text, "\n## {title}\n");
         for name in names {
-            let sub = tool.find_subcommand(name);
-            let about = sub.and_then(Command::get_about);
-            let about = about.map(ToString::to_string).unwrap_or_default();
-            let _ = writeln!(text, "`robovec {name}`: {}\n", about.replace('\n', " "));
+            let _ = writeln!(text, "`robovec {name}`: {}\n", about(&tool, name));
             for (_, lines) in EXAMPLES.iter().filter(|(known, _)| known == name) {
                 let _ = writeln!(text, "```sh\n{}\n```\n", lines.join("\n"));
             }

@@ -3,8 +3,8 @@
 //! What a reader remarked is told here, when the file is read, so that no command
 //! can forget to.
 
-use super::CommandFailure;
 use super::arguments::InputLanguage;
+use super::{CommandFailure, emit};
 use robovec_dynamics::generate::{GenerationRequest, generate_asked};
 use robovec_dynamics::motion::Laws;
 use robovec_explore::scene::{SceneFile, SceneSubject};
@@ -12,7 +12,7 @@ use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;
 use robovec_io::files::limited::{self, FileLimit};
 use robovec_io::sources::{self, EquationLanguage, ReadEquations};
-use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
+use robovec_ir::diagnostic::Report;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, Operation};
 use robovec_model::Model;
@@ -129,7 +129,7 @@ fn known(language: InputLanguage) -> EquationLanguage {
 
 /// Prints what the reader remarked.
 fn told(read: ReadEquations) -> ReadEquations {
-    tell(&read.warnings);
+    emit(&read.warnings);
     read
 }
 
@@ -146,8 +146,8 @@ pub(crate) fn model_for(
 ) -> Result<ReadModel, CommandFailure> {
     let read = sources::model(path)?;
     match kind {
-        Some(kind) => tell(&read.warnings_for(kind)),
-        None => tell(&read.warnings),
+        Some(kind) => emit(&read.warnings_for(kind)),
+        None => emit(&read.warnings),
     }
     Ok(read)
 }
@@ -155,7 +155,7 @@ pub(crate) fn model_for(
 /// Reads a scene, and what it names.
 pub(crate) fn scene(path: &Path) -> Result<SceneFile, CommandFailure> {
     let file = SceneFile::load(path)?;
-    tell(&file.warnings);
+    emit(&file.warnings);
     Ok(file)
 }
 
@@ -180,17 +180,23 @@ pub(crate) fn laws(model: &Model, path: &Path) -> Result<Laws, CommandFailure> {
     })
 }
 
-/// Prints what a reader remarked.
-fn tell(warnings: &Report) {
-    // When the standard error is closed there is nobody left to warn.
-    warnings
-        .emit_to_stderr(ColorChoice::Auto)
-        .unwrap_or_default();
-}
-
 /// Reads a text of a kind.
 pub(crate) fn text(path: &Path, limit: &FileLimit) -> Result<String, CommandFailure> {
     sources::text(path, limit).map_err(CommandFailure)
+}
+
+/// The folder of a file; empty for one in the current folder.
+pub(crate) fn folder(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
+}
+
+/// The machine asked for, else that of the scene, else the usual one.
+pub(crate) fn machine_for(
+    asked: Option<&str>,
+    scene: Option<&Scene>,
+) -> Result<Machine, CommandFailure> {
+    let wished = scene.and_then(|scene| scene.machine.as_deref());
+    machine(asked.or(wished).unwrap_or(USUAL_MACHINE))
 }
 
 /// The name of a file without folder and extension.

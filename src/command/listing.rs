@@ -15,8 +15,7 @@ pub(crate) fn passes() -> String {
         .iter()
         .map(|info| info.name.len())
         .chain(REGISTRY.presets.iter().map(|preset| preset.name.len() + 1))
-        .max()
-        .unwrap_or(0);
+        .fold(0, usize::max);
     let mut text = "passes:\n".to_owned();
     for info in REGISTRY.passes {
         // Writing to a string cannot fail.
@@ -99,8 +98,7 @@ pub(crate) fn machines() -> String {
     let width = machine::BUILT_IN
         .iter()
         .map(|(name, _)| name.len())
-        .max()
-        .unwrap_or(0);
+        .fold(0, usize::max);
     let mut text = String::new();
     for (name, _) in machine::BUILT_IN {
         let machine = Machine::built_in(name).expect("the machines of the table ship");

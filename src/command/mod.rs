@@ -69,11 +69,16 @@ impl CommandFailure {
         CommandFailure(Report::error(message, notes))
     }
 
-    /// Tells the user.
+    /// Prints the messages on the standard error.
     pub(crate) fn emit(&self) {
-        // When the standard error is closed there is nobody left to tell.
-        self.0.emit_to_stderr(ColorChoice::Auto).unwrap_or_default();
+        emit(&self.0);
     }
+}
+
+/// Prints a report on the standard error.
+pub(crate) fn emit(report: &Report) {
+    // When the standard error is closed there is no reader.
+    drop(report.emit_to_stderr(ColorChoice::Auto));
 }
 
 impl From<Report> for CommandFailure {

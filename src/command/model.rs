@@ -2,12 +2,11 @@
 
 use super::flags::{FlagLimit, SEED};
 use super::{CommandFailure, input, output};
+use crate::command::emit;
 use clap::Args;
 use robovec_dynamics::stale;
 use robovec_io::files::Replace;
-use robovec_ir::diagnostic::{
-    Diagnostic, Label, Report, Severity, did_you_mean, termcolor::ColorChoice,
-};
+use robovec_ir::diagnostic::{Diagnostic, Label, Report, Severity, did_you_mean};
 use robovec_model::Model;
 use robovec_model::family::{self, ModelFamily};
 use robovec_model::mbs::{unsayable, write_mbs};
@@ -113,7 +112,7 @@ fn freshness(model: &Model, files: &[PathBuf]) -> Result<String, CommandFailure>
         )));
     }
     if !report.has_errors() {
-        report.emit_to_stderr(ColorChoice::Auto).unwrap_or_default();
+        emit(&report);
         return Ok(lines);
     }
     output::write_stdout(|stdout| stdout.write_all(lines.as_bytes()))?;
@@ -190,5 +189,5 @@ fn warn_of_limits(model: &Model) {
             "the {what} of {count} joints are left out: a .mbs file has no words for them"
         )));
     }
-    report.emit_to_stderr(ColorChoice::Auto).unwrap_or_default();
+    emit(&report);
 }

@@ -1,6 +1,6 @@
 //! `robovec-opt`.
 
-use super::arguments::{self, OptimiserArguments, TableFormat, USUAL_MACHINE};
+use super::arguments::{self, OptimiserArguments, TableFormat};
 use super::dump::DumpFolder;
 use super::input;
 use super::summary::RunSummary;
@@ -125,10 +125,7 @@ fn read_inputs(arguments: &OptimiserArguments) -> Result<GivenInputs, CommandFai
     let (scene, input) = scene_and_input(arguments, path)?;
     let machine = match asked {
         Some(machine) => machine,
-        None => {
-            let wished = scene.as_ref().and_then(|scene| scene.machine.as_deref());
-            input::machine(wished.unwrap_or(USUAL_MACHINE))?
-        }
+        None => input::machine_for(None, scene.as_ref())?,
     };
     Ok(GivenInputs {
         pipeline,

@@ -6,7 +6,8 @@
 //! obeys.
 
 use super::CommandFailure;
-use super::arguments::{OptimiserArguments, USUAL_MACHINE};
+use super::arguments::OptimiserArguments;
+use super::input::USUAL_MACHINE;
 use robovec_framework::pipeline::Pipeline;
 use robovec_ir::{Machine, Module, print};
 use std::fmt::Write;

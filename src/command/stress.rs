@@ -131,7 +131,7 @@ fn list(cases: &[StressCase]) -> String {
         }
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{}: {}", class.name(), class.description());
-        let width = of_class().map(|case| case.name.len()).max().unwrap_or(0);
+        let width = of_class().map(|case| case.name.len()).fold(0, usize::max);
         for case in of_class() {
             let _ = writeln!(
                 text,

@@ -2,9 +2,8 @@
 
 use super::arguments::InputLanguage;
 use super::flags::{SEED, whole};
-use super::input::{self, USUAL_MACHINE};
 use super::opt::{pass_records, select};
-use super::{CommandFailure, output, rules};
+use super::{CommandFailure, input, output, rules};
 use clap::Args;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::scene::Scene;
@@ -76,9 +75,7 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<String, CommandFailure> {
         Some(path) => Some(input::scene(path)?.scene),
         None => None,
     };
-    let asked = arguments.machine.as_deref();
-    let wished = given.as_ref().and_then(|scene| scene.machine.as_deref());
-    let machine = input::machine(asked.or(wished).unwrap_or(USUAL_MACHINE))?;
+    let machine = input::machine_for(arguments.machine.as_deref(), given.as_ref())?;
     let function = arguments.function.as_deref();
     let mut read = input::equations_or_model(&arguments.file, arguments.language, function)?;
     if let Some(name) = function {
@@ -160,8 +157,7 @@ fn write(
     viewed: &ViewedRun<'_>,
     scene: Option<&Scene>,
 ) -> Result<String, CommandFailure> {
-    let stem = Path::new(&read.name).file_stem();
-    let usual = || PathBuf::from(stem.unwrap_or_default()).with_extension("html");
+    let usual = || PathBuf::from(format!("{}.html", input::stem(&read.path)));
     let path = arguments.output.clone().unwrap_or_else(usual);
     let mut told = String::new();
     let page = robovec_view::page(viewed);

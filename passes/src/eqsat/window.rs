@@ -139,7 +139,7 @@ impl WindowImporter<'_, '_> {
         let next = self.window.leaves.len() as u32;
         let number = *self.numbers.entry(operand).or_insert(next);
         if number == next {
-            let time = operand.entry_or_default(&self.around.times);
+            let time = operand.entry_or_default(self.around.times);
             self.window.leaves.push(operand);
             self.window.times.push(time);
         }

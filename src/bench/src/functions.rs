@@ -194,6 +194,11 @@ impl<'a> ReferenceResults<'a> {
     }
 }
 
+/// A result of a function, zero where it has none.
+fn result(place: Option<usize>, found: &[f64]) -> f64 {
+    place.map_or(0.0, |place| found[place])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -252,9 +257,4 @@ mod tests {
             assert!(drawn.iter().any(|(_, [one, other])| one != other));
         }
     }
-}
-
-/// A result of a function, zero where it has none.
-fn result(place: Option<usize>, found: &[f64]) -> f64 {
-    place.map_or(0.0, |place| found[place])
 }

@@ -91,8 +91,7 @@ pub(super) fn run(
         let mut subject = setting.subject(arguments, path)?;
         setting.transform(&mut subject)?;
         let usual = [subject.read.format.unwrap_or(Format::BINARY32)];
-        let formats = arguments.formats.as_ref();
-        for &format in formats.map_or(&usual[..], |list| &list.0) {
+        for &format in arguments.formats(&usual) {
             let (methods, remark) = methods(arguments, format);
             remarks += &remark;
             for (_, view) in subject.functions() {

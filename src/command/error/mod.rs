@@ -100,6 +100,16 @@ pub(super) struct ErrorArguments {
 #[derive(Clone, Debug)]
 struct FormatList(Vec<Format>);
 
+impl ErrorArguments {
+    /// The formats asked for, else the usual ones.
+    fn formats<'a>(&'a self, usual: &'a [Format]) -> &'a [Format] {
+        match &self.formats {
+            Some(list) => &list.0,
+            None => usual,
+        }
+    }
+}
+
 /// Reads formats separated by commas.
 fn formats(text: &str) -> Result<FormatList, String> {
     let parsed = split(text).map(|name| {

@@ -117,8 +117,7 @@ fn every_output(
     (text, lines): (&mut String, &mut Vec<OutputLine>),
 ) -> Result<(), CommandFailure> {
     let usual = [Format::BINARY32, Format::BINARY64];
-    let formats = arguments.formats.as_ref();
-    let formats = formats.map_or(&usual[..], |list| &list.0);
+    let formats = arguments.formats(&usual);
     let measurement = Measurement {
         effort: arguments.measure.reference,
         sensitivities: true,

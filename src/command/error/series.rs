@@ -54,15 +54,10 @@ pub(super) fn run(
     setting: &ErrorSetting,
 ) -> Result<ErrorAnswer, CommandFailure> {
     let series = &arguments.of_series;
-    let formats = arguments.formats.as_ref();
-    let format = match formats.map_or(&[][..], |list| &list.0) {
-        [] => Format::BINARY32,
-        [format] => *format,
-        [_, second, ..] => {
-            return Err(CommandFailure::plain(format!(
-                "--series measures one format at a time, and --number gives {second} too"
-            )));
-        }
+    let [format] = arguments.formats(&[Format::BINARY32])[..] else {
+        return Err(CommandFailure::plain(
+            "--series measures one format at a time, and --number gives several",
+        ));
     };
     let question = TrigonometrySetting {
         method: match series.polynomials {

@@ -156,7 +156,7 @@ fn inputs(scene: &Scene, module: &Module) -> String {
 }
 
 fn worth(effects: &[SceneEffect], machine: &Machine, scene: &Scene) -> String {
-    let general = effects.first().map_or(1, |first| first.operations.max(1));
+    let general = effects[0].operations.max(1);
     let rows: Vec<Vec<String>> = effects
         .iter()
         .map(|effect| {

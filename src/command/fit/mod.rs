@@ -180,7 +180,7 @@ fn motion<'a>(
         return Ok(None);
     }
     bar.set_message("the motion in binary64");
-    let folder = arguments.scene.parent().unwrap_or(Path::new(""));
+    let folder = input::folder(&arguments.scene);
     let laws = input::laws_of(file, folder)?;
     MotionTolerance::new(file, laws, machine).map_err(|error| {
         let notes = error.advice().map(str::to_owned).into_iter().collect();

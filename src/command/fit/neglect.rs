@@ -5,17 +5,16 @@ use crate::command::{CommandFailure, input, output, progress};
 use robovec_explore::neglect::{self, NeglectError, NeglectTask};
 use robovec_explore::scene::SceneSubject;
 use robovec_io::files::{Replace, limited};
+use robovec_io::sources::display_name;
 use robovec_model::mbs::unsayable;
 use robovec_present::plot;
-use std::path::Path;
 
 /// Reduces the scene.
 pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
     let path = &arguments.scene;
-    let name = path.file_name().unwrap_or(path.as_os_str());
-    let name = name.to_string_lossy();
-    let stem = name.strip_suffix(".toml").unwrap_or(&name);
-    let stem = format!("{}-reduced", stem.strip_suffix(".scene").unwrap_or(stem));
+    let name = display_name(path);
+    let stem = name.trim_end_matches(".toml").trim_end_matches(".scene");
+    let stem = format!("{stem}-reduced");
     let written = [".scene.toml", ".mbs", ".laws.toml"].map(|end| format!("{stem}{end}"));
     output::refuse_foreign(
         arguments.output.as_deref(),
@@ -33,7 +32,7 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
         .as_ref()
         .ok_or(NeglectError::NoMotion)
         .map_err(fail)?;
-    let folder = path.parent().unwrap_or(Path::new(""));
+    let folder = input::folder(path);
     let module = file.module().map_err(|error| fail(error.into()))?;
     if let (SceneSubject::Model(subject), true) = (&file.subject, arguments.output.is_some())
         && let Some(reason) = unsayable(&subject.model)

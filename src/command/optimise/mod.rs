@@ -177,13 +177,7 @@ fn machine(
     arguments: &OptimiseArguments,
     scene: Option<&Scene>,
 ) -> Result<Machine, CommandFailure> {
-    let wished = scene.and_then(|scene| scene.machine.as_deref());
-    let name = arguments
-        .machine
-        .as_deref()
-        .or(wished)
-        .unwrap_or(input::USUAL_MACHINE);
-    let machine = input::machine(name)?;
+    let machine = input::machine_for(arguments.machine.as_deref(), scene)?;
     Ok(match arguments.elements {
         None => machine,
         Some(count) => with_elements(&machine, [count; 2]),

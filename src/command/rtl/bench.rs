@@ -136,7 +136,7 @@ pub(super) fn checked(
     let rtl = match (below.is_dir(), hardware.is_dir()) {
         (true, _) => below,
         (false, true) => hardware.to_owned(),
-        (false, false) => hardware.parent().unwrap_or(hardware).to_owned(),
+        (false, false) => input::folder(hardware).to_owned(),
     };
     let tool = HardwareSimulator::from(simulator);
     let mut doors: Vec<Door> = arguments.through.iter().map(|&way| way.into()).collect();

@@ -232,7 +232,7 @@ fn hardware(path: &Path) -> Result<Hardware, CommandFailure> {
         )];
         CommandFailure::advised(format!("{}: {error}", file.display()), notes)
     })?;
-    let beside = file.parent().unwrap_or(Path::new(""));
+    let beside = input::folder(&file);
     let is_there = |one: &FileHash| beside.join(&one.file).exists();
     // A description may be kept alone; with any of its files it is hardware.
     if is_folder || hardware.files.iter().any(is_there) {
@@ -390,10 +390,8 @@ impl CollectedFiles {
             .0
             .iter()
             .find(|(name, _)| name.ends_with(".manifest.json"));
-        let manifest = manifest.map_or("", |(_, text)| text);
-        let manifest = serde_json::from_str(manifest).map_err(|error| {
-            CommandFailure::plain(format!("the manifest cannot be read: {error}"))
-        })?;
+        let (_, manifest) = manifest.expect("hardware is written with its manifest");
+        let manifest = serde_json::from_str(manifest).expect("a manifest that was written reads");
         let project = quartus::project(&hardware.machine, shape, &manifest, &sources, &images);
         let project = project.into_iter();
         self.0

@@ -71,7 +71,7 @@ pub(super) fn run(arguments: &SynthesiseArguments) -> Result<String, CommandFail
     if arguments.paths {
         for one in &mapped {
             let _ = writeln!(text, "\n{} of {} stages:", one.core.module(), one.stages);
-            text += &one.path.as_ref().map_or(String::new(), page::steps);
+            text += &one.path.iter().map(page::steps).collect::<String>();
         }
     }
     Ok(text)

@@ -2,9 +2,10 @@
 
 use super::super::{CommandFailure, input, output};
 use super::read;
+use crate::command::emit;
 use clap::{Args, ValueEnum};
 use robovec_io::files::limited;
-use robovec_ir::diagnostic::{Diagnostic, Severity, termcolor::ColorChoice};
+use robovec_ir::diagnostic::{Diagnostic, Severity};
 use robovec_rules::check::{RuleVerdict, check, diagnose};
 use robovec_rules::syntax::{self, Syntax};
 use std::path::{Path, PathBuf};
@@ -92,8 +93,7 @@ pub(super) fn import(arguments: &ImportArguments) -> Result<String, CommandFailu
         output::write_stdout(|stdout| stdout.write_all(text.as_bytes()))?;
         return Err(CommandFailure(report));
     }
-    // When the standard error is closed there is nobody left to tell.
-    report.emit_to_stderr(ColorChoice::Auto).unwrap_or_default();
+    emit(&report);
     Ok(text)
 }
 

@@ -2,8 +2,9 @@
 
 use super::super::{CommandFailure, input};
 use super::list;
+use crate::command::emit;
 use robovec_io::files::limited;
-use robovec_ir::diagnostic::{did_you_mean, termcolor::ColorChoice};
+use robovec_ir::diagnostic::did_you_mean;
 use robovec_rules::{BUILT_IN, RuleSet};
 use std::path::Path;
 
@@ -65,9 +66,7 @@ pub(crate) fn sound(names: &[String], with_default: bool) -> Result<RuleSet, Com
     // A file that ships and is named once more is there already.
     let new: Vec<String> = names.iter().filter(is_new).cloned().collect();
     let (sound, warnings) = read(&new)?.sound();
-    warnings
-        .emit_to_stderr(ColorChoice::Auto)
-        .unwrap_or_default();
+    emit(&warnings);
     all.extend(sound)?;
     Ok(all)
 }

@@ -150,7 +150,10 @@ pub(super) fn listing(rule: &Rule, steps: &[DerivationStep]) -> String {
             step.rule.clone()
         }
     };
-    let width = steps.iter().map(|step| name(step).len()).max().unwrap_or(0);
+    let width = steps
+        .iter()
+        .map(|step| name(step).len())
+        .fold(0, usize::max);
     let mut text = format!("  {:width$}  {}\n", "", rule.left.to_text(&rule.variables));
     for step in steps {
         let term = step.term.to_text(&rule.variables);

@@ -78,7 +78,7 @@ impl<'a, 'm> Bias<'a, 'm> {
     }
 
     fn acceleration(&self, joint: usize) -> Scalar {
-        given(&self.accelerations, joint)
+        given(self.accelerations, joint)
     }
 
     /// `c` of every joint.
