@@ -1,8 +1,8 @@
 //! Indices whose absence costs no memory.
 
-/// Declares types of indices that count from 0. None is `u32::MAX`, so that
-/// an `Option` of one takes four bytes as the index itself does: tables with
-/// some of them per node stay as small as tables of numbers.
+/// Declares types of indices that count from 0. `u32::MAX` is not an index:
+/// its place is taken by `None`, so that an `Option` of an index takes four
+/// bytes, as the index itself does, and tables of them stay small.
 #[macro_export]
 macro_rules! index_types {
     ($($(#[$documentation:meta])* $visibility:vis struct $name:ident;)+) => {$(

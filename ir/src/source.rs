@@ -11,8 +11,8 @@ use rustc_hash::FxBuildHasher;
 use smallvec::SmallVec;
 use std::hash::BuildHasher;
 
-/// A stretch of a source file. Lines and columns count from 1, columns in
-/// characters; the end column is the last one of the stretch.
+/// A range of a source file. Lines and columns count from 1, columns in
+/// characters; the end column is the last one of the range.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct SourcePlace {
     /// Index into [`Sources::files`].
@@ -31,6 +31,8 @@ pub struct SourcePlace {
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct SourceSet(u32);
 
+/// Bit that marks a set of several places. With it the other bits are an index
+/// into [`Sources::ranges`], without it into [`Sources::places`].
 const SEVERAL: u32 = 1 << 31;
 
 impl SourceSet {
@@ -47,7 +49,9 @@ pub struct Sources {
     /// Places to their index; empty as long as the places come in increasing
     /// order, as they do from a file, and a binary search finds them.
     place_index: HashMap<SourcePlace, u32, FxBuildHasher>,
+    /// For each set of several places, the range of its members.
     ranges: Vec<(u32, u32)>,
+    /// Indices into the places, in order of the places within a set.
     members: Vec<u32>,
     /// Sets with several places, by their members.
     set_index: HashTable<u32>,

@@ -13,6 +13,7 @@ const PLACES: usize = 24;
 /// false, or not for certain.
 pub(super) fn changed(bytes: &mut Unstructured<'_>, rule: &Rule) -> Result<Option<Rule>> {
     let mut changed = rule.clone();
+    // True when the change is false by construction and needs no trial.
     let certain = match bytes.int_in_range(0..=9)? {
         0 => number_changed(bytes, &mut changed.right)?,
         1 => number_changed(bytes, &mut changed.left)?,
@@ -30,7 +31,7 @@ pub(super) fn changed(bytes: &mut Unstructured<'_>, rule: &Rule) -> Result<Optio
             false
         }
     };
-    // What was put together need not be a rule.
+    // The changed patterns may not form a rule.
     let Some(again) = parsed(&changed.to_string()) else {
         return Ok(None);
     };
@@ -114,13 +115,12 @@ fn operand_changed(bytes: &mut Unstructured<'_>, pattern: &mut Pattern) -> Resul
     Ok(false)
 }
 
-/// Adds a number of any size to the right side.
+/// Adds a number of any size to a pattern.
 fn term_added(bytes: &mut Unstructured<'_>, pattern: &mut Pattern) -> Result<bool> {
     let value: f64 = number(bytes)?.parse().unwrap_or(1.0);
     let root = pattern.root() as u32;
     let added = pattern.push(PatternNode::Number(value));
     pattern.operation(Operation::Add, &[root, added]);
-    // A sum of what is equal and what is not zero is not equal.
     Ok(false)
 }
 

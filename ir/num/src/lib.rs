@@ -1,12 +1,15 @@
-//! Numbers and what is computed with them, below everything that knows what a
-//! function is.
+//! Numbers and their operations. Nothing here depends on functions or
+//! programs.
 //!
-//! The [`operation`]s, the [`arithmetic`] trait that evaluation is generic
-//! over, and its kinds of number: IEEE formats of any width ([`mod@format`],
-//! [`soft_float`]), numbers of twice the length ([`double_double`]), numbers with derivatives
-//! ([`dual`]), prime
-//! fields ([`field`]), and sine and cosine by series ([`trigonometry`]); and sorting by
-//! numbers ([`radix`]).
+//! - The [`operation`]s, and the [`arithmetic`] trait that evaluation is
+//!   generic over, for one state or several ([`batch`]).
+//! - Kinds of number: formats of any width ([`mod@format`], [`soft_float`]),
+//!   double-double ([`double_double`]), also with error bounds ([`ball`]),
+//!   [`interval`]s, dual numbers ([`dual`]) and prime fields ([`field`]).
+//! - Sine and cosine by series and by units ([`trigonometry`]).
+//! - Numbers as text ([`decimal`], [`hexadecimal`]) and their [`limits`].
+//! - Tools: powers of two ([`power`]), [`random`] numbers, hashes ([`fnv`])
+//!   and sorting ([`radix`]).
 
 pub mod arithmetic;
 pub mod ball;

@@ -173,7 +173,7 @@ impl ModuleBuilder<'_> {
         self.open.function.constant(number).into()
     }
 
-    /// Stands for what could not be read.
+    /// A placeholder for an operand that could not be read.
     pub(super) fn nothing(&mut self) -> Operand {
         self.open.function.constant(0.0).into()
     }
@@ -220,7 +220,8 @@ impl ModuleBuilder<'_> {
         }
     }
 
-    /// The place of an element among the flattened ones.
+    /// The offset of an element among the flattened ones; reports a wrong
+    /// index and returns `None`.
     fn offset(
         &mut self,
         array: Array,
@@ -342,7 +343,7 @@ impl ModuleBuilder<'_> {
         last.is_some_and(|assignment| !assignment.nodes.is_empty())
     }
 
-    /// All nodes of a statement come from where the statement comes from.
+    /// Gives every node of a statement the sources of the statement.
     fn set_sources(&mut self) {
         let sources = self.attributes.sources();
         if sources != SourceSet::EMPTY {

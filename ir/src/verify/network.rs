@@ -1,17 +1,18 @@
 //! Words in a network, checked link by link.
 //!
 //! The verifier walks every word from switch to switch by the conventions of
-//! [`crate::machine::interconnect`] and writes down which wire it is on in
-//! which cycle. Nothing is shared with the placer.
+//! [`crate::machine::interconnect`] and records which wire it is on in which
+//! cycle. Nothing is shared with the placer.
 
 use crate::machine::interconnect::{Interconnect, LinkNetwork, Topology, places};
 use crate::placement::Element;
 
-/// A point of a network: a place and, behind the switches of an omega
-/// network, how many of them lie before it.
+/// A point of a network: a place, and in an omega network the number of
+/// switches before it.
 type NetworkPoint = (u32, u32);
 
-/// A wire, by the points at its ends.
+/// A wire, by the points at its ends; both are the same for the output of a
+/// switch of an omega network.
 pub(super) type NetworkWire = (NetworkPoint, NetworkPoint);
 
 /// The network a placement is for.
@@ -42,7 +43,7 @@ impl Routes {
         self.network.topology.name()
     }
 
-    /// The wires between two elements, as pairs of points.
+    /// The wires between two elements, in the order a word takes them.
     fn wires(&self, from: Element, to: Element) -> Vec<NetworkWire> {
         let (mut at, end) = (self.places[from.index()], self.places[to.index()]);
         let mut wires = Vec::new();
@@ -100,12 +101,13 @@ impl Routes {
         self.wires(from, to).len() as u64 * u64::from(self.network.hop)
     }
 
-    /// The wires a word is on, and how long after its departure.
+    /// The wires that a word takes, each with its cycle after the departure.
     pub(super) fn uses(&self, from: Element, to: Element) -> Vec<(NetworkWire, u64)> {
         let hop = u64::from(self.network.hop);
         let wires = self.wires(from, to).into_iter();
         let mut uses: Vec<_> = (0..).zip(wires).map(|(k, wire)| (wire, k * hop)).collect();
         if self.network.topology == Topology::Omega && from != to {
+            // The line from the element into the first switch adds no latency.
             let line = (self.places[from.index()], 0);
             uses.push(((line, line), 0));
         }

@@ -1,27 +1,26 @@
-//! Sums that were looked for a short while ago.
+//! A direct-mapped cache of the sums requested last.
 
 use super::term::{ProductTerm, SignedClass};
 use rustc_hash::FxBuildHasher;
 use smallvec::SmallVec;
 use std::hash::BuildHasher;
 
-/// Number of sums that are kept: few enough to stay near the processor.
+/// Number of sums that are kept: few enough for the processor's cache.
 const KEPT: usize = 1 << 11;
 
-/// Terms as they were given, and the class they are; `None` of zero.
+/// Terms in the order given, and the class of their sum; `None` for zero.
 #[derive(Clone, Default)]
 struct RecentSum {
     terms: SmallVec<[ProductTerm; 6]>,
     class: Option<SignedClass>,
 }
 
-/// Sums and the classes they were found to be, each in the place its hash
-/// tells, where the next one with that place takes it.
+/// Sums with their classes, each at the place of its hash, where it replaces
+/// the one before.
 ///
 /// A form at one frontier has mostly the coefficients that it has at the next,
-/// and those of one row serve all columns: half of all sums were looked for
-/// just before. Here that costs neither sorting nor a look into tables of the
-/// size of the network.
+/// and those of one row serve all columns: half of all sums were requested
+/// just before. A hit needs neither sorting nor the tables of the network.
 #[derive(Default)]
 pub(crate) struct RecentSums {
     sums: Vec<RecentSum>,
@@ -34,13 +33,13 @@ impl RecentSums {
         (hash ^ hash >> 32) as usize % KEPT
     }
 
-    /// The class of these terms in this order, when they are kept.
+    /// The class of these terms in this order; outer `None` when not kept.
     pub(crate) fn find(&self, place: usize, terms: &[ProductTerm]) -> Option<Option<SignedClass>> {
         let sum = self.sums.get(place)?;
         (sum.terms[..] == *terms).then_some(sum.class)
     }
 
-    /// Keeps what a sum of terms, at least one, was found to be.
+    /// Keeps the class of a sum of one term or more.
     pub(crate) fn keep(
         &mut self,
         place: usize,

@@ -1,12 +1,12 @@
 //! The order in which a polynomial is evaluated.
 //!
 //! A polynomial of `n` terms is a low part and a high part times a power of
-//! `t = x^2`; Horner's scheme always cuts behind the first term, Estrin's in
+//! `t = x^2`; Horner's scheme always cuts after the first term, Estrin's in
 //! the middle. Which cut is best depends on the cycles of adders and
 //! multipliers. There are few terms, so all ways to cut are compared, parts
 //! once each (dynamic programming): the earliest result wins, of equally
-//! early ones that with the fewest operations. A sine's factor `x` may stand
-//! before everything, or travel into the parts, where it waits for nobody.
+//! early ones that with the fewest operations. A sine's factor `x` multiplies
+//! the whole, or the parts (which are then *led*), where it delays nothing.
 
 use super::builder::RecipeBuilder;
 use super::options::Scheme;
@@ -28,19 +28,18 @@ enum PartForm {
     /// The part without the factor `x`, times `x`.
     Times,
     /// A low part of this many terms plus a high part times a power of `t`;
-    /// whether the factor `x` of the high part travels into it, or stands at
-    /// the power.
+    /// `inside` when the factor `x` multiplies the high part, not the power.
     Cut { terms: usize, inside: bool },
 }
 
 /// The best way to compute a part.
 #[derive(Clone, Copy, Debug)]
 struct Best {
-    /// Time at which it is there, the angle being there at 0.
+    /// Cycle of the result, counted from that of the angle.
     arrival: u32,
     /// Operations, without those of powers.
     operations: u32,
-    /// Powers of `t` needed, one bit each, and of `x t^k` behind them.
+    /// Set of the powers needed: bit `k` for `t^k`, bit `LED + k` for `x t^k`.
     powers: u64,
     form: PartForm,
 }
@@ -51,14 +50,14 @@ impl Best {
     }
 }
 
-/// Powers `x t^k` lie this many bits behind `t^k`.
+/// Position of the bits for `x t^k` in a set of powers, above those for `t^k`.
 const LED: u32 = 32;
 
 /// The plan for one polynomial.
 pub(super) struct PolynomialPlan<'a> {
     polynomial: &'a Polynomial,
     cycles: OperationCycles,
-    /// Arrival of `t^k`, and the bits of all powers it needs.
+    /// Arrival of `t^k`, and the set of powers it needs.
     powers: Vec<(u32, u64)>,
     /// The best form of the terms from `first`, `count` of them, without and
     /// with the factor `x`.
@@ -205,8 +204,8 @@ impl<'a> PolynomialPlan<'a> {
     }
 }
 
-/// Arrivals and needs of the powers of `t`, from its first; halves of about
-/// equal size come earliest.
+/// For every power of `t` its arrival and the set of powers it needs, when it
+/// is the product of two halves of about equal size.
 fn powers(most: usize, cycles: OperationCycles) -> Vec<(u32, u64)> {
     let mut powers: Vec<(u32, u64)> = vec![(0, 0)];
     for power in 1..most.max(2) {

@@ -31,10 +31,11 @@ pub(super) struct MeasureArguments {
     print_state: Option<u32>,
 }
 
-/// Steps of reverse sweeps for condition numbers: a few seconds.
+/// Maximum number of steps of reverse sweeps for condition numbers: a few
+/// seconds.
 const CONDITION_WORK: u64 = 2_000_000_000;
 
-/// Outputs shown of every format.
+/// Default number of outputs printed per format.
 const USUAL_TOP: usize = 20;
 
 /// Measures all files.

@@ -1,5 +1,5 @@
 //! Families of models for studies and tests: chains, trees, random trees, and
-//! machines that exist, whose files are those of `examples/models`.
+//! existing machines, whose files are those of `examples/models`.
 //!
 //! **The frozen serial model** (the one that reproduces the operation counts
 //! of the thesis, Table 3.1): revolute joints about the first and second axis
@@ -19,7 +19,7 @@ use super::random::{ParameterRandom, four_digits};
 use super::{Axis, JointKind, Model};
 use robovec_robotran::conventions::JOINT_LIMIT;
 
-/// The joints a family is made with.
+/// Limit of the number of joints of a family.
 pub const JOINTS: NumberLimit = NumberLimit::whole(
     1,
     JOINT_LIMIT as u64,
@@ -41,7 +41,7 @@ enum FamilyMembers {
     Trees(fn(usize) -> TrunkTree),
     /// Random trees with joints of all six types.
     Random,
-    /// The one model of a file, of a machine that exists.
+    /// One model, of an existing machine, read from a file.
     File(&'static [u8]),
 }
 
@@ -103,7 +103,7 @@ impl ModelFamily {
             .find(|family| family.name == name)
     }
 
-    /// The number of joints, where the family has only one.
+    /// The number of joints, for families of one size.
     pub fn joints(self) -> Option<usize> {
         self.joints
     }
@@ -118,7 +118,7 @@ impl ModelFamily {
     ///
     /// # Panics
     ///
-    /// Panics when `joints` is 0 where it matters.
+    /// Panics when `joints` is 0 and the family has more than one size.
     pub fn build(self, joints: usize, seed: u64) -> Model {
         match self.members {
             FamilyMembers::Trees(topology) => {
@@ -167,10 +167,10 @@ impl TrunkTree {
         }
     }
 
-    /// A trunk with a few long branches. For 23, 50, 70, 100 and 130 joints the
-    /// tree whose equations come close to those of the thesis (Table 3.1) in
-    /// operations and path, which does not say that it was this one; for other
-    /// numbers a trunk of an eighth of the bodies and five branches.
+    /// A trunk with a few long branches. The thesis does not give its trees: for
+    /// 23, 50, 70, 100 and 130 joints this is one whose equations come close to
+    /// those of its Table 3.1 in operations and path; for other numbers a trunk
+    /// of an eighth of the bodies and five branches.
     pub fn semi_serial(joints: usize) -> TrunkTree {
         let (trunk, branches) = match joints {
             23 => (3, vec![7, 4, 4, 4, 1]),
@@ -186,9 +186,9 @@ impl TrunkTree {
         TrunkTree { trunk, branches }
     }
 
-    /// Many branches on the base or on one body; known numbers of joints as in
-    /// [`TrunkTree::semi_serial`], for others as many branches as each has
-    /// bodies.
+    /// Many branches on the base or on one body. The numbers of joints fitted to
+    /// the thesis are those of [`TrunkTree::semi_serial`]; others have about as
+    /// many branches as each branch has bodies.
     pub fn parallel(joints: usize) -> TrunkTree {
         let (trunk, branches) = match joints {
             23 => (1, vec![8, 3, 3, 3, 3, 2]),
@@ -210,7 +210,7 @@ impl TrunkTree {
     }
 }
 
-/// Numbers that differ by one at most.
+/// Splits a total into parts that differ by at most one, without empty parts.
 fn even(total: usize, parts: usize) -> Vec<usize> {
     let parts = parts.clamp(1, total.max(1));
     let lengths = (0..parts).map(|part| total / parts + usize::from(part < total % parts));
@@ -375,7 +375,7 @@ pub fn random_tree(seed: u64, joints: usize) -> Model {
     model
 }
 
-/// Zero now and then.
+/// A random number of either sign, zero once in four times.
 fn sparse(random: &mut ParameterRandom, low: f64, high: f64) -> f64 {
     let value = random.signed(low, high);
     if random.once_in(4) { 0.0 } else { value }

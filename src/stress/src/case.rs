@@ -1,4 +1,4 @@
-//! Hard cases: what is built, and what is measured on it.
+//! Hard cases, their construction and their measurement.
 
 use super::{ProgramTreatment, StressError, StressVerdict};
 use robovec_ir::Format;
@@ -15,8 +15,8 @@ const fn class(name: &'static str, description: &'static str) -> CaseClass {
 }
 
 impl CaseClass {
-    /// All classes, in the order of reports; with the first one the others are
-    /// compared.
+    /// All classes, in the order of reports. The first is the baseline of the
+    /// others.
     pub const ALL: [CaseClass; 14] = [
         class(
             "base",
@@ -57,7 +57,7 @@ impl CaseClass {
         self.name
     }
 
-    /// The class of a name.
+    /// The class with this name.
     pub fn from_name(name: &str) -> Option<CaseClass> {
         CaseClass::ALL.into_iter().find(|class| class.name == name)
     }
@@ -76,10 +76,10 @@ pub struct StressCase {
     pub class: CaseClass,
     /// Construction, in a few words.
     pub construction: String,
-    /// Damage that it does.
+    /// Quantities that lose precision, in a few words.
     pub breaks: String,
-    /// The verdict on the untreated program in binary32. Anything else than
-    /// this makes `robovec stress` fail.
+    /// The verdict on the untreated program in binary32; `robovec stress` fails
+    /// on any other.
     pub expected: StressVerdict,
     /// True when it takes long without optimisation.
     pub long: bool,
@@ -92,7 +92,7 @@ pub(super) trait StressSubject: Send + Sync {
     /// The error that verdicts are about.
     fn metric(&self) -> &'static str;
 
-    /// The program that nothing was done to, in binary32.
+    /// The untreated program, in binary32.
     fn untreated(&self) -> ProgramTreatment {
         ProgramTreatment::default()
     }
@@ -129,7 +129,7 @@ pub(super) trait StressSubject: Send + Sync {
         false
     }
 
-    /// True when the error is that of rounding, which wider formats reduce.
+    /// True when the error comes from rounding, which wider formats reduce.
     fn rounds(&self) -> bool {
         true
     }
@@ -140,15 +140,15 @@ pub(super) trait StressSubject: Send + Sync {
 
 /// A subject with its reference.
 pub(super) trait StressBench: Sync {
-    /// Condition: the relative change of the result with the numbers it is
-    /// computed from: of the mass matrix where accelerations are asked for.
+    /// The condition number: the relative change of the result over that of the
+    /// data. For accelerations it is that of the mass matrix.
     fn condition(&self) -> f64 {
         let format = Format::BINARY32;
         self.floor(format) / format.unit_roundoff()
     }
 
-    /// The error that rounding the data once to a format makes: what nobody
-    /// can do better than from rounded data.
+    /// The error from rounding the data once to a format: a lower limit for any
+    /// program that reads rounded data.
     fn floor(&self, format: Format) -> f64;
 
     /// The largest number that a program has to hold, for fixed point; `None`

@@ -13,15 +13,15 @@ use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::Double;
 use robovec_robotran::FunctionKind;
 
-/// Rounds of Newton's method, from a state that is closed but for the rounding
-/// of its numbers.
+/// Number of rounds of Newton's method, from a state that is closed up to the
+/// rounding of its numbers.
 const ROUNDS: usize = 3;
 
 /// Program for the accelerations of a model with loops.
 pub(super) enum LoopProgram {
     /// `accelred`, in a closed state.
     Accelerations(Box<ModelProgram>),
-    /// All that a step evaluates.
+    /// All functions of a step.
     Whole(Box<StepProgram>),
 }
 
@@ -30,10 +30,10 @@ pub(super) struct StepProgram {
     parts: [ModelProgram; 3],
     /// For each part the places of its inputs among those of the step.
     places: [Vec<usize>; 3],
-    /// For closing positions and velocities, which output is which input of
-    /// the step: what they make of `q` and `qd`.
+    /// For `loop_positions` and `loop_velocities`, the pairs of an output and
+    /// the input of the step that it replaces (`q`, `qd`).
     results: [Vec<(usize, usize)>; 2],
-    /// The part and the place there of each input of the step.
+    /// For each input of the step, a part that reads it and its place there.
     origins: Vec<(usize, usize)>,
 }
 
@@ -67,7 +67,7 @@ impl LoopProgram {
         }
     }
 
-    /// The accelerations of so many joints.
+    /// The accelerations of the joints.
     pub(super) fn accelerations(
         &self,
         numbers: WorkingPrecision,
@@ -98,8 +98,8 @@ impl LoopProgram {
         }
     }
 
-    /// Number of inputs and values of the accelerations outside the range of
-    /// normal numbers, and of how many.
+    /// Number of inputs and values of `accelred` outside the range of normal
+    /// numbers, and the number of all that are not zero.
     pub(super) fn out_of_range(&self, format: Format, inputs: &[f64]) -> [usize; 2] {
         match self {
             LoopProgram::Accelerations(program) => program.out_of_range(format, Units::SI, inputs),

@@ -2,9 +2,9 @@
 //!
 //! The halves of all lanes lie side by side and no operation branches on a
 //! single lane, so that a compiler can keep several lanes in one register of
-//! the processor. What is special (infinities, products near the ends of the
-//! range) is found by one look at all lanes, and these are then done one by
-//! one as [`Double`] does them: both give the same bits.
+//! the processor. One test over all lanes finds the special cases (infinities,
+//! products near the ends of the range); the operation is then repeated lane
+//! by lane with [`Double`]. Both ways give the same bits.
 
 use super::{Double, DoubleDouble, fast_two_sum, product_error, two_sum};
 use crate::arithmetic::Arithmetic;
@@ -40,7 +40,7 @@ impl<const LANES: usize> DoubleLanes<LANES> {
         }
     }
 
-    /// Does an operation lane by lane.
+    /// Applies an operation lane by lane.
     fn each(operation: impl Fn(usize) -> Double) -> DoubleLanes<LANES> {
         let mut result = DoubleLanes::new([0.0; LANES]);
         for lane in 0..LANES {
@@ -55,7 +55,7 @@ impl<const LANES: usize> DoubleLanes<LANES> {
     /// infinity or NaN anywhere in an operation makes the low half NaN.
     #[inline]
     fn is_regular(&self) -> bool {
-        // A NaN times zero stays one, and so does its sum.
+        // NaN and infinity times zero are NaN, and a sum with NaN is NaN.
         self.low.iter().fold(0.0, |sum, low| sum + low * 0.0) == 0.0
     }
 }
@@ -147,7 +147,7 @@ mod tests {
     use crate::random::{mix, unit};
     use std::array;
 
-    /// Numbers of all sizes, and what is special.
+    /// Numbers of all sizes, and the special ones.
     fn numbers() -> Vec<Double> {
         let mut numbers: Vec<Double> = [
             0.0,

@@ -14,8 +14,8 @@ const CIRCULAR: &str = include_str!("circular.c");
 /// The library for lanes that are too large or no numbers.
 const FAR: &str = include_str!("far.c");
 
-/// Types of vectors where compilers have them: as many lanes as fit into a
-/// register. Compilers split wider ones in memory, which takes several times
+/// Types of vectors where compilers have them, with as many lanes as fit into
+/// a register: wider ones are split in memory, which takes several times
 /// longer than narrower ones one after the other.
 pub(super) fn types(kernel: SineKernel) -> String {
     let types = match kernel.lanes {
@@ -25,7 +25,7 @@ pub(super) fn types(kernel: SineKernel) -> String {
     filled(kernel, &format!("#include <math.h>\n\n{types}"), "")
 }
 
-/// The function for angles one behind the other.
+/// The function for an array of angles.
 pub(super) fn arrays(kernel: SineKernel) -> String {
     let head = "static void robovec_sincos_@suffix@(long count, const @real@ *angles, \
                 @real@ *sines, @real@ *cosines)";
@@ -52,8 +52,8 @@ fn function(kernel: SineKernel, head: &str, angle: &str, body: &str) -> String {
     filled(kernel, &vectors, "angles[i]") + &library + "#endif\n"
 }
 
-/// A template with what depends on the kernel, and on what the library takes
-/// as the angle.
+/// Fills a template with the names and constants of the kernel; `angle` is the
+/// argument of the library's sine and cosine.
 fn filled(kernel: SineKernel, template: &str, angle: &str) -> String {
     let SineKernel { real, lanes } = kernel;
     let constants = KernelConstants::of(real);
@@ -83,7 +83,7 @@ fn filled(kernel: SineKernel, template: &str, angle: &str) -> String {
             ("bits", &format!("robovec_bits_{suffix}")),
             ("suffix", &suffix),
             ("upper", &upper),
-            // The macro that says how many lanes a vector has.
+            // The macro for the number of lanes of a vector.
             ("lanes", &format!("ROBOVEC_{upper}")),
             ("all", &lanes),
             ("some", &fit(32)),
@@ -115,7 +115,7 @@ fn filled(kernel: SineKernel, template: &str, angle: &str) -> String {
     )
 }
 
-/// The parts of a quarter turn behind the first.
+/// The subtraction of the parts of a quarter turn after the first.
 fn reduction(kernel: SineKernel) -> String {
     let vector = kernel.vector();
     let parts = &KernelConstants::of(kernel.real).quarter[1..];

@@ -1,11 +1,10 @@
-//! The resources of an interconnect (thesis 1.1.3): choices among words, bit by
-//! bit, and registers behind links.
+//! The resources of an interconnect (thesis 1.1.3): multiplexers, bit by bit,
+//! and registers after links.
 //!
-//! A look-up table of six inputs chooses among four (thesis 1.3.1). Choices
-//! stand in front of every write port, and in a network in front of every
-//! link. Routers are counted whole, those at the edge of a mesh without the
-//! links they lack. The bits that steer the choices come from instruction
-//! memories, which are counted there.
+//! A look-up table of six inputs chooses among four (thesis 1.3.1). Every write
+//! port has a multiplexer, and in a network every link. Routers are counted
+//! whole, those at the edge of a mesh without the links they lack. The bits
+//! that select come from instruction memories, which are counted there.
 
 use super::ResourceUse;
 use robovec_ir::machine::{Interconnect, LinkNetwork, Topology};
@@ -24,7 +23,7 @@ pub(super) struct Terminals {
     pub width: u32,
 }
 
-/// Tables per bit of a choice among words.
+/// Look-up tables per bit of a multiplexer of words.
 fn choice(words: u32) -> u32 {
     words.saturating_sub(1).div_ceil(3)
 }
@@ -99,7 +98,7 @@ fn links(network: &LinkNetwork, terminals: Terminals) -> Links {
         },
         Topology::Omega => Links {
             count: dimensions << dimensions,
-            // The switches, and in front of them the choice of the word that
+            // The switches, and before them the multiplexer of the word that
             // enters, counted with each stage.
             words: 1 + sources,
             arriving: 1,

@@ -18,15 +18,15 @@
 //! 5. elements ([`size`]): the fewest that meet the deadline, and more of
 //!    them for the front.
 //!
-//! What comes out is a list of candidates with time, error and cost, the
-//! cheapest ([`CostMeasure`]) that meets everything, and the front: the candidates that no other
-//! one beats in time, cost and error together.
+//! The result is a list of candidates with time, error and cost, the cheapest
+//! ([`CostMeasure`]) that meets everything, and the Pareto front in time, share
+//! of the device and error.
 //!
-//! What is cheapest is then *challenged* ([`challenge`]): tried at many states
-//! that nothing has seen, and at states bred from the worst of them. Where it
-//! fails, these states join those it is measured at, formats are widened, and
-//! the cheapest is taken anew, until one holds. Of small programs a bound over
-//! the ranges may prove the rest ([`bound`]).
+//! The cheapest is then *challenged* ([`challenge`]): tried at many new states,
+//! and at states found by a search from the worst of them. Where it fails, these
+//! states join those it is measured at, formats are widened, and the cheapest is
+//! chosen again, until one holds. For small programs a bound over the ranges may
+//! prove the rest ([`bound`]).
 //!
 //! Where the scene has a motion ([`motion`]), the choice has to stay within the
 //! error that is allowed over time as well, else its mantissa is widened.
@@ -72,7 +72,7 @@ use serde::Serialize;
 use std::cmp::Ordering;
 use std::sync::Arc;
 
-/// Steps of motions that all choices together may take.
+/// Maximum number of steps of motions, all choices together.
 const MOTION_STEPS: u64 = 2_000_000;
 
 /// Measure of the cheapest.
@@ -191,7 +191,8 @@ pub struct FitOutcome {
     /// Everything that was placed and measured.
     pub candidates: Vec<FitCandidate>,
     /// Index of the cheapest candidate that meets everything, by the cost of
-    /// the task, then look-up tables, then cycles; `None` when none does.
+    /// the task, then look-up tables (after cells the share of the device), then
+    /// cycles; `None` when none does.
     pub chosen: Option<usize>,
     /// Challenge that the chosen one held.
     pub challenge: Option<Challenge>,
@@ -228,7 +229,7 @@ impl From<Unmeasurable> for FitError {
 }
 
 /// Searches programs, formats and numbers of elements for a scene, and measures
-/// each; `progress` is told what is tried.
+/// each; reports each trial to `progress`.
 ///
 /// # Errors
 ///
@@ -243,7 +244,7 @@ pub fn fit(task: &FitTask<'_>, progress: ExplorationProgress<'_>) -> Result<FitO
         };
         let program = candidates[chosen].program;
         let format = search.format_of(&candidates[chosen]);
-        // A motion costs less than a challenge and is tried before it.
+        // A motion costs less than a challenge, so it is tried first.
         let name = search.programs[program].name.clone();
         progress(&format!("{name} in {format}: the error over time"));
         let motion = match task.motion {

@@ -1,17 +1,17 @@
 //! Energy beside time, from figures of power that the user brings.
 //!
-//! No figure of power for operators like these on these devices is known to
-//! us, so none is built in. What a device draws with nothing running and with
-//! all of it in use is read from its vendor's power estimator or a meter, and
-//! a design is taken to draw the first and its share of the difference. What
-//! needs no figure is told without: the ratio of powers up to which a design
-//! takes less energy than a processor is the ratio of their times.
+//! We know no published power figures for such operators on these devices, so
+//! none is built in. The user reads the power of the idle device and of the full
+//! one from its vendor's power estimator or a meter; the power of a design is
+//! interpolated between the two by its share of the device. Without figures only
+//! the break-even is reported: a design takes less energy than a processor as
+//! long as the ratio of their powers is below the inverse ratio of their times.
 
 use super::FunctionSweep;
 use robovec_num::limits::NumberLimit;
 use serde::Serialize;
 
-/// Limit of a flag of power.
+/// Limit of a power flag.
 pub const WATTS: NumberLimit = NumberLimit::real(
     0.0,
     10_000.0,
@@ -43,8 +43,8 @@ impl FunctionSweep {
         self.power = Some(power);
     }
 
-    /// Design of the least energy, and comparison with the processor, in lines;
-    /// empty where neither power nor time of a processor is known.
+    /// Lines with the design of the least energy and a comparison with the
+    /// processor; empty where neither power nor time of a processor is known.
     pub(super) fn energy_text(&self) -> String {
         let fitting = || self.points.iter().filter(|point| point.share <= 1.0);
         let mut text = String::new();

@@ -1,4 +1,4 @@
-//! Names that mean the same array, and copies.
+//! Aliases and copies of arrays.
 
 use super::{Storage, StorageBuilder, is_array_name};
 use crate::syntax::{LeafKind, StatementKind};
@@ -61,7 +61,8 @@ impl StorageBuilder<'_> {
                     self.late_meaning(target, statement.span);
                 }
             } else {
-                // The copy, or the original, has other numbers by now.
+                // An element of the copy was used, or one of the original set,
+                // before this statement.
                 let written = first_writings.get(&root);
                 if used(target) || written.is_some_and(|&first| first < index) {
                     self.late_meaning(target, statement.span);
@@ -87,7 +88,7 @@ impl StorageBuilder<'_> {
         }
     }
 
-    /// For every array the statement that first sets an element of it.
+    /// The first statement that sets an element, for every array.
     fn first_writings(&self) -> HashMap<RobotranName, usize, FxBuildHasher> {
         let mut first = HashMap::default();
         for index in self.statements.clone() {

@@ -1,4 +1,4 @@
-//! The part of a host, or the unit in hardware, that computes sines.
+//! Units, in a host or in hardware, that compute sine and cosine.
 
 use super::cordic::Cordic;
 use super::kernel::{HostKernel, fixed, half_unit, product};
@@ -18,7 +18,7 @@ pub struct TrigonometricUnit {
 #[derive(Clone, PartialEq, Debug)]
 enum TrigonometricCore {
     Polynomial(HostKernel),
-    /// Sine and cosine in the middle of every part of the octant.
+    /// Sine and cosine at the midpoint of every part of the octant.
     Table(Vec<[i64; 2]>, HostKernel),
     Cordic(Cordic),
 }
@@ -67,7 +67,7 @@ impl TrigonometricUnit {
         })
     }
 
-    /// The unit of a name.
+    /// The unit with this name.
     ///
     /// # Errors
     ///
@@ -114,7 +114,7 @@ impl TrigonometricUnit {
         }
     }
 
-    /// No sine or cosine it computes is farther from the true one.
+    /// Upper bound of the error of every sine and cosine.
     pub fn proved_error(&self) -> f64 {
         let bits = self.implementation.bits();
         let half = half_unit(bits);
@@ -162,7 +162,7 @@ impl TrigonometricUnit {
     }
 }
 
-/// A range and what rounding an angle can add to it.
+/// A range, widened by the largest rounding error of an angle.
 fn reach(range: f64, bits: u32) -> f64 {
     range + 2f64.powi(-(bits as i32))
 }

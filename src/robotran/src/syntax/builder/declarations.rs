@@ -53,12 +53,12 @@ impl SyntaxBuilder {
         self.statement(kind, 0, 0);
     }
 
-    /// A first value of an array of C.
+    /// An initial value of an array of C.
     pub(crate) fn first_value(&mut self, start: u32, number: Literal) {
         self.values.push((start, number));
     }
 
-    /// The end of a list of first values that starts with a brace.
+    /// The end of a list of initial values whose brace is at `start`.
     pub(crate) fn value_row(&mut self, start: u32) {
         let row = std::mem::take(&mut self.values);
         self.value_rows.push((start, row));
@@ -84,7 +84,8 @@ impl SyntaxBuilder {
             "first values that are not those of the array's elements",
             "assign to its elements one by one",
         );
-        // The outer braces of a matrix end last and hold only rows.
+        // The outer braces of a matrix end last, hence its row is the last one,
+        // and it must hold no values.
         let is_matrix = element.column > 0;
         let outer = if is_matrix { rows.pop() } else { None };
         let is_mixed =
@@ -148,8 +149,8 @@ impl SyntaxBuilder {
         self.initialised.push((name, root));
     }
 
-    /// A name that the declaration declares and that is a parameter already:
-    /// in an inner block it would be another variable.
+    /// True when the declaration declares the name of a parameter: in an inner
+    /// block it would be another variable.
     fn hidden_parameter(&self) -> bool {
         let Some(head) = self.syntax.heads.last() else {
             return false;
