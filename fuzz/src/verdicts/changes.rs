@@ -23,11 +23,10 @@ pub(super) fn changed(bytes: &mut Unstructured<'_>, rule: &Rule) -> Result<Optio
         6 | 7 => hole(bytes, &mut changed)?,
         8 => root(bytes, &mut changed)?,
         _ => {
-            let dropped = !changed.conditions.is_empty();
-            changed.conditions.clear();
-            if !dropped {
+            if changed.conditions.is_empty() {
                 return Ok(None);
             }
+            changed.conditions.clear();
             false
         }
     };
@@ -117,7 +116,7 @@ fn operand_changed(bytes: &mut Unstructured<'_>, pattern: &mut Pattern) -> Resul
 
 /// Adds a number of any size to a pattern.
 fn term_added(bytes: &mut Unstructured<'_>, pattern: &mut Pattern) -> Result<bool> {
-    let value: f64 = number(bytes)?.parse().unwrap_or(1.0);
+    let value: f64 = number(bytes)?.parse().expect("a decimal number");
     let root = pattern.root() as u32;
     let added = pattern.push(PatternNode::Number(value));
     pattern.operation(Operation::Add, &[root, added]);
@@ -133,7 +132,7 @@ fn hole(bytes: &mut Unstructured<'_>, rule: &mut Rule) -> Result<bool> {
         .filter(|&variable| rule.requirements(variable).next().is_none())
         .collect();
     let variable = *bytes.choose(&free)?;
-    let value: f64 = number(bytes)?.parse().unwrap_or(1.0);
+    let value: f64 = number(bytes)?.parse().expect("a decimal number");
     let form = bytes.int_in_range(0..=5)?;
     let side = &mut rule.right;
     let root = side.root() as u32;

@@ -48,7 +48,7 @@ impl Arguments {
     }
 }
 
-fn arguments(count: u32) -> String {
+fn argument_count(count: u32) -> String {
     match count {
         1 => "one argument".to_owned(),
         _ => format!("{count} arguments"),
@@ -138,7 +138,7 @@ impl ModuleBuilder<'_> {
         if given.count as usize != operation.arity() {
             let message = format!(
                 "{text} takes {}, not {}",
-                arguments(operation.arity() as u32),
+                argument_count(operation.arity() as u32),
                 given.count
             );
             let help = if operation.is_fused() {
@@ -354,19 +354,17 @@ impl ModuleBuilder<'_> {
     }
 
     fn end_timing(&mut self, span: Span) {
-        let before = self.start as usize;
-        let first = before == 0;
+        let help = "either all definitions have {asap … alap …}, or none has";
         let Some((timing, at)) = self.attributes.timing else {
             if self.open.function.timing.is_some() {
                 let message = format!("{} has no times", clip(self.slice(span)));
-                let help = "either all definitions have {asap … alap …}, or none has";
                 self.advise(span, message, help);
             }
             return;
         };
-        if !first && self.open.function.timing.is_none() {
+        let is_first = self.start == 0;
+        if !is_first && self.open.function.timing.is_none() {
             let message = "the definitions before this one have no times";
-            let help = "either all definitions have {asap … alap …}, or none has";
             self.advise(at, message, help);
         }
         let count = self.open.node_count() as usize;

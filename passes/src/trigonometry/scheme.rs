@@ -170,10 +170,12 @@ impl<'a> PolynomialPlan<'a> {
             PartForm::Term => {
                 let coefficient = self.polynomial.coefficients[first];
                 let constant = builder.constant(coefficient);
-                match led {
-                    false => constant,
-                    true if coefficient == 1.0 => angle,
-                    true => builder.push(Operation::Mul, constant, angle),
+                if !led {
+                    constant
+                } else if coefficient == 1.0 {
+                    angle
+                } else {
+                    builder.push(Operation::Mul, constant, angle)
                 }
             }
             PartForm::Times => {

@@ -130,13 +130,12 @@ fn every_output(
         let count = count.unwrap_or_else(|| usual_states(function.nodes().len()));
         let mut found = measure(view, states, count, formats, measurement);
         if let Some(list) = &arguments.outputs {
-            let places = chosen(view, list)?;
-            let places = places
+            let wanted: Vec<_> = chosen(view, list)?
                 .iter()
-                .map(|&place| function.assignments[place].output);
-            let places: Vec<_> = places.collect();
+                .map(|&place| function.assignments[place].output)
+                .collect();
             for format in &mut found.formats {
-                format.elements.retain(|one| places.contains(&one.output));
+                format.elements.retain(|one| wanted.contains(&one.output));
             }
         }
         *text += &outputs::text(&name, view, &found, arguments.top.unwrap_or(USUAL_TOP));

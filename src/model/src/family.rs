@@ -193,8 +193,8 @@ impl TrunkTree {
         let (trunk, branches) = match joints {
             23 => (1, vec![8, 3, 3, 3, 3, 2]),
             50 => (0, vec![14, 5, 5, 5, 5, 5, 5, 5, 1]),
-            70 => (0, chain(17, 53, 13)),
-            100 => (0, chain(23, 77, 11)),
+            70 => (0, long_and_short(17, 53, 13)),
+            100 => (0, long_and_short(23, 77, 11)),
             130 => (0, vec![30, 13, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 7]),
             _ => (0, even(joints, joints.isqrt())),
         };
@@ -220,7 +220,7 @@ fn even(total: usize, parts: usize) -> Vec<usize> {
 }
 
 /// One long branch and several short ones.
-fn chain(long: usize, rest: usize, parts: usize) -> Vec<usize> {
+fn long_and_short(long: usize, rest: usize, parts: usize) -> Vec<usize> {
     let mut branches = vec![long];
     branches.extend(even(rest, parts));
     branches

@@ -163,17 +163,16 @@ impl Work for StepEvaluation<'_> {
         );
         let literals = self.inputs.iter().map(|&number| arithmetic.literal(number));
         let mut numbers: Vec<A::Number> = literals.collect();
-        let part = |part: usize, numbers: &[A::Number]| {
+        let evaluated = |part: usize, numbers: &[A::Number]| {
             let own: Vec<A::Number> = step.places[part].iter().map(|&at| numbers[at]).collect();
             evaluate(&step.parts[part].function, arithmetic, &own)
         };
-        let parts = std::iter::repeat_n(0, ROUNDS).chain([1]);
-        for kind in parts {
-            let found = part(kind, &numbers);
-            let assignments = &step.parts[kind].function.assignments;
+        for part in std::iter::repeat_n(0, ROUNDS).chain([1]) {
+            let found = evaluated(part, &numbers);
+            let assignments = &step.parts[part].function.assignments;
             for (assignment, number) in assignments.iter().zip(found) {
                 let output = assignment.output.index();
-                let set = step.results[kind]
+                let set = step.results[part]
                     .iter()
                     .find(|(place, _)| *place == output);
                 if let Some(&(_, input)) = set {
@@ -183,7 +182,7 @@ impl Work for StepEvaluation<'_> {
         }
         let function = &step.parts[2].function;
         let mut flat = vec![Double::from(0.0); function.output_len()];
-        for (assignment, number) in function.assignments.iter().zip(part(2, &numbers)) {
+        for (assignment, number) in function.assignments.iter().zip(evaluated(2, &numbers)) {
             flat[assignment.output.index()] = number.wide();
         }
         flat

@@ -44,10 +44,7 @@ pub(super) fn interconnect(interconnect: Interconnect, terminals: Terminals) -> 
             // that end at it.
             let arrivals = elements * ports * choice(links.arriving * network.words + sources);
             let tables = links.count * network.words * choice(links.words);
-            let registers = match network.hop {
-                0 => 0,
-                hop => links.count * network.words * hop,
-            };
+            let registers = links.count * network.words * network.hop;
             (arrivals + tables, registers)
         }
     };

@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn without_power_the_ratio_is_told() {
+    fn without_power_the_ratio_is_printed() {
         let (_, mut sweep) = small_sweep(&[1]);
         assert_eq!(sweep.energy_text(), "");
         sweep.cpu_us = Some(2.0);

@@ -17,8 +17,9 @@ impl StorageBuilder<'_> {
             first_uses.insert(name, index as u32);
             arrays.insert(name.symbol());
         }
-        let statements = self.statements.clone();
-        storage.pointers = (statements.clone())
+        storage.pointers = self
+            .statements
+            .clone()
             .filter_map(|index| match self.syntax.statements[index].kind {
                 StatementKind::Pointer(name) => Some((name, index)),
                 _ => None,
@@ -53,9 +54,9 @@ impl StorageBuilder<'_> {
             };
             let original = storage.canonical(root);
             let same = storage.joined && target.symbol() == root.symbol();
-            let again = storage.bound.insert(target, original);
+            let previous = storage.bound.insert(target, original);
             if storage.joined {
-                let changed = again.is_some_and(|before| before != original);
+                let changed = previous.is_some_and(|previous| previous != original);
                 let own = same && !storage.pointers.contains_key(&target);
                 if changed || target.is_of_data() || (!own && used(target)) {
                     self.late_meaning(target, statement.span);

@@ -240,27 +240,13 @@ mod tests {
     }
 
     #[test]
-    fn results_are_pinned_to_the_bit() {
-        // Whatever the platform: integers do not differ.
-        let bits = |name: &str, angle: f64| {
-            let unit = unit(name);
-            let scale = 2f64.powi(unit.implementation().bits() as i32);
-            unit.sine_and_cosine(angle)
-                .map(|number| (number * scale) as i64)
-        };
-        let third = std::f64::consts::FRAC_PI_6;
+    fn known_angles_symmetry_and_costs() {
         for name in NAMES {
-            let [sine, cosine] = bits(name, third);
             let unit = unit(name);
-            let (scale, error) = (
-                2f64.powi(unit.implementation().bits() as i32),
-                unit.proved_error(),
-            );
-            assert!((sine as f64 / scale - 0.5).abs() <= error, "{name}");
-            assert!(
-                (cosine as f64 / scale - 0.75f64.sqrt()).abs() <= error,
-                "{name}"
-            );
+            let [sine, cosine] = unit.sine_and_cosine(std::f64::consts::FRAC_PI_6);
+            let error = unit.proved_error();
+            assert!((sine - 0.5).abs() <= error, "{name}");
+            assert!((cosine - 0.75f64.sqrt()).abs() <= error, "{name}");
         }
         let unit = unit("cordic(iterations=24 bits=30)");
         assert_eq!(unit.sine_and_cosine(0.7)[0], -unit.sine_and_cosine(-0.7)[0]);

@@ -79,27 +79,27 @@ impl SyntaxBuilder {
         if rows.iter().all(is_zero) {
             return Ok(());
         }
-        let failure = refused(
-            SourceSpan { start, end },
-            "first values that are not those of the array's elements",
-            "assign to its elements one by one",
-        );
         // The outer braces of a matrix end last, hence its row is the last one,
         // and it must hold no values.
         let is_matrix = element.column > 0;
         let outer = if is_matrix { rows.pop() } else { None };
         let is_mixed =
             |(brace, row): &(u32, Vec<(u32, Literal)>)| row.iter().any(|(at, _)| at < brace);
-        let fits = rows.len() <= if is_matrix { element.row as usize } else { 1 }
-            && outer.is_none_or(|(_, row)| row.is_empty())
-            && !rows.iter().any(is_mixed);
-        let length = if is_matrix {
-            element.column
+        let (row_count, row_length) = if is_matrix {
+            (element.row as usize, element.column as usize)
         } else {
-            element.row
+            (1, element.row as usize)
         };
-        if !fits || rows.iter().any(|(_, row)| row.len() > length as usize) {
-            return Err(failure);
+        let fits = rows.len() <= row_count
+            && outer.is_none_or(|(_, row)| row.is_empty())
+            && !rows.iter().any(is_mixed)
+            && rows.iter().all(|(_, row)| row.len() <= row_length);
+        if !fits {
+            return Err(refused(
+                SourceSpan { start, end },
+                "first values that are not those of the array's elements",
+                "assign to its elements one by one",
+            ));
         }
         for (row, (_, values)) in rows.into_iter().enumerate() {
             for (column, (_, value)) in values.into_iter().enumerate() {
