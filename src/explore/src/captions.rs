@@ -1,7 +1,7 @@
 //! Tables and figures with the titles and captions of `captions.toml`.
 
+use crate::axes::ROUNDS;
 use crate::operators::MEMORY_CAP_MHZ;
-use crate::study::ROUNDS;
 use robovec_present::{ColumnList, DataTable, Figure, Panel};
 use serde::Deserialize;
 use std::collections::BTreeMap;

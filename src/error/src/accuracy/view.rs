@@ -20,20 +20,20 @@ pub fn text(subject: &FunctionAccuracy) -> String {
         counted(first.rounding.states, "random state"),
         first.rounding.seed
     );
-    let rows: Vec<StepRow<'_>> = subject.steps.iter().map(|step| (subject, step)).collect();
+    let rows: Vec<MeasuredStep<'_>> = subject.steps.iter().map(|step| (subject, step)).collect();
     text += &columns().text(&rows);
     text
 }
 
 /// A function after a pass.
-type StepRow<'a> = (&'a FunctionAccuracy, &'a PassAccuracy);
+type MeasuredStep<'a> = (&'a FunctionAccuracy, &'a PassAccuracy);
 
-fn columns<'a>() -> ColumnList<'a, StepRow<'a>> {
-    let shown = |row: &StepRow<'a>| match row.1.pass.as_str() {
+fn columns<'a>() -> ColumnList<'a, MeasuredStep<'a>> {
+    let shown = |row: &MeasuredStep<'a>| match row.1.pass.as_str() {
         "" => "(as read)",
         pass => pass,
     };
-    columns! { StepRow<'_>;
+    columns! { MeasuredStep<'_>;
         "function", [Hidden, All], |row| row.0.name.as_str();
         "pass", [All, Hidden], shown;
         "pass", [Hidden, All], |row| row.1.pass.as_str();
@@ -129,7 +129,7 @@ impl PassTally<'_> {
 
 /// The same as a table for programs.
 pub fn table(subjects: &[FunctionAccuracy]) -> DataTable {
-    let rows: Vec<StepRow<'_>> = subjects
+    let rows: Vec<MeasuredStep<'_>> = subjects
         .iter()
         .flat_map(|subject| subject.steps.iter().map(move |step| (subject, step)))
         .collect();

@@ -29,7 +29,6 @@ pub use cpu::{CpuJob, CpuTime, time};
 pub use program::{ProgramSources, StudyEquations};
 pub use results::Results;
 pub use run::{StudyOutcome, run};
-pub(crate) use step::ROUNDS;
 
 use robovec_ir::diagnostic::counted;
 use robovec_present::json::json_text;
