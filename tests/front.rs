@@ -444,6 +444,11 @@ fn words_that_an_exploration_does_not_take_are_refused() {
             "add '--designs'",
         ),
         (
+            &["serial-1", "--idle-watts=5", "--full-watts=3"],
+            "--full-watts 3 is below --idle-watts 5",
+            "expected the power with all cells in use",
+        ),
+        (
             &["serial-1", "--cpu-limit=9"],
             "--cpu-limit: not for an exploration of programs",
             "for a plan, add '--plan'",

@@ -85,6 +85,12 @@ pub(super) fn run(
 ) -> Result<String, CommandFailure> {
     let space = space(axes);
     let watts = axes.idle_watts.zip(axes.full_watts);
+    if let Some((idle, full)) = watts.filter(|(idle, full)| full < idle) {
+        return Err(CommandFailure::plain(format!(
+            "--full-watts {full} is below --idle-watts {idle}: expected the power with all cells \
+             in use, which is no less than that with nothing running"
+        )));
+    }
     each(arguments, None, |function, work, progress| {
         let question = SweepQuestion {
             space: &space,

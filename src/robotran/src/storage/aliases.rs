@@ -30,63 +30,77 @@ impl StorageBuilder<'_> {
         } else {
             self.first_writings()
         };
-        let symbols = self.symbols;
-        let is_array = |name: RobotranName| {
-            arrays.contains(&name.symbol()) || is_array_name(symbols.text(name.symbol()))
-        };
-        for index in self.statements.clone() {
-            let statement = self.syntax.statements[index];
-            let StatementKind::Equation { target, root, .. } = statement.kind else {
-                continue;
-            };
-            let (LeafKind::Scalar(target), LeafKind::Scalar(root)) = (target.kind(), root.kind())
-            else {
-                continue;
-            };
-            let whole_array = is_array(target) || (root.is_of_data() && is_array(root));
-            if !whole_array {
-                continue;
-            }
+        for (index, target, root) in self.whole_arrays(&arrays) {
             self.syntax.statements[index].kind = StatementKind::Prologue;
-            let used = |name: RobotranName| {
-                let first = first_uses.get(&name);
-                first.is_some_and(|&first| first < statement.elements)
-            };
-            let original = storage.canonical(root);
-            let same = storage.joined && target.symbol() == root.symbol();
-            let previous = storage.bound.insert(target, original);
-            if storage.joined {
-                let changed = previous.is_some_and(|previous| previous != original);
-                let own = same && !storage.pointers.contains_key(&target);
-                if changed || target.is_of_data() || (!own && used(target)) {
-                    self.late_meaning(target, statement.span);
-                }
+            let statement = self.syntax.statements[index];
+            let first_use = first_uses.get(&target);
+            let is_used = first_use.is_some_and(|&first| first < statement.elements);
+            let is_late = if storage.joined {
+                self.bind_alias(storage, (target, root), is_used)
             } else {
+                let original = storage.canonical(root);
+                storage.bound.insert(target, original);
+                storage.copies.push((index, target, root));
                 // An element of the copy was used, or one of the original set,
                 // before this statement.
                 let written = first_writings.get(&root);
-                if used(target) || written.is_some_and(|&first| first < index) {
-                    self.late_meaning(target, statement.span);
-                }
-                storage.copies.push((index, target, root));
-                continue;
-            }
-            let parameter = self
-                .head
-                .is_some_and(|head| head.parameters.contains(&root));
-            if root.is_of_data() || parameter || storage.given.contains(&original) {
-                storage.given.insert(original);
-                storage.given.insert(target);
-            }
-            if same {
-                continue;
-            }
-            if parameter && !is_array_name(symbols.text(root.symbol())) {
-                storage.aliases.insert(root, target);
-            } else {
-                storage.aliases.insert(target, original);
+                is_used || written.is_some_and(|&first| first < index)
+            };
+            if is_late {
+                self.late_meaning(target, statement.span);
             }
         }
+    }
+
+    /// Assignments of arrays as a whole: place, target and root.
+    fn whole_arrays(
+        &self,
+        arrays: &HashSet<Symbol, FxBuildHasher>,
+    ) -> Vec<(usize, RobotranName, RobotranName)> {
+        let is_array = |name: RobotranName| {
+            let symbol = name.symbol();
+            arrays.contains(&symbol) || is_array_name(self.symbols.text(symbol))
+        };
+        let whole_array = |index: usize| {
+            let StatementKind::Equation { target, root, .. } = self.syntax.statements[index].kind
+            else {
+                return None;
+            };
+            let (LeafKind::Scalar(target), LeafKind::Scalar(root)) = (target.kind(), root.kind())
+            else {
+                return None;
+            };
+            let is_whole = is_array(target) || (root.is_of_data() && is_array(root));
+            is_whole.then_some((index, target, root))
+        };
+        self.statements.clone().filter_map(whole_array).collect()
+    }
+
+    /// Makes the target another name of the root's array; true when elements of
+    /// the target had another meaning before.
+    fn bind_alias(
+        &self,
+        storage: &mut Storage,
+        (target, root): (RobotranName, RobotranName),
+        is_used: bool,
+    ) -> bool {
+        let original = storage.canonical(root);
+        let previous = storage.bound.insert(target, original);
+        let is_same = target.symbol() == root.symbol();
+        let head = self.head.as_ref();
+        let is_parameter = head.is_some_and(|head| head.parameters.contains(&root));
+        if root.is_of_data() || is_parameter || storage.given.contains(&original) {
+            storage.given.insert(original);
+            storage.given.insert(target);
+        }
+        if is_parameter && !is_same && !is_array_name(self.symbols.text(root.symbol())) {
+            storage.aliases.insert(root, target);
+        } else if !is_same {
+            storage.aliases.insert(target, original);
+        }
+        let is_rebound = previous.is_some_and(|previous| previous != original);
+        let is_own = is_same && !storage.pointers.contains_key(&target);
+        is_rebound || target.is_of_data() || (!is_own && is_used)
     }
 
     /// The first statement that sets an element, for every array.
