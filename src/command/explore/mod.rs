@@ -23,9 +23,8 @@ use robovec_robotran::FunctionKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Measure every combination of what is varied, and show what no other one beats: programs (speed
-/// against error), designs of machines (resources against time), or the models, pipelines and
-/// machines of a plan
+/// Compare programs (speed against error), designs of machines (resources against time), or what a
+/// plan asks for: every combination measured, and what no other one beats
 #[derive(Args, Debug)]
 pub(super) struct ExploreArguments {
     /// Files of equations, models (.mbs, .urdf) or built-in models (serial-23, bogie); in the place

@@ -5,7 +5,13 @@
 //! An exploration makes programs, varies axes ([`axes`]), measures a point for
 //! every combination and keeps what no other point beats ([`pareto`]). Its
 //! clients are the rooms `optimise`, `front`, `fit`, `sweep`, `study` and
-//! `trigonometry`; none of them uses another one.
+//! `trigonometry`; none of them uses another one, but for `optimise::found`.
+//!
+//! Of a function ([`exploration`]) `front` compares programs and `sweep` designs: both
+//! take an [`exploration::ExploredFunction`] and a share of the work ([`share`]), and
+//! present themselves as an [`exploration::Exploration`]. Clock, time, resources and
+//! share of a machine come from [`device::figures`], titles and captions from
+//! `captions.toml`.
 //!
 //! What stays with the clients, since its meaning differs:
 //!
@@ -14,9 +20,7 @@
 //!   design, `study` one for a request;
 //! - the order of work: `front` shares the beginnings of pipelines, `fit` stops
 //!   an axis where it is exact or quick enough, `sweep` and `study` place on
-//!   all cores; all but `fit` keep their points, so that shares of the work can
-//!   be done by several workers ([`share`]);
-//! - `accuracy` is no client: the pass manager measures for it, at every pass.
+//!   all cores; all but `fit` keep their points.
 
 pub mod axes;
 mod captions;
@@ -38,5 +42,5 @@ pub mod study;
 pub mod sweep;
 pub mod trigonometry;
 
-/// Told of what is measured next, or of what was measured.
+/// Listener to what is measured next, or was measured.
 pub type ExplorationProgress<'a> = &'a (dyn Fn(&str) + Sync);

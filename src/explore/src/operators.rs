@@ -22,16 +22,7 @@ pub struct Operator {
     pub multipliers: u32,
 }
 
-const fn adder(stages: u32, mhz: u32, luts: u32) -> Operator {
-    Operator {
-        stages,
-        mhz,
-        luts,
-        multipliers: 0,
-    }
-}
-
-const fn multiplier(stages: u32, mhz: u32, luts: u32, multipliers: u32) -> Operator {
+const fn operator(stages: u32, mhz: u32, luts: u32, multipliers: u32) -> Operator {
     Operator {
         stages,
         mhz,
@@ -42,26 +33,26 @@ const fn multiplier(stages: u32, mhz: u32, luts: u32, multipliers: u32) -> Opera
 
 /// Table 1.1: adders and subtractors.
 pub const ADDERS: [Operator; 10] = [
-    adder(1, 37, 538),
-    adder(2, 55, 569),
-    adder(3, 72, 587),
-    adder(4, 89, 630),
-    adder(5, 103, 652),
-    adder(6, 120, 656),
-    adder(7, 144, 695),
-    adder(9, 159, 762),
-    adder(10, 178, 796),
-    adder(14, 233, 905),
+    operator(1, 37, 538, 0),
+    operator(2, 55, 569, 0),
+    operator(3, 72, 587, 0),
+    operator(4, 89, 630, 0),
+    operator(5, 103, 652, 0),
+    operator(6, 120, 656, 0),
+    operator(7, 144, 695, 0),
+    operator(9, 159, 762, 0),
+    operator(10, 178, 796, 0),
+    operator(14, 233, 905, 0),
 ];
 
 /// Table 1.2: multipliers.
 pub const MULTIPLIERS: [Operator; 6] = [
-    multiplier(2, 63, 170, 2),
-    multiplier(3, 109, 193, 2),
-    multiplier(4, 153, 207, 2),
-    multiplier(5, 199, 231, 2),
-    multiplier(8, 218, 362, 4),
-    multiplier(9, 230, 391, 4),
+    operator(2, 63, 170, 2),
+    operator(3, 109, 193, 2),
+    operator(4, 153, 207, 2),
+    operator(5, 199, 231, 2),
+    operator(8, 218, 362, 4),
+    operator(9, 230, 391, 4),
 ];
 
 /// An adder and a multiplier on one clock.

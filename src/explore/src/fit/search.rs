@@ -171,6 +171,14 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         self.task.cost == CostMeasure::Cells || needs.any(|need| need.tolerance.is_some())
     }
 
+    /// Notes that a program could not be tried.
+    fn leave(&mut self, index: usize, why: &str) {
+        let FitProgram {
+            name, treatment, ..
+        } = &self.programs[index];
+        self.untried.push(format!("{name}, {treatment}, {why}"));
+    }
+
     /// Measures the leading programs in fixed point.
     fn fixed(&mut self, progress: ExplorationProgress<'_>) -> Result<(), FitError> {
         if !self.judges() {
@@ -181,11 +189,7 @@ impl<'t, 'a> FitSearch<'t, 'a> {
             progress(&format!("{}: fixed point", program.name));
             match self.question(program).fixed()? {
                 Ok(found) => self.formats[index].push(found),
-                Err(reason) => {
-                    let (name, treatment) = (&program.name, program.treatment);
-                    let line = format!("{name}, {treatment}, in fixed point: {reason}");
-                    self.untried.push(line);
-                }
+                Err(reason) => self.leave(index, &format!("in fixed point: {reason}")),
             }
         }
         Ok(())
@@ -203,12 +207,8 @@ impl<'t, 'a> FitSearch<'t, 'a> {
             match mixture::mixture(&question, (index, format), None)? {
                 Some((mixed, found)) => self.add(mixed, self.sizes[index].clone(), vec![found]),
                 None => {
-                    let (name, treatment) = (&program.name, program.treatment);
-                    let line = format!(
-                        "{name}, {treatment}, with formats for its values: none around {format} \
-                         holds"
-                    );
-                    self.untried.push(line);
+                    let why = format!("with formats for its values: none around {format} holds");
+                    self.leave(index, &why);
                 }
             }
         }

@@ -18,33 +18,16 @@ const TOPOLOGIES: [SystemTopology; 3] = [
     SystemTopology::Parallel,
 ];
 
-/// A line fitted to points by least squares.
-#[derive(Clone, Copy, PartialEq, Debug)]
-struct LineFit {
-    /// Intercept at zero degrees of freedom.
-    offset: f64,
-    /// Per degree of freedom.
-    slope: f64,
-}
-
-/// The line through points that is best by least squares; `None` for fewer
-/// than two different abscissae.
-fn fit(points: &[[f64; 2]]) -> Option<LineFit> {
+/// Intercept and slope of the line through points that is best by least squares; `None`
+/// for fewer than two different abscissae.
+fn fit(points: &[[f64; 2]]) -> Option<[f64; 2]> {
     let count = points.len() as f64;
     let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / count;
     let (x, y) = (mean(0), mean(1));
     let square: f64 = points.iter().map(|point| (point[0] - x).powi(2)).sum();
-    let mixed: f64 = points
-        .iter()
-        .map(|point| (point[0] - x) * (point[1] - y))
-        .sum();
-    (square > 0.0).then(|| {
-        let slope = mixed / square;
-        LineFit {
-            offset: y - slope * x,
-            slope,
-        }
-    })
+    let mixed = points.iter().map(|point| (point[0] - x) * (point[1] - y));
+    let slope = mixed.sum::<f64>() / square;
+    (square > 0.0).then_some([y - slope * x, slope])
 }
 
 /// Degrees of freedom and number Y of our programs of a topology.
@@ -117,11 +100,11 @@ fn topology_curves(
         )
     };
     let own = numbers(results, topology, pipeline);
-    let Some(fit) = fit(&own) else {
+    let Some([offset, slope]) = fit(&own) else {
         return Vec::new();
     };
-    let line = [0.0, FURTHEST].map(|dof| [dof, (fit.offset + fit.slope * dof).max(0.0)]);
-    let label = format!("{} {}", topology.name(), round(fit.slope, 3));
+    let line = [0.0, FURTHEST].map(|dof| [dof, (offset + slope * dof).max(0.0)]);
+    let label = format!("{} {}", topology.name(), round(slope, 3));
     let mut thesis = curve(
         String::new(),
         index,
@@ -145,8 +128,8 @@ mod tests {
 
     #[test]
     fn a_line_is_found_again() {
-        let fit = fit(&[[0.0, 1.0], [10.0, 3.0], [20.0, 5.0]]).expect("a line");
-        assert!((fit.offset - 1.0).abs() < 1e-12 && (fit.slope - 0.2).abs() < 1e-12);
+        let [offset, slope] = fit(&[[0.0, 1.0], [10.0, 3.0], [20.0, 5.0]]).expect("a line");
+        assert!((offset - 1.0).abs() < 1e-12 && (slope - 0.2).abs() < 1e-12);
         assert_eq!(super::fit(&[[5.0, 1.0], [5.0, 2.0]]), None);
         assert_eq!(super::fit(&[]), None);
     }
@@ -154,9 +137,8 @@ mod tests {
     #[test]
     fn the_slopes_of_the_thesis_are_swapped() {
         let slope = |topology| {
-            fit(&printed_numbers(topology, Printed::Original))
-                .expect("five systems")
-                .slope
+            let [_, slope] = fit(&printed_numbers(topology, Printed::Original)).expect("systems");
+            slope
         };
         let [serial, semi, parallel] = TOPOLOGIES.map(slope);
         assert!((0.19..0.22).contains(&serial), "{serial}");
