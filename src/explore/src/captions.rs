@@ -29,7 +29,8 @@ static CAPTIONS: LazyLock<Captions> =
 /// Words that texts refer to, by name.
 pub(crate) type Words<'a> = [(&'a str, &'a str)];
 
-fn fill(text: &str, words: &Words<'_>) -> String {
+/// A text with words filled in.
+pub(crate) fn fill(text: &str, words: &Words<'_>) -> String {
     let fill =
         |text: String, (name, word): (&str, &str)| text.replace(&format!("{{{name}}}"), word);
     let shared = CAPTIONS.words.iter();

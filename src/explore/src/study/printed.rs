@@ -6,17 +6,32 @@
 
 use super::plan::Printed;
 use serde::Deserialize;
+use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 /// The results the thesis prints.
 #[derive(Clone, PartialEq, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Thesis {
+    /// Table 1.4, by part.
+    pub table_1_4: BTreeMap<String, PrintedPart>,
     /// Table 2.2.
     pub table_2_2: Orders,
+    /// Reasons why rows of unmodified systems differ from ours, by the name of our model
+    /// or by topology.
+    pub why: BTreeMap<String, String>,
     /// Table 3.1, in its order.
     #[serde(rename = "system")]
     pub systems: Vec<PrintedSystem>,
+}
+
+/// A part of Table 1.4: look-up tables, blocks of memory and multiplier blocks of one.
+#[derive(Clone, PartialEq, Default, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PrintedPart {
+    pub(super) figures: [String; 3],
+    #[serde(default)]
+    pub(super) remark: String,
 }
 
 /// Table 2.2: cycles of the bogie.

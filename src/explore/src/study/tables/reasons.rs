@@ -5,11 +5,7 @@ use super::super::plan::{Printed, StudySubject};
 use super::super::printed::{PrintedSystem, SystemTopology, thesis};
 use super::super::program::ProgramFacts;
 use super::super::results::StudiedProgram;
-
-/// Equations and vectors of the two systems for which the thesis gives them
-/// (3.1 and the introduction to chapter 2).
-const BOGIE_EQUATIONS: [u32; 2] = [1812, 18];
-const MIXED_EQUATIONS: [u32; 2] = [18_536, 80];
+use crate::captions;
 
 /// Reason why a row of a program differs from the thesis': facts about its model, the
 /// pipeline, and the printed figures.
@@ -34,44 +30,28 @@ pub(super) fn of(program: &StudiedProgram<'_>) -> String {
 
 /// Of a system as written.
 fn original(system: &PrintedSystem, subject: &StudySubject, facts: &ProgramFacts) -> String {
-    if subject.source != built_in(system) {
+    let model = built_in(system);
+    if subject.source != model {
         return "the equations are of another system than the thesis'".to_owned();
     }
-    let counted = |[equations, vectors]: [u32; 2]| {
-        format!(
-            "it has {} equations in {} vectors where the thesis counts {equations} in {vectors}",
-            facts.equations, facts.vectors
-        )
-    };
-    match system.topology {
-        SystemTopology::Bogie => format!(
-            "the thesis' bogie is not published; ours has the usual bodies and joints of a motor \
-             bogie, and {}",
-            counted(BOGIE_EQUATIONS)
-        ),
-        SystemTopology::Mixed => format!(
-            "the thesis' system is not published; ours is a tree of revolute joints chosen to \
-             come close in operations and chain, and {}",
-            counted(MIXED_EQUATIONS)
-        ),
-        SystemTopology::Serial if system.dof == 23 => "the thesis' chain is not published; ours \
-            (revolute joints about two axes in turn, full inertias) was fitted to this row, and \
-            printed order decides the chain"
-            .to_owned(),
-        SystemTopology::Serial => format!(
-            "the 23-dof chain with more bodies, nothing fitted to this row; operations per dof^2 \
-             are {:.1} here and {:.1} in the thesis, where the serial rows vary from {}",
-            per_square(facts.operations as f64, system.dof),
-            per_square(f64::from(system.original.operations), system.dof),
-            serial_range(),
-        ),
-        SystemTopology::SemiSerial | SystemTopology::Parallel => {
-            "the thesis does not say how its chains \
-            branch; the tree of ours was chosen among such with the serial models' bodies to \
-            come close in operations and chain"
-                .to_owned()
-        }
-    }
+    let text = why(system);
+    let share = |operations: f64| format!("{:.1}", per_square(operations, system.dof));
+    let words = [
+        ("equations", facts.equations.to_string()),
+        ("vectors", facts.vectors.to_string()),
+        ("ours", share(facts.operations as f64)),
+        ("thesis", share(f64::from(system.original.operations))),
+        ("range", serial_range()),
+    ];
+    let words = words.each_ref().map(|(name, word)| (*name, word.as_str()));
+    captions::fill(text, &words)
+}
+
+/// The text of the reason for a system as written.
+fn why(system: &PrintedSystem) -> &'static str {
+    let why = &thesis().why;
+    let own = why.get(&built_in(system));
+    own.unwrap_or_else(|| &why[system.topology.name()])
 }
 
 /// Of a system changed by hand in the thesis and by the compiler here.
@@ -134,4 +114,16 @@ fn serial_range() -> String {
     ends.map_or(String::new(), |(low, high)| {
         format!("{low:.1} to {high:.1}")
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_system_has_a_reason() {
+        for system in &thesis().systems {
+            assert!(why(system).contains("the"), "{}", system.name);
+        }
+    }
 }

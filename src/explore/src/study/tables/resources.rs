@@ -6,7 +6,7 @@
 //! the machine it built. Parts do not match one to one: our instruction word
 //! has the selects of the crossbar and the addresses of the buffer too.
 
-use super::super::printed::SystemTopology;
+use super::super::printed::{PrintedPart, SystemTopology, thesis};
 use super::super::results::Results;
 use crate::captions;
 use robovec_fpga::hardware::{MachinePart, MachineShape, PartKind, ResourceUse, parts};
@@ -15,32 +15,16 @@ use robovec_present::{DataTable, columns};
 /// Machine that the thesis built: adders, multipliers.
 const BUILT: [u32; 2] = [4, 4];
 
-/// Numbers that the thesis prints for one of a part: look-up tables, blocks of
-/// memory, multiplier blocks; and a remark.
-fn printed(part: PartKind, adds: bool) -> ([&'static str; 3], &'static str) {
-    match (part, adds) {
-        (PartKind::Operators, true) => (["565", "0", "2"], "an adder needs no multiplier block"),
-        (PartKind::Operators, false) => (["169", "0", "3"], ""),
-        (PartKind::Instructions, _) => (
-            ["0", "5-7", "0"],
-            "3-4 for the word without selects, though 47 bits x 1024 words fill 5 blocks; 2-3 for \
-             the buffer, the bits of the instructions of an adder repeated",
-        ),
-        (PartKind::Operands, _) => (
-            ["4", "7", "0"],
-            "the thesis gives it 2048 words, whatever the program needs",
-        ),
-        (PartKind::Buffer, _) => (
-            ["0", "1", "0"],
-            "ours is a memory in logic, so that it can be read without a clock",
-        ),
-        (PartKind::Crossbar, _) => (
-            ["2560", "20", "0"],
-            "the blocks are for the selects, which our instruction words hold; 64 bits x 1024 \
-             words fit into 7; the thesis' formula 2N sqrt(2N) should be 2N log2(2N), which is \
-             the same for 8 elements",
-        ),
-        (PartKind::Sequencer | PartKind::Window, _) => (["-", "-", "-"], "the thesis has none"),
+/// Key of a part in the thesis' figures.
+fn key(part: PartKind, adds: bool) -> &'static str {
+    match part {
+        PartKind::Operators if adds => "adders",
+        PartKind::Operators => "multipliers",
+        PartKind::Instructions => "instructions",
+        PartKind::Operands => "operands",
+        PartKind::Buffer => "buffer",
+        PartKind::Crossbar => "crossbar",
+        PartKind::Sequencer | PartKind::Window => "other",
     }
 }
 
@@ -51,7 +35,7 @@ struct PartRow {
     count: Option<u32>,
     memory: Option<String>,
     each: ResourceUse,
-    printed: Option<([&'static str; 3], &'static str)>,
+    printed: Option<PrintedPart>,
 }
 
 pub(super) fn table(results: &Results) -> Option<DataTable> {
@@ -70,14 +54,14 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
         memory: None,
         each: each.map(|part| part.each * f64::from(part.count)).sum(),
         printed: Some(if is_bogie {
-            let remark = "the parts the thesis prints add up to 124 to 140 blocks";
-            (["-", "120", "20"], remark)
+            thesis().table_1_4["all"].clone()
         } else {
-            ([""; 3], "")
+            PrintedPart::default()
         }),
     });
     let amount = |amount: f64| amount.round() as u32;
-    let printed = |column: usize| move |row: &PartRow| Some(row.printed?.0[column]);
+    let printed =
+        |column: usize| move |row: &PartRow| Some(row.printed.as_ref()?.figures[column].clone());
     let columns = columns! { PartRow;
         "part", [Hidden, All], |row| row.name.clone();
         "count", [Hidden, All], |row| row.count;
@@ -89,7 +73,7 @@ pub(super) fn table(results: &Results) -> Option<DataTable> {
         "thesis: look-up tables", [Hidden, All], printed(0);
         "thesis: blocks", [Hidden, All], printed(1);
         "thesis: multiplier blocks", [Hidden, All], printed(2);
-        "remark", [Hidden, All], |row| Some(row.printed?.1);
+        "remark", [Hidden, All], |row| Some(row.printed.as_ref()?.remark.clone());
     };
     let words = [("headline", results.headline())];
     captions::filled("table-1.4", &words, &columns, &rows)
@@ -117,6 +101,6 @@ fn row(part: &MachinePart, shape: &MachineShape, is_bogie: bool) -> PartRow {
             _ => None,
         },
         each: part.each,
-        printed: is_bogie.then(|| printed(part.part, adds)),
+        printed: is_bogie.then(|| thesis().table_1_4[key(part.part, adds)].clone()),
     }
 }
