@@ -79,7 +79,7 @@ impl<'a> SharedWork<'a> {
     /// Keeps a result. One that cannot be kept is only made again.
     pub fn save(&self, key: Option<PointKey>, point: &impl Serialize) {
         if let Some(((store, _), key)) = self.kept.zip(key) {
-            store.save(key, point).unwrap_or_default();
+            drop(store.save(key, point));
         }
     }
 

@@ -290,8 +290,8 @@ impl NeglectSearch<'_> {
         // judged alone is, last.
         let mut harmless: Vec<usize> = (0..tried.len())
             .filter(|&place| {
-                let alone = tried[place].1.alone.as_ref();
-                alone.map_or(true, |&error| error <= self.judge.wish.error)
+                let alone = tried[place].1.alone.iter();
+                alone.copied().all(|error| error <= self.judge.wish.error)
             })
             .collect();
         harmless.sort_by(|&a, &b| harm(&tried[a].1).total_cmp(&harm(&tried[b].1)));

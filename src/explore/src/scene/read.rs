@@ -127,8 +127,7 @@ fn wishes(
             .and_then(|value| string(value, problems))
             .map(str::to_owned)
     };
-    let stem = name.strip_suffix(".toml").unwrap_or(name);
-    let stem = stem.strip_suffix(".scene").unwrap_or(stem);
+    let stem = name.trim_end_matches(".toml").trim_end_matches(".scene");
     let mut scene = Scene {
         name: text("name").unwrap_or_else(|| stem.to_owned()),
         description: text("description").unwrap_or_default(),

@@ -185,7 +185,7 @@ fn kinds_on_path(function: &robovec_ir::Function, machine: &Machine) -> [u32; 2]
     let weights = Weights::cycles(machine);
     let arrivals = arrivals(function, &weights);
     let nodes = function.nodes();
-    let longest = arrivals.iter().copied().max().unwrap_or(0);
+    let longest = arrivals.iter().copied().fold(0, u32::max);
     let mut next = arrivals.iter().position(|&arrival| arrival == longest);
     let mut counts = [0; 2];
     while let Some(index) = next {

@@ -153,7 +153,7 @@ impl<'a> StudiedProgram<'a> {
         let most = |placed: &StudyPlacement<'_>| placed.request.n_add.max(placed.request.n_multi);
         let all: Vec<StudyPlacement<'a>> = self.usual().collect();
         let unequal = all.iter().filter(|placed| !placed.is_equal());
-        let largest = unequal.map(most).max().unwrap_or(0);
+        let largest = unequal.map(most).fold(0, u32::max);
         let within = |placed: &StudyPlacement<'_>| most(placed) <= largest;
         all.into_iter().filter(within).collect()
     }
@@ -164,7 +164,7 @@ impl<'a> StudiedProgram<'a> {
     pub(super) fn best_splits(&self) -> Vec<StudyPlacement<'a>> {
         let mut sorted = self.grid();
         let adders = sorted.iter().map(|placed| placed.request.n_add);
-        let largest = adders.max().unwrap_or(0);
+        let largest = adders.fold(0, u32::max);
         sorted.sort_by_key(|placed| {
             let [add, multi] = placed.counts();
             (add + multi, placed.point.cycles, add.abs_diff(multi), add)

@@ -219,7 +219,7 @@ impl StudyRunner<'_> {
             return Ok(added);
         };
         let shorter = equal.iter().filter(|(count, _)| *count < high);
-        let mut low = shorter.map(|(count, _)| *count).max().unwrap_or(0);
+        let mut low = shorter.map(|(count, _)| *count).fold(0, u32::max);
         while low + 1 < high {
             let middle = low.midpoint(high);
             let request = PlacementRequest {
