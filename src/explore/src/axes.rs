@@ -25,6 +25,10 @@ impl<const N: usize> Axes<N> {
     }
 }
 
+/// Rounds of Newton's method that a step is counted with. In a motion the
+/// joints start where the step before has left them.
+pub(crate) const ROUNDS: u32 = 2;
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -37,7 +41,3 @@ mod tests {
         assert_eq!(Axes([usize::MAX, 2]).count(), u64::MAX);
     }
 }
-
-/// Rounds of Newton's method that a step is counted with. In a motion the
-/// joints start where the step before has left them.
-pub(crate) const ROUNDS: u32 = 2;
