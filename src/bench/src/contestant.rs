@@ -134,9 +134,11 @@ impl Contestant {
             code_bytes: None,
         };
         let made_of = self.content();
-        let made = std::fs::read_to_string(place.join(MADE_OF)).unwrap_or_default();
-        let (known, figures) = made.split_once('\n').unwrap_or_default();
-        if known == made_of && place.join("program").exists() {
+        if let Ok(made) = std::fs::read_to_string(place.join(MADE_OF))
+            && let Some((known, figures)) = made.split_once('\n')
+            && known == made_of
+            && place.join("program").exists()
+        {
             let mut figures = figures.split_whitespace();
             built.seconds = figures.next().and_then(|seconds| seconds.parse().ok());
             built.code_bytes = figures.next().and_then(|bytes| bytes.parse().ok());

@@ -21,7 +21,7 @@ pub(super) fn text(model: &Model) -> String {
             (0.0, [0.0; 3], [0.0; 6])
         };
         let anchor = model.coordinates(joint.point);
-        let parent = joint.parent.map_or(0, |parent| parent + 1);
+        let parent = robovec_model::number(joint.parent);
         let sign = joint.mounting.sign();
         let _ = write!(text, "{parent} {} {sign}", joint.kind.name());
         let numbers = anchor

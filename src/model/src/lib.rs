@@ -365,6 +365,11 @@ pub struct UserModel {
     pub parameters: Vec<(String, String, Vec<f64>)>,
 }
 
+/// The number of the joint or body of an index: one more, and 0 for the base.
+pub fn number(index: Option<usize>) -> usize {
+    index.map_or(0, |index| index + 1)
+}
+
 impl Body {
     /// The matrix of inertia, row by row, as the nine rows of `In`.
     pub fn inertia_matrix(&self) -> [f64; 9] {

@@ -1,6 +1,6 @@
 //! A model as a person reads it: counts, the tree, the loops.
 
-use super::{Anchor, Cut, CutKind, Joint, JointCoupling, Link, Model, Nature};
+use super::{Anchor, Cut, CutKind, Joint, JointCoupling, Link, Model, Nature, number};
 use std::fmt::Write;
 
 /// The summary of a model, several lines of text.
@@ -100,8 +100,7 @@ fn counts(model: &Model) -> String {
 fn tree(model: &Model) -> String {
     let mut children: Vec<Vec<usize>> = vec![Vec::new(); model.bodies.len() + 1];
     for (index, body) in model.bodies.iter().enumerate() {
-        // The base comes first.
-        children[body.parent.map_or(0, |parent| parent + 1)].push(index);
+        children[number(body.parent)].push(index);
     }
     let mut text = String::from("base\n");
     let mut stack: Vec<(usize, String, String)> = Vec::new();

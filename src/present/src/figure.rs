@@ -4,7 +4,7 @@
 //! that what is seen can be looked up.
 
 use super::csv;
-use super::number::trimmed;
+use super::number::{or_nothing, trimmed};
 
 /// A figure.
 #[derive(Clone, PartialEq, Debug)]
@@ -316,7 +316,7 @@ impl Figure {
                         .iter()
                         .flat_map(|row| map.columns.iter().map(move |column| (row, column)));
                     for ((row, column), value) in rows.zip(&map.values) {
-                        let value = value.map_or(String::new(), trimmed);
+                        let value = or_nothing(*value, trimmed);
                         let (row, column) = (row.to_string(), column.to_string());
                         let fields = [&panel.title, &map.quantity, &column, &row, &value];
                         csv::push_line(

@@ -4,6 +4,7 @@ use super::view::{by_class, short};
 use super::{CaseFinding, Findings};
 use robovec_ir::diagnostic::counted;
 use robovec_present::escape::{Escaped, EscapedContent};
+use robovec_present::number::or_nothing;
 use robovec_present::page::{self, PointsPage};
 use robovec_present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
 use std::fmt::Write;
@@ -127,7 +128,7 @@ fn section(text: &mut String, (case, found): &CaseFinding<'_>) {
         EscapedContent(found.metric),
         short(found.short.error),
         short(found.long.error),
-        found.cure().map_or(String::new(), |trial| format!(
+        or_nothing(found.cure(), |trial| format!(
             "; cured by {} at {:.2} times the cost",
             EscapedContent(&trial.label),
             trial.cost

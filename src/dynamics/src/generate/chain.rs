@@ -199,7 +199,7 @@ impl Chain {
 
     /// From the origin of the reference to the end of the chain.
     pub(super) fn position(&self, equations: &mut Equations) -> Vector {
-        let joint = self.steps.first().map_or(0, |step| step.joint + 1);
+        let joint = robovec_model::number(self.steps.first().map(|step| step.joint));
         let position = self.position_terms(equations);
         self.define(equations, "PO", joint, 0, position)
     }

@@ -87,7 +87,7 @@ impl<'m> ModelFrames<'m> {
         if all.clone().all(plain) {
             return JointNumbers::default();
         }
-        let number = |frame| self.joint(frame).map_or(0, |joint| joint as u32 + 1);
+        let number = |frame| robovec_model::number(self.joint(frame)) as u32;
         JointNumbers {
             numbers: all.clone().map(number).collect(),
             reversed: all.map(|frame| self.is_reversed(frame)).collect(),

@@ -6,7 +6,7 @@ use robovec_ir::View;
 use robovec_ir::diagnostic::counted;
 use robovec_ir::print::print_output;
 use robovec_present::csv::push_line;
-use robovec_present::number::{or_dash, scientific};
+use robovec_present::number::{or_dash, or_nothing, scientific};
 use robovec_present::text_lines;
 use serde::Serialize;
 use std::fmt::Write;
@@ -127,7 +127,7 @@ fn fields(line: &OutputLine) -> Vec<String> {
             format!("{number:e}")
         }
     };
-    let optional = |value: Option<f64>| value.map_or_else(String::new, number);
+    let optional = |value: Option<f64>| or_nothing(value, number);
     let mut fields = vec![
         line.function.clone(),
         line.format.clone(),

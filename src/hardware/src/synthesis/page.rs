@@ -9,20 +9,16 @@ use std::fmt::Write;
 
 /// Numbers that Table 1.4 of the thesis prints for all of a part of its 4
 /// adders and 4 multipliers: look-up tables, registers, blocks of memory,
-/// multiplier blocks; none where it prints nothing.
-fn printed(part: PartKind, kind: Option<&str>) -> [Option<&'static str>; 4] {
+/// multiplier blocks; empty where it prints nothing.
+fn printed(part: PartKind, kind: Option<&str>) -> [&'static str; 4] {
     match (part, kind) {
-        (PartKind::Operators, Some("add")) => {
-            [Some("4x565"), Some("4x600"), Some("0"), Some("4x2")]
-        }
-        (PartKind::Operators, Some("multi")) => {
-            [Some("4x169"), Some("4x170"), Some("0"), Some("4x3")]
-        }
-        (PartKind::Instructions, Some(_)) => [Some("0"), None, Some("4x3-4"), Some("0")],
-        (PartKind::Operands, Some(_)) => [Some("4x4"), None, Some("4x7"), Some("0")],
-        (PartKind::Buffer, Some(_)) => [Some("0"), None, Some("4x1"), Some("0")],
-        (PartKind::Crossbar, None) => [Some("2560"), None, Some("20"), Some("0")],
-        _ => [None; 4],
+        (PartKind::Operators, Some("add")) => ["4x565", "4x600", "0", "4x2"],
+        (PartKind::Operators, Some("multi")) => ["4x169", "4x170", "0", "4x3"],
+        (PartKind::Instructions, Some(_)) => ["0", "", "4x3-4", "0"],
+        (PartKind::Operands, Some(_)) => ["4x4", "", "4x7", "0"],
+        (PartKind::Buffer, Some(_)) => ["0", "", "4x1", "0"],
+        (PartKind::Crossbar, None) => ["2560", "", "20", "0"],
+        _ => [""; 4],
     }
 }
 
@@ -68,7 +64,7 @@ fn resources(machine: &MappedMachine) -> String {
         let estimated = part.each * f64::from(part.count);
         let thesis = printed(part.part, part.kind.as_deref());
         row.extend(pairs(counted, &estimated));
-        row.extend(thesis.map(|figure| figure.unwrap_or("").to_owned()));
+        row.extend(thesis.map(str::to_owned));
         rows.push(row);
     }
     let mut all = vec!["all".to_owned(), String::new(), String::new()];
