@@ -84,8 +84,9 @@ impl BuildStep {
         let call = ProgramCall::new("sh").called(&self.command).folder(place);
         let run = call.arguments(arguments).run();
         let text = told("sh", &run.map_err(|error| error.to_string())?)?;
-        let last = text.lines().next_back().unwrap_or_default();
-        Ok(last.split_whitespace().filter_map(seconds).sum())
+        let last = text.lines().next_back().into_iter();
+        let words = last.flat_map(str::split_whitespace);
+        Ok(words.filter_map(seconds).sum())
     }
 }
 

@@ -28,6 +28,7 @@ use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, View};
 use robovec_passes::registry::REGISTRY;
 use robovec_present::json::json_script;
+use robovec_present::number::or_nothing;
 use robovec_present::page::{STYLE, fill};
 use statements::SourceTable;
 use std::collections::BTreeMap;
@@ -151,10 +152,7 @@ impl ViewData {
         }
         ViewData {
             robovec: report_version(),
-            title: run
-                .files
-                .first()
-                .map_or_else(String::new, |(name, _)| name.clone()),
+            title: or_nothing(run.files.first(), |(name, _)| name.clone()),
             pipeline: run.pipeline.to_owned(),
             files,
             joints,

@@ -197,6 +197,8 @@ pub fn eliminate(mut matrix: DenseMatrix, weights: &[f64], threshold: f64) -> Ve
     let mut row_free = vec![true; rows];
     let mut column_free = vec![true; columns];
     let mut pivots: Vec<Pivot> = Vec::new();
+    // The size of the first pivot.
+    let mut first: Option<f64> = None;
     loop {
         let mut best: Option<(f64, Pivot)> = None;
         for row in (0..rows).filter(|&row| row_free[row]) {
@@ -209,8 +211,7 @@ pub fn eliminate(mut matrix: DenseMatrix, weights: &[f64], threshold: f64) -> Ve
             }
         }
         let Some((_, pivot)) = best else { break };
-        let first = pivots.first().map_or(pivot.size, |first| first.size);
-        if pivot.size <= threshold * first {
+        if pivot.size <= threshold * *first.get_or_insert(pivot.size) {
             break;
         }
         row_free[pivot.row] = false;

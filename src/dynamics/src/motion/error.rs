@@ -2,6 +2,7 @@
 
 use crate::generate::GenerateError;
 use crate::kinematics::StateError;
+use robovec_present::number::or_nothing;
 use thiserror::Error;
 
 /// Reason why a simulation cannot start or go on.
@@ -60,7 +61,7 @@ pub enum MotionError {
     /// There is no state of rest, or none was found.
     #[error(
         "no equilibrium was found near the initial state{}",
-        free.as_ref().map_or_else(String::new, |joint| format!(
+        or_nothing(free.as_ref(), |joint| format!(
             ": nothing holds the joint '{joint}', and a force moves it"
         ))
     )]

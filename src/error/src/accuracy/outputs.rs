@@ -147,7 +147,7 @@ fn fields(line: &OutputLine) -> Vec<String> {
         number(line.sensitivity),
         optional(line.condition),
         optional(line.backward),
-        line.judgement.unwrap_or_default().to_owned(),
+        or_nothing(line.judgement, str::to_owned),
         line.vanishing.to_string(),
         line.subnormal.to_string(),
         line.overflowed.to_string(),

@@ -4,6 +4,7 @@ use super::Yosys;
 use super::machine::MappedMachine;
 use super::timing::{FAST_NET, Path, SLOW_NET};
 use robovec_fpga::hardware::{PartKind, ResourceUse};
+use robovec_present::number::or_nothing;
 use robovec_present::text_table;
 use std::fmt::Write;
 
@@ -57,7 +58,7 @@ fn resources(machine: &MappedMachine) -> String {
     );
     for (part, counted) in machine.estimated.iter().zip(&machine.counted) {
         let mut row = vec![
-            part.kind.clone().unwrap_or_default(),
+            or_nothing(part.kind.as_deref(), str::to_owned),
             part.part.name().to_owned(),
             part.count.to_string(),
         ];

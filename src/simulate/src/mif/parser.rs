@@ -234,14 +234,11 @@ impl<'t> Parser<'t> {
 
     fn fail<T>(&self, at: usize, problem: MifProblem) -> Parsed<T> {
         let before = &self.text[..at.min(self.text.len())];
-        let line_start = before
-            .iter()
-            .rposition(|&byte| byte == b'\n')
-            .map_or(0, |newline| newline + 1);
-        let lines = before.iter().filter(|&&byte| byte == b'\n').count();
+        let lines = before.split(|&byte| byte == b'\n');
+        let (line, text) = (1u32..).zip(lines).last().expect("a text has a line");
         Err(MifError {
-            line: lines as u32 + 1,
-            column: (before.len() - line_start) as u32 + 1,
+            line,
+            column: text.len() as u32 + 1,
             problem,
         })
     }
