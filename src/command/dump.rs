@@ -52,7 +52,11 @@ impl DumpFolder {
 impl Dump for DumpFolder {
     fn dump(&mut self, state: DumpState<'_>) -> io::Result<()> {
         let number = self.entries.len();
-        let pass = state.pass.split('{').next().unwrap_or(state.pass);
+        let pass = state
+            .pass
+            .split('{')
+            .next()
+            .expect("a split has a first part");
         let file = match (state.text, self.entries.last()) {
             (None, Some(before)) => before.file.clone(),
             (text, _) => {

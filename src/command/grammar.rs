@@ -8,6 +8,7 @@
 
 use super::former::{FORMER, FormerCommand};
 use clap::{Arg, Command};
+use robovec_present::number::or_nothing;
 use std::fmt::Write;
 
 /// A word of the command line.
@@ -338,7 +339,7 @@ pub fn manual() -> String {
         meaning,
     } in WORDS
     {
-        let value = value.map_or_else(String::new, |value| format!(" {value}"));
+        let value = or_nothing(value, |value| format!(" {value}"));
         // Writing to a string cannot fail.
         let _ = writeln!(text, "| `--{long}{value}` | {meaning} |");
     }

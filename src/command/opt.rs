@@ -375,9 +375,12 @@ fn transform(
             machine,
             rules: Some(rules),
             verify_each: arguments.verify_each,
-            check_each: arguments
-                .check_each
-                .or_else(|| arguments.auto_reduce.as_ref().map(|_| reproducer::POINTS)),
+            check_each: arguments.check_each.or_else(|| {
+                arguments
+                    .auto_reduce
+                    .as_ref()
+                    .map(|_| reproducer::points(arguments))
+            }),
             rounding: arguments.report.is_some().then_some(0),
             states: input::states(scene, arguments.seed),
             scene,

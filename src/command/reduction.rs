@@ -35,7 +35,7 @@ pub(super) fn follow_up(
         machine,
         rules,
         scene,
-        points: arguments.check_each.unwrap_or(reproducer::POINTS),
+        points: reproducer::points(arguments),
         seed: arguments.seed,
     };
     // Panics are counted, not told: a reduction may see thousands.

@@ -16,8 +16,10 @@ use std::path::Path;
 /// Beginning of the line with the command.
 const COMMAND: &str = "// reproduce: robovec-opt FILE";
 
-/// Random points of the check when nobody says how many.
-pub(super) const POINTS: u32 = 4;
+/// Random points of the check.
+pub(super) fn points(arguments: &OptimiserArguments) -> u32 {
+    arguments.check_each.unwrap_or(4)
+}
 
 /// The text of a reproducer; `about` becomes comments.
 pub(super) fn text(
@@ -32,7 +34,7 @@ pub(super) fn text(
         Some(_) | None => String::new(),
     };
     let mut text = format!("// RUN: {pipeline}{shipped}\n{COMMAND}");
-    let points = arguments.check_each.unwrap_or(POINTS);
+    let points = points(arguments);
     let mut words = vec![
         format!("--passes={pipeline}"),
         format!("--check-each={points}"),

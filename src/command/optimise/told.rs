@@ -15,6 +15,7 @@ use robovec_ir::diagnostic::counted;
 use robovec_ir::{Machine, Module, print};
 use robovec_passes::registry::REGISTRY;
 use robovec_present::json::json_text;
+use robovec_present::number::or_nothing;
 use robovec_robotran::drop_in::{DropInOptions, drop_in};
 use std::fmt::Write;
 use std::io;
@@ -69,7 +70,11 @@ pub(super) fn tell(
     let _ = writeln!(text, "\nwritten to {}:", folder.display());
     let mut names: Vec<&str> = files
         .iter()
-        .map(|(name, _)| name.split_inclusive('/').next().unwrap_or(name))
+        .map(|(name, _)| {
+            name.split_inclusive('/')
+                .next()
+                .expect("names are not empty")
+        })
         .collect();
     names.dedup();
     for name in names {
@@ -187,7 +192,7 @@ fn commands(arguments: &OptimiseArguments, given: &GivenStarts, found: &Optimise
     text += &match arguments.target {
         OptimisationTarget::Fpga => {
             let machine = arguments.machine.as_deref();
-            let machine = machine.map_or_else(String::new, |name| format!(" --machine {name}"));
+            let machine = or_nothing(machine, |name| format!(" --machine {name}"));
             format!("robovec-opt {PROGRAM}{machine} '-passes=codegen{{target=rtl}}' -o rtl\n")
         }
         OptimisationTarget::Cpu => format!("robovec gen {PROGRAM} --language c --bounded -o .\n"),

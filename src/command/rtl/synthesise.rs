@@ -15,6 +15,7 @@ use robovec_hardware::synthesis::{SynthesisError, Yosys, machine, page, place};
 use robovec_io::process::ToolError;
 use robovec_ir::machine::DeviceFamily;
 use robovec_ir::{Format, Machine};
+use robovec_present::number::or_nothing;
 use robovec_present::number::{exponential, percent};
 use robovec_present::text_table;
 use std::fmt::Write;
@@ -205,8 +206,8 @@ fn operators(mapped: &[Mapped], number: Format) -> Result<String, CommandFailure
             megahertz(one.slow.enclosed),
             megahertz(middle),
             megahertz(one.quick.enclosed),
-            printed.map_or(String::new(), |operator| operator.mhz.to_string()),
-            printed.map_or(String::new(), |operator| operator.luts.to_string()),
+            or_nothing(printed, |operator| operator.mhz.to_string()),
+            or_nothing(printed, |operator| operator.luts.to_string()),
         ]);
         states = error.states;
     }

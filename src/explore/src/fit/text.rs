@@ -11,6 +11,7 @@ use robovec_framework::scene::{Measure, OutputTolerance};
 use robovec_ir::diagnostic::counted;
 use robovec_num::trigonometry::host::TrigonometricUnit;
 use robovec_present::number::exponential;
+use robovec_present::number::or_nothing;
 use robovec_present::{
     AxisScale, ColumnList, Curve, DataTable, Digits, Figure, Mark, Panel, PlotAxis, columns,
 };
@@ -49,7 +50,7 @@ pub fn text(
             text += &over_time(outcome, motion);
         }
     }
-    text += &confirmation.map_or_else(String::new, run);
+    text += &or_nothing(confirmation, run);
     text += &units(outcome);
     text += &excluded(outcome);
     let front = outcome.front();
@@ -159,7 +160,11 @@ fn excluded(outcome: &FitOutcome) -> String {
             continue;
         }
         // Formats differ from program to program, and their names with them.
-        let reason = candidate.remark.split(':').next().unwrap_or_default();
+        let reason = candidate
+            .remark
+            .split(':')
+            .next()
+            .expect("a split has a first part");
         let known = best.entry(reason).or_insert(index);
         if candidate.cells < outcome.candidates[*known].cells {
             *known = index;

@@ -11,6 +11,7 @@ use super::verdict::verdicts;
 use robovec_ir::diagnostic::counted;
 use robovec_present::escape::Escaped;
 use robovec_present::json::json_script;
+use robovec_present::number::or_nothing;
 use robovec_present::number::round;
 use robovec_present::{DataTable, Figure, page};
 use serde_json::{Value, json};
@@ -146,7 +147,7 @@ fn method(results: &Results) -> String {
     }
     for model in &plan.models {
         let row = model.printed.as_ref();
-        let stands = row.map_or(String::new(), |row| format!(", for the thesis' {row}"));
+        let stands = or_nothing(row, |row| format!(", for the thesis' {row}"));
         let label = super::variants::label(model);
         let about = format!(": {}, equations {label}{stands}", model.source);
         item("Model", &model.name, &Escaped(&about).to_string());

@@ -6,6 +6,7 @@ use super::super::printed::{PrintedSystem, SystemTopology, thesis};
 use super::super::program::ProgramFacts;
 use super::super::results::StudiedProgram;
 use crate::captions;
+use robovec_present::number::or_nothing;
 
 /// Reason why a row of a program differs from the thesis': facts about its model, the
 /// pipeline, and the printed figures.
@@ -111,9 +112,7 @@ fn serial_range() -> String {
         .collect();
     shares.sort_by(f64::total_cmp);
     let ends = shares.first().zip(shares.last());
-    ends.map_or(String::new(), |(low, high)| {
-        format!("{low:.1} to {high:.1}")
-    })
+    or_nothing(ends, |(low, high)| format!("{low:.1} to {high:.1}"))
 }
 
 #[cfg(test)]
