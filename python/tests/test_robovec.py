@@ -66,7 +66,7 @@ class Reading(unittest.TestCase):
 
     def test_every_function_is_loaded_by_its_name(self):
         kinds = subprocess.run([PROGRAM, "gen", "--help"], capture_output=True, text=True).stdout
-        kinds = re.search(r"possible values: all, ([\w, ]+)\]", kinds).group(1).split(", ")
+        kinds = re.search(r"of a model: all, ([\w, ]+)\]", kinds).group(1).split(", ")
         self.assertIn("gensensor", kinds)
         for model in [ARM, BOGIE]:
             for kind in kinds:

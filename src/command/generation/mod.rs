@@ -35,9 +35,7 @@ pub(super) struct GenArguments {
     /// Models (.mbs, .urdf) or files of equations
     #[arg(required = true, value_name = "SUBJECT")]
     subjects: Vec<PathBuf>,
-    /// Functions, separated by commas: of a file by default all, of a model dirdyna; 'all' for
-    /// every one but those of the whole step
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', help = function_help())]
     function: Vec<String>,
     /// Write C that does the whole step of MBsysC: driven joints, closing of loops, forces,
     /// accelerations (--function accelred, the default here), or forces of actuators
@@ -145,6 +143,15 @@ impl GenArguments {
     }
 }
 
+/// Help of `--function`, with the names that models give.
+fn function_help() -> String {
+    let names = FunctionKind::ALL.map(FunctionKind::name).join(", ");
+    format!(
+        "Functions, separated by commas: of a file by default all, of a model dirdyna; 'all' is \
+         every one but those of the whole step [of a model: all, {names}]"
+    )
+}
+
 /// The functions asked for, each once, in the order of Robotran's numbers.
 fn kinds(names: &[String]) -> Result<Vec<FunctionKind>, CommandFailure> {
     let known = |name: &&String| *name == "all" || FunctionKind::from_name(name).is_some();
@@ -236,7 +243,6 @@ fn add(
         .map_err(|error| CommandFailure::plain(format!("{}: {error}", function.name())))
 }
 
-/// Runs the command.
 pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
     if arguments.whole_step {
         return whole_step::run(arguments);
