@@ -18,7 +18,6 @@ enum Operand {
     Value(usize),
 }
 
-/// One equation.
 #[derive(Clone, Copy)]
 struct Equation {
     sign: char,
@@ -26,7 +25,6 @@ struct Equation {
     right: Operand,
 }
 
-/// The program.
 pub(crate) struct Program {
     equations: Vec<Equation>,
 }

@@ -27,7 +27,6 @@ pub struct Symbols {
     strings: Vec<StoredText>,
     /// The strings that do not fit into eight bytes, one behind the other.
     long: String,
-    /// End of each of them.
     long_ends: Vec<u32>,
     /// For each string whether names can be derived from it
     /// ([`Symbols::is_base`]).

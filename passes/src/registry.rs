@@ -47,7 +47,6 @@ const PASSES: &[PassInfo] = &[
     codegen::Codegen::INFO,
 ];
 
-/// All presets.
 const PRESETS: &[Preset] = &[
     Preset {
         name: "shorten",

@@ -73,7 +73,6 @@ pub(super) struct BenchArguments {
     output: Option<PathBuf>,
 }
 
-/// Runs the command.
 pub(super) fn run(arguments: &BenchArguments) -> Result<String, CommandFailure> {
     let temporary = TemporaryFolder::new()
         .map_err(|error| CommandFailure::plain(format!("no temporary folder: {error}")))?;

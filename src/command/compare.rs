@@ -78,7 +78,6 @@ impl CheckArguments {
     }
 }
 
-/// Runs the command.
 pub(super) fn run(arguments: &CheckArguments) -> Result<String, CommandFailure> {
     let (mut before, mut after) = (
         input::equations(&arguments.before, None)?,

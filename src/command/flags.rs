@@ -25,7 +25,6 @@ pub(crate) const fn real(least: f64, most: f64, reason: &'static str) -> FlagLim
     FlagLimit(NumberLimit::real(least, most, reason))
 }
 
-/// The limit of seeds.
 pub(crate) const SEED: FlagLimit = FlagLimit(NumberLimit::SEED);
 
 /// The limit of the effort of a search.

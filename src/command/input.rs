@@ -133,7 +133,6 @@ fn told(read: ReadEquations) -> ReadEquations {
     read
 }
 
-/// Reads a model.
 pub(crate) fn model(path: &Path) -> Result<ReadModel, CommandFailure> {
     model_for(path, None)
 }

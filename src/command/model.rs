@@ -40,7 +40,6 @@ pub(super) struct ModelArguments {
     equations: Vec<PathBuf>,
 }
 
-/// Runs the command.
 pub(super) fn run(arguments: &ModelArguments) -> Result<String, CommandFailure> {
     let name = arguments.subject.to_string_lossy();
     if let Some(family) = ModelFamily::from_name(&name) {

@@ -31,7 +31,6 @@ const EVALUATIONS: usize = 400_000;
 /// States are evaluated so many at a time.
 const LANES: usize = 4;
 
-/// Most states.
 const MOST_STATES: usize = 64;
 
 /// Contents of the summary.

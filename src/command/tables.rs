@@ -77,7 +77,6 @@ pub(crate) fn times(
     format!("{table}\nCPU time in all: {:.2} ms\n", total * 1e3)
 }
 
-/// Statistics of every pass.
 pub(crate) fn statistics(records: &[PassRecord], format: TableFormat) -> String {
     if format == TableFormat::Json {
         let rows: Vec<Value> = records

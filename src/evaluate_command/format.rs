@@ -100,7 +100,6 @@ impl ResultWriter {
     }
 }
 
-/// A text in JSON.
 fn json(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }

@@ -138,7 +138,6 @@ fn product((a, a_radius): (f64, f64), (b, b_radius): (f64, f64)) -> f64 {
     a * b_radius + b * a_radius + 2.0 * a_radius * b_radius
 }
 
-/// The radius of a quotient.
 #[inline]
 fn quotient(value: f64, a_radius: f64, (b, b_radius): (f64, f64)) -> f64 {
     let nearest = b.abs() - b_radius;
@@ -151,7 +150,6 @@ fn quotient(value: f64, a_radius: f64, (b, b_radius): (f64, f64)) -> f64 {
     }
 }
 
-/// The radius of a root.
 #[inline]
 fn root(value: f64, a: f64, radius: f64) -> f64 {
     if radius == 0.0 {

@@ -31,7 +31,6 @@ struct Excerpt {
     lines: Vec<ExcerptLine>,
 }
 
-/// A line of an excerpt.
 struct ExcerptLine {
     /// Number in the whole text, from 0.
     index: usize,

@@ -30,7 +30,6 @@ pub(super) struct Arguments {
 }
 
 impl Arguments {
-    /// The first argument.
     pub(super) fn first(operand: Operand) -> Arguments {
         Arguments {
             operands: Operand::list([operand]),

@@ -11,14 +11,12 @@ use crate::history::{History, HistoryStep};
 use crate::placement::{Address, Bank, Element, ElementKind, Placement, Schedule, Word};
 use robovec_num::limits::{Amount, NumberLimit};
 
-/// The number of elements of all inputs.
 pub(super) const INPUT_ELEMENTS: NumberLimit = NumberLimit::whole(
     0,
     MAX_INPUT_ELEMENTS,
     "every evaluation, check and placement keeps hundreds of bytes for each",
 );
 
-/// The number of elements of all outputs.
 pub(super) const OUTPUT_ELEMENTS: NumberLimit = NumberLimit::whole(
     0,
     MAX_OUTPUT_ELEMENTS,

@@ -43,7 +43,6 @@ pub(super) struct Indices {
 }
 
 impl Indices {
-    /// One more.
     pub(super) fn and(mut self, value: u32) -> Indices {
         if let Some(place) = self.values.get_mut(self.count as usize) {
             *place = value;

@@ -244,7 +244,6 @@ impl ModuleBuilder<'_> {
     }
 }
 
-/// The letters of a word as a set.
 fn letter_set(word: &str) -> u64 {
     word.bytes().fold(0, |set, byte| set | 1 << (byte & 63))
 }

@@ -21,7 +21,6 @@ pub(super) struct Sizes {
     pub(super) memories: u32,
     /// Words and read ports of the buffer, if there is one.
     pub(super) buffer: Option<(u32, u32)>,
-    /// Elements.
     pub(super) elements: u32,
 }
 

@@ -201,7 +201,6 @@ impl<'a> Traffic<'a> {
         format!("{kind}{number}")
     }
 
-    /// The name of a memory.
     pub(super) fn memory_name(&self, element: Element, bank: Bank) -> String {
         let side = match bank {
             Bank::Unified => "",

@@ -83,7 +83,6 @@ pub(crate) struct RuleBuilder<'text> {
 }
 
 impl<'text> RuleBuilder<'text> {
-    /// A builder of the rules of a group.
     pub(super) fn new(group: String) -> RuleBuilder<'text> {
         RuleBuilder {
             group,
@@ -94,7 +93,6 @@ impl<'text> RuleBuilder<'text> {
         }
     }
 
-    /// Begins a rule.
     pub(super) fn begin(&mut self) {
         self.draft = RuleDraft::default();
     }

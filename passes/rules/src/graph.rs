@@ -114,13 +114,10 @@ pub(super) fn rewrites(rule: &Rule) -> Vec<Rewrite<GraphTerm, ()>> {
 /// The limits on growing a graph.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GraphBudget {
-    /// Nodes.
     pub(super) nodes: usize,
-    /// Iterations.
     pub(super) iterations: usize,
 }
 
-/// A graph after growing.
 pub(super) struct Grown {
     pub(super) graph: EGraph<GraphTerm, ()>,
     /// The class of each term it was grown from.

@@ -84,7 +84,6 @@ impl RuleToken<'_> {
     }
 }
 
-/// A token with its place.
 pub(super) type Placed<'text> = (RuleToken<'text>, Range<usize>);
 
 /// The tokens of a text, names with hyphens in one piece.

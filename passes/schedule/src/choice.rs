@@ -51,7 +51,6 @@ const LATE_WINDOW: u32 = 24;
 /// An operand at the moment its reader is to be issued.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct OperandSource {
-    /// The datum.
     pub(super) datum: Datum,
     /// Time and place at which it appears; `None` for initial data.
     pub(super) result: Option<WriteBack>,
@@ -200,7 +199,6 @@ impl Others {
 /// The plan of one operation: element, memories, routes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct IssuePlan {
-    /// The element.
     pub(super) element: Element,
     /// The operands change sides.
     pub(super) swapped: bool,
@@ -295,7 +293,6 @@ pub(super) enum IssueDecision {
 /// The memory in which a datum is wanted, and when.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wanted {
-    /// The memory.
     pub(super) memory: Memory,
     /// The entry of the datum there, if it has one.
     pub(super) held: Option<Entry>,

@@ -27,7 +27,6 @@ pub(super) struct Travel {
 /// A datum in a memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StoredDatum {
-    /// The memory.
     pub(super) memory: Memory,
     written: Option<StoredCycle>,
     last_read: Option<StoredCycle>,
@@ -63,7 +62,6 @@ impl StoredDatum {
         })
     }
 
-    /// Sets the last read.
     pub(super) fn set_last_read(&mut self, cycle: Option<u32>) {
         self.last_read = cycle.map(StoredCycle::new);
     }
@@ -97,14 +95,12 @@ pub(super) struct DatumState {
     pub(super) result: Option<WriteBack>,
     /// Reads still to come; an output has one that never comes.
     pub(super) readers_left: u32,
-    /// Its first entry.
     first: Option<Entry>,
 }
 
 /// All data, and their entries as one list per datum in a common vector.
 #[derive(Clone, Debug)]
 pub(super) struct Locations {
-    /// The data.
     pub(super) data: Vec<DatumState>,
     /// The entries, in the order in which they were reserved.
     pub(super) entries: Vec<StoredDatum>,
@@ -189,7 +185,6 @@ impl Locations {
         *first = stored.next;
     }
 
-    /// Forgets one entry of a datum.
     pub(super) fn forget(&mut self, datum: Datum, entry: Entry) {
         let next = self.entries[entry.index()].next;
         let first = &mut self.data[datum.index()].first;

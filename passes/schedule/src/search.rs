@@ -31,7 +31,6 @@ const SWEEP_COST: usize = 4;
 
 /// Tries orders and keeps the best placement.
 pub(super) struct PlacementSearch<'a> {
-    /// The placement task.
     pub(super) task: Task<'a>,
     /// The best placement so far.
     pub(super) best: Option<PlacementCandidate>,

@@ -48,11 +48,8 @@ pub(super) enum IssueOutcome {
 /// The placement task: function, machine and manner.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Task<'a> {
-    /// The function.
     pub(super) function: &'a Function,
-    /// Its dependences.
     pub(super) graph: &'a DependenceGraph,
-    /// The machine.
     pub(super) machine: &'a Machine,
     /// The rule for which element an operation goes to.
     pub(super) choice: ElementChoice,
@@ -84,7 +81,6 @@ pub(super) struct Waiting {
     pub(super) failures: u8,
 }
 
-/// The state of a sweep.
 pub(super) struct Sweep<'a> {
     pub(super) function: &'a Function,
     pub(super) graph: &'a DependenceGraph,

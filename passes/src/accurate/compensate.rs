@@ -32,7 +32,6 @@ const ATTEMPTS: usize = 10;
 pub(super) struct CompensationBudget {
     /// The longest path, in cycles.
     pub(super) limit: u32,
-    /// Operations.
     pub(super) operations: usize,
     /// The format, whose significand is split where nothing is fused.
     pub(super) format: Format,

@@ -56,7 +56,6 @@ impl ReferenceOutputs {
         }
     }
 
-    /// The errors of a function in a format.
     pub(crate) fn errors(&self, function: &Function, format: Format) -> Errors {
         match format {
             Format::BINARY32 => self.errors_of(|state| {

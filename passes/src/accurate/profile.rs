@@ -246,7 +246,6 @@ fn finite(number: f64) -> f64 {
     if number.is_finite() { number } else { 0.0 }
 }
 
-/// Adds lane by lane.
 pub(crate) fn add(sum: &mut StateLanes, term: &StateLanes) {
     for (sum, term) in sum.iter_mut().zip(term) {
         *sum += term;

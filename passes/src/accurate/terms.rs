@@ -54,7 +54,6 @@ pub(super) struct TermFactor {
     pub(super) arrival: u32,
 }
 
-/// A term of a sum.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SumTerm {
     pub(super) source: StepSource,

@@ -54,7 +54,6 @@ impl Difference {
         }
     }
 
-    /// The difference when it is a number.
     pub(super) fn number(&self) -> Option<f64> {
         self.terms.is_empty().then_some(self.number)
     }

@@ -70,7 +70,6 @@ pub(super) fn is_positive(function: &Function, operand: Operand) -> bool {
     enclosure.exact.last().is_some_and(|range| range.low > 0.0)
 }
 
-/// The slot of an operand on a tape.
 fn slot(tape: &Tape, operand: Operand) -> Option<usize> {
     match operand.kind() {
         OperandKind::Value(value) => Some(value.index()),

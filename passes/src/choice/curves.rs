@@ -51,13 +51,11 @@ impl Curves {
         }
     }
 
-    /// The curve of a class.
     pub(super) fn of(&self, class: usize) -> &[CurvePoint] {
         let start = class * POINTS;
         &self.points[start..start + usize::from(self.counts[class])]
     }
 
-    /// A point of a curve.
     #[inline]
     pub(super) fn point(&self, class: usize, point: usize) -> CurvePoint {
         self.points[class * POINTS + point]

@@ -92,7 +92,6 @@ impl FormsByClass<'_> {
         is_above
     }
 
-    /// The network.
     pub(super) fn network(&self) -> &ChoiceNetwork {
         self.network
     }
@@ -102,7 +101,6 @@ impl FormsByClass<'_> {
         self.timing
     }
 
-    /// The class of a form.
     pub(super) fn class_of(&self, form: u32) -> usize {
         self.network.class_of(form).index()
     }

@@ -158,7 +158,6 @@ impl ChoiceWriter<'_> {
         }
     }
 
-    /// A signed term; products are written.
     fn term(&mut self, term: ProductTerm, naming: &mut ValueNaming) -> SignedOperand {
         let a = self.held(term.a).flip(term.negative());
         if !term.is_product() {

@@ -246,7 +246,6 @@ impl FormStore {
         sorted
     }
 
-    /// Drops the forms of the classes before one.
     fn drop_below(&mut self, end: Class) {
         let (mut forms, mut terms) = (0, 0);
         for form in 0..self.records.len() {
@@ -267,7 +266,6 @@ impl FormStore {
         self.terms.shrink_to_fit();
     }
 
-    /// The class of a form.
     pub(crate) fn class(&self, form: u32) -> Class {
         self.records[form as usize].class()
     }
@@ -277,7 +275,6 @@ impl FormStore {
         self.records[form as usize].negated()
     }
 
-    /// A form.
     #[inline(always)]
     pub(crate) fn form(&self, form: u32) -> ChoiceForm<'_> {
         let terms = &self.terms[self.range(form)];

@@ -157,12 +157,10 @@ impl ChoiceNetwork {
         self.classes[class.index()].first != NONE
     }
 
-    /// The value of a class.
     pub(crate) fn value(&self, class: Class) -> Fingerprint {
         self.values.value(class.index())
     }
 
-    /// The value of a sum of terms.
     pub(crate) fn sum_value(&self, terms: &[ProductTerm]) -> Fingerprint {
         let images = &self.values.images;
         images.sum(terms.iter().map(|term| {
@@ -176,13 +174,11 @@ impl ChoiceNetwork {
         }))
     }
 
-    /// The value of a product of classes.
     pub(crate) fn product_value(&self, factors: &[Class]) -> Fingerprint {
         let factors = factors.iter().map(|&factor| self.value(factor));
         self.values.images.product(factors)
     }
 
-    /// The rank of a class.
     pub(crate) fn rank(&self, class: Class) -> u64 {
         self.ranks[class.index()]
     }
@@ -205,7 +201,6 @@ impl ChoiceNetwork {
         (first != NONE).then_some(first)
     }
 
-    /// A form.
     #[inline(always)]
     pub(crate) fn form(&self, form: u32) -> ChoiceForm<'_> {
         self.forms.form(form)
@@ -265,7 +260,6 @@ impl ChoiceNetwork {
         is_above
     }
 
-    /// The class of an input.
     pub(crate) fn input(&mut self, input: Input, value: Fingerprint) -> SignedClass {
         let signed = self.class(value, 0);
         if !self.is_defined(signed.class) {

@@ -27,7 +27,6 @@ pub(crate) struct RecentSums {
 }
 
 impl RecentSums {
-    /// The place of a sum.
     pub(crate) fn place(terms: &[ProductTerm]) -> usize {
         let hash = FxBuildHasher.hash_one(terms);
         (hash ^ hash >> 32) as usize % KEPT

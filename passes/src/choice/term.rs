@@ -15,7 +15,6 @@ impl Class {
     }
 }
 
-/// A class with a sign.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(crate) struct SignedClass {
     pub(crate) class: Class,

@@ -20,7 +20,6 @@ const MAX_COMPARISONS: usize = 20_000_000;
 
 /// The axes of joints.
 pub(super) struct FoundAxes {
-    /// The axis of every joint.
     pub(super) chosen: Vec<JointAxis>,
     /// Joints, counted from 0, with other axes that agree as well with all
     /// other joints as theirs are.

@@ -89,7 +89,6 @@ pub(super) struct Stand<N> {
     pub(super) sine: N,
 }
 
-/// The inertia of a composite body.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CompositeInertia<N> {
     pub(super) a: RingMatrix<N>,
@@ -333,7 +332,6 @@ impl<N: Copy> CompositeInertia<N> {
         }
     }
 
-    /// Of one body.
     pub(super) fn of<R: Ring<Number = N>>(
         ring: &mut R,
         body: &RigidBody<N>,

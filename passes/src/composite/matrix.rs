@@ -27,7 +27,6 @@ pub(super) trait BodySystem: Ring {
     /// the diagonal mirrored if its placement says so.
     fn body(&mut self, joint: usize, place: &JointPlacement) -> RigidBody<Self::Number>;
 
-    /// Place of a joint on the one before it.
     fn stand(&mut self, joint: usize, place: &JointPlacement) -> Stand<Self::Number>;
 }
 

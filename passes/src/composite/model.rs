@@ -81,11 +81,9 @@ pub(super) struct MotionInputs {
     pub(super) rates: Vec<Option<Input>>,
     /// Accelerations, of joints that are driven.
     pub(super) accelerations: Vec<Option<Input>>,
-    /// Gravity.
     pub(super) gravity: [Option<Input>; 3],
     /// Forces on bodies from outside, at their centres of mass.
     pub(super) forces: Vec<[Option<Input>; 3]>,
-    /// Torques.
     pub(super) torques: Vec<[Option<Input>; 3]>,
     /// The place of the assignment of each force `c`; `None` where it is zero.
     pub(super) biases: Vec<Option<usize>>,

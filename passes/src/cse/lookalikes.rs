@@ -23,7 +23,6 @@ pub(super) struct Lookalikes {
 }
 
 impl Lookalikes {
-    /// Those of a function.
     pub(super) fn find(function: &Function) -> Lookalikes {
         let count = function.nodes().len();
         let mut hashes: Vec<u32> = Vec::with_capacity(count);

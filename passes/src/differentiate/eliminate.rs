@@ -109,7 +109,6 @@ pub(super) struct Elimination<'a> {
 }
 
 impl Elimination<'_> {
-    /// Eliminates a part.
     pub(super) fn part(
         &mut self,
         part: &[u32],

@@ -19,7 +19,6 @@ pub(super) struct PathWeight {
 }
 
 impl PathWeight {
-    /// One.
     pub(super) const ONE: PathWeight = PathWeight {
         negative: false,
         factor: None,

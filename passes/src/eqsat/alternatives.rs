@@ -98,7 +98,6 @@ pub(crate) fn all_negative(signs: u64, count: u32) -> bool {
     signs.count_ones() == count
 }
 
-/// The times of the surroundings.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurroundingTimes<'a> {
     /// The weights of operations.

@@ -14,7 +14,6 @@ use super::graph::EquivalenceGraph;
 use super::pattern::{Bag, SignedPattern};
 use egg::Id;
 
-/// The binding of a variable.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum VariableBinding {
     /// One term.
@@ -30,7 +29,6 @@ pub(crate) enum VariableBinding {
 pub(crate) struct RuleMatch {
     /// The class of which it says something.
     pub(crate) class: Id,
-    /// The bindings of the variables.
     pub(crate) bindings: Vec<Option<VariableBinding>>,
     /// The terms beside the matched ones, or the factors.
     pub(crate) rest: Vec<ClassReference>,
@@ -150,7 +148,6 @@ impl<'g> Matcher<'g> {
         }
     }
 
-    /// Matches a pattern with a term.
     fn term(&mut self, pattern: &Bag, term: ClassReference, next: Next<'_>) {
         if !self.step() {
             return;

@@ -19,7 +19,6 @@ pub(crate) enum Bag {
     Other(Operation, Vec<SignedPattern>),
 }
 
-/// A pattern with a sign.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) struct SignedPattern {
     pub(crate) bag: Bag,
@@ -147,7 +146,6 @@ impl SignedPattern {
     }
 }
 
-/// The bits of one.
 const ONE: u64 = 1.0f64.to_bits();
 
 /// Adds a term to a sum, in which opposite terms cancel.

@@ -11,7 +11,6 @@ use super::window::{RewriteWindow, Surroundings, is_one_bag};
 use robovec_analysis::critical_path::{Weights, arrivals, tails};
 use robovec_ir::{Function, Value};
 
-/// The settings of a round.
 pub(crate) struct Settings<'a> {
     pub(crate) rules: &'a [BagRule],
     /// Instead: associativity and commutativity by rule.

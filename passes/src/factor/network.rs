@@ -90,7 +90,6 @@ impl NodeOrigin {
     };
 }
 
-/// The network.
 #[derive(Clone)]
 pub(crate) struct FactorNetwork {
     /// By node; those of live nodes with a meaning can be found.

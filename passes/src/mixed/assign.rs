@@ -60,7 +60,6 @@ impl FormatAssignment {
     }
 }
 
-/// The cost of an assignment.
 pub(super) fn cost_of(
     function: &Function,
     assignment: &FormatAssignment,
@@ -77,12 +76,10 @@ pub(super) fn cost_of(
         .sum()
 }
 
-/// The cost of a function in one format.
 pub(super) fn uniform_cost(function: &Function, format: Format) -> f64 {
     OperationWork::of(function).cost(format)
 }
 
-/// The cost of an operation.
 fn cost(operation: Operation, format: Format) -> f64 {
     OperationWork::of_operation(operation).cost(format)
 }

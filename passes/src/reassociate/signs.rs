@@ -20,7 +20,6 @@ impl Wishes {
         self.0[value.index()]
     }
 
-    /// Asks for a sign.
     pub(super) fn ask(&mut self, value: Value, negative: bool) {
         self.0[value.index()] = Some(negative);
     }

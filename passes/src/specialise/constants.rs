@@ -50,7 +50,6 @@ struct KnownNumber {
     expression: NumberExpression,
 }
 
-/// All numbers that are known.
 pub(crate) struct KnownNumbers {
     entries: Vec<KnownNumber>,
     /// Those with the same elements of the fields; more than one only where
@@ -152,7 +151,6 @@ impl KnownNumbers {
         Ok(known)
     }
 
-    /// The negative of a number.
     pub(crate) fn negative(&mut self, known: Known) -> Known {
         match self.entries[known.index()].expression {
             NumberExpression::Literal(number) => self.literal(-number),
@@ -181,7 +179,6 @@ impl KnownNumbers {
         self.entries[known.index()].expression
     }
 
-    /// Their number.
     pub(crate) fn len(&self) -> usize {
         self.entries.len()
     }

@@ -326,7 +326,6 @@ impl<'a> PartialEvaluator<'a> {
         Reading::Operand(self.compute(form, owner))
     }
 
-    /// A reading as an operand.
     fn operand(&mut self, reading: Reading, name: Name, owner: Symbol) -> Operand {
         match reading {
             Reading::Known(known) => self.number(known),

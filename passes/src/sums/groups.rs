@@ -73,7 +73,6 @@ pub(crate) struct OperandGroups {
 }
 
 impl OperandGroups {
-    /// The groups of a function.
     pub(crate) fn find(function: &Function, reach: GroupReach) -> OperandGroups {
         OperandGroups::read(function, absorbed(function, reach), Vec::new())
     }

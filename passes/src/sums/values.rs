@@ -34,7 +34,6 @@ impl ValueTable {
         self.places.reserve(values, hash_at);
     }
 
-    /// The value at a place.
     pub(crate) fn value(&self, place: usize) -> Fingerprint {
         self.values[place]
     }

@@ -27,7 +27,6 @@ pub(crate) struct SignedOperand {
 }
 
 impl SignedOperand {
-    /// No operand.
     pub(crate) const NONE: SignedOperand = SignedOperand {
         operand: Operand::NONE,
         negative: false,
@@ -136,7 +135,6 @@ impl ArrivalTimes {
         }
     }
 
-    /// Time at which an operand is there.
     pub(crate) fn of(&self, operand: Operand) -> u32 {
         operand.entry_or_default(&self.times)
     }
@@ -226,7 +224,6 @@ impl SumWriter {
         }
     }
 
-    /// A number.
     pub(crate) fn number(&mut self, number: f64) -> SignedOperand {
         let operand = self.out.constant(number).into();
         self.signed(operand, false)

@@ -186,7 +186,6 @@ mod tests {
         Machine::built_in(name).expect("it ships")
     }
 
-    /// The results of a recipe at an angle.
     fn results<A: Arithmetic>(recipe: &Recipe, arithmetic: &A, angle: f64) -> [A::Number; 2] {
         let angle = arithmetic.literal(angle);
         let values = evaluate_nodes(&recipe.function, arithmetic, &[angle]);

@@ -53,7 +53,6 @@ impl Best {
 /// Position of the bits for `x t^k` in a set of powers, above those for `t^k`.
 const LED: u32 = 32;
 
-/// The plan for one polynomial.
 pub(super) struct PolynomialPlan<'a> {
     polynomial: &'a Polynomial,
     cycles: OperationCycles,

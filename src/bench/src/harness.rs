@@ -94,11 +94,9 @@ pub(super) struct Callee<'a> {
     pub(super) view: View<'a>,
     /// The type it computes in.
     pub(super) real: Real,
-    /// Calling convention.
     pub(super) call: &'a CallingConvention,
     /// Header that declares it.
     pub(super) header: &'a str,
-    /// Its name.
     pub(super) name: &'a str,
 }
 

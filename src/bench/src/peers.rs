@@ -27,7 +27,6 @@ const MUJOCO: &str = include_str!("../peers/mujoco.c");
 const CASADI: &str = include_str!("../peers/casadi_functions.py");
 const CASADI_MAIN: &str = include_str!("../peers/casadi_main.c");
 
-/// Flags for all of them.
 const FLAGS: &str = "-O3 -march=native";
 
 /// Flags that Pinocchio's headers need for Boost.
@@ -41,7 +40,6 @@ pub const NAMES: [&str; 5] = ["loop", "batched-loop", "pinocchio", "mujoco", "ca
 /// States that the batched loop takes at once.
 const LOOP_LANES: u32 = 8;
 
-/// Question to a peer.
 #[derive(Clone, Copy)]
 struct PeerQuestion<'a> {
     question: &'a BenchQuestion<'a>,

@@ -4,7 +4,6 @@
 use robovec_model::Model;
 use std::fmt::Write;
 
-/// The text of a model.
 pub(super) fn text(model: &Model) -> String {
     let [x, y, z] = model.gravity;
     let mut text = format!(

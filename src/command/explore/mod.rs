@@ -147,7 +147,6 @@ impl ExploreArguments {
     }
 }
 
-/// Runs the command.
 pub(super) fn run(arguments: &ExploreArguments) -> Result<String, CommandFailure> {
     arguments.check_words()?;
     super::require_compiler(arguments.cpu)?;

@@ -94,7 +94,6 @@ enum Cost {
     Cells,
 }
 
-/// Runs the command.
 pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
     if arguments.explain {
         return explanation::run(arguments);

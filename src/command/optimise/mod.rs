@@ -80,7 +80,6 @@ pub(super) struct OptimiseArguments {
     jobs: Option<u32>,
 }
 
-/// Runs the command.
 pub(super) fn run(arguments: &OptimiseArguments) -> Result<String, CommandFailure> {
     let folder = arguments.output.as_deref();
     output::refuse_foreign(folder, &[told::PROGRAM, told::START], Replace::Results)?;

@@ -28,7 +28,6 @@ pub(super) struct ImageArguments {
     inputs: Vec<f64>,
 }
 
-/// Runs the images.
 pub(super) fn run(arguments: &ImageArguments) -> Result<String, CommandFailure> {
     let folder = &arguments.folder;
     let machine = input::machine(&arguments.machine)?;

@@ -54,7 +54,6 @@ pub(super) struct RuleBenchArguments {
     shares: ShareArguments,
 }
 
-/// Size of a program.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 struct ProgramSize {
     cycles: u32,
@@ -106,7 +105,6 @@ struct RuleBench<'a> {
     work: SharedWork<'a>,
 }
 
-/// Runs the command.
 pub(super) fn run(arguments: &RuleBenchArguments) -> Result<String, CommandFailure> {
     let machine = input::machine(&arguments.machine)?;
     let before = input::passes(&arguments.before)?;

@@ -90,7 +90,6 @@ pub(super) struct FindArguments {
     json: bool,
 }
 
-/// Runs the command.
 pub(super) fn run(arguments: &FindArguments) -> Result<String, CommandFailure> {
     if let Some(odd) = arguments.numbers.iter().find(|number| !number.is_finite()) {
         return Err(CommandFailure::plain(format!(

@@ -21,7 +21,6 @@ pub(super) fn shipped() -> Vec<String> {
         .collect()
 }
 
-/// Runs the command.
 pub(super) fn run(arguments: &ListArguments) -> Result<String, CommandFailure> {
     let names = if arguments.files.is_empty() {
         shipped()

@@ -44,7 +44,6 @@ enum RulesCommand {
     WhyNot(why_not::WhyNotArguments),
 }
 
-/// Runs the command.
 pub(super) fn run(arguments: &RulesArguments) -> Result<String, CommandFailure> {
     match &arguments.command {
         RulesCommand::Bench(arguments) => bench::run(arguments),

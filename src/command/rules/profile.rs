@@ -31,7 +31,6 @@ pub(super) struct ProfileArguments {
     json: bool,
 }
 
-/// Runs the command.
 pub(super) fn run(arguments: &ProfileArguments) -> Result<String, CommandFailure> {
     let machine = input::machine(&arguments.machine)?;
     let set = read::read_or_shipped(&arguments.files)?;

@@ -43,7 +43,6 @@ pub(super) struct WhyArguments {
 /// The largest term that is explained, in nodes.
 const LARGEST: usize = 60;
 
-/// Runs the command.
 pub(super) fn run(arguments: &WhyArguments) -> Result<String, CommandFailure> {
     let machine = input::machine(&arguments.machine)?;
     let rules = read::sound(&arguments.rules, true)?;

@@ -39,7 +39,6 @@ pub(super) struct WhyNotArguments {
     iterations: u32,
 }
 
-/// Runs the command.
 pub(super) fn run(arguments: &WhyNotArguments) -> Result<String, CommandFailure> {
     let rules = read::sound(&arguments.rules, !arguments.only)?;
     let class = if arguments.trig {

@@ -397,7 +397,6 @@ fn near_dead_point(system: &MultibodySystem<'_>) -> String {
     }
 }
 
-/// Speed of a run.
 fn speed(run: &SimulationRun, seconds: f64) -> String {
     let rate = |count: u64| count as f64 / seconds.max(1e-9);
     format!(

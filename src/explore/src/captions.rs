@@ -29,7 +29,6 @@ static CAPTIONS: LazyLock<Captions> =
 /// Words that texts refer to, by name.
 pub(crate) type Words<'a> = [(&'a str, &'a str)];
 
-/// A text with words filled in.
 pub(crate) fn fill(text: &str, words: &Words<'_>) -> String {
     let fill =
         |text: String, (name, word): (&str, &str)| text.replace(&format!("{{{name}}}"), word);
@@ -46,7 +45,6 @@ pub(crate) fn fill(text: &str, words: &Words<'_>) -> String {
     .fold(text, |text, (name, word)| fill(text, (name, word)))
 }
 
-/// A table of a name.
 pub(crate) fn table<R>(
     name: &str,
     words: &Words<'_>,

@@ -11,7 +11,6 @@ use std::collections::BTreeMap;
 pub(super) struct Core {
     /// The name its function gets, unlike that of every other core.
     pub(super) name: String,
-    /// The arguments.
     pub(super) arguments: Vec<u32>,
     /// Properties with their values.
     pub(super) properties: Vec<(u32, u32)>,

@@ -116,7 +116,6 @@ struct CoreProblems {
     warnings: Vec<Diagnostic>,
 }
 
-/// The core that is wanted.
 fn chosen<'c>(file: &str, cores: &'c [Core], wanted: Option<&str>) -> Result<&'c Core, Report> {
     let names = || cores.iter().map(|core| core.name.as_str());
     match (wanted, cores) {

@@ -23,7 +23,6 @@ pub(super) enum CoreLiteral {
 /// Significant digits that binary64 tells apart.
 const DIGITS: usize = 17;
 
-/// The number of an atom.
 pub(super) fn literal(atom: &str) -> CoreLiteral {
     if let Some(constant) = constant(atom) {
         return CoreLiteral::Number(constant);

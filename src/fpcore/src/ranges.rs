@@ -12,7 +12,6 @@ use robovec_ir::parenthesised::{Forest, error};
 use robovec_ir::states::Ranges;
 use std::collections::BTreeMap;
 
-/// A side of a comparison.
 enum ComparedSide<'a> {
     Number(f64),
     Variable(&'a str),

@@ -34,7 +34,6 @@ pub struct ModelFamily {
     members: FamilyMembers,
 }
 
-/// Members of a family.
 #[derive(Clone, Copy, Debug)]
 enum FamilyMembers {
     /// Models of the frozen kind, on the tree for a number of joints.

@@ -2,7 +2,6 @@
 
 use robovec_num::random::Random;
 
-/// Random parameters of models.
 #[derive(Clone, Debug)]
 pub(crate) struct ParameterRandom(Random);
 

@@ -54,7 +54,6 @@ impl Rotation3 {
     pub(super) const IDENTITY: Rotation3 =
         Rotation3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
 
-    /// About an axis.
     pub(super) fn about(axis: Axis, angle: f64) -> Rotation3 {
         let (sine, cosine) = sine_cosine(angle);
         let (b, c) = ((axis.index() + 1) % 3, (axis.index() + 2) % 3);

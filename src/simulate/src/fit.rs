@@ -5,7 +5,6 @@ use super::load::Loader;
 use robovec_fpga::manifest;
 use robovec_num::fnv::Fnv;
 
-/// Most elements.
 const MAX_ELEMENTS: usize = 1 << 14;
 
 impl Loader<'_> {

@@ -305,7 +305,6 @@ impl<'a> Loader<'a> {
             })
     }
 
-    /// Memory and address of a word.
     fn word(&self, user: &str, memory: &str, address: u32) -> Result<(u32, u32), LoadError> {
         let place = self.names.get(memory).copied();
         place

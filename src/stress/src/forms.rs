@@ -38,7 +38,6 @@ impl<N> TextForm<N> {
 pub(super) struct TextForms<N> {
     /// The one that the case is about.
     pub(super) plain: TextForm<N>,
-    /// The others.
     others: Vec<TextForm<N>>,
 }
 

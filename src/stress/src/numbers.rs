@@ -41,7 +41,6 @@ impl Wide for Double {
 
 /// Work that can be done in any arithmetic.
 pub(super) trait Work {
-    /// Result.
     type Result;
 
     /// Does it.

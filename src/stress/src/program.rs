@@ -19,7 +19,6 @@ use robovec_num::double_double::Double;
 use robovec_passes::registry::REGISTRY;
 use robovec_robotran::FunctionKind;
 
-/// Recipe of a program.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub(super) struct ProgramRecipe<'a> {
     /// The recursion.

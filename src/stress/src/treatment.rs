@@ -88,7 +88,6 @@ impl ProgramTreatment {
         self.state.unwrap_or(self.format)
     }
 
-    /// Format of forces.
     pub(super) fn force_format(&self) -> Format {
         self.forces.unwrap_or(self.format)
     }

@@ -55,7 +55,6 @@ impl LoopProgram {
         Ok(LoopProgram::Whole(Box::new(step)))
     }
 
-    /// The inputs in a state.
     pub(super) fn inputs(&self, state: &MotionState) -> Vec<f64> {
         match self {
             LoopProgram::Accelerations(program) => program.inputs(state),
@@ -207,7 +206,6 @@ mod tests {
         [lean - y.atan2(x), -bend]
     }
 
-    /// A column of numbers.
     fn column(numbers: Vec<f64>) -> DenseMatrix {
         let mut column = DenseMatrix::zeros(numbers.len(), 1);
         for (row, number) in numbers.into_iter().enumerate() {

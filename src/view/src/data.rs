@@ -24,7 +24,6 @@ pub(super) struct ViewData {
     pub(super) joints: Vec<JointData>,
     /// Descriptions of the passes of the pipeline, by name.
     pub(super) summaries: BTreeMap<String, String>,
-    /// The functions.
     pub(super) functions: Vec<FunctionData>,
     /// Texts by their numbers.
     pub(super) texts: Vec<String>,
@@ -33,7 +32,6 @@ pub(super) struct ViewData {
 /// A joint, which arrays of the equations have an element for.
 #[derive(Serialize)]
 pub(super) struct JointData {
-    /// Its name.
     pub(super) name: String,
     /// The file and the line that name it first.
     pub(super) place: Option<[u32; 2]>,
@@ -42,7 +40,6 @@ pub(super) struct JointData {
 /// A file that equations come from.
 #[derive(Serialize)]
 pub(super) struct FileData {
-    /// Its name.
     pub(super) name: String,
     /// Its lines, where the file is at hand.
     pub(super) lines: Option<Vec<String>>,
@@ -51,7 +48,6 @@ pub(super) struct FileData {
 /// A function and what was done to it.
 #[derive(Serialize)]
 pub(super) struct FunctionData {
-    /// Its name.
     pub(super) name: String,
     /// The machine compiled for.
     pub(super) machine: String,

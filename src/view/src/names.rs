@@ -9,7 +9,6 @@ pub(super) struct TextTable {
 }
 
 impl TextTable {
-    /// The number of a text.
     pub(super) fn number(&mut self, text: &str) -> u32 {
         if let Some(&number) = self.numbers.get(text) {
             return number;

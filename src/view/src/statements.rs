@@ -123,7 +123,6 @@ pub(super) fn collect(
     data
 }
 
-/// The numbers of the statements of a state.
 struct StatementNumbers {
     values: Vec<i64>,
     first_output: usize,

@@ -39,7 +39,6 @@ impl FormatArithmetic {
     }
 }
 
-/// The word of a number of a float format.
 fn float_word(format: NumberFormat, number: f64) -> u64 {
     // The exponent field of infinities and NaN; NaN is quiet by the highest
     // bit of its mantissa.

@@ -11,7 +11,6 @@ const MAX_PARTS: usize = 600;
 /// A bound may be this much above an error that is known to occur.
 const CLOSE: f64 = 1.02;
 
-/// A part of the range.
 struct RangePart {
     low: f64,
     high: f64,

@@ -129,7 +129,6 @@ pub struct WindowLeaves {
     pub knowledge: RangeBasis,
 }
 
-/// Kind of a leaf.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum WindowLeafKind {
     Input,

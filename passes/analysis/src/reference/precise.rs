@@ -119,7 +119,6 @@ pub(crate) fn operate(
     }
 }
 
-/// One operation.
 fn apply(
     operation: Operation,
     [a, b, c]: [&PreciseBall; 3],

@@ -251,7 +251,6 @@ static void @name@_copied(long count, int runs, @real@ *memory, @parameters@)
     );
 }
 
-/// Arguments of a batch.
 fn arguments(arrays: &[Varying<'_>], argument: impl Fn(&Varying<'_>) -> String) -> String {
     let inputs = arrays.iter().filter(|array| array.input).map(&argument);
     let outputs = arrays.iter().filter(|array| !array.input).map(&argument);

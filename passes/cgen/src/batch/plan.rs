@@ -35,7 +35,6 @@ pub(super) struct AngleGroup {
     pub(super) array: Option<usize>,
     /// The number of the first.
     pub(super) first: u32,
-    /// The angles.
     pub(super) angles: Vec<Operand>,
 }
 

@@ -81,7 +81,6 @@ impl BatchWriter<'_> {
         )
     }
 
-    /// The source.
     pub(super) fn source(&self) -> String {
         let runs = match self.plan.angles {
             0 => String::new(),

@@ -87,7 +87,6 @@ impl Slots {
         3 * self.padded()
     }
 
-    /// The words of the angles.
     pub(super) fn angle_words(&self) -> std::ops::Range<u32> {
         2 * self.padded()..3 * self.padded()
     }

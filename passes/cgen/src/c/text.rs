@@ -95,7 +95,6 @@ impl<'a> PlainWriter<'a> {
         format!("{} {}", self.interface.result(), self.interface.name())
     }
 
-    /// The source.
     pub(super) fn source(&self) -> String {
         let mut text = self.comment();
         self.includes(&mut text);

@@ -10,7 +10,6 @@ use std::ops::Range;
 /// The values that a function defines and reads.
 #[derive(Clone, Default, Debug)]
 pub(crate) struct PartValues {
-    /// The values it defines.
     pub(crate) defined: Vec<Value>,
     /// The values it reads, its own and others', in the order in which others'
     /// shall be loaded; some may stand there more than once.

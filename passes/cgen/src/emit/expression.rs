@@ -32,7 +32,6 @@ impl Tightness {
     }
 }
 
-/// The text of an expression.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct BoundText {
     pub(crate) text: String,

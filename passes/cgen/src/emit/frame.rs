@@ -63,7 +63,6 @@ impl ParameterList {
         self.list.push((declaration, name.to_owned()));
     }
 
-    /// The names.
     pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
         self.list.iter().map(|(_, name)| name.as_str())
     }

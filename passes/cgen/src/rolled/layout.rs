@@ -132,7 +132,6 @@ impl<'a> RolledLayout<'a> {
         usize::try_from(word).is_ok_and(|word| word < self.occupied.len() && !self.occupied[word])
     }
 
-    /// The word an operand has.
     fn word(&self, operand: Operand) -> Option<u32> {
         self.home[operand.value()?.index()]
     }

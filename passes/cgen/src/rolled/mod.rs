@@ -264,7 +264,6 @@ impl RolledProgram {
         }
     }
 
-    /// Calls for every index in the program.
     fn each_index(&self, mut call: impl FnMut(&program::Index)) {
         let places = self
             .codes

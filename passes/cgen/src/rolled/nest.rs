@@ -11,7 +11,6 @@ use super::repeat::{ProgramItem, Repeats};
 use super::statements::{StatementTarget, Statements};
 use robovec_ir::{Function, Value};
 
-/// An element of a body.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum BodyElement {
     /// A statement of the code.

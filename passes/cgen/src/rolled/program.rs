@@ -49,7 +49,6 @@ pub(super) struct SpaceElement {
     pub(super) column: Index,
 }
 
-/// The source of a leaf.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum LeafSource {
     /// The result of a position in this pass, of the same loop or one around.
@@ -109,7 +108,6 @@ pub(super) struct Copy {
     pub(super) advance: i64,
 }
 
-/// The rolled program.
 #[derive(Clone, Debug)]
 pub(super) struct RolledProgram {
     pub(super) templates: Vec<Template>,

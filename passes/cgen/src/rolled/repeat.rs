@@ -25,7 +25,6 @@ pub(super) enum ProgramItem {
     Loop(u32),
 }
 
-/// One run of a loop.
 #[derive(Clone, Debug)]
 pub(super) struct LoopRun {
     /// Elements of one pass.

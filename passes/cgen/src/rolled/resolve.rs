@@ -24,7 +24,6 @@ pub(super) enum Resolution {
     Access(usize),
 }
 
-/// A read of memory.
 #[derive(Clone, Debug)]
 pub(super) struct MemoryRead {
     /// The loop it happens in.

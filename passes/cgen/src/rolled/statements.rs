@@ -33,7 +33,6 @@ impl Template {
     }
 }
 
-/// The target of a statement.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum StatementTarget {
     /// The value of a node, and the outputs that are assigned to it.
@@ -42,14 +41,12 @@ pub(super) enum StatementTarget {
     Output(Output),
 }
 
-/// A statement.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RolledStatement {
     /// The template it is an instance of.
     pub(super) template: u32,
     /// The start of its leaves.
     start: u32,
-    /// Its target.
     pub(super) target: StatementTarget,
 }
 
@@ -107,7 +104,6 @@ impl Statements {
         builder.statements
     }
 
-    /// The leaves of a statement.
     pub(super) fn leaves(&self, statement: u32) -> &[Operand] {
         let RolledStatement {
             start, template, ..

@@ -28,7 +28,6 @@ fn choice(words: u32) -> u32 {
     words.saturating_sub(1).div_ceil(3)
 }
 
-/// The resources of an interconnect.
 pub(super) fn interconnect(interconnect: Interconnect, terminals: Terminals) -> ResourceUse {
     let Terminals {
         elements,

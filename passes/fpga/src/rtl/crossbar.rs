@@ -45,7 +45,6 @@ fn legs_of(hardware: &Hardware) -> Vec<Vec<u32>> {
     legs
 }
 
-/// The text of the crossbar.
 pub(super) fn text(hardware: &Hardware) -> String {
     let legs = legs_of(hardware);
     let sizes = hardware.sizes();

@@ -229,7 +229,6 @@ impl Hardware {
         }
     }
 
-    /// The number format.
     pub(super) fn number(&self) -> NumberFormat {
         match self.machine.number {
             Format::Float(float) => float,
@@ -283,7 +282,6 @@ impl Hardware {
         }
     }
 
-    /// The kind of a group.
     pub(super) fn kind(&self, group: &ElementGroup) -> &ElementDescription {
         let mut kinds = self.machine.elements.iter();
         let found = kinds.find(|kind| kind.kind == group.kind);

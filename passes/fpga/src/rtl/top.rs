@@ -14,13 +14,11 @@ use robovec_ir::machine::MemoryStyle;
 pub(super) struct ConfiguredProgram<'a> {
     /// The function's name, which its images' names begin with.
     pub(super) function: &'a str,
-    /// Its cycles.
     pub(super) cycles: u32,
     /// The hash of its instruction images: sixteen hexadecimal digits.
     pub(super) schedule_hash: &'a str,
 }
 
-/// The text of the top.
 pub(super) fn text(hardware: &Hardware, program: &ConfiguredProgram<'_>) -> String {
     let window = hardware.window();
     let top = Top {

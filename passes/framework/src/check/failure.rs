@@ -117,7 +117,6 @@ impl Failure {
 }
 
 impl Unpaired {
-    /// As the failure of a check.
     pub(super) fn failure(self, before: View<'_>, after: View<'_>) -> Failure {
         let kind = FailureKind::Signature {
             reason: self.reason,

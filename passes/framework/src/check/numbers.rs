@@ -36,13 +36,11 @@ pub(super) struct NumbersAgree {
 
 /// The states and outputs to compare.
 pub(super) struct Survey {
-    /// The states of every round.
     pub(super) rounds: Vec<[StatePlace; LANES]>,
     /// One of [`Pairs::list`], or all.
     pub(super) only: Option<usize>,
 }
 
-/// One state of every scale.
 pub(super) fn every_scale(round: u32) -> [StatePlace; LANES] {
     SCALES.map(|scale| StatePlace {
         scale,

@@ -54,7 +54,6 @@ struct InstanceInputs {
 struct SceneInputs {
     /// The numbers of the inputs before.
     bound: Vec<Option<f64>>,
-    /// For every input after the one before.
     places: Vec<usize>,
 }
 

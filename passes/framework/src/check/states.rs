@@ -54,7 +54,6 @@ pub struct StatePlace {
 }
 
 impl StatePlace {
-    /// The usual state of a number.
     pub(super) fn usual(number: u32) -> StatePlace {
         let scale = if number.is_multiple_of(2) {
             StateScale::Usual

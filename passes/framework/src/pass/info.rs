@@ -76,7 +76,6 @@ impl PassInfo {
     }
 }
 
-/// The first line of a documentation.
 pub(crate) fn first_line(documentation: &str) -> &str {
     documentation.lines().next().unwrap_or("").trim()
 }

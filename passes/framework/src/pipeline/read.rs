@@ -64,7 +64,6 @@ fn parse(text: &str, registry: &'static Registry) -> Result<Pipeline, PipelineEr
     }
 }
 
-/// An option as written.
 pub(crate) struct WrittenOption {
     pub(super) span: Range<usize>,
     pub(super) name: String,

@@ -50,7 +50,6 @@ impl Edit {
         }
     }
 
-    /// The function after the edit.
     pub(super) fn apply(&self, old: &Function, tables: &mut Tables) -> Function {
         let mut writer = EditWriter {
             sources: self.resolve(old),

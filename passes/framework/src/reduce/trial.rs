@@ -74,7 +74,6 @@ pub(super) struct ReductionTrial {
     pub(super) module: Module,
     /// The passes that were started.
     pub(super) executed: Vec<Executed>,
-    /// The problem.
     pub(super) problem: Option<PassProblem>,
 }
 

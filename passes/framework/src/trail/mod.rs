@@ -46,7 +46,6 @@ struct Stage {
     before: Function,
     /// The pass with its options, as in the pipeline.
     pass: String,
-    /// Its notes.
     notes: Notes,
 }
 

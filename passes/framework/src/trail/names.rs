@@ -56,7 +56,6 @@ impl ValueNames {
         }
     }
 
-    /// The value of a name.
     pub(super) fn find(&self, name: Name) -> Option<Value> {
         if name.is_none() {
             return None;

@@ -66,7 +66,6 @@ impl DefinitionState {
         }
     }
 
-    /// The value of a name.
     pub(super) fn value(&self, name: Name) -> Option<Value> {
         self.names.find(name)
     }

@@ -263,12 +263,10 @@ impl ScaledBall {
         .normal()
     }
 
-    /// The sine.
     pub(super) fn sine(self) -> ScaledBall {
         self.wave(false)
     }
 
-    /// The cosine.
     pub(super) fn cosine(self) -> ScaledBall {
         self.wave(true)
     }

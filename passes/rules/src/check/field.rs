@@ -29,7 +29,6 @@ use robovec_num::random::Random;
 pub(crate) struct RuleResidue {
     /// Modulo the prime; all bits set when it is not defined.
     pub(crate) value: u64,
-    /// As an angle.
     pub(crate) angle: u64,
 }
 

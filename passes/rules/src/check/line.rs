@@ -32,7 +32,6 @@ pub(super) struct Lines {
 }
 
 impl Lines {
-    /// The nodes of a rule.
     pub(super) fn of(facts: &NodeFacts<'_>) -> Lines {
         let (field, values) = &facts.points[0];
         let modulus = field.modulus();
@@ -89,7 +88,6 @@ impl Lines {
     }
 }
 
-/// A line of its own for each thing and number.
 fn line(modulus: Modulus, thing: u64, number: u64) -> ModularPolynomial {
     let mut random = Random::new(number ^ thing.rotate_left(60));
     vec![modulus.number(random.bits()), modulus.number(random.bits())]

@@ -6,7 +6,6 @@ use super::ball::ScaledBall;
 use super::field::{RuleField, RuleResidue};
 use robovec_ir::Operation;
 
-/// The value of a side at a point.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum SideValue {
     /// The numbers of all nodes.
@@ -33,7 +32,6 @@ impl SideValue {
     }
 }
 
-/// A point of the reals.
 #[derive(Clone, Debug)]
 pub(super) struct RealPoint {
     /// The variables.

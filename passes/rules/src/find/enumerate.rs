@@ -151,7 +151,6 @@ impl EnumeratedTerms {
         Some((term, usize::from(self.sizes[term as usize])))
     }
 
-    /// The value of a term.
     pub(super) fn value(&self, term: u32) -> [u64; POINTS] {
         key(&self.values[term as usize])
     }

@@ -65,7 +65,6 @@ pub fn partner(rule: &Rule) -> Option<String> {
     found.map(|other| other.name)
 }
 
-/// The rules that are always on.
 fn always() -> Vec<Rule> {
     let order = RuleSet::named("commutativity").expect("commutativity ships");
     let signs = RuleSet::named("signs").expect("the rules of signs ship");

@@ -33,7 +33,6 @@ pub(super) struct PolynomialTerm {
     pub(super) powers: SmallVec<[(u32, u32); 6]>,
 }
 
-/// The polynomials of a network.
 pub(super) struct NetworkPolynomials {
     /// By node; `None` for what is no sum or product, and for what nothing
     /// reads but the polynomials it has been taken into.

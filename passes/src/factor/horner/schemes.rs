@@ -28,7 +28,6 @@ const PRIME: u64 = (1 << 60) - 93;
 
 /// The variables of some polynomials, and their values at a random point.
 pub(super) struct SchemeVariables {
-    /// The nodes of the variables.
     pub(super) nodes: Vec<u32>,
     inverses: Vec<u64>,
     /// In how many terms each of them is.
@@ -39,7 +38,6 @@ pub(super) struct SchemeVariables {
 pub(super) struct PackedPolynomial {
     /// The node that has its value.
     pub(super) node: u32,
-    /// Its variables.
     variables: Vec<u32>,
     /// By term, so many groups of exponents in the order of `variables`.
     rows: Vec<Exponents>,

@@ -11,7 +11,6 @@ use robovec_num::random::Random;
 /// Weight of beginnings that were seldom tried.
 const EXPLORATION: f64 = 0.3;
 
-/// A beginning of orders.
 #[derive(Default)]
 struct OrderBeginning {
     visits: f64,

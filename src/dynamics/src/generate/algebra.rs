@@ -113,19 +113,16 @@ impl Sum {
         Sum::default()
     }
 
-    /// A sum of one scalar.
     pub(super) fn of(scalar: Scalar) -> Sum {
         Sum::product(&[scalar])
     }
 
-    /// A sum of one product of scalars.
     pub(super) fn product(scalars: &[Scalar]) -> Sum {
         let mut sum = Sum::new();
         sum.add(scalars);
         sum
     }
 
-    /// The sum of scalars.
     pub(super) fn total(scalars: &[Scalar]) -> Sum {
         let mut sum = Sum::new();
         for &scalar in scalars {
@@ -149,7 +146,6 @@ impl Sum {
         self
     }
 
-    /// Adds a term.
     pub(super) fn add_term(&mut self, term: Option<SignedProduct>) -> &mut Sum {
         self.terms.extend(term);
         self

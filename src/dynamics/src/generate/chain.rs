@@ -16,7 +16,6 @@ use super::vector::{
     unit,
 };
 
-/// One joint of a chain.
 #[derive(Clone, Copy)]
 pub(super) struct ChainJoint {
     pub(super) joint: usize,

@@ -18,7 +18,6 @@ use super::parameters::{ModelParameters, ParameterSource};
 use super::vector::{Vector, ZERO, define_as, subtracted};
 use robovec_model::{Anchor, Cut, CutKind, JointCoupling};
 
-/// One row.
 #[derive(Clone)]
 pub(super) struct ConstraintRow {
     pub(super) h: Scalar,

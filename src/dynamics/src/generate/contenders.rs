@@ -102,7 +102,6 @@ fn least_operations(model: &Model, function: FunctionKind, formulation: Formulat
     }
 }
 
-/// Operations of a module.
 fn operations(module: &Module) -> usize {
     let counts = module.functions.iter().map(Counts::of);
     counts.map(|counts| counts.operations).sum()

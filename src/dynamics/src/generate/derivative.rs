@@ -45,9 +45,7 @@ pub(super) type JointEntry = (usize, usize, Scalar);
 /// without entries that are structurally zero.
 #[derive(Default)]
 pub(super) struct ForceDerivatives {
-    /// By positions.
     pub(super) by_position: Vec<JointEntry>,
-    /// By velocities.
     pub(super) by_velocity: Vec<JointEntry>,
 }
 
@@ -443,7 +441,6 @@ impl<'e, 'p, 'm> Derivative<'e, 'p, 'm> {
     }
 }
 
-/// Twice a scalar.
 fn twice(scalar: Scalar) -> Sum {
     Sum::total(&[scalar, scalar])
 }

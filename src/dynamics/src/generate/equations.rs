@@ -87,7 +87,6 @@ pub(super) enum Atom {
     Equation(u32),
 }
 
-/// A right-hand side.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum RightHandSide {
     Sum(Box<Sum>),
@@ -100,7 +99,6 @@ pub(super) enum RightHandSide {
     Quotient(Scalar, Scalar),
 }
 
-/// An equation.
 #[derive(Clone, Debug)]
 pub(super) struct Equation {
     pub(super) label: QuantityLabel,
@@ -231,7 +229,6 @@ impl Equations {
             .insert((array.to_owned(), padded(indices)), value);
     }
 
-    /// A number.
     pub(super) fn number(&mut self, number: f64) -> Scalar {
         debug_assert!(number.is_finite(), "the numbers of a model are finite");
         let magnitude = number.abs();
@@ -378,7 +375,6 @@ impl Equations {
         self.push(label, RightHandSide::Copy(scalar), (0, 0))
     }
 
-    /// The sine of a scalar.
     pub(super) fn sin(&mut self, label: QuantityLabel, angle: Scalar) -> Scalar {
         let negative = angle.is_negative();
         self.function(label, 1, RightHandSide::Sin(angle.magnitude()))

@@ -13,7 +13,6 @@ use std::collections::BTreeMap;
 /// A row of a sparse matrix: columns in ascending order, no zeros.
 pub(super) type SparseRow = Vec<(usize, Scalar)>;
 
-/// The entry of a row.
 pub(super) fn entry(row: &[(usize, Scalar)], column: usize) -> Scalar {
     debug_assert!(
         row.is_sorted_by(|one, next| one.0 < next.0),

@@ -20,7 +20,6 @@ use std::borrow::Cow;
 /// Half of half a turn: the angles whose sine and cosine are zero or one.
 const RIGHT_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
 
-/// The frames of a model.
 pub(super) struct ModelFrames<'m> {
     /// The model as it was given.
     pub(super) source: &'m Model,
@@ -33,7 +32,6 @@ pub(super) struct ModelFrames<'m> {
 }
 
 impl<'m> ModelFrames<'m> {
-    /// The frames of a model.
     pub(super) fn new(source: &'m Model) -> ModelFrames<'m> {
         let mut frames = Vec::with_capacity(source.joints.len());
         let mut places = Vec::with_capacity(source.joints.len());
@@ -55,7 +53,6 @@ impl<'m> ModelFrames<'m> {
         }
     }
 
-    /// The frame of a joint of the model.
     pub(super) fn place(&self, joint: usize) -> usize {
         self.places[joint]
     }
@@ -80,7 +77,6 @@ impl<'m> ModelFrames<'m> {
         self.frames[frame].ok()
     }
 
-    /// The numbers of the joints.
     pub(super) fn joint_numbers(&self) -> JointNumbers {
         let all = 0..self.model.joints.len();
         let plain = |frame| self.joint(frame) == Some(frame) && !self.is_reversed(frame);

@@ -4,7 +4,6 @@
 
 use super::algebra::Scalar;
 
-/// Meaning of an index of an array.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum IndexMeaning {
     /// Something else, or nothing.

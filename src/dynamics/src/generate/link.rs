@@ -15,7 +15,6 @@ use super::parameters::ModelParameters;
 use super::vector::{Vector, define_as, subtracted, unit};
 use robovec_ir::{Boundary, SourceSet};
 
-/// Writes all links.
 pub(super) fn write(
     equations: &mut Equations,
     parameters: &ModelParameters<'_>,

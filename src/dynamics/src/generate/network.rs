@@ -65,7 +65,6 @@ struct JointPaths<'a> {
 }
 
 impl JointPaths<'_> {
-    /// The joint of a depth on the path of a joint.
     fn at(&self, mut joint: usize, depth: usize) -> usize {
         while self.depths[joint] > depth {
             match self.parents[joint] {

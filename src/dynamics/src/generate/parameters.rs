@@ -180,7 +180,6 @@ impl<'m> ModelParameters<'m> {
         self.model.joints.len()
     }
 
-    /// The joint before a joint.
     pub(super) fn parent(&self, joint: usize) -> Option<usize> {
         self.model.joints[joint].parent
     }

@@ -27,7 +27,6 @@ pub(super) struct FrameMotion {
     pub(super) linear: Vector,
 }
 
-/// Load of a joint.
 #[derive(Clone, Copy)]
 pub(super) struct JointLoad {
     pub(super) force: Vector,
@@ -259,7 +258,6 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
             .collect()
     }
 
-    /// Loads of all joints.
     pub(super) fn loads(&mut self) -> Vec<JointLoad> {
         let count = self.parameters.joints();
         let mut loads = vec![

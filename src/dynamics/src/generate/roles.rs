@@ -109,7 +109,6 @@ pub(super) struct ReactionRoles {
     /// Of the others that are not driven, those whose forces give the
     /// multipliers of the loops, in the order of pivots.
     pub(super) of_loops: Vec<usize>,
-    /// The row of each of them.
     pub(super) rows: Vec<usize>,
     /// Those left for the multipliers of the user's constraints.
     pub(super) of_user: Vec<usize>,

@@ -36,7 +36,6 @@ pub(super) fn rows(
 
 /// Dependence of the joints of loops on others: `x_v = rest + B x`.
 pub(super) struct DependentJoints<'a> {
-    /// The joints.
     pub(super) joints: &'a [usize],
     /// `B`, a row for each of them; its columns are places among the others.
     pub(super) matrix: &'a [SparseRow],

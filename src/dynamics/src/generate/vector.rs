@@ -9,7 +9,6 @@
 use super::algebra::{Scalar, Sum};
 use super::equations::{Equations, QuantityLabel};
 
-/// A vector.
 pub(super) type Vector = [Scalar; 3];
 /// A matrix, row by row.
 pub(super) type Matrix = [Vector; 3];
@@ -22,7 +21,6 @@ pub(super) const ZERO: Vector = [Scalar::ZERO; 3];
 /// The inertia of a set of bodies about the origin of a frame and in its axes.
 #[derive(Clone, Copy)]
 pub(super) struct Inertia {
-    /// Mass.
     pub(super) mass: Scalar,
     /// First moment: mass times centre of mass.
     pub(super) first: Vector,
@@ -35,7 +33,6 @@ pub(super) fn cyclic(axis: usize) -> (usize, usize) {
     ((axis + 1) % 3, (axis + 2) % 3)
 }
 
-/// A unit vector.
 pub(super) fn unit(axis: usize) -> Vector {
     let mut vector = ZERO;
     vector[axis] = Scalar::ONE;
@@ -51,7 +48,6 @@ pub(super) struct AxisRotation {
 }
 
 impl AxisRotation {
-    /// No rotation.
     pub(super) const NONE: AxisRotation = AxisRotation {
         axis: 0,
         cos: Scalar::ONE,
@@ -134,7 +130,6 @@ pub(super) fn add_matrix_product(sum: &mut SumVector, matrix: &Matrix, vector: &
     }
 }
 
-/// Adds a vector.
 pub(super) fn add_vector(sum: &mut SumVector, vector: &Vector) {
     for (component, &value) in sum.iter_mut().zip(vector) {
         component.add(&[value]);

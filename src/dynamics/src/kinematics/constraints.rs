@@ -11,7 +11,6 @@ pub struct LoopConstraints {
     format: Format,
     /// The function `cons_hJ`; `None` for a model without cuts.
     position: Option<CompiledFunction>,
-    /// The cut of each row.
     row_cuts: Vec<usize>,
 }
 

@@ -68,7 +68,6 @@ fn frame(frames: &[JointFrame], joint: Option<usize>) -> JointFrame {
     joint.map_or(BASE, |joint| frames[joint])
 }
 
-/// The motion of all frames.
 fn frames(model: &Model, state: &MotionState) -> Vec<JointFrame> {
     assert_eq!(state.q.len(), model.joints.len(), "one position per joint");
     assert_eq!(state.qd.len(), model.joints.len(), "one velocity per joint");
@@ -165,7 +164,6 @@ impl Momenta {
     }
 }
 
-/// The momenta of a state.
 pub(super) fn momenta(model: &Model, state: &MotionState) -> Momenta {
     let frames = frames(model, state);
     let size = |v: CartesianVector| dot(v, v).sqrt();

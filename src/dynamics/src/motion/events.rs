@@ -81,7 +81,6 @@ impl EventWatch {
         self.watched.is_empty()
     }
 
-    /// The signals of a state.
     pub(super) fn signals(&self, model: &Model, laws: &Laws, state: &MotionState) -> Vec<Signal> {
         let gaps = self
             .watched

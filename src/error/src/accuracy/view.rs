@@ -25,7 +25,6 @@ pub fn text(subject: &FunctionAccuracy) -> String {
     text
 }
 
-/// A function after a pass.
 type MeasuredStep<'a> = (&'a FunctionAccuracy, &'a PassAccuracy);
 
 fn columns<'a>() -> ColumnList<'a, MeasuredStep<'a>> {

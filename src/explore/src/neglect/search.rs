@@ -245,7 +245,6 @@ impl NeglectSearch<'_> {
         self.judge.build(&self.judge.own, self.model, omitted)
     }
 
-    /// The motion of a scene from a start.
     fn run(&self, scene: &ReducedScene, start: &Start) -> Result<SimulationRun, MotionError> {
         self.judge.motion(scene, start, self.judge.wish.tolerance())
     }

@@ -11,7 +11,6 @@ use robovec_error::yardstick::{MeasuredErrors, Unmeasurable, Yardstick};
 use robovec_ir::Format;
 use robovec_passes::optimise::search::SearchOutcome;
 
-/// Measurements of a program.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub(super) struct ProgramFigures {
     /// The time of one state in C, ns.
@@ -25,7 +24,6 @@ pub(super) struct ProgramFigures {
     pub(super) remark: String,
 }
 
-/// Measurements of all programs.
 pub(super) struct MeasuredPrograms {
     pub(super) figures: Vec<ProgramFigures>,
     /// Index of the one that is taken.

@@ -271,7 +271,6 @@ impl PreparedStarts {
     }
 }
 
-/// Prepares all starts.
 pub(super) fn prepared(
     starts: &[OptimisationStart],
     question: &OptimisationQuestion<'_>,

@@ -101,7 +101,6 @@ impl SceneArrays {
         }
     }
 
-    /// The array of a name.
     fn find(&self, name: &str) -> Result<usize, WordProblem> {
         let found = self.list.iter().position(|array| array.name == name);
         found.ok_or_else(|| {

@@ -69,7 +69,6 @@ impl ModelSubject {
         Ok(module)
     }
 
-    /// Holds joints of the model.
     pub(super) fn hold(&mut self, joints: &[HeldJoint]) {
         for held in joints {
             let joint = &mut self.model.joints[held.number as usize - 1];

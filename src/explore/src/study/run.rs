@@ -265,7 +265,6 @@ mod tests {
     use robovec_passes::registry::REGISTRY;
     use robovec_schedule::{ElementChoice, Priority};
 
-    /// Parts of a key.
     struct KeyParts {
         equations: PointKey,
         pipeline: NamedPipeline,

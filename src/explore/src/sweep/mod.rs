@@ -39,7 +39,6 @@ use std::sync::Arc;
 
 /// The most operations times designs that are placed at once.
 const MAX_WORK: u64 = 6_000_000_000;
-/// Most designs of a sweep.
 const MAX_DESIGNS: u64 = 1_000_000;
 
 /// A program that may be placed on designs.

@@ -27,7 +27,6 @@ fn programs(sweep: &FunctionSweep) -> String {
     columns.text(&rows)
 }
 
-/// A design of a function.
 type DesignRow<'a> = (&'a FunctionSweep, &'a SweepPoint);
 
 fn design_columns<'a>() -> ColumnList<'a, DesignRow<'a>> {

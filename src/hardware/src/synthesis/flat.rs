@@ -15,10 +15,8 @@ const MAX_CELLS: usize = 8_000_000;
 /// A net of the flat design; `None` is a constant or nothing at all.
 pub(super) type Net = Option<u32>;
 
-/// A primitive.
 #[derive(Debug)]
 pub(super) struct Primitive<'a> {
-    /// The cell.
     pub(super) cell: &'a NetlistCell,
     /// Its name in its module.
     pub(super) name: &'a str,
@@ -29,7 +27,6 @@ pub(super) struct Primitive<'a> {
 }
 
 impl Primitive<'_> {
-    /// The nets of a port.
     pub(super) fn port(&self, name: &str) -> &[Net] {
         let found = self.connections.iter().find(|(port, _)| *port == name);
         found.map_or(&[], |(_, nets)| nets)
@@ -48,7 +45,6 @@ pub(super) struct Instance<'a> {
 /// The flat design.
 #[derive(Debug)]
 pub(super) struct Flat<'a> {
-    /// The primitives.
     pub(super) primitives: Vec<Primitive<'a>>,
     /// The opened instances, the top first.
     pub(super) instances: Vec<Instance<'a>>,

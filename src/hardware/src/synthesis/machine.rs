@@ -12,7 +12,6 @@ use robovec_fpga::hardware::{MachinePart, MachineShape, PartKind, ResourceUse, p
 use robovec_fpga::rtl::cores::OperatorCore;
 use std::collections::BTreeMap;
 
-/// The top of every machine.
 const TOP: &str = "robovec_machine";
 
 /// Prefix of the modules of elements; their kind follows.

@@ -129,7 +129,6 @@ const TABLES: [(FileKind, &[&str]); 4] = [
     ),
 ];
 
-/// The looks of a file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum FileLook {
     /// Nothing, or white space.
@@ -148,7 +147,6 @@ pub(super) enum FileLook {
     Unknown,
 }
 
-/// The looks of a file of a name.
 pub(super) fn look(name: &str, bytes: &[u8]) -> FileLook {
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return FileLook::Empty;

@@ -6,7 +6,6 @@ use super::number::number;
 use crate::{Model, UserModel};
 use robovec_ir::diagnostic::clip;
 
-/// Reads user models into the model.
 pub(super) fn read(root: &ElementFields<'_>, model: &mut Model, messages: &mut Messages) {
     let Some(models) = root.one("user_models") else {
         return;

@@ -50,7 +50,6 @@ struct RobotBuilder<'r> {
     robot: &'r RobotElements,
     model: Model,
     places: Vec<Range<usize>>,
-    /// Inertia of each body.
     inertias: Vec<BodyInertia>,
     /// The joint of the model that a joint of the robot is, where it is one.
     numbers: Vec<Option<usize>>,

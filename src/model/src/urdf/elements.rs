@@ -21,14 +21,12 @@ pub(super) struct RobotElements {
     pub(super) place: Range<usize>,
 }
 
-/// A link.
 pub(super) struct LinkElement {
     pub(super) name: String,
     pub(super) inertial: Option<LinkInertial>,
     pub(super) place: Range<usize>,
 }
 
-/// The kind of a joint.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum UrdfJointKind {
     Fixed,
@@ -48,7 +46,6 @@ const KINDS: [(&str, UrdfJointKind); 6] = [
     ("planar", UrdfJointKind::Planar),
 ];
 
-/// A joint.
 pub(super) struct JointElement {
     pub(super) name: String,
     pub(super) kind: UrdfJointKind,

@@ -6,7 +6,6 @@ use robovec_ir::diagnostic::{Label, clip};
 use robovec_num::limits::Amount;
 use robovec_robotran::conventions::JOINTS;
 
-/// The order of a robot.
 pub(super) struct RobotOrder {
     /// The link that hangs on nothing.
     pub(super) root: usize,

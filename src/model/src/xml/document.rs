@@ -38,7 +38,6 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Diagnostic> {
     robovec_robotran::decode_text(bytes, "a model is XML", robovec_robotran::is_control)
 }
 
-/// The document of a text.
 pub(crate) fn parse<'t>(text: &'t str, kind: &DocumentKind) -> Result<Document<'t>, Diagnostic> {
     guard(text)?;
     let options = ParsingOptions {

@@ -8,7 +8,6 @@ use super::{PlotFrame, axis_titles};
 use crate::number::trimmed;
 use crate::{Curve, Mark, MarkFill, Panel, Stroke};
 
-/// Draws a panel.
 pub(super) fn draw(svg: &mut Svg, frame: PlotFrame, panel: &Panel, curves: &[Curve]) {
     let marks = || curves.iter().flat_map(|curve| &curve.marks);
     let heights = marks().flat_map(|mark| mark.range.into_iter().flatten().chain([mark.y]));

@@ -29,7 +29,6 @@ const MARKERS: [&str; 7] = [
 ];
 
 impl Paint {
-    /// Its colour.
     pub(super) fn colour(self) -> String {
         match self {
             Paint::Distinct(index) => DISTINCT[index % DISTINCT.len()].to_owned(),

@@ -74,7 +74,6 @@ impl Svg {
         self.write(format_args!("\">{}</polyline>\n", Title(title)));
     }
 
-    /// A rectangle.
     pub(super) fn rectangle(&mut self, at: [f64; 2], size: [f64; 2], style: &str, title: &str) {
         self.write(format_args!(
             "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" {style}>{}</rect>\n",
@@ -96,7 +95,6 @@ impl Svg {
         ));
     }
 
-    /// A text of a class.
     pub(super) fn text(&mut self, at: [f64; 2], anchor: TextAnchor, class: &str, text: &str) {
         self.write(format_args!(
             "<text class=\"{class}\" x=\"{}\" y=\"{}\" text-anchor=\"{}\">{}</text>\n",

@@ -37,7 +37,6 @@ pub(super) enum Initial {
     Nothing,
 }
 
-/// An array.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StoredArray {
     pub(super) name: RobotranName,

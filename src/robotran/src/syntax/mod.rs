@@ -40,7 +40,6 @@ pub(super) struct SyntaxStatement {
     pub(super) elements: u32,
 }
 
-/// Kind of a statement.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum StatementKind {
     /// `target = root`, whose nodes are the run from `first` to `end`.
@@ -101,7 +100,6 @@ pub(super) struct DeclaredArray {
     pub(super) zeroed: bool,
 }
 
-/// The head of a function.
 #[derive(Clone, Debug)]
 pub(super) struct FunctionHeader {
     pub(super) name: Symbol,

@@ -122,7 +122,6 @@ impl FileArrays {
         &self.all[self.numbers[&symbol]]
     }
 
-    /// The array of a name.
     pub(super) fn find(&self, name: &str) -> Option<&FileArray> {
         self.by_name.get(name).map(|&number| &self.all[number])
     }

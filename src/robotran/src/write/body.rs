@@ -12,7 +12,6 @@ use crate::Language;
 use robovec_ir::{Assignment, Boundary, Function, Output, Shape, Symbol, Value};
 
 impl RobotranFile<'_> {
-    /// Writes them.
     pub(super) fn statements(&self, body: &mut FunctionText) -> Result<(), RobotranWriteError> {
         body.text.indent(match self.language {
             Language::C => 0,

@@ -151,7 +151,6 @@ pub(super) fn is_array_name(text: &str) -> bool {
     is_word(text) && !KEYWORDS.contains(&text)
 }
 
-/// The identifiers of a file.
 #[derive(Debug)]
 pub(super) struct FileIdentifiers {
     /// Per symbol: a value bears it as its identifier.
@@ -165,7 +164,6 @@ pub(super) struct FileIdentifiers {
 }
 
 impl FileIdentifiers {
-    /// No identifiers.
     pub(super) fn new() -> FileIdentifiers {
         FileIdentifiers {
             plain: Vec::new(),

@@ -8,7 +8,6 @@ pub(super) fn decimal(digits: &[u8]) -> Option<u32> {
     number(digits, Radix::Decimal, 32, &mut limb).then_some(limb[0] as u32)
 }
 
-/// The radix of a name.
 pub(super) fn radix(name: &[u8]) -> Option<Radix> {
     let known = [
         ("bin", Radix::Binary),

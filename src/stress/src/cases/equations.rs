@@ -12,7 +12,6 @@ use super::super::steps::{MotionStart, StepsSubject};
 use super::CaseMember;
 use robovec_num::double_double::Double;
 
-/// The subject of a name.
 pub(super) fn subject(name: &str, case: &CaseMember) -> Option<Box<dyn StressSubject>> {
     let number = |name: &str| case.number(name);
     let in_time = match name {

@@ -9,7 +9,6 @@ use super::models::file;
 use robovec_dynamics::kinematics::MotionState;
 use robovec_model::Model;
 
-/// The subject of a name.
 pub(super) fn subject(name: &str, case: &CaseMember) -> Option<Box<dyn StressSubject>> {
     let number = |name: &str| case.number(name);
     // Made where the rocker moves, run where it turns round.

@@ -14,7 +14,6 @@ use robovec_model::family::{built_in, serial};
 use robovec_model::mbs::read_mbs;
 use robovec_model::{Axis, JointKind};
 
-/// The subject of a name.
 pub(super) fn subject(name: &str, case: &CaseMember) -> Option<Box<dyn StressSubject>> {
     let number = |name: &str| case.number(name);
     let joints = || number("joints") as usize;
@@ -96,7 +95,6 @@ pub(super) fn subject(name: &str, case: &CaseMember) -> Option<Box<dyn StressSub
     }))
 }
 
-/// A model in a file of the cases.
 pub(super) fn file(text: &str) -> Model {
     let read = read_mbs("case", text.as_bytes());
     read.expect("a model of the cases is sound").model

@@ -30,7 +30,6 @@ pub(crate) enum CodeStep {
 }
 
 impl CodeStep {
-    /// The operands that the step reads.
     pub(crate) fn reads(self, function: &Function) -> &[Operand] {
         match self {
             CodeStep::Define(value) => function.node(value).operands(),

@@ -22,7 +22,6 @@ impl RolledLayout<'_> {
         arrays.all(|array| array == Some(first)).then_some(first)
     }
 
-    /// The place that an access reads.
     pub(super) fn place(&mut self, number: usize, access: &MemoryRead) -> SpaceElement {
         if let Some(array) = self.output_of(access) {
             let element = |operand: &Operand| {

@@ -170,7 +170,6 @@ impl ScriptWriter<'_> {
         Ok(())
     }
 
-    /// The address of a word and its limbs.
     fn limbs(&self, memory: &str, address: u32, word: u64) -> Result<Vec<(u32, u32)>, BenchError> {
         let unit = self.unit(memory, address.saturating_add(1))?;
         let first = unit.address + address * unit.stride;

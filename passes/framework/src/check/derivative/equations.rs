@@ -142,7 +142,6 @@ fn kept_equations(
     Ok(equations)
 }
 
-/// Equations of the derivatives.
 fn derivative_equations(
     before: View<'_>,
     result: DerivativeResult,

@@ -133,7 +133,6 @@ impl<'a> DerivativeCheck<'a> {
         duals
     }
 
-    /// The inputs after.
     fn inputs<N: Copy>(&self, sample: &DerivativePoint<N>) -> Vec<N> {
         let more = match self.result {
             DerivativeResult::Jacobian => &[],

@@ -37,11 +37,8 @@ enum TreeNode {
 
 /// A window as a term in normal form.
 pub(super) struct WindowTerm {
-    /// The term.
     pub(super) pattern: Pattern,
-    /// Operand of each variable.
     pub(super) variables: Vec<Operand>,
-    /// Operand of the angle.
     pub(super) angle: Option<Operand>,
 }
 

@@ -17,7 +17,6 @@ const NUMBERS: [(u32, [&str; 2]); 5] = [
     (130, ["3.8", "3.13"]),
 ];
 
-/// Quantity of a figure.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Quantity {
     Cycles,

@@ -29,7 +29,6 @@ pub(super) fn all(results: &Results) -> Vec<Figure> {
     figures
 }
 
-/// The axis of most figures.
 fn elements() -> PlotAxis {
     let title = "processing elements, adders + multipliers";
     PlotAxis::new(title, AxisScale::PowersOfTwo)
@@ -40,7 +39,6 @@ fn percentage(title: &str) -> PlotAxis {
     PlotAxis::new(title, AxisScale::Linear).showing(0.0, 100.0)
 }
 
-/// The name of a pipeline in labels.
 fn label(pipeline: &NamedPipeline) -> String {
     match pipeline.name.as_str() {
         "printed" => "as printed".to_owned(),

@@ -199,7 +199,6 @@ pub(super) fn couples(results: &Results) -> Option<DataTable> {
     captions::filled("couples", &words, &columns, &rows)
 }
 
-/// Every placement.
 pub(super) fn points(results: &Results) -> DataTable {
     let plan = &results.plan;
     let machine = |row: &StudyPlacement<'_>| &plan.machines[row.request.machine];

@@ -244,7 +244,6 @@ pub(super) fn errors(results: &Results) -> Option<DataTable> {
     captions::filled("errors", &[], &columns, &rows)
 }
 
-/// Every program.
 pub(super) fn programs(results: &Results) -> DataTable {
     let [median, worst] = ERROR_HEADS;
     let columns = names().and(columns! { StudiedProgram<'_>;
