@@ -50,7 +50,8 @@ pub(super) const FORMER: [FormerCommand; 15] = [
     former(
         "study",
         "explore --plan thesis",
-        "`--models A,B` are subjects",
+        "`--models`, `--pipelines`, `--machines`, `--pe` are subjects, `--passes`, `--machine`, \
+         `--elements`; `report.html`, `results.json` are `explore.html`, `explore.json`",
     ),
     former(
         "sweep SUBJECT…",

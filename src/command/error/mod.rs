@@ -1,8 +1,9 @@
 //! `robovec error`: how exact results are, how inexact they can be, and why.
 //!
-//! One reader of subjects serves four questions: the errors of every output
-//! ([`outputs`]), what they are made of and can be at most ([`attribution`]),
-//! and what series for sines and cosines add to them ([`series`]).
+//! One reader of subjects serves three questions: the errors of every output,
+//! also after every pass ([`outputs`]), their attribution and bounds
+//! ([`attribution`]), and the effect of series for sines and cosines
+//! ([`series`]).
 
 mod attribution;
 mod outputs;
@@ -16,6 +17,7 @@ use attribution::AttributionArguments;
 use clap::{ArgGroup, Args};
 use outputs::MeasureArguments;
 use robovec_framework::manager::{self, Config};
+use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;
 use robovec_io::sources::ReadEquations;
 use robovec_ir::diagnostic::{clip, did_you_mean};
@@ -166,7 +168,7 @@ pub(super) fn run(arguments: &ErrorArguments) -> Result<String, CommandFailure> 
 /// Machine, passes and scene of all files.
 struct ErrorSetting {
     machine: Machine,
-    pipeline: robovec_framework::pipeline::Pipeline,
+    pipeline: Pipeline,
     scene: Option<Scene>,
 }
 

@@ -26,7 +26,8 @@ pub(super) struct MeasureArguments {
           default_value_t = ReferenceEffort::Certified)]
     reference: ReferenceEffort,
     /// Print the inputs of one state, as `robovec eval --states` reads them
-    #[arg(long, value_name = "N", conflicts_with_all = ["attribution", "series"],
+    #[arg(long, value_name = "N",
+          conflicts_with_all = ["attribution", "series", "json", "csv", "output"],
           add = whole(0, 1_000_000_000, "states are drawn by their number"))]
     print_state: Option<u32>,
 }

@@ -82,8 +82,8 @@ pub(super) struct GenArguments {
     /// Passes that run over the equations, e.g. atomise,cse,dce
     #[arg(long, value_name = "PIPELINE")]
     passes: Option<String>,
-    /// File (with --language or --whole-step: folder, by default the current one) to write instead
-    /// of the standard output
+    /// File to write instead of the standard output; with --language folder, by default the
+    /// current one, with --whole-step folder
     #[arg(short, long, value_name = "PATH")]
     output: Option<PathBuf>,
     // Last, since its heading holds for all that follow.
@@ -154,6 +154,9 @@ fn function_help() -> String {
 
 /// The functions asked for, each once, in the order of Robotran's numbers.
 fn kinds(names: &[String]) -> Result<Vec<FunctionKind>, CommandFailure> {
+    if names.is_empty() {
+        return Ok(vec![FunctionKind::Dirdyna]);
+    }
     let known = |name: &&String| *name == "all" || FunctionKind::from_name(name).is_some();
     if let Some(name) = names.iter().find(|name| !known(name)) {
         return Err(input::no_such_kind(name));
@@ -164,12 +167,7 @@ fn kinds(names: &[String]) -> Result<Vec<FunctionKind>, CommandFailure> {
             .iter()
             .any(|name| name == kind.name() || name == "all" && !kind.is_special())
     };
-    let kinds: Vec<FunctionKind> = FunctionKind::ALL.into_iter().filter(asked).collect();
-    Ok(if names.is_empty() {
-        vec![FunctionKind::Dirdyna]
-    } else {
-        kinds
-    })
+    Ok(FunctionKind::ALL.into_iter().filter(asked).collect())
 }
 
 /// The formulations as values of an option, each with its description.
