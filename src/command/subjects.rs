@@ -94,23 +94,15 @@ fn equations(subject: &StudySubject) -> Result<Module, CommandFailure> {
             return input::without_ranges(input::equations(&path, None)?, "explore --plan");
         }
     };
-    // Sensors are functions with numbers: sensor_1.
-    let name = wanted
-        .trim_end_matches(|c: char| c.is_ascii_digit())
-        .trim_end_matches('_');
-    let Some(kind) = FunctionKind::from_name(name) else {
+    let Some(kind) = kind else {
         let names = FunctionKind::ALL.map(FunctionKind::name);
-        let note = match did_you_mean(name, names.iter().copied()) {
+        let note = match did_you_mean(wanted, names.iter().copied()) {
             Some(near) => format!("did you mean '{near}'?"),
             None => format!("functions: {}", names.join(", ")),
         };
-        return Err(CommandFailure::advised(
-            format!(
-                "model '{}': there is no function '{wanted}' to generate",
-                subject.name
-            ),
-            vec![note],
-        ));
+        let name = &subject.name;
+        let message = format!("model '{name}': there is no function '{wanted}' to generate");
+        return Err(CommandFailure::advised(message, vec![note]));
     };
     let style = &subject.style;
     let options = Options {

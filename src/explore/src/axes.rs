@@ -25,10 +25,6 @@ impl<const N: usize> Axes<N> {
     }
 }
 
-/// Rounds of Newton's method that a step is counted with. In a motion the
-/// joints start where the step before has left them.
-pub(crate) const ROUNDS: u32 = 2;
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,5 @@
 //! Tables and figures with the titles and captions of `captions.toml`.
 
-use crate::axes::ROUNDS;
 use crate::operators::MEMORY_CAP_MHZ;
 use robovec_present::{ColumnList, DataTable, Figure, Panel};
 use serde::Deserialize;
@@ -34,15 +33,9 @@ pub(crate) fn fill(text: &str, words: &Words<'_>) -> String {
         |text: String, (name, word): (&str, &str)| text.replace(&format!("{{{name}}}"), word);
     let shared = CAPTIONS.words.iter();
     let shared = shared.map(|(name, word)| (name.as_str(), word.as_str()));
-    let text = shared
-        .chain(words.iter().copied())
-        .fold(text.to_owned(), fill);
-    [
-        ("cap", MEMORY_CAP_MHZ.to_string()),
-        ("rounds", ROUNDS.to_string()),
-    ]
-    .iter()
-    .fold(text, |text, (name, word)| fill(text, (name, word)))
+    let cap = MEMORY_CAP_MHZ.to_string();
+    let words = words.iter().copied().chain([("cap", cap.as_str())]);
+    shared.chain(words).fold(text.to_owned(), fill)
 }
 
 pub(crate) fn table<R>(

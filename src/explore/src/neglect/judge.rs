@@ -25,7 +25,7 @@ const SAMPLES: u32 = 500;
 
 /// Steps a motion may take, as a multiple of those of the full model: what
 /// takes more has become stiff and cheapens nothing.
-const STEP_FACTOR: u64 = 20;
+pub(super) const STEP_FACTOR: u64 = 20;
 
 /// Steps the full model may take.
 pub(super) const FULL_STEPS: u64 = 1_000_000;
@@ -178,11 +178,6 @@ impl NeglectJudge<'_> {
             let plan = self.plan(tolerance);
             simulate(system, initial, &plan, &mut |_| ())
         })
-    }
-
-    /// Lets motions take what they may beside the full model's steps.
-    pub(super) fn limit_steps(&mut self, full: u64) {
-        self.step_limit = STEP_FACTOR * full + 1000;
     }
 
     fn plan(&self, tolerance: f64) -> SimulationPlan {

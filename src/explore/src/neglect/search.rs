@@ -2,7 +2,7 @@
 
 use super::NeglectError;
 use super::document::SceneTable;
-use super::judge::{FULL_STEPS, NeglectJudge, ReducedScene, SceneOperations, Start};
+use super::judge::{FULL_STEPS, NeglectJudge, ReducedScene, STEP_FACTOR, SceneOperations, Start};
 use super::omission::{Omission, candidates};
 use crate::program::{transformed_by, view};
 use crate::scene::{
@@ -230,7 +230,7 @@ fn full_motion(judge: &mut NeglectJudge<'_>, model: &Model) -> Result<FullMotion
         .map(|joint| mean_position(&runs, joint))
         .collect();
     let steps = runs.iter().map(|run| run.steps + run.rejected).max();
-    judge.limit_steps(steps.expect("there is a start"));
+    judge.step_limit = STEP_FACTOR * steps.expect("there is a start") + 1000;
     let watched = WatchedJoints::new(&judge.wish.watch, model, &runs)?;
     Ok(FullMotion {
         scene,

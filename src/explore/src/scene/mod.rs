@@ -122,7 +122,7 @@ impl SceneFile {
     pub fn general(&self) -> Result<Module, GenerateError> {
         match &self.subject {
             SceneSubject::Equations(module) => Ok((**module).clone()),
-            SceneSubject::Model(subject) => subject.general_equations(self.formulation()),
+            SceneSubject::Model(subject) => subject.generate(&subject.general, self.formulation()),
         }
     }
 

@@ -45,16 +45,12 @@ impl ModelSubject {
         self.generate(&self.model, formulation)
     }
 
-    /// The function in a formulation, every joint free.
-    ///
-    /// # Errors
-    ///
-    /// Those of the generator.
-    pub fn general_equations(&self, formulation: Formulation) -> Result<Module, GenerateError> {
-        self.generate(&self.general, formulation)
-    }
-
-    fn generate(&self, model: &Model, formulation: Formulation) -> Result<Module, GenerateError> {
+    /// The function of a model in a formulation.
+    pub(super) fn generate(
+        &self,
+        model: &Model,
+        formulation: Formulation,
+    ) -> Result<Module, GenerateError> {
         let request = GenerationRequest {
             function: self.function,
             formulation,

@@ -7,9 +7,12 @@
 
 use super::plan::StudySubject;
 use super::results::{Results, StudiedProgram, StudyPlacement};
-use crate::axes::ROUNDS;
 use robovec_robotran::FunctionKind;
 use std::collections::BTreeMap;
+
+/// Rounds of Newton's method that a step is counted with. In a motion the
+/// joints start where the step before has left them.
+pub(super) const ROUNDS: u32 = 2;
 
 /// The functions of a step, in the order of their calls, and how often each is
 /// called: every round, and once more to find the loops closed.

@@ -3,7 +3,7 @@
 use super::super::plan::PlacementRequest;
 use super::super::printed::thesis;
 use super::super::results::{Results, StudiedProgram, StudyPlacement};
-use super::super::step::{PARTS, PlacedStep, placed, steps};
+use super::super::step::{PARTS, PlacedStep, ROUNDS, placed, steps};
 use super::super::variants;
 use crate::captions;
 use crate::operators::{Couple, MEMORY_CAP_MHZ, couples as all_couples};
@@ -234,7 +234,7 @@ pub(super) fn points(results: &Results) -> DataTable {
 }
 
 /// A whole step on a machine, and that with the fewest elements.
-struct StepRow<'a> {
+struct WholeStepRow<'a> {
     program: StudiedProgram<'a>,
     placed: PlacedStep<'a>,
     first: u32,
@@ -244,7 +244,7 @@ struct StepRow<'a> {
 /// The whole step of systems: loops closed, then accelerations.
 pub(super) fn whole_step(results: &Results) -> Option<DataTable> {
     let plan = &results.plan;
-    let mut rows: Vec<StepRow<'_>> = Vec::new();
+    let mut rows: Vec<WholeStepRow<'_>> = Vec::new();
     for step in steps(results) {
         for pipeline in 0..plan.pipelines.len() {
             for machine in 0..plan.machines.len() {
@@ -254,7 +254,7 @@ pub(super) fn whole_step(results: &Results) -> Option<DataTable> {
                 };
                 let all = placed(results, &step, pipeline, machine);
                 let first = all.first().map_or(0, |first| first.cycles);
-                rows.extend(all.into_iter().map(|placed| StepRow {
+                rows.extend(all.into_iter().map(|placed| WholeStepRow {
                     program,
                     first,
                     clock: clock(&placed.accelerations().machine()),
@@ -263,7 +263,7 @@ pub(super) fn whole_step(results: &Results) -> Option<DataTable> {
             }
         }
     }
-    let mut columns = columns! { StepRow<'_>;
+    let mut columns = columns! { WholeStepRow<'_>;
         "system", [Hidden, All], |row| row.program.subject().source.as_str();
         "formulation", [Hidden, All], |row| variants::label(row.program.subject());
         "pipeline", [Hidden, All], |row| row.program.pipeline().name.as_str();
@@ -272,19 +272,25 @@ pub(super) fn whole_step(results: &Results) -> Option<DataTable> {
     };
     for (part, (kind, _)) in PARTS.iter().enumerate() {
         let head = format!("{} (cycles)", kind.name());
-        let cycles = move |row: &StepRow<'_>| Some(row.placed.parts[part]?.point.cycles);
+        let cycles = move |row: &WholeStepRow<'_>| Some(row.placed.parts[part]?.point.cycles);
         columns = columns.with(head, Digits::Hidden, Digits::All, cycles);
     }
-    let faster = |row: &StepRow<'_>| f64::from(row.first) / f64::from(row.placed.cycles.max(1));
-    let columns = columns.and(columns! { StepRow<'_>;
+    let faster =
+        |row: &WholeStepRow<'_>| f64::from(row.first) / f64::from(row.placed.cycles.max(1));
+    let columns = columns.and(columns! { WholeStepRow<'_>;
         "whole step (cycles)", [Hidden, All], |row| row.placed.cycles;
         "times as fast", [Hidden, Decimals(2)], faster;
         "clock", [Hidden, All], |row| row.clock.text();
         "whole step (µs)", [Hidden, Decimals(3)], |row| row.clock.microseconds(row.placed.cycles);
     });
     let columns = columns.and(costs(
-        |row: &StepRow<'_>| Some(row.placed.share()),
+        |row: &WholeStepRow<'_>| Some(row.placed.share()),
         |row| Some(row.program),
     ));
-    captions::filled("whole-step", &[], &columns, &rows)
+    captions::filled(
+        "whole-step",
+        &[("rounds", &ROUNDS.to_string())],
+        &columns,
+        &rows,
+    )
 }

@@ -3,7 +3,7 @@
 use super::super::cpu::CpuTime;
 use super::super::knee::{Split, knee};
 use super::super::results::{Results, StudiedProgram};
-use super::super::step::{PARTS, StudyStep, placed, steps};
+use super::super::step::{PARTS, ROUNDS, StudyStep, placed, steps};
 use super::placements::{costs, sum};
 use crate::captions;
 use crate::placing::with_elements;
@@ -197,12 +197,8 @@ fn whole_steps(results: &Results, cpu: &[CpuTime], processor: &str) -> Option<Da
         "one core (µs)", [Hidden, Decimals(3)], |row| row.core;
         "who wins", [Hidden, All], |row| row.array.winner(row.core);
     });
-    captions::filled(
-        "whole-step-cpu",
-        &[("processor", processor)],
-        &columns,
-        &rows,
-    )
+    let words = [("processor", processor), ("rounds", &ROUNDS.to_string())];
+    captions::filled("whole-step-cpu", &words, &columns, &rows)
 }
 
 /// The time of a step on one core: of each function the fastest program, as
