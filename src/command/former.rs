@@ -81,11 +81,37 @@ pub(super) fn answer(mut error: clap::Error) -> clap::Error {
     let advice: Vec<_> = FORMER
         .iter()
         .filter(is_it)
-        .map(|former| format!("'robovec {}' is 'robovec {}' now", former.line, former.now).into())
+        .map(|former| format!("robovec {} is now: robovec {}", former.line, former.now).into())
         .collect();
     if !advice.is_empty() {
         error.remove(ContextKind::SuggestedSubcommand);
         error.insert(ContextKind::Suggested, ContextValue::StyledStrs(advice));
     }
     error
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn former_names_are_answered_with_commands_that_are_there() {
+        let [_, tool] = crate::command::commands();
+        for FormerCommand { line, now, .. } in FORMER {
+            let name = line.split(' ').next().expect("a split has a first part");
+            let error = tool.clone().try_get_matches_from(["robovec", name]);
+            let told = answer(error.expect_err("a former name")).to_string();
+            assert!(told.contains(&format!("is now: robovec {now}")), "{told}");
+            let mut command = &tool;
+            for word in now.split(' ') {
+                if let Some(inner) = command.find_subcommand(word) {
+                    command = inner;
+                } else if let Some(long) = word.strip_prefix("--") {
+                    let mut flags = command.get_arguments();
+                    assert!(flags.any(|flag| flag.get_long() == Some(long)), "{now}");
+                }
+            }
+            assert_ne!(command.get_name(), tool.get_name(), "{now}");
+        }
+    }
 }
