@@ -32,7 +32,7 @@ fn check(input: PathBuf, passes: &str, with_rule: bool, (width, most_kilobytes):
     assert_ne!(seen["pass"], "as read");
     assert!((10..100).contains(&number("lines")), "{seen:?}");
     for view in [
-        "graph", "nodes", "schedule", "ink", "source", "heat", "report", "late",
+        "opens", "graph", "nodes", "schedule", "ink", "source", "heat", "report", "late",
     ] {
         assert_eq!(seen[view], "true", "{view}: {seen:?}");
     }

@@ -17,8 +17,11 @@ const click = async element => {
 const say = (key, value) => told.push(`${key}=${value}`);
 async function drive() {
   await wait();
+  // The page opens on the pass that changed most, its gain on top.
+  say("opens", /\d+ \u2192 \d+ cycles/.test(document.querySelector("#answer .answer").textContent) && document.getElementById("pass").selectedIndex > 0);
+  await click(document.getElementById("tab-late"));
   say("outputs", document.querySelectorAll("#outputs tbody tr").length);
-  // Five clicks: the latest output, its chain, an operation that a rule made.
+  // Five clicks with that on the tab: the latest output, its chain, an operation that a rule made.
   await click(document.querySelector("#outputs tbody button"));
   say("chosen", document.getElementById("chosen").textContent);
   say("equations", document.querySelectorAll("#story .equation").length);

@@ -4,7 +4,7 @@
 function story(page) {
   const s = page.state, i = page.statement(s);
   if (page.line) return lineStory(page);
-  if (i < 0) return [el("h3", null, "Nothing is chosen"), el("p", null, "Choose an output or a value: here stands why it is late, which equations it comes from and what every pass made of it.")];
+  if (i < 0) return [el("h3", null, "Select a value to see its history"), el("p", null, "Why it is late, the equations it comes from, and every pass that changed it.")];
   const { fn } = page, state = fn.states[s], last = state.last(i);
   const parts = [el("h3", { id: "chosen" }, state.name(i)), el("p", { class: "code" }, state.written(i))];
   const facts = [`available at cycle ${state.arrivals[i]} of ${state.path}, ` + (state.slacks[i] ? `slack ${state.slacks[i]}` : "on a longest path")];

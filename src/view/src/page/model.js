@@ -72,6 +72,22 @@ class Fn {
     this.end = this.states[this.states.length - 1];
     this.heats = new Map(data.heat.map(([file, line, share]) => [file + ":" + line, share]));
   }
+  // The state after the pass that shortened the longest path most, or changed
+  // most statements where none did.
+  mostChanged() {
+    if (this.best !== undefined) return this.best;
+    const measure = k => {
+      const [before, after] = [this.states[k - 1], this.states[k]];
+      return [before.path - after.path, Math.abs(before.count - after.count)];
+    };
+    this.best = 0;
+    let most = [0, 0];
+    for (let k = 1; k < this.states.length; k++) {
+      const [path, count] = measure(k);
+      if (path > most[0] || (path === most[0] && count > most[1])) [this.best, most] = [k, [path, count]];
+    }
+    return this.best;
+  }
   // The states of a statement, the last first: statement i of state s, then
   // what that was made from, back to what was read.
   ancestry(s, i) {

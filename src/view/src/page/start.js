@@ -11,8 +11,10 @@ const page = {
     const given = new URLSearchParams(location.hash.slice(1));
     this.fn = FUNCTIONS[Math.min(Number(given.get("f")) || 0, FUNCTIONS.length - 1)];
     const last = this.fn.end.number;
-    this.state = given.has("s") ? Math.min(Math.max(0, Number(given.get("s")) || 0), last) : last;
-    this.tab = TABS.find(([name]) => name === given.get("tab")) || TABS[0];
+    // A page that is opened shows what changed most.
+    const first = [...given.keys()].every(key => key === "f");
+    this.state = given.has("s") ? Math.min(Math.max(0, Number(given.get("s")) || 0), last) : first ? this.fn.mostChanged() : last;
+    this.tab = TABS.find(([name]) => name === (given.get("tab") || (first ? "passes" : ""))) || TABS[0];
     this.name = given.get("v") || "";
     this.query = given.get("q") || "";
     this.only = given.get("only") === "1";
@@ -51,7 +53,10 @@ const page = {
 };
 
 document.getElementById("title").textContent = `${DATA.title}: ${DATA.pipeline}`;
-document.getElementById("subtitle").textContent = `robovec ${DATA.robovec}; ` + FUNCTIONS.map(fn => `${fn.name}: longest path ${fn.states[0].path} cycles as read, ${fn.end.path} at the end`).join("; ");
+document.getElementById("subtitle").textContent = `robovec ${DATA.robovec}`;
+document.getElementById("answer").replaceChildren(...FUNCTIONS.map(fn => el("p", { class: "answer" },
+  `${FUNCTIONS.length > 1 ? fn.name + ": " : ""}longest path ${fn.states[0].path} \u2192 ${fn.end.path} cycles`,
+  el("span", { class: "soft" }, fn.mostChanged() ? `, most of it by the pass ${fn.states[fn.mostChanged()].pass}` : ""))));
 addEventListener("hashchange", () => page.show());
 addEventListener("resize", () => { if (page.tab[0] === "schedule") page.show(); });
 page.show();
