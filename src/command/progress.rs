@@ -3,6 +3,7 @@
 
 use super::telling;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use robovec_present::text::cut;
 use std::io::{IsTerminal, Write, stderr};
 use std::thread;
 use std::time::Duration;
@@ -63,8 +64,11 @@ fn line(bar: &ProgressBar) -> String {
         bar.elapsed().as_secs(),
         bar.message().trim()
     );
-    text.trim_end().to_owned()
+    cut(text.trim_end(), WIDTH)
 }
+
+/// Maximum number of characters of a line of progress.
+const WIDTH: usize = 80;
 
 fn styled(steps: Option<usize>, template: &str) -> ProgressBar {
     let steps = steps.map(|steps| steps as u64);

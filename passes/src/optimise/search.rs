@@ -267,16 +267,11 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
                 )
             }
         };
-        let joined = |first: &str, separator: &str, second: &str| match first {
-            "" => second.to_owned(),
-            first => format!("{first}{separator}{second}"),
+        let passes = match passes {
+            "" => plan.step.pipeline.to_owned(),
+            passes => format!("{passes},{}", plan.step.pipeline),
         };
-        (
-            program.clone(),
-            start,
-            joined(name, ", ", plan.step.name),
-            joined(passes, ",", plan.step.pipeline),
-        )
+        (program.clone(), start, plan.step.after(name), passes)
     }
 
     /// True when a preparation will not save so much that it comes near the

@@ -22,7 +22,7 @@ pub enum StartForm {
 /// One step of a search.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SearchStep {
-    /// Its name in tables.
+    /// Its name, which steps of one kind share: the pipeline tells them apart.
     pub name: &'static str,
     /// The passes it stands for.
     pub pipeline: &'static str,
@@ -42,6 +42,11 @@ pub struct SearchStep {
     /// the others promise anything.
     pub is_first: bool,
 }
+
+/// Text between the kinds of steps in a name.
+const KINDS: &str = " + ";
+/// Text before the number of steps of a kind, where there are several.
+const TIMES: &str = " x";
 
 const fn step(name: &'static str, pipeline: &'static str) -> SearchStep {
     SearchStep {
@@ -94,22 +99,22 @@ pub const COMPOSITE: &str =
 /// Preparations of all starts. The order of the equations is forgotten, so that
 /// it does not matter.
 pub const PREPARATIONS: &[SearchStep] = &[
-    first(step("reassociated", REASSOCIATED)),
+    first(step("balanced", REASSOCIATED)),
     first(bodies("composite", COMPOSITE)),
     step(
         "factored",
         "dce{order=outputs},fold,zero-removal,factor,balance,cse,dce",
     ),
     step(
-        "factored freely",
+        "factored",
         "dce{order=outputs},fold,zero-removal,factor-trig{path=free},balance,cse,dce",
     ),
     bodies(
-        "composite, in place",
+        "composite",
         "dce{order=outputs},fold,cse,composite,factor-trig{path=free},cse,dce",
     ),
     step(
-        "factored, in place",
+        "factored",
         "dce{order=outputs},fold,cse,factor-trig{path=free},cse,dce",
     ),
     printed(
@@ -127,9 +132,9 @@ pub const PRESET: &str = "$cpu";
 /// polynomials make paths long.
 pub const FEWEST: &[SearchStep] = &[
     bodies(PRESET, "fold,cse,composite,factor-trig{path=free},cse,dce"),
-    step("in the order given", "fold,cse,dce"),
+    step("as given", "fold,cse,dce"),
     heavy(
-        "schemes",
+        "horner",
         "dce{order=outputs},fold,zero-removal,factor{path=free horner=occurrences},cse,dce",
         5,
         100,
@@ -138,7 +143,7 @@ pub const FEWEST: &[SearchStep] = &[
         finds_bodies: true,
         printed_only: true,
         ..heavy(
-            "composite, schemes",
+            "composite",
             "dce{order=outputs},fold,zero-removal,composite,\
              factor-trig{path=free horner=occurrences},cse,dce",
             3,
@@ -150,7 +155,7 @@ pub const FEWEST: &[SearchStep] = &[
 /// Moves after them where nothing but operations counts. Look-ahead that may
 /// not spend finds values that are equal, and is paid for by factors.
 pub const FEWEST_MOVES: &[SearchStep] = &[heavy(
-    "look-ahead 95 %, schemes",
+    "look-ahead",
     "lookahead{growth=95},factor{path=free horner=occurrences},cse,dce",
     15,
     100,
@@ -159,53 +164,50 @@ pub const FEWEST_MOVES: &[SearchStep] = &[heavy(
 /// Moves after the preparations.
 pub const MOVES: &[SearchStep] = &[
     heavy(
-        "look-ahead 100 %",
+        "look-ahead",
         "lookahead{growth=100},balance,cse,dce",
         8,
         100,
     ),
     heavy(
-        "look-ahead 120 %",
+        "look-ahead",
         "lookahead{growth=120},balance,cse,dce",
         10,
         115,
     ),
     heavy(
-        "far look-ahead 100 %",
+        "look-ahead",
         "lookahead{growth=100 width=24 grid=5 frontiers=80},balance,cse,dce",
         22,
         100,
     ),
     heavy(
-        "far look-ahead 120 %",
+        "look-ahead",
         "lookahead{growth=120 width=24 grid=5 frontiers=80},balance,cse,dce",
         26,
         115,
     ),
     heavy(
-        "far look-ahead 135 %",
+        "look-ahead",
         "lookahead{growth=135 width=24 grid=5 frontiers=80},balance,cse,dce",
         28,
         125,
     ),
     heavy("prefix", "recurrence,balance,cse,dce", 4, 140),
-    step("factored again", "factor-trig,balance,cse,dce"),
-    step(
-        "factored freely again",
-        "factor-trig{path=free},balance,cse,dce",
-    ),
+    step("factored", "factor-trig,balance,cse,dce"),
+    step("factored", "factor-trig{path=free},balance,cse,dce"),
     SearchStep {
         finds_bodies: true,
-        ..heavy("composite again", "composite,balance,cse,dce", 3, 100)
+        ..heavy("composite", "composite,balance,cse,dce", 3, 100)
     },
     heavy(
-        "far look-ahead 150 %",
+        "look-ahead",
         "lookahead{growth=150 width=24 grid=5 frontiers=80},balance,cse,dce",
         32,
         140,
     ),
     heavy(
-        "look-ahead 200 %",
+        "look-ahead",
         "lookahead{growth=200},balance,cse,dce",
         12,
         180,
@@ -217,12 +219,32 @@ pub const MOVES: &[SearchStep] = &[
 pub const SATURATED: &[SearchStep] = &[heavy("saturated", "eqsat,cse,dce", 200, 105)];
 
 /// Products and sums in one, on machines that have elements for it.
-pub const FUSED: &[SearchStep] = &[
-    step("fused", "fma"),
-    step("fused in part", "fma{share=true}"),
-];
+pub const FUSED: &[SearchStep] = &[step("fused", "fma"), step("fused", "fma{share=true}")];
 
 impl SearchStep {
+    /// Name of a program that goes through this step after those of its name
+    /// so far: every kind of step once, with how often it was taken.
+    pub(super) fn after(&self, name: &str) -> String {
+        let mut kinds: Vec<String> = Vec::new();
+        let mut is_known = false;
+        for kind in name.split(KINDS).filter(|kind| !kind.is_empty()) {
+            let (kind, times) = kind.rsplit_once(TIMES).unwrap_or((kind, "1"));
+            let mut times: u32 = times.parse().expect("names count their steps");
+            if kind == self.name {
+                is_known = true;
+                times += 1;
+            }
+            kinds.push(match times {
+                1 => kind.to_owned(),
+                times => format!("{kind}{TIMES}{times}"),
+            });
+        }
+        if !is_known {
+            kinds.push(self.name.to_owned());
+        }
+        kinds.join(KINDS)
+    }
+
     /// True when it puts sums and products into another order.
     pub fn balances(&self) -> bool {
         self.pipeline.split(',').any(|step| step == "balance")
@@ -253,6 +275,18 @@ pub(super) fn class(pipeline: &Pipeline) -> NumericClass {
 mod tests {
     use super::*;
     use crate::registry::REGISTRY;
+
+    #[test]
+    fn names_count_steps_of_a_kind() {
+        let [first, second] = [MOVES[0], MOVES[6]];
+        assert_eq!([first.name, second.name], ["look-ahead", "factored"]);
+        let mut name = "composite".to_owned();
+        for step in [first, second, first, first] {
+            name = step.after(&name);
+        }
+        assert_eq!(name, "composite + look-ahead x3 + factored");
+        assert_eq!(first.after(""), "look-ahead");
+    }
 
     #[test]
     fn the_preset_is_a_step() {

@@ -8,17 +8,18 @@ use robovec_explore::scene::{SceneFile, SceneSubject};
 use robovec_framework::scene::Scene;
 use robovec_model::Model;
 use robovec_robotran::FunctionKind;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Inputs of the user, read.
 pub(super) struct GivenStarts {
-    pub(super) name: String,
     pub(super) starts: Vec<OptimisationStart>,
     /// Formulations that are not the function that came in, and why.
     pub(super) left: Vec<(String, String)>,
     pub(super) scene: Option<Scene>,
     /// The model that formulations are made from, as a word of a command.
     pub(super) model: String,
+    /// The C file that the equations came in.
+    pub(super) file: Option<PathBuf>,
 }
 
 /// Reads what the user named.
@@ -59,11 +60,11 @@ fn of_scene(arguments: &OptimiseArguments, file: SceneFile) -> Result<GivenStart
     let mut starts = vec![OptimisationStart::given(module)];
     starts.extend(formulations);
     Ok(GivenStarts {
-        name: input::stem(Path::new(arguments.input.trim_end_matches(".toml"))),
         starts,
         left,
         scene: Some(file.scene),
         model: String::new(),
+        file: None,
     })
 }
 
@@ -73,7 +74,7 @@ fn equations(
     function: Option<&str>,
     mut scene: Option<Scene>,
 ) -> Result<GivenStarts, CommandFailure> {
-    let (name, model) = subjects::named_model(&arguments.input)?;
+    let (_, model) = subjects::named_model(&arguments.input)?;
     let wanted = function.unwrap_or("dirdyna");
     let (mut module, model, words) = match (model, &arguments.model) {
         (Some(_), Some(path)) => {
@@ -119,10 +120,11 @@ fn equations(
     let mut starts = vec![OptimisationStart::given(module)];
     starts.append(&mut formulations);
     Ok(GivenStarts {
-        name,
         starts,
         left,
         scene,
         model: words,
+        file: Some(PathBuf::from(&arguments.input))
+            .filter(|path| path.extension().is_some_and(|extension| extension == "c")),
     })
 }

@@ -7,7 +7,7 @@ use super::flags::{EFFORT, SEED, states, whole};
 use super::shares::ShareArguments;
 use super::{CommandFailure, input, output, progress};
 use clap::Args;
-use robovec_bench::{Compiler, own};
+use robovec_bench::{Compiler, robotran};
 use robovec_explore::optimise::{
     MakerTally, OptimisationError, OptimisationQuestion, OptimisationTarget, optimise, search_share,
 };
@@ -68,7 +68,7 @@ pub(super) struct OptimiseArguments {
     #[arg(long, default_value = "cc", value_name = "COMMAND")]
     compiler: String,
     /// Its flags
-    #[arg(long, default_value = own::FLAGS, allow_hyphen_values = true)]
+    #[arg(long, default_value = robotran::FLAGS, allow_hyphen_values = true)]
     flags: String,
     /// Folder for the program, optimise.html, .csv, .json and .svg
     #[arg(short, long, value_name = "FOLDER")]
@@ -117,6 +117,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<String, CommandFailur
         },
         compiler: compiler.as_ref(),
         flags: &arguments.flags,
+        file: given.file.as_deref(),
         work: SharedWork::new(store.as_ref(), arguments.shares.share()),
     };
     let bar = progress::spinner();

@@ -2,52 +2,186 @@
 
 use super::OptimiseArguments;
 use super::given::GivenStarts;
-use crate::command::CommandFailure;
 use crate::command::output::{self, result_files};
+use crate::command::{CommandFailure, telling};
 use robovec_cgen::c;
-use robovec_error::yardstick::account::share_cell;
-use robovec_explore::optimise::{OptimisationQuestion, OptimisationTarget, Optimised, text};
+use robovec_explore::optimise::answer::OptimisationAnswer;
+use robovec_explore::optimise::text::OptimisationPage;
+use robovec_explore::optimise::{
+    OptimisationPoint, OptimisationQuestion, OptimisationTarget, Optimised, text,
+};
 use robovec_explore::program::{transformed_by, view};
-use robovec_fpga::hardware;
 use robovec_framework::manager::{self, Config};
 use robovec_io::files::Replace;
 use robovec_ir::diagnostic::counted;
-use robovec_ir::{Machine, Module, print};
+use robovec_ir::{Module, print};
 use robovec_passes::registry::REGISTRY;
 use robovec_present::json::json_text;
 use robovec_present::number::or_nothing;
+use robovec_present::text::{cut, labelled};
+use robovec_robotran::Language;
 use robovec_robotran::drop_in::{DropInOptions, drop_in};
+use robovec_robotran::write::{WriteOptions, write as write_equations};
+use serde::Serialize;
 use std::fmt::Write;
 use std::io;
 use std::path::Path;
 
-/// Writes what was found, and says what it is.
+/// Writes the program that was found, and reports it.
 pub(super) fn tell(
     arguments: &OptimiseArguments,
     given: &GivenStarts,
     question: &OptimisationQuestion<'_>,
     found: &Optimised,
 ) -> Result<String, CommandFailure> {
-    let facts = facts(given, question, found);
+    let answer = OptimisationAnswer::of(found, question);
     let commands = commands(arguments, given, found);
-    let mut text = format!("{}\n\n{facts}", text::table(found));
-    let Some(folder) = &arguments.output else {
-        text += &format!("\nto make it again:\n{commands}");
-        return Ok(text);
+    let subject = subject(arguments, found);
+    let mut lines = answer.lines();
+    let rest = match &arguments.output {
+        None => {
+            lines.push((
+                "use it",
+                "run again with '-o FOLDER', which writes it".to_owned(),
+            ));
+            String::new()
+        }
+        Some(folder) => {
+            let mut files = program_files(question, found)?;
+            files.extend(in_its_language(arguments, found)?);
+            // The page lies in the folder; the terminal does not.
+            let in_folder = [lines.clone(), uses(arguments, Path::new(""), &files)].concat();
+            lines.extend(uses(arguments, folder, &files));
+            files.push(("commands.txt".to_owned(), commands.clone()));
+            if !is_input(arguments, found) {
+                let start = print::print_module(&given.starts[found.start].module);
+                files.push((START.to_owned(), start));
+            }
+            let code = code(arguments, given, found, &files);
+            let texts = OptimisationPage {
+                subject: &subject,
+                answer: &answer,
+                lines: &in_folder,
+                commands: &commands,
+                code: code
+                    .each_ref()
+                    .map(|(name, text)| (name.as_str(), text.as_str())),
+            };
+            files.extend(results(found, &texts));
+            write(folder, &files)?;
+            format!(": {}, optimise.csv", folder.join(PAGE).display())
+        }
     };
-    let mut files = program_files(question, found)?;
-    files.push(("commands.txt".to_owned(), commands.clone()));
-    if !is_input(arguments, found) {
-        let start = print::print_module(&given.starts[found.start].module);
-        files.push((START.to_owned(), start));
+    lines.extend(left_out(given));
+    let head = headline(&subject, &answer) + &labelled(&lines);
+    let rows = SCREEN.saturating_sub(head.lines().count() + FRAME);
+    let table = text::front_table(found, answer.measure, rows);
+    let mut text = format!("{head}\n{table}\n{}{rest}\n", text::numbers(found));
+    if telling::is_verbose() {
+        text += &format!("\n{}\n\nto make it again:\n{commands}", text::table(found));
+        for (name, reason) in &given.left {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "formulation {name} is left out: {reason}");
+        }
     }
+    Ok(text)
+}
+
+/// The gain, after the subject; below it where both do not fit into a line.
+fn headline(subject: &str, answer: &OptimisationAnswer) -> String {
+    let gain = answer.headline();
+    let one = format!("{subject}  {gain}\n");
+    if one.chars().count() <= 80 {
+        one
+    } else {
+        format!("{subject}\n  {gain}\n")
+    }
+}
+
+/// The file or model, and the function of a model.
+fn subject(arguments: &OptimiseArguments, found: &Optimised) -> String {
+    let input = Path::new(&arguments.input);
+    let name = input
+        .file_name()
+        .unwrap_or(input.as_os_str())
+        .to_string_lossy();
+    let has_equations = input.extension().is_some_and(|extension| {
+        let extension = extension.to_string_lossy();
+        matches!(&*extension, "rvir" | "toml") || Language::from_extension(&extension).is_some()
+    });
+    if has_equations {
+        return name.into_owned();
+    }
+    format!("{name} {}", found.program.functions[0].name)
+}
+
+/// Maximum number of lines of the report.
+const SCREEN: usize = 20;
+/// Lines of it around the rows of the table: its head, and blank ones.
+const FRAME: usize = 5;
+
+/// Maximum number of characters of a reason.
+const REASON: usize = 120;
+
+/// Formulations of the model that take no part, and why the first does not.
+fn left_out(given: &GivenStarts) -> Option<(&'static str, String)> {
+    let (_, reason) = given.left.first()?;
+    let names: Vec<&str> = given.left.iter().map(|(name, _)| name.as_str()).collect();
+    let names = match names.as_slice() {
+        [name] => (*name).to_owned(),
+        names => counted(names.len(), "formulation"),
+    };
+    Some(("left out", format!("{names}: {}", cut(reason, REASON))))
+}
+
+/// Files about what was tried.
+fn results(found: &Optimised, texts: &OptimisationPage<'_>) -> Vec<(String, String)> {
+    let data = OptimisationResults {
+        answer: texts.answer,
+        points: &found.points,
+    };
     let table = text::points_table(found);
-    let figure = text::figure(found);
-    files.extend(result_files(&table, json_text(&found.points), &figure));
-    files.push((
-        "optimise.html".to_owned(),
-        text::page(&given.name, found, &facts, &commands),
-    ));
+    let figure = text::figure(found, texts.answer.measure);
+    let mut files = result_files(&table, json_text(&data), &figure);
+    files.push((PAGE.to_owned(), text::page(found, texts)));
+    files
+}
+
+/// Names and texts of the code before and after: in the language that came in,
+/// else as robovec's text.
+fn code(
+    arguments: &OptimiseArguments,
+    given: &GivenStarts,
+    found: &Optimised,
+    files: &[(String, String)],
+) -> [(String, String); 2] {
+    let input = Path::new(&arguments.input);
+    let own = files
+        .iter()
+        .find(|(name, _)| Path::new(name).extension() == input.extension());
+    if let (Some(own), Ok(bytes)) = (own, std::fs::read(input)) {
+        let before = String::from_utf8_lossy(&bytes).into_owned();
+        let name = format!("Input: {}", input.display());
+        return [
+            (name, before),
+            (format!("Program: {}", own.0), own.1.clone()),
+        ];
+    }
+    let before = print::print_module(&given.starts[0].module);
+    let after = print::print_module(&found.program);
+    let name = format!("Input: {}", subject(arguments, found));
+    [(name, before), (format!("Program: {PROGRAM}"), after)]
+}
+
+/// Results for programs.
+#[derive(Serialize)]
+struct OptimisationResults<'a> {
+    answer: &'a OptimisationAnswer,
+    points: &'a [OptimisationPoint],
+}
+
+/// Writes all files into a folder.
+fn write(folder: &Path, files: &[(String, String)]) -> Result<(), CommandFailure> {
     let top: Vec<(&str, &str)> = files
         .iter()
         .filter(|(name, _)| !name.contains('/'))
@@ -66,86 +200,72 @@ pub(super) fn tell(
             output::write_folder(&folder.join(part), &inside, Replace::Anything)?;
         }
     }
-    // Writing to a string cannot fail.
-    let _ = writeln!(text, "\nwritten to {}:", folder.display());
-    let mut names: Vec<&str> = files
-        .iter()
-        .map(|(name, _)| {
-            name.split_inclusive('/')
-                .next()
-                .expect("names are not empty")
-        })
-        .collect();
-    names.dedup();
-    for name in names {
-        let _ = writeln!(text, "  {name}");
-    }
-    Ok(text)
+    Ok(())
 }
+
+/// The command that puts the program into the place of the input, and the
+/// files to use.
+fn uses(
+    arguments: &OptimiseArguments,
+    folder: &Path,
+    files: &[(String, String)],
+) -> Vec<(&'static str, String)> {
+    let input = Path::new(&arguments.input);
+    let name = |name: &str| folder.join(name).display().to_string();
+    let mut uses = Vec::new();
+    for (label, part) in [("hardware", HARDWARE), ("images", IMAGES)] {
+        if files.iter().any(|(name, _)| name.starts_with(part)) {
+            uses.push((label, name(part)));
+        }
+    }
+    let in_place = files.iter().map(|(name, _)| Path::new(name)).find(|path| {
+        let extension = path.extension();
+        extension == input.extension() && extension.is_some_and(|text| text != "rvir")
+    });
+    let code = files.iter().find(|(name, _)| name.ends_with(".c"));
+    uses.push((
+        "use it",
+        match (in_place, code) {
+            (Some(own), _) => {
+                let folder = input
+                    .parent()
+                    .filter(|_| input.file_name() == own.file_name());
+                let place = folder.unwrap_or(input);
+                let here = if place == Path::new("") {
+                    Path::new(".")
+                } else {
+                    place
+                };
+                format!("cp {} {}", name(&own.to_string_lossy()), here.display())
+            }
+            (None, Some((code, _))) if arguments.target != OptimisationTarget::Fpga => name(code),
+            (None, _) => name(PROGRAM),
+        },
+    ));
+    uses
+}
+
+/// The program in the language that came in, where that is not C.
+fn in_its_language(
+    arguments: &OptimiseArguments,
+    found: &Optimised,
+) -> Result<Vec<(String, String)>, CommandFailure> {
+    let extension = Path::new(&arguments.input).extension();
+    let extension = extension.map(|extension| extension.to_string_lossy());
+    let language = extension.and_then(|extension| Language::from_extension(&extension));
+    let Some(language) = language.filter(|language| *language != Language::C) else {
+        return Ok(Vec::new());
+    };
+    write_equations(&found.program, language, &WriteOptions::default())
+        .map_err(|error| CommandFailure::plain(error.to_string()))
+}
+
+/// The name of the page.
+const PAGE: &str = "optimise.html";
 
 /// The name of the file with the equations that the best program starts from,
 /// where they are not those that came in.
 pub(super) const START: &str = "start.rvir";
-
-/// Facts about the program that was taken.
-fn facts(given: &GivenStarts, question: &OptimisationQuestion<'_>, found: &Optimised) -> String {
-    let best = &found.points[found.best];
-    let mut text = format!("{}: {}\n", given.name, best.name);
-    let mut line = |line: String| {
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{line}");
-    };
-    if let (Some(cycles), Some(bound)) = (best.cycles, best.bound) {
-        let machine = question.machine;
-        let clock = hardware::clock(machine);
-        let time = clock.microseconds(cycles);
-        line(format!(
-            "{} on {}, {time:.2} us at {}",
-            counted(cycles, "cycle"),
-            elements(machine),
-            clock.text()
-        ));
-        if best.share.is_some() {
-            let device = &machine.device.device().name;
-            line(format!(
-                "{} of {device} (estimated)",
-                share_cell(best.share)
-            ));
-        }
-        line(if cycles == bound {
-            "no schedule of these operations on this machine is shorter".to_owned()
-        } else {
-            format!(
-                "the proved bound for these operations on this machine is {bound}: {:.1} % less",
-                100.0 * f64::from(cycles - bound) / f64::from(cycles)
-            )
-        });
-    }
-    if let Some(time) = best.nanoseconds {
-        let compiler = question.compiler.map(|compiler| compiler.version.as_str());
-        line(format!(
-            "{time:.0} ns per state by {} {}",
-            compiler.unwrap_or_default(),
-            question.flags
-        ));
-    }
-    line(counted(best.operations, "operation"));
-    line(found.errors.text());
-    line(format!("against the input: {}", found.proof));
-    for (name, reason) in &given.left {
-        line(format!("formulation {name} was left out: {reason}"));
-    }
-    text
-}
-
-/// The machine with its numbers of elements.
-fn elements(machine: &Machine) -> String {
-    let kinds = machine.elements.iter();
-    let kinds: Vec<String> = kinds
-        .map(|kind| format!("{} {}", kind.count, kind.kind))
-        .collect();
-    format!("{} ({})", machine.name, kinds.join(", "))
-}
 
 /// True when the program starts from the input itself, and that is a file:
 /// built-in models have none.
@@ -234,16 +354,12 @@ fn program_files(
                     Err(error) => return Err(error),
                 }
             }
+            files.extend(in_c(&found.program)?);
             Ok(files)
         }
         OptimisationTarget::Cpu => {
-            let program = print::print_module(&found.program);
-            let mut files = match drop_in(&found.program, &DropInOptions::default()) {
-                Ok(files) => files,
-                // A function that is none of Robotran's has arrays of its own.
-                Err(_) => plain_c(&found.program)?,
-            };
-            files.push((PROGRAM.to_owned(), program));
+            let mut files = in_c(&found.program)?;
+            files.push((PROGRAM.to_owned(), print::print_module(&found.program)));
             Ok(files)
         }
         OptimisationTarget::Batch => {
@@ -252,6 +368,12 @@ fn program_files(
             Ok(files)
         }
     }
+}
+
+/// C that takes the place of Robotran's file; of a function that is none of
+/// Robotran's, with arrays of its own.
+fn in_c(module: &Module) -> Result<Vec<(String, String)>, CommandFailure> {
+    drop_in(module, &DropInOptions::default()).or_else(|_| plain_c(module))
 }
 
 /// A function in C that takes its arrays one after the other.

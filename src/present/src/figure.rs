@@ -191,6 +191,9 @@ pub enum Stroke {
     Marked,
     /// A dashed line with a marker at every point.
     MarkedDashed,
+    /// Level lines with a marker where each begins and vertical ones between
+    /// them, as between points that no other beats.
+    Steps,
     /// A thin line.
     Plain,
     /// A thin dashed line.

@@ -84,6 +84,49 @@ pub fn lines(text: &str) -> String {
     format!("<pre>{}</pre>", EscapedContent(text))
 }
 
+/// A card with an answer, and lines of evidence after their labels.
+pub fn card(answer: &str, lines: &[(&str, String)]) -> String {
+    let mut text = format!(
+        "<div class=\"card\"><p class=\"answer\">{}</p>\n<dl>",
+        Escaped(answer)
+    );
+    for (label, content) in lines {
+        // Writing to a string cannot fail.
+        let _ = write!(
+            text,
+            "<dt>{}</dt><dd>{}</dd>",
+            Escaped(label),
+            Escaped(content)
+        );
+    }
+    text + "</dl></div>\n"
+}
+
+/// Maximum number of lines of a text beside another one.
+const BESIDE: usize = 300;
+
+/// Two texts side by side, each under its name; of long ones the beginning.
+pub fn side_by_side(texts: [(&str, &str); 2]) -> String {
+    let mut html = "<div class=\"pair\">".to_owned();
+    for (name, text) in texts {
+        let count = text.lines().count();
+        let shown: Vec<&str> = text.lines().take(BESIDE).collect();
+        let part = if count > BESIDE {
+            format!(", the first {BESIDE} of {count} lines")
+        } else {
+            format!(", {count} lines")
+        };
+        // Writing to a string cannot fail.
+        let _ = write!(
+            html,
+            "<div><h3>{}{part}</h3><pre class=\"tall\">{}</pre></div>",
+            Escaped(name),
+            EscapedContent(&shown.join("\n"))
+        );
+    }
+    html + "</div>\n"
+}
+
 /// A table that folds, open unless it is long; `file` is where its numbers are,
 /// empty for a table without a file.
 pub fn table(table: &DataTable, file: &str) -> String {

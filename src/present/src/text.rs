@@ -49,6 +49,37 @@ pub fn text_lines(head: &str, rows: &[Vec<String>]) -> String {
     indented("", &text_table(head, rows))
 }
 
+/// Columns of a terminal.
+const WIDTH: usize = 80;
+
+/// Texts after their labels, folded at 80 columns.
+pub fn labelled(lines: &[(&str, String)]) -> String {
+    let widths = lines.iter().map(|(label, _)| label.chars().count());
+    let column = widths.max().unwrap_or(0) + 2;
+    let blank = " ".repeat(column);
+    let mut text = String::new();
+    for (label, content) in lines {
+        let first = format!("{label:<column$}");
+        let options = textwrap::Options::new(WIDTH)
+            .initial_indent(&first)
+            .subsequent_indent(&blank)
+            .word_splitter(textwrap::WordSplitter::NoHyphenation);
+        text += &textwrap::fill(content, options);
+        text.push('\n');
+    }
+    text
+}
+
+/// A text of at most so many characters, the last of them `…` where it was
+/// longer.
+pub fn cut(text: &str, most: usize) -> String {
+    if text.chars().count() <= most {
+        return text.to_owned();
+    }
+    let start: String = text.chars().take(most - 1).collect();
+    format!("{start}…")
+}
+
 /// Texts in their order, each once.
 pub fn distinct<'t>(texts: impl Iterator<Item = &'t str>) -> String {
     let mut known: Vec<&str> = Vec::new();
@@ -66,4 +97,18 @@ pub fn indented(indentation: &str, text: &str) -> String {
     lines
         .map(|line| format!("{indentation}{}\n", line.trim_end()))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labelled_lines_fit_a_terminal() {
+        let long = "word ".repeat(40);
+        let text = labelled(&[("x", "1.5 times".to_owned()), ("proved", long)]);
+        assert!(text.starts_with("x       1.5 times\nproved  word "));
+        assert!(text.lines().all(|line| line.chars().count() <= WIDTH));
+        assert_eq!(text.lines().count(), 4);
+    }
 }

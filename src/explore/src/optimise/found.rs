@@ -106,6 +106,7 @@ fn searched_for(
         count: 0,
         compiler: None,
         flags: "",
+        file: None,
         work: SharedWork::ALONE,
     };
     let prepared = start::prepared(starts, &question)?;

@@ -96,6 +96,52 @@ pub(super) fn programs(
     Ok((outcome, maker.tally))
 }
 
+/// Maximum number of programs that are placed beside those of the search.
+const NEARBY: usize = 16;
+
+/// Places programs that the search passed over since they promise no shorter
+/// schedule: those whose bound is that of the best or nearly may be as fast,
+/// and more exact.
+pub(super) fn place_nearby(
+    outcome: &mut SearchOutcome<MadeProgram>,
+    prepared: &PreparedStarts,
+    question: &OptimisationQuestion<'_>,
+    progress: ExplorationProgress<'_>,
+) {
+    // Nothing is placed for a processor.
+    let Some(cycles) = outcome.best.and_then(|best| outcome.trials[best].cycles) else {
+        return;
+    };
+    let limit = cycles + cycles / 100;
+    let mut nearby: Vec<(u32, usize)> = Vec::new();
+    for (index, trial) in outcome.trials.iter().enumerate() {
+        if let (Ok(bound), None) = (&trial.bound, trial.cycles)
+            && *bound <= limit
+        {
+            nearby.push((*bound, index));
+        }
+    }
+    nearby.sort_unstable();
+    nearby.truncate(NEARBY);
+    let programs = nearby
+        .iter()
+        .map(|(_, index)| &outcome.trials[*index].program);
+    let programs: Vec<&MadeProgram> = programs.collect();
+    let mut maker = ParallelMaker {
+        question,
+        progress,
+        starts: &prepared.modules,
+        tally: MakerTally::default(),
+    };
+    let sizes = maker.schedules(&programs, question.machine);
+    for ((_, index), size) in nearby.into_iter().zip(sizes) {
+        if let Ok(ScheduleSize { cycles, words }) = size {
+            let trial = &mut outcome.trials[index];
+            (trial.cycles, trial.words, trial.remark) = (Some(cycles), Some(words), "");
+        }
+    }
+}
+
 /// A program of a search as it was made, where its text was read from disk.
 pub(super) fn as_made(
     trial: &VariantTrial<MadeProgram>,

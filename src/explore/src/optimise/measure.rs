@@ -1,9 +1,11 @@
 //! Programs measured where they will run, and which of them is taken.
 
 use super::maker::MadeProgram;
-use super::processor;
 use super::start::PreparedStarts;
-use super::{OptimisationError, OptimisationQuestion, OptimisationTarget};
+use super::{
+    OptimisationError, OptimisationPoint, OptimisationQuestion, OptimisationTarget, input,
+    processor,
+};
 use crate::ExplorationProgress;
 use crate::program::{ExplorationError, view};
 use rayon::prelude::*;
@@ -25,12 +27,18 @@ pub(super) struct ProgramFigures {
 }
 
 pub(super) struct MeasuredPrograms {
+    /// The function as it came.
+    pub(super) input: OptimisationPoint,
     pub(super) figures: Vec<ProgramFigures>,
     /// Index of the one that is taken.
     pub(super) best: usize,
     /// Its errors in detail.
     pub(super) errors: MeasuredErrors,
 }
+
+/// Times up to this multiple of the least are as short: among them errors
+/// decide.
+const AS_FAST: f64 = 1.01;
 
 /// The number format of a target: that of the machine, binary64 in C.
 pub(super) fn format(question: &OptimisationQuestion<'_>) -> Format {
@@ -40,7 +48,8 @@ pub(super) fn format(question: &OptimisationQuestion<'_>) -> Format {
     }
 }
 
-/// Measures what can be the best.
+/// Measures the input and what can be the best, and takes the most exact of
+/// the fastest programs.
 pub(super) fn measure(
     prepared: &PreparedStarts,
     outcome: &SearchOutcome<MadeProgram>,
@@ -48,30 +57,21 @@ pub(super) fn measure(
     progress: ExplorationProgress<'_>,
 ) -> Result<MeasuredPrograms, OptimisationError> {
     let mut figures = vec![ProgramFigures::default(); outcome.trials.len()];
-    let best = match question.target {
-        OptimisationTarget::Fpga => outcome.best.ok_or_else(|| {
-            let reasons = outcome.trials.iter().filter_map(|t| t.bound.as_ref().err());
-            let reason = reasons.map(ToString::to_string).next();
-            OptimisationError::Placement(reason.unwrap_or_default())
-        })?,
+    let contenders = match question.target {
+        OptimisationTarget::Fpga => placed(outcome)?,
         OptimisationTarget::Cpu | OptimisationTarget::Batch => {
-            processor::choose(prepared, outcome, question, &mut figures, progress)
+            processor::contenders(prepared, outcome, question, &mut figures, progress)
                 .map_err(OptimisationError::Timing)?
         }
     };
     progress("measuring errors");
-    let measured = |index: &usize| {
-        let is_candidate = match question.target {
-            OptimisationTarget::Fpga => outcome.trials[*index].cycles.is_some(),
-            OptimisationTarget::Cpu | OptimisationTarget::Batch => {
-                figures[*index].nanoseconds.is_some()
-            }
-        };
-        is_candidate || *index == best
+    let is_measured = |index: &usize| {
+        figures[*index].nanoseconds.is_some()
+            || contenders.iter().any(|(_, contender)| contender == index)
     };
-    let candidates: Vec<usize> = (0..figures.len()).filter(measured).collect();
+    let measured: Vec<usize> = (0..figures.len()).filter(is_measured).collect();
     let yardstick = Yardstick::new(view(&prepared.starts[0]), question.states, question.count);
-    let errors: Result<Vec<(usize, MeasuredErrors)>, Unmeasurable> = candidates
+    let errors: Result<Vec<(usize, MeasuredErrors)>, Unmeasurable> = measured
         .into_par_iter()
         .map(|index| {
             let program = &outcome.trials[index].program.module;
@@ -80,16 +80,47 @@ pub(super) fn measure(
         })
         .collect();
     let errors = errors.map_err(ExplorationError::from)?;
-    let mut of_best = MeasuredErrors::default();
-    for (index, errors) in errors {
-        figures[index].errors = Some([errors.normwise.median, errors.normwise.worst]);
-        if index == best {
-            of_best = errors;
-        }
+    let input = input::point(prepared, question, &yardstick, progress)?;
+    for (index, errors) in &errors {
+        figures[*index].errors = Some([errors.normwise.median, errors.normwise.worst]);
     }
+    let best = most_exact_of_the_fastest(&contenders, &figures);
+    let of_best = errors.into_iter().find(|(index, _)| *index == best);
+    let (_, errors) = of_best.expect("all that may be taken was measured");
     Ok(MeasuredPrograms {
+        input,
         figures,
         best,
-        errors: of_best,
+        errors,
     })
+}
+
+/// Programs with a schedule, and its cycles.
+fn placed(outcome: &SearchOutcome<MadeProgram>) -> Result<Vec<(f64, usize)>, OptimisationError> {
+    let trials = outcome.trials.iter().enumerate();
+    let placed: Vec<(f64, usize)> = trials
+        .filter_map(|(index, trial)| Some((f64::from(trial.cycles?), index)))
+        .collect();
+    if placed.is_empty() {
+        let reasons = outcome.trials.iter().filter_map(|t| t.bound.as_ref().err());
+        let reason = reasons.map(ToString::to_string).next();
+        return Err(OptimisationError::Placement(reason.unwrap_or_default()));
+    }
+    Ok(placed)
+}
+
+/// Of the programs within [`AS_FAST`] of the least time the one of the least
+/// worst error; of equally exact ones the fastest, then the first.
+fn most_exact_of_the_fastest(contenders: &[(f64, usize)], figures: &[ProgramFigures]) -> usize {
+    let times = contenders.iter().map(|(time, _)| *time);
+    let limit = AS_FAST * times.fold(f64::INFINITY, f64::min);
+    let worst = |index: usize| figures[index].errors.expect("contenders are measured")[1];
+    let fast = contenders.iter().filter(|(time, _)| *time <= limit);
+    let taken = fast.min_by(|(time, index), (other_time, other)| {
+        let exact = worst(*index).total_cmp(&worst(*other));
+        exact
+            .then(time.total_cmp(other_time))
+            .then(index.cmp(other))
+    });
+    taken.expect("the fastest is one of them").1
 }

@@ -12,7 +12,9 @@
 //! they came ([`proof`]): what the search trusts a pass for is not what the
 //! user has to trust.
 
+pub mod answer;
 pub mod found;
+mod input;
 mod maker;
 mod measure;
 mod processor;
@@ -24,7 +26,6 @@ use crate::device;
 use crate::placing::words_of_a_side;
 use crate::program::ExplorationError;
 use crate::share::SharedWork;
-use maker::MadeProgram;
 pub use maker::MakerTally;
 use robovec_bench::Compiler;
 use robovec_error::yardstick::account::{ErrorAccount, random_states};
@@ -32,10 +33,11 @@ use robovec_fpga::hardware;
 use robovec_framework::scene::Scene;
 use robovec_ir::states::States;
 use robovec_ir::{Machine, Module};
-use robovec_passes::optimise::trial::VariantTrial;
+use robovec_passes::optimise::search::ScheduleSize;
 use robovec_passes::optimise::{Goal, VariantClass};
 use serde::Serialize;
 use start::OptimisationStart;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Target of a program.
@@ -82,13 +84,15 @@ pub struct OptimisationQuestion<'a> {
     pub compiler: Option<&'a Compiler>,
     /// Its flags.
     pub flags: &'a str,
+    /// The C file that the function came in.
+    pub file: Option<&'a Path>,
     /// Place where programs that were made are kept, and which of them come
     /// first.
     pub work: SharedWork<'a>,
 }
 
 /// A program that was tried.
-#[derive(Clone, PartialEq, Debug, Serialize)]
+#[derive(Clone, PartialEq, Default, Debug, Serialize)]
 pub struct OptimisationPoint {
     /// The steps it went through.
     pub name: String,
@@ -119,6 +123,9 @@ pub struct OptimisationPoint {
     pub errors: Option<[f64; 2]>,
     /// Reason why it was not measured.
     pub remark: String,
+    /// True for the function as it came.
+    #[serde(rename = "input")]
+    pub is_input: bool,
     /// True for the one that was taken.
     pub taken: bool,
 }
@@ -176,7 +183,8 @@ pub fn search_share(
     progress: crate::ExplorationProgress<'_>,
 ) -> Result<MakerTally, OptimisationError> {
     let prepared = start::prepared(starts, question)?;
-    let (_, tally) = maker::programs(starts, &prepared, question, progress)?;
+    let (mut outcome, tally) = maker::programs(starts, &prepared, question, progress)?;
+    maker::place_nearby(&mut outcome, &prepared, question, progress);
     Ok(tally)
 }
 
@@ -192,6 +200,7 @@ pub fn optimise(
 ) -> Result<Optimised, OptimisationError> {
     let prepared = start::prepared(starts, question)?;
     let (mut outcome, _) = maker::programs(starts, &prepared, question, progress)?;
+    maker::place_nearby(&mut outcome, &prepared, question, progress);
     let measured = measure::measure(&prepared, &outcome, question, progress)?;
     let best = measured.best;
     outcome.trials[best].program.module =
@@ -199,7 +208,7 @@ pub fn optimise(
     let trial = &outcome.trials[best];
     progress("proving the best");
     let proof = proof::prove(&prepared, trial, question).map_err(OptimisationError::Proof)?;
-    let mut points = Vec::new();
+    let mut points = vec![measured.input];
     let is_timed = measured
         .figures
         .iter()
@@ -220,7 +229,8 @@ pub fn optimise(
             microseconds: (trial.cycles)
                 .map(|cycles| hardware::clock(question.machine).microseconds(cycles)),
             nanoseconds: figures.nanoseconds,
-            share: share(trial, question.machine),
+            share: (trial.cycles.zip(trial.words))
+                .map(|(cycles, words)| share(ScheduleSize { cycles, words }, question.machine)),
             code_bytes: figures.code_bytes,
             errors: figures.errors,
             remark: if figures.remark.is_empty() {
@@ -228,13 +238,14 @@ pub fn optimise(
             } else {
                 figures.remark.clone()
             },
+            is_input: false,
             taken: index == best,
         });
     }
     let skipped = outcome.skipped.iter();
     let taken = points.iter().position(|point| point.taken);
     Ok(Optimised {
-        untimed: outcome.trials.len() - points.len(),
+        untimed: outcome.trials.len() + 1 - points.len(),
         points,
         best: taken.expect("the best was timed, where any was"),
         alike: outcome.alike,
@@ -257,8 +268,7 @@ pub fn optimise(
 }
 
 /// The share of the device that a machine takes for a program that was placed.
-fn share(trial: &VariantTrial<MadeProgram>, machine: &Machine) -> Option<f64> {
-    let (cycles, words) = trial.cycles.zip(trial.words)?;
-    let words = words_of_a_side(words, machine);
-    Some(device::figures(machine, machine.number, cycles, words).share)
+fn share(size: ScheduleSize, machine: &Machine) -> f64 {
+    let words = words_of_a_side(size.words, machine);
+    device::figures(machine, machine.number, size.cycles, words).share
 }

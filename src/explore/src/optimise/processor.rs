@@ -28,7 +28,9 @@ const ROUNDS: [(u32, u32); 2] = [(2, 30), (8, 60)];
 const NEAR: f64 = 1.06;
 /// Flags that programs are timed with beside those named: one that is faster
 /// with the ones and slower with the others is no better.
-const OTHER_FLAGS: &str = "-O3 -march=native";
+const OTHER_FLAGS: &str = own::FLAGS;
+/// Maximum number of programs whose errors are measured where none is timed.
+const MEASURED: usize = 16;
 /// Programs of the least estimated work that are timed, and more for every
 /// effort, beside one of every preparation.
 const TIMED: usize = 2;
@@ -36,41 +38,49 @@ const TIMED: usize = 2;
 /// the least work are compiled in any case.
 const COMPILED: usize = 300_000;
 
-/// The program to take, and times of those that might have been.
+/// The programs that may be taken, with their times by that of the fastest, or
+/// with their operations where nothing can be timed.
 ///
 /// # Errors
 ///
 /// The reason why no program was timed, though it could be compiled here.
-pub(super) fn choose(
+pub(super) fn contenders(
     prepared: &PreparedStarts,
     outcome: &SearchOutcome<MadeProgram>,
     question: &OptimisationQuestion<'_>,
     figures: &mut [ProgramFigures],
     progress: ExplorationProgress<'_>,
-) -> Result<usize, String> {
+) -> Result<Vec<(f64, usize)>, String> {
     let fewest = outcome.best.expect("the first program is always made");
-    let Some(compiler) = question.compiler else {
-        "not timed, as asked".clone_into(&mut figures[fewest].remark);
-        return Ok(fewest);
+    let untimed = match question.compiler {
+        None => "not timed, as asked",
+        Some(_) if outcome.trials[fewest].operations > LARGEST => "too large to compile and time",
+        Some(compiler) => {
+            let candidates = candidates(outcome, question.effort);
+            let timing = ProgramTiming {
+                prepared,
+                outcome,
+                question,
+                compiler,
+                progress,
+            };
+            let mut slowness = timing.slowness(&candidates, figures)?;
+            slowness.retain(|(time, _)| time.is_finite());
+            if slowness.is_empty() {
+                return Err(figures[candidates[0]].remark.clone());
+            }
+            return Ok(slowness);
+        }
     };
-    if outcome.trials[fewest].operations > LARGEST {
-        "too large to compile and time".clone_into(&mut figures[fewest].remark);
-        return Ok(fewest);
-    }
-    let candidates = candidates(outcome, question.effort);
-    let timing = ProgramTiming {
-        prepared,
-        outcome,
-        question,
-        compiler,
-        progress,
-    };
-    let slowness = timing.slowness(&candidates, figures)?;
-    let timed = slowness.into_iter().filter(|(time, _)| time.is_finite());
-    timed
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, index)| index)
-        .ok_or_else(|| figures[candidates[0]].remark.clone())
+    untimed.clone_into(&mut figures[fewest].remark);
+    let operations = |index: usize| outcome.trials[index].operations as f64;
+    let mut order: Vec<usize> = (0..outcome.trials.len()).collect();
+    order.sort_by(|&a, &b| operations(a).total_cmp(&operations(b)).then(a.cmp(&b)));
+    order.truncate(MEASURED);
+    Ok(order
+        .into_iter()
+        .map(|index| (operations(index), index))
+        .collect())
 }
 
 /// The programs to time: the preset, the one of the least work of every
@@ -211,14 +221,18 @@ fn contestant(
         name: &trial.name,
         view: view(&trial.program.module),
     };
-    let make = |way: own::ContestantMaker| way(&plan);
     if question.target == OptimisationTarget::Batch {
-        return make(own::batch);
+        return own::batch(&plan);
     }
-    let in_place = make(robotran::drop_in);
+    single(&plan)
+}
+
+/// C that takes the place of Robotran's file; of a function that is none of
+/// Robotran's, with arrays of its own.
+pub(super) fn single(plan: &own::ContestantPlan<'_>) -> Contestant {
+    let in_place = robotran::drop_in(plan);
     match in_place.missing {
-        // A function that is none of Robotran's has arrays of its own.
-        Some(_) => make(own::straight),
+        Some(_) => own::straight(plan),
         None => in_place,
     }
 }

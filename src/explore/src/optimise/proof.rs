@@ -42,10 +42,15 @@ pub(super) fn prove(
     if !verdict.holds() {
         return Err(verdict.to_string());
     }
-    let mut established = verdict.to_string();
+    let evidence = verdict.to_string();
+    let class = format!("{}, ", verdict.class);
+    let mut established = match evidence.strip_prefix(&class) {
+        Some(evidence) => format!("{evidence} ({})", verdict.class),
+        None => evidence,
+    };
     if question.scene.is_some() {
         specialised(&prepared.starts[trial.start], prepared, question)?;
-        established += ", for the scene, for which its equations were specialised pass by pass";
+        established += ", for the scene; specialised pass by pass";
     }
     if question.target == OptimisationTarget::Fpga {
         let placed = verified(program, question.machine, PlaceOptions::default())?;

@@ -1,11 +1,14 @@
 //! Programs that were tried, as a table for the terminal, a file and a figure.
 
+use super::answer::{OptimisationAnswer, SpeedMeasure};
 use super::{OptimisationPoint, Optimised};
 use crate::captions;
 use robovec_error::yardstick::account::{ERROR_HEADS, measure_text};
+use robovec_ir::diagnostic::counted;
 use robovec_present::json::json_script;
-use robovec_present::number::share_percent;
+use robovec_present::number::{exponential, share_percent};
 use robovec_present::page::{self, PointsPage};
+use robovec_present::text::cut;
 use robovec_present::{
     AxisScale, ColumnList, Curve, DataTable, Digits, Figure, Mark, Paint, Panel, PlotAxis, Stroke,
     columns,
@@ -27,14 +30,6 @@ fn order(points: &[OptimisationPoint]) -> Vec<usize> {
     order
 }
 
-/// The name of a point, with what it starts from.
-fn name(point: &OptimisationPoint) -> String {
-    match point.name.as_str() {
-        "" => "as it came".to_owned(),
-        name => name.to_owned(),
-    }
-}
-
 /// The columns of a table of points; those of speed and cost on the terminal
 /// are a processor's where programs were timed, else a machine's.
 fn columns<'a>(is_timed: bool) -> ColumnList<'a, &'a OptimisationPoint> {
@@ -44,7 +39,7 @@ fn columns<'a>(is_timed: bool) -> ColumnList<'a, &'a OptimisationPoint> {
         |place: usize| move |point: &&OptimisationPoint| point.errors.map(|errors| errors[place]);
     let [median, worst] = ERROR_HEADS;
     columns! { &OptimisationPoint;
-        "program", [All, All], |point| name(point);
+        "program", [All, All], |point| point.name.as_str();
         "starts from", [Hidden, All], |point| point.start.as_str();
         "passes", [Hidden, All], |point| point.passes.as_str();
         "operations", [All, All], |point| point.operations;
@@ -57,20 +52,76 @@ fn columns<'a>(is_timed: bool) -> ColumnList<'a, &'a OptimisationPoint> {
         "code (bytes)", [timed(All), All], |point| point.code_bytes;
         median, [Exponent(1), Exponent(3)], error(0);
         worst, [Exponent(1), Exponent(3)], error(1);
-        "standing", [All, All], |point| if point.taken { "taken" } else { &point.remark };
+        "note", [All, All], |point| match mark(point) { "" => point.remark.as_str(), mark => mark };
     }
 }
 
-/// Programs in the table for the terminal.
-const SHOWN: usize = 10;
+/// Maximum number of programs in the table for the terminal.
+const SHOWN: usize = 8;
+/// Maximum number of programs where more is asked for.
+const SHOWN_MORE: usize = 40;
+/// Maximum number of characters of a name on the terminal.
+const NAME: usize = 34;
 
-/// The table for the terminal, of the best programs.
+/// The table for the terminal: the Pareto front of speed against error, the
+/// fastest first, with the input and the program that was taken in it; of so
+/// many rows, at least two and at most eight.
+pub fn front_table(found: &Optimised, measure: SpeedMeasure, rows: usize) -> String {
+    let rows: Vec<_> = shown(found, measure, rows.clamp(2, SHOWN))
+        .into_iter()
+        .map(|index| &found.points[index])
+        .collect();
+    let [_, worst] = ERROR_HEADS;
+    let (digits, operations) = match measure {
+        SpeedMeasure::Operations => (Digits::Decimals(0), Digits::Hidden),
+        SpeedMeasure::Cycles => (Digits::Decimals(0), Digits::All),
+        _ => (Digits::Decimals(1), Digits::All),
+    };
+    let list = columns! { &OptimisationPoint;
+        "program", [All, All], |point| cut(&point.name, NAME);
+        measure.unit(), [digits, All], move |point| measure.of(point);
+        worst, [Exponent(1), All], |point| point.errors.map(|errors| errors[1]);
+        "operations", [operations, All], |point| point.operations;
+        "", [All, All], |point| mark(point);
+    };
+    list.text(&rows)
+}
+
+/// Places of the rows: the front, thinned where it is long, the input and the
+/// program that was taken.
+fn shown(found: &Optimised, measure: SpeedMeasure, most: usize) -> Vec<usize> {
+    let front = found.front(measure);
+    let mut rows: Vec<usize> = vec![0, found.best];
+    let others: Vec<usize> = front
+        .into_iter()
+        .filter(|index| !rows.contains(index))
+        .collect();
+    let room = others.len().min(most - rows.len());
+    // The first and the last stay, the fastest and the most exact.
+    let last = others.len().saturating_sub(1);
+    let steps = room.saturating_sub(1).max(1);
+    rows.extend((0..room).map(|place| others[place * last / steps]));
+    let speed = |index: &usize| measure.of(&found.points[*index]).unwrap_or(f64::INFINITY);
+    rows.sort_by(|a, b| speed(a).total_cmp(&speed(b)).then(a.cmp(b)));
+    rows.dedup();
+    rows
+}
+
+fn mark(point: &OptimisationPoint) -> &str {
+    match (point.taken, point.is_input) {
+        (true, _) => "taken",
+        (false, true) => "input",
+        (false, false) => "",
+    }
+}
+
+/// The best programs with all their figures, for those who ask for more.
 pub fn table(found: &Optimised) -> String {
     let is_timed = found.points.iter().any(|point| point.nanoseconds.is_some());
     let order = order(&found.points);
     let best: Vec<_> = order
         .iter()
-        .take(SHOWN)
+        .take(SHOWN_MORE)
         .map(|&index| &found.points[index])
         .collect();
     let mut text = columns(is_timed).text(&best);
@@ -81,24 +132,24 @@ pub fn table(found: &Optimised) -> String {
         found.errors.format,
         measure_text(&found.errors.states)
     );
-    if order.len() > SHOWN {
-        let more = order.len() - SHOWN;
-        let _ = write!(text, "\n{more} more are in optimise.csv of '-o FOLDER'");
-    }
+    text
+}
+
+/// Programs in numbers: those that were measured, and those that were not.
+pub fn numbers(found: &Optimised) -> String {
+    let mut text = counted(found.points.len() - 1, "program");
+    let mut others = Vec::new();
     if found.untimed > 0 {
-        let _ = write!(
-            text,
-            "\n{} more were made and not timed: by operations, loads and stores they promise less",
-            found.untimed
-        );
+        others.push(format!("{} not timed, of more work", found.untimed));
     }
-    if !found.skipped.is_empty() || found.alike > 0 {
-        let _ = write!(
-            text,
-            "\n{} more looked like one of these; {} were not made",
-            found.alike,
-            found.skipped.len()
-        );
+    if found.alike > 0 {
+        others.push(format!("{} alike", found.alike));
+    }
+    if !found.skipped.is_empty() {
+        others.push(format!("{} not made", found.skipped.len()));
+    }
+    if !others.is_empty() {
+        text += &format!(" ({})", others.join(", "));
     }
     text
 }
@@ -112,48 +163,70 @@ pub fn points_table(found: &Optimised) -> DataTable {
     captions::table("optimise", &[], &columns(true), &rows)
 }
 
-/// Speed against error of what was measured.
-pub fn figure(found: &Optimised) -> Figure {
-    let is_timed = found.points.iter().any(|point| point.nanoseconds.is_some());
-    let marks = |taken: bool| {
-        let points = found
-            .points
-            .iter()
-            .filter(move |point| point.taken == taken);
-        points.filter_map(move |point| {
-            let time = if is_timed {
-                point.nanoseconds
-            } else {
-                point.cycles.map(f64::from)
-            };
-            Some(Mark::at(time?, point.errors?[1]))
-        })
-    };
-    let curves = vec![
-        Curve::points("tried".to_owned(), 1, marks(false)),
-        Curve::new("taken", Paint::Distinct(0), Stroke::Plain, marks(true)),
+/// Speed against error of what was measured: the front as steps, the input and
+/// the program that was taken with their figures.
+pub fn figure(found: &Optimised, measure: SpeedMeasure) -> Figure {
+    let place = |point: &OptimisationPoint| Some((measure.of(point)?, point.errors?[1]));
+    let mark =
+        |point: &OptimisationPoint| place(point).map(|(speed, error)| Mark::at(speed, error));
+    let is_plain = |point: &&OptimisationPoint| !point.taken && !point.is_input;
+    let tried = found.points.iter().filter(is_plain).filter_map(mark);
+    let front = found.front(measure).into_iter();
+    let front: Vec<Mark> = front
+        .filter_map(|index| mark(&found.points[index]))
+        .collect();
+    let label = if front.len() > 1 { "front" } else { "" };
+    let mut curves = vec![
+        Curve::new("tried", Paint::Distinct(3), Stroke::Points, tried),
+        Curve::new(label, Paint::Distinct(0), Stroke::Steps, front),
     ];
-    let axis = if is_timed {
-        "C (ns per state)"
-    } else {
-        "schedule (cycles)"
-    };
+    for (name, index, colour) in [("input", 0, 1), ("taken", found.best, 2)] {
+        let point = &found.points[index];
+        if let Some((speed, error)) = place(point) {
+            let label = format!("{name} {}, {}", measure.text(speed), exponential(error));
+            curves.push(Curve::points(label, colour, [Mark::at(speed, error)]));
+        }
+    }
     let panel = Panel::curves(
         "",
-        PlotAxis::new(axis, AxisScale::Decades),
+        PlotAxis::new(measure.unit(), AxisScale::Decades),
         PlotAxis::new("worst error", AxisScale::Decades),
         curves,
     );
     captions::figure("optimise", "optimise", &[], vec![panel]).expect("it has a panel")
 }
 
-/// The page: `facts` says what was taken and why, `commands` how it is made
-/// again.
-pub fn page(name: &str, found: &Optimised, facts: &str, commands: &str) -> String {
+/// Texts of a page about a search.
+pub struct OptimisationPage<'a> {
+    /// The file or model, and its function.
+    pub subject: &'a str,
+    /// The answer.
+    pub answer: &'a OptimisationAnswer,
+    /// Lines of evidence, with their labels.
+    pub lines: &'a [(&'static str, String)],
+    /// Commands that make the program again.
+    pub commands: &'a str,
+    /// Names and texts of the input and of the program.
+    pub code: [(&'a str, &'a str); 2],
+}
+
+/// The page: the answer, speed against error, the code before and after, and
+/// all that was tried.
+pub fn page(found: &Optimised, texts: &OptimisationPage<'_>) -> String {
+    let OptimisationPage {
+        subject,
+        answer,
+        lines,
+        commands,
+        code,
+    } = *texts;
     let page = PointsPage {
-        title: format!("The best program of {name}"),
-        subtitle: format!("Computed by robovec {}.", env!("CARGO_PKG_VERSION")),
-        figures: page::lines(facts) + &page::figure(&figure(found)),
+        title: subject.to_owned(),
+        subtitle: format!("Optimised by robovec {}.", env!("CARGO_PKG_VERSION")),
+        figures: page::card(&answer.headline(), lines)
+            + &page::figure(&figure(found, answer.measure))
+            + "<h2>Before and after</h2>"
+            + &page::side_by_side(code),
         points: "All that was tried",
         tables: page::table(&points_table(found), "optimise.csv")
             + "<h2>How to make it again</h2>"

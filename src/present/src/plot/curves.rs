@@ -22,7 +22,7 @@ pub(super) fn draw(svg: &mut Svg, frame: PlotFrame, panel: &Panel, curves: &[Cur
     let is_marked = |curve: &&Curve| {
         matches!(
             curve.stroke,
-            Stroke::Marked | Stroke::MarkedDashed | Stroke::Points
+            Stroke::Marked | Stroke::MarkedDashed | Stroke::Steps | Stroke::Points
         )
     };
     for curve in curves.iter().filter(|curve| !is_marked(curve)) {
@@ -94,6 +94,7 @@ impl Plane {
         let style = match curve.stroke {
             Stroke::Marked => "stroke-width=\"1.6\"",
             Stroke::MarkedDashed => "stroke-width=\"1.4\" stroke-dasharray=\"5 3\"",
+            Stroke::Steps => "stroke-width=\"1.2\" stroke-opacity=\".8\"",
             Stroke::Plain => "stroke-width=\"1.4\"",
             Stroke::Dashed => "stroke-width=\"1\" stroke-dasharray=\"3 3\" stroke-opacity=\".75\"",
             Stroke::Points => return,
@@ -103,6 +104,10 @@ impl Plane {
             .iter()
             .map(|mark| self.at(mark.x, mark.y))
             .collect();
+        let points = match curve.stroke {
+            Stroke::Steps => stairs(&points),
+            _ => points,
+        };
         let style = format!(
             "stroke=\"{}\" stroke-linejoin=\"round\" {style}",
             curve.paint.colour()
@@ -154,6 +159,16 @@ impl Plane {
             );
         }
     }
+}
+
+/// Points with a corner between every two: level first, then vertical.
+fn stairs(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut stairs: Vec<[f64; 2]> = Vec::new();
+    for &[x, y] in points {
+        stairs.extend(stairs.last().map(|&[_, level]| [x, level]));
+        stairs.push([x, y]);
+    }
+    stairs
 }
 
 /// The values of a marker, for whoever points at it.

@@ -1,0 +1,268 @@
+//! Answer of a search: how much faster than the input, how exact, and what was
+//! proved.
+
+use super::{OptimisationPoint, OptimisationQuestion, OptimisationTarget, Optimised};
+use crate::pareto::{EqualPoints, front};
+use robovec_error::yardstick::account::measure_text;
+use robovec_fpga::hardware;
+use robovec_ir::Machine;
+use robovec_present::number::{exponential, percent};
+use serde::Serialize;
+
+/// Quantity by which programs are compared.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SpeedMeasure {
+    /// Cycles of the schedule.
+    Cycles,
+    /// Time of one call in C, ns.
+    NanosecondsOfACall,
+    /// Time per state in C that evaluates several, ns.
+    NanosecondsOfAState,
+    /// Operations, where nothing is timed.
+    Operations,
+}
+
+/// The program that was taken beside the function as it came.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct OptimisationAnswer {
+    /// Unit of the speeds.
+    pub measure: SpeedMeasure,
+    /// Speed of the input; `None` where it could not be measured.
+    pub before: Option<f64>,
+    /// Speed of the program.
+    pub after: f64,
+    /// The one over the other.
+    pub times_faster: Option<f64>,
+    /// Times of both at the machine's clock, us.
+    pub microseconds: [Option<f64>; 2],
+    /// Machine, or compiler and flags.
+    pub target: String,
+    /// Form in which the input was measured, or the reason why it was not.
+    pub input: String,
+    /// Worst errors of both, in parts of the largest element of an array.
+    pub worst_errors: [Option<f64>; 2],
+    /// Median error of the program.
+    pub median_error: Option<f64>,
+    /// Number format of the target.
+    pub format: String,
+    /// States at which errors were measured.
+    pub states: String,
+    /// Outcome of the check against the input.
+    pub proof: String,
+    /// Length of the schedule beside its proved bound.
+    pub schedule: Option<String>,
+    /// Programs that others would take: faster, or more exact.
+    pub others: Vec<String>,
+}
+
+impl OptimisationAnswer {
+    /// The answer of a search.
+    pub fn of(found: &Optimised, question: &OptimisationQuestion<'_>) -> OptimisationAnswer {
+        let (input, best) = (&found.points[0], &found.points[found.best]);
+        let measure = found.measure(question);
+        let speed = |point: &OptimisationPoint| measure.of(point);
+        let after = speed(best).expect("what is taken was measured");
+        let before = speed(input);
+        OptimisationAnswer {
+            measure,
+            before,
+            after,
+            times_faster: before.map(|before| before / after),
+            microseconds: [input.microseconds, best.microseconds],
+            target: target(question, best),
+            input: input.remark.clone(),
+            worst_errors: [input, best].map(|point| point.errors.map(|errors| errors[1])),
+            median_error: best.errors.map(|errors| errors[0]),
+            format: found.errors.format.to_string(),
+            states: found.errors.states.clone(),
+            proof: found.proof.clone(),
+            schedule: best.cycles.zip(best.bound).map(|(cycles, bound)| {
+                let above = f64::from(cycles - bound) / f64::from(bound);
+                if cycles == bound {
+                    "as short as proved possible for these operations on this machine".to_owned()
+                } else {
+                    format!(
+                        "{} above the proved bound of {bound} cycles",
+                        percent(above)
+                    )
+                }
+            }),
+            others: others(found, measure),
+        }
+    }
+
+    /// The gain in one line.
+    pub fn headline(&self) -> String {
+        let after = self.measure.text(self.after);
+        let unit = self.measure.unit();
+        let (Some(before), Some(ratio)) = (self.before, self.times_faster) else {
+            return format!("{after} {unit}; the input was not measured: {}", self.input);
+        };
+        let before = self.measure.text(before);
+        let gain = match (ratio, self.measure) {
+            (ratio, _) if (0.995..1.005).contains(&ratio) => "no faster".to_owned(),
+            (ratio, _) if ratio < 1.0 => "slower than the input, which is best kept".to_owned(),
+            (ratio, SpeedMeasure::Operations) => format!("{} times shorter", times(ratio)),
+            (ratio, _) => format!("{} times faster", times(ratio)),
+        };
+        let time = match self.microseconds {
+            [Some(before), Some(after)] => format!(", {before:.2} -> {after:.2} us"),
+            _ => String::new(),
+        };
+        format!("{gain}: {before} -> {after} {unit}{time}")
+    }
+
+    /// Lines after the headline, with their labels.
+    pub fn lines(&self) -> Vec<(&'static str, String)> {
+        let mut lines = Vec::new();
+        match self.measure {
+            SpeedMeasure::Cycles => lines.push(("machine", self.target.clone())),
+            SpeedMeasure::Operations => {}
+            _ => lines.push((
+                "compiler",
+                format!("{}; input: {}", self.target, self.input),
+            )),
+        }
+        let [before, after] = self.worst_errors.map(error_text);
+        lines.push((
+            "worst error",
+            format!(
+                "{before} -> {after} in {}, median {}, {}",
+                self.format,
+                error_text(self.median_error),
+                measure_text(&self.states)
+            ),
+        ));
+        lines.push(("proved", self.proof.clone()));
+        lines.extend(self.schedule.clone().map(|text| ("schedule", text)));
+        if !self.others.is_empty() {
+            lines.push(("or choose", self.others.join("; ")));
+        }
+        lines
+    }
+}
+
+impl SpeedMeasure {
+    /// The speed of a point, where it was measured.
+    pub(super) fn of(self, point: &OptimisationPoint) -> Option<f64> {
+        match self {
+            SpeedMeasure::Cycles => point.cycles.map(f64::from),
+            SpeedMeasure::NanosecondsOfACall | SpeedMeasure::NanosecondsOfAState => {
+                point.nanoseconds
+            }
+            SpeedMeasure::Operations => Some(point.operations as f64),
+        }
+    }
+
+    /// Unit of a speed.
+    pub(super) fn unit(self) -> &'static str {
+        match self {
+            SpeedMeasure::Cycles => "cycles",
+            SpeedMeasure::NanosecondsOfACall => "ns a call",
+            SpeedMeasure::NanosecondsOfAState => "ns a state",
+            SpeedMeasure::Operations => "operations",
+        }
+    }
+
+    /// A speed without its unit.
+    pub(super) fn text(self, speed: f64) -> String {
+        match self {
+            SpeedMeasure::Cycles | SpeedMeasure::Operations => format!("{speed}"),
+            _ if speed < 100.0 => format!("{speed:.1}"),
+            _ => format!("{speed:.0}"),
+        }
+    }
+}
+
+impl Optimised {
+    /// Quantity by which its programs are compared.
+    pub(super) fn measure(&self, question: &OptimisationQuestion<'_>) -> SpeedMeasure {
+        let is_timed = self.points[self.best].nanoseconds.is_some();
+        match question.target {
+            OptimisationTarget::Fpga => SpeedMeasure::Cycles,
+            _ if !is_timed => SpeedMeasure::Operations,
+            OptimisationTarget::Cpu => SpeedMeasure::NanosecondsOfACall,
+            OptimisationTarget::Batch => SpeedMeasure::NanosecondsOfAState,
+        }
+    }
+
+    /// Points that no other beats in speed and worst error, the fastest first.
+    pub(super) fn front(&self, measure: SpeedMeasure) -> Vec<usize> {
+        let measured: Vec<(usize, [f64; 2])> = (self.points.iter().enumerate())
+            .filter_map(|(index, point)| Some((index, [measure.of(point)?, point.errors?[1]])))
+            .collect();
+        let criteria: Vec<[f64; 2]> = measured.iter().map(|(_, criteria)| *criteria).collect();
+        let kept = front(&criteria, EqualPoints::First).into_iter();
+        kept.map(|place| measured[place].0).collect()
+    }
+}
+
+fn error_text(error: Option<f64>) -> String {
+    match error {
+        Some(error) => exponential(error),
+        None => "not measured".to_owned(),
+    }
+}
+
+/// A ratio with three digits.
+fn times(ratio: f64) -> String {
+    if ratio < 10.0 {
+        format!("{ratio:.2}")
+    } else {
+        format!("{ratio:.1}")
+    }
+}
+
+/// Machine with its elements, clock and share of the device, or compiler and
+/// flags.
+fn target(question: &OptimisationQuestion<'_>, best: &OptimisationPoint) -> String {
+    if question.target != OptimisationTarget::Fpga {
+        let command = question.compiler.map(|compiler| compiler.command.as_str());
+        return format!("{} {}", command.unwrap_or("none"), question.flags);
+    }
+    let machine = question.machine;
+    let clock = hardware::clock(machine).text();
+    let share = best.share.map(|share| {
+        let device = &machine.device.device().name;
+        format!(", {} of {device} (estimated)", percent(share))
+    });
+    format!(
+        "{}, {clock}{}",
+        elements(machine),
+        share.unwrap_or_default()
+    )
+}
+
+/// The machine with its numbers of elements.
+fn elements(machine: &Machine) -> String {
+    let kinds = machine.elements.iter();
+    let kinds: Vec<String> = kinds
+        .map(|kind| format!("{} {}", kind.count, kind.kind))
+        .collect();
+    format!("{} ({})", machine.name, kinds.join(", "))
+}
+
+/// Neighbours on the front of the program that was taken: the fastest, where
+/// it is another one, and the next that is more exact.
+fn others(found: &Optimised, measure: SpeedMeasure) -> Vec<String> {
+    let taken = &found.points[found.best];
+    let front = found.front(measure);
+    let speed = |point: &OptimisationPoint| measure.of(point).expect("the front is measured");
+    let worst = |point: &OptimisationPoint| point.errors.map_or(f64::INFINITY, |errors| errors[1]);
+    let (unit, name) = (measure.unit(), |point: &OptimisationPoint| {
+        point.name.clone()
+    });
+    let text = |point: &OptimisationPoint| {
+        let error = exponential(worst(point));
+        format!(
+            "{} {unit} at {error} ({})",
+            measure.text(speed(point)),
+            name(point)
+        )
+    };
+    let points = || front.iter().map(|&index| &found.points[index]);
+    let faster = points().next().filter(|point| speed(point) < speed(taken));
+    let exact = points().find(|point| speed(point) > speed(taken) && worst(point) < worst(taken));
+    faster.into_iter().chain(exact).map(text).collect()
+}
