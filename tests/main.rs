@@ -15,6 +15,7 @@ mod support;
 mod accuracy;
 mod against_gcc;
 mod agreement;
+mod book;
 mod bounds;
 mod budget;
 mod check;
