@@ -101,3 +101,20 @@ fn sources_name_pages_that_are_there() {
     assert!(count > 20, "{count} names of pages");
     assert!(missing.is_empty(), "{missing:#?}");
 }
+
+#[test]
+fn results_begin_with_their_origin() {
+    let words = ["**Date** ", "**revision** ", "**machine** ", "**command** "];
+    let mut count = 0;
+    for path in list("docs", &["md"]) {
+        if name(&path).starts_with("results-") {
+            for section in read(&path).split("\n## ").skip(1) {
+                let origin = section.lines().nth(2).unwrap_or_default();
+                let is_whole = words.iter().all(|word| origin.contains(word));
+                assert!(is_whole, "{}: {section:.60}", name(&path));
+                count += 1;
+            }
+        }
+    }
+    assert!(count > 30, "{count} results");
+}

@@ -202,7 +202,7 @@ fn witness(module: &mut Module, scene: &Scene) -> Function {
     report.witness.expect("it leaves one")
 }
 
-/// Figures of docs/scenes.md.
+/// Figures of docs/results-operations.md.
 #[test]
 fn every_part_of_a_scene_has_its_share() {
     let name = "bogie-straight.scene.toml";

@@ -319,7 +319,7 @@ writes what one run writes, byte for byte. All other words are given to every sh
 | `rules bench` | rules on inputs |
 | `optimise` | programs and schedules of the search, as told below |
 
-What `optimise` tries next depends on what came of all that it tried before, so that a share of its search cannot be done alone. There every worker does the whole search, but of the programs that are made at a time first those of its share, and takes from the folder what others have made by then. One that is alone does all of it, and none waits for another. Little is gained: a program that was found must be made again where the search goes on from it. Two workers on the grape harvester took 1.5 and 1.3 s, one alone 1.6 s, and the last run 0.3 s. What it is for is a search that was stopped. Errors, times of C and the proof are left to the last run.
+What `optimise` tries next depends on what came of all that it tried before, so that a share of its search cannot be done alone. There every worker does the whole search, but of the programs that are made at a time first those of its share, and takes from the folder what others have made by then. One that is alone does all of it, and none waits for another. Little is gained: a program that was found must be made again where the search goes on from it ([results](results-processors.md#times-of-the-compiler)). What it is for is a search that was stopped. Errors, times of C and the proof are left to the last run.
 
 `scripts/on-hyperqueue` does all of it with HyperQueue, also on a cluster ([plans.md](plans.md#on-several-machines)); with Slurm alone, an array of jobs with `--shard $SLURM_ARRAY_TASK_ID/8` does.
 ";
