@@ -9,7 +9,7 @@ declare_pass! {
     /// Attributes to every operation its ASAP and ALAP times and its mobility.
     ///
     /// `asap` and `alap` count operations (thesis 2.2.1), `asap_cycle` and
-    /// `alap_cycle` cycles of the machine (2.2.2); all four say when the
+    /// `alap_cycle` cycles of the machine (2.2.2); all four are the times when the
     /// result is available, inputs being available at 0. An operation without
     /// users has the length of the longest path as its latest time. The
     /// `mobility` is `alap_cycle - asap_cycle` (2.3.1): the operations of

@@ -63,7 +63,7 @@ declare_pass! {
     /// lays out the instruction words and gives the address of every input,
     /// constant and output. `docs/images.md` is the contract with hardware
     /// and simulator. The images decide nothing that the placed text does not
-    /// say, and are refused where the machine's words cannot say it.
+    /// hold, and are refused where the machine's words cannot express it.
     ///
     /// `target=rtl` writes the machine itself beside them, for a function F
     /// into `F/rtl` (Verilog) and `F/img` (images as `.mif` and `.hex`);

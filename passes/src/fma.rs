@@ -27,7 +27,7 @@ declare_pass! {
     /// `a*b + c` becomes `fma(a, b, c)`, `a*b - c` becomes `fms(a, b, c)` and
     /// `c - a*b` becomes `fnma(a, b, c)`, each with one rounding, where the
     /// machine has elements that perform them (`machines/fused.toml`); on
-    /// other machines nothing is contracted and a remark says so.
+    /// other machines nothing is contracted, as a remark reports.
     ///
     /// The longest path becomes as short as contraction can make it, in
     /// cycles of the machine, and never longer. Within it every product goes

@@ -27,7 +27,7 @@ declare_pass! {
     ///
     /// A path that cannot be shortened within the budget leaves the function as
     /// it is. `sin` and `cos` are taken as independent: no identity between them
-    /// is used. `balance,cse,dce` belong behind this pass.
+    /// is used. `balance,cse,dce` belong after this pass.
     pub struct Lookahead("lookahead") {
         /// Operations allowed, in percent of those the function has.
         pub growth: u32 = 100 => search::GROWTH,

@@ -29,7 +29,7 @@ declare_pass! {
     /// The path comes first; operations are then taken off again where there is
     /// time. Where `lookahead` buys a shorter path with a budget of operations,
     /// this pass takes what the path costs. The function stays as it is where
-    /// its path does not become shorter. `balance,cse,dce` belong behind it.
+    /// its path does not become shorter. `balance,cse,dce` belong after it.
     pub struct Recurrence("recurrence") {
         /// Longest path wanted, in cycles: nothing is spent on a shorter one.
         pub path: u32 = 0 => search::PATH,

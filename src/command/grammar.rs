@@ -81,7 +81,7 @@ const WORDS: [GrammarWord; 20] = [
     word(
         "input-language",
         Some("LANGUAGE"),
-        "the language that is read, where name and text do not tell",
+        "the language that is read, where name and text leave it open",
     ),
     word(
         "states",
@@ -113,7 +113,7 @@ const WORDS: [GrammarWord; 20] = [
     word(
         "quiet",
         None,
-        "`-q`: neither progress nor remarks; warnings and errors are always told",
+        "`-q`: neither progress nor remarks; warnings and errors are always printed",
     ),
     word(
         "verbose",
@@ -297,19 +297,19 @@ fn groups(command: &Command) -> String {
 const SHARES: &str = "
 ## In shares
 
-What takes hours can be shared by any number of workers that see one folder and have the same robovec, on one machine or many:
+What takes hours can be shared by any number of workers that see one folder and have the same robovec, on one machine or many. A share keeps its results in `results/points` and writes no tables:
 
 ```sh
 robovec explore bogie serial-23 -o results --shard 1/8
 ```
 
-does a share of the work, keeps its results in `results/points` and writes no tables. A worker that was stopped is started again and goes on; results that were cut off are computed anew. When all are done,
+A worker that was stopped is started again and goes on; results that were cut off are computed anew. When all are done, one more run writes what a single run writes, byte for byte:
 
 ```sh
 robovec explore bogie serial-23 -o results --resume
 ```
 
-writes what one run writes, byte for byte. All other words are given to every share alike.
+All other words are given to every share alike.
 
 | command | what is shared |
 |---|---|
@@ -317,7 +317,7 @@ writes what one run writes, byte for byte. All other words are given to every sh
 | `explore --designs` | placements on designs; the searches as for choices |
 | `explore --plan` | placements; all of a model after a pipeline are in one share |
 | `rules bench` | rules on inputs |
-| `optimise` | programs and schedules of the search, as told below |
+| `optimise` | programs and schedules of the search, as described below |
 
 What `optimise` tries next depends on what came of all that it tried before, so that a share of its search cannot be done alone. There every worker does the whole search, but of the programs that are made at a time first those of its share, and takes from the folder what others have made by then. One that is alone does all of it, and none waits for another. Little is gained: a program that was found must be made again where the search goes on from it ([results](results-processors.md#times-of-the-compiler)). What it is for is a search that was stopped. Errors, times of C and the proof are left to the last run.
 

@@ -120,7 +120,7 @@ fn file_rows() -> Vec<LimitRow> {
 /// so.
 pub fn manual() -> String {
     let mut text = "# Limits\n\n\
-        Made from the declarations of options, flags and fields; do not edit.\n\n\
+        Least and most of every number that a user can write; made from their declarations.\n\n\
         A number beyond its limit is refused, with its name, what is allowed and why.\n\
         Within the limits a small input is treated in seconds; on large ones the largest \
         numbers may take long.\n"

@@ -6,11 +6,11 @@ use std::fmt::Write;
 /// The manual as Markdown; `docs/passes.md` is this text, and a test keeps it
 /// so.
 pub fn manual(registry: &Registry) -> String {
-    let mut text = "# Passes\n\nMade from the registry of passes; do not edit.\n".to_owned();
+    let mut text = "# Passes\n\nPasses of `robovec-opt`, made from their registry.\n".to_owned();
     for info in registry.passes {
         page(info, &mut text);
     }
-    text.push_str("\n# Presets\n\n| preset | stands for | gives |\n|---|---|---|\n");
+    text.push_str("\n# Presets\n\n| preset | passes | gives |\n|---|---|---|\n");
     for preset in registry.presets {
         // Writing to a string cannot fail.
         let _ = writeln!(

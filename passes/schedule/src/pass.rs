@@ -42,9 +42,9 @@ declare_pass! {
     /// time, and links that carry few of them; near elements are preferred.
     /// The bound does not know of that.
     pub struct Place("place") {
-        /// Adders; the machine file says how many otherwise.
+        /// Adders; by default those of the machine file.
         pub n_add: Option<u32> = None => fields::count::LIMIT,
-        /// Multipliers; the machine file says how many otherwise.
+        /// Multipliers; by default those of the machine file.
         pub n_multi: Option<u32> = None => fields::count::LIMIT,
         /// Dividers, on machines that have them.
         pub n_div: Option<u32> = None => fields::count::LIMIT,

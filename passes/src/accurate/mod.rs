@@ -60,7 +60,7 @@ impl OptionValue for CycleLimit {
 declare_pass! {
     /// Writes sums and products in the form that rounds least.
     ///
-    /// The pass looks at a few random states (the ranges of the scene, when
+    /// The pass measures at a few random states (the ranges of the scene, when
     /// there is one) for how large every value is and how much a rounding of
     /// it moves the outputs, and rewrites where that makes the predicted
     /// error of all outputs smaller:
@@ -82,7 +82,7 @@ declare_pass! {
     /// unless neither the median of the relative error nor that of the
     /// normwise one is worse.
     ///
-    /// Belongs behind every pass that regroups or merges (`balance`, `eqsat`,
+    /// Belongs after every pass that regroups or merges (`balance`, `eqsat`,
     /// `cse`): a compensated sum is equal over the reals to the plain one, so
     /// such a pass may undo it. `asap-alap` and `place` may follow.
     pub struct Accurate("accurate") {

@@ -33,7 +33,7 @@ declare_pass! {
     /// number other than zero, or bounds show that `a` or `b` is positive
     /// whatever the inputs. And the ranges of the scene show that the largest
     /// error in `format` of any state in them is at most half of what it was.
-    /// A remark tells both bounds. Inputs without a range in the scene prove
+    /// A remark has both bounds. Inputs without a range in the scene prove
     /// nothing, so what depends on them stays as it is.
     pub struct AccurateRoots("accurate-roots") {
         /// The number format whose rounding counts.
@@ -57,7 +57,7 @@ declare_pass! {
     /// its negation, which holds for every angle. The condition that is
     /// proved from the ranges of the scene is that the largest error in
     /// `format` of any state in them is at most half of what it was; a remark
-    /// tells both bounds. Inputs without a range in the scene prove nothing.
+    /// has both bounds. Inputs without a range in the scene prove nothing.
     ///
     /// The sine is of half an angle, which a host that prepares sines and
     /// cosines of joints may not offer.

@@ -29,7 +29,7 @@ declare_pass! {
     /// Robotran finds the mass matrix column by column: for every pair of a
     /// joint and a joint before it a force and a torque, passed on from body to
     /// body. The same matrix follows from one inertia for each joint, that of
-    /// everything behind it, with a third to a half of the operations for real
+    /// everything it carries, with a third to a half of the operations for real
     /// models and a quarter for long chains (Featherstone, Rigid Body Dynamics
     /// Algorithms, 2008, section 6.2).
     ///
@@ -38,7 +38,7 @@ declare_pass! {
     /// tree of joints from what the function computes at states that show one
     /// thing each: with the mass of one body only, which joints move it; with
     /// all frames aligned, the axes; with one attachment point at a time, which
-    /// joints stand on it. Every element of `M` whose new equations have the
+    /// joints follow it. Every element of `M` whose new equations have the
     /// value of the old ones, at random points of two prime fields and in
     /// numbers, is replaced; and so are the forces `c` with the same values,
     /// where that takes fewer operations. What else the function computes

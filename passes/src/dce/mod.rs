@@ -25,9 +25,9 @@ declare_pass! {
     /// Removes operations that no output depends on.
     ///
     /// With `order=outputs` the others come into an order that does not depend
-    /// on the one they came in: each stands where the outputs first need it,
+    /// on the one they came in: each comes where the outputs first need it,
     /// the last output and the longest chain first. Passes break ties by the
-    /// order of values; behind this one the same equations in another order
+    /// order of values; after this one the same equations in another order
     /// make the same program.
     pub struct Dce("dce") {
         /// The order of the values that stay.

@@ -40,7 +40,7 @@ declare_pass! {
     ///
     /// Results of user functions are inputs, and count as constant unless
     /// `by` names them. Where a root is zero there is no derivative; a remark
-    /// says which roots. Run it before the passes that look for speed or
+    /// names these roots. Run it before the passes that look for speed or
     /// accuracy: they work on derivatives as on anything else. The semantic
     /// check compares the result with dual numbers of the function.
     pub struct Differentiate("differentiate") {

@@ -49,7 +49,7 @@ option_words! {
 const WORK: NumberLimit = NumberLimit::whole(
     0,
     10_000,
-    "a search that looks at a thousand million terms takes ten seconds",
+    "a search that reads a thousand million terms takes ten seconds",
 );
 /// Limit of the option `orders`.
 const ORDERS: NumberLimit = NumberLimit::whole(
@@ -86,7 +86,7 @@ declare_pass! {
         /// before factors are taken out; what came in stays where that does
         /// not save operations.
         pub horner: HornerChoice = HornerChoice::None,
-        /// Millions of terms that the search looks at.
+        /// Millions of terms that the search reads.
         pub work: u32 = 50 => WORK,
         /// Orders of which the factors are taken out; the best one stays.
         pub orders: u32 = 8 => ORDERS,
@@ -120,7 +120,7 @@ declare_pass! {
         /// before factors are taken out; what came in stays where that does
         /// not save operations.
         pub horner: HornerChoice = HornerChoice::None,
-        /// Millions of terms that the search looks at.
+        /// Millions of terms that the search reads.
         pub work: u32 = 50 => WORK,
         /// Orders of which the factors are taken out; the best one stays.
         pub orders: u32 = 8 => ORDERS,

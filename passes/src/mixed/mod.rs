@@ -44,8 +44,8 @@ declare_pass! {
     ///
     /// Of the formats from `narrow` to `wide` every value gets one, so that
     /// no output is further from the exact one than `error` times the largest
-    /// element of its array (or than the scene allows, where it says so) in
-    /// any of the random states that are looked at. What a format costs is
+    /// element of its array (or than the scene allows, where it does) in
+    /// any of the random states that are tried. What a format costs is
     /// counted in bits: a product or a quotient costs the square of the bits
     /// of the significand, as a multiplier does, a sum and a value that is
     /// only stored cost the bits.

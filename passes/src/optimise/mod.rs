@@ -63,7 +63,7 @@ declare_pass! {
     /// many the longest path does; `optimise` makes variants of both kinds,
     /// places them on the machine with the numbers of elements given, and
     /// takes the one of the shortest schedule (`for=cycles`), or the one with
-    /// the fewest operations or the shortest path. What was tried is told in
+    /// the fewest operations or the shortest path. What was tried is listed in
     /// a table:
     ///
     /// ```text
@@ -86,9 +86,9 @@ declare_pass! {
         pub r#for: Goal = Goal::default(),
         /// Numeric class of the variants.
         pub class: VariantClass = VariantClass::default(),
-        /// Adders; the machine file says how many otherwise.
+        /// Adders; by default those of the machine file.
         pub n_add: Option<u32> = None => fields::count::LIMIT,
-        /// Multipliers; the machine file says how many otherwise.
+        /// Multipliers; by default those of the machine file.
         pub n_multi: Option<u32> = None => fields::count::LIMIT,
         /// Dividers, on machines that have them.
         pub n_div: Option<u32> = None => fields::count::LIMIT,

@@ -41,7 +41,7 @@ declare_pass! {
     /// Numbers are combined in double-double and rounded once, to binary64.
     ///
     /// Arrays of which nothing is read or set any more are dropped. Without a
-    /// scene nothing is bound, and only numbers that stand in the function are
+    /// scene nothing is bound, and only numbers that occur in the function are
     /// known. The check sets bound inputs to their numbers and proves the
     /// function exactly as it is before constants are rounded.
     pub struct Specialise("specialise") {}

@@ -43,7 +43,7 @@ use std::sync::Arc;
 declare_pass! {
     /// Computes sines and cosines by sums and products, with a proved error.
     ///
-    /// `method=taylor` cuts the series of Taylor off behind the power `order`
+    /// `method=taylor` cuts the series of Taylor off after the power `order`
     /// of the angle: order 1 is `sin x = x` and `cos x = 1`, order 3 is
     /// `x - x^3/6` and `1 - x^2/2`, as in the thesis (1.2.2).
     /// `method=minimax` takes the polynomials of the same powers whose largest
@@ -58,7 +58,7 @@ declare_pass! {
     /// `sin 2y = 2 sin y cos y` and `cos 2y = 1 - 2 sin² y`, so that large
     /// angles need no large orders.
     ///
-    /// For every range a remark says what is proved: the largest error of
+    /// For every range a remark has what is proved: the largest error of
     /// sine and cosine with the coefficients as they are used, and what
     /// rounding in the machine's format adds at most. Angles without a known
     /// range stay with the host. Equal angles share their square. Follow it by
@@ -68,7 +68,7 @@ declare_pass! {
     /// there are comparisons, shifts and tables, for angles of any size:
     /// `method=polynomial` on an eighth of a turn, `method=table` with a table
     /// of `entries` and polynomials of `degree`, `method=cordic` with
-    /// `iterations` rotations, all in integers with `bits` behind the point.
+    /// `iterations` rotations, all in integers with `bits` after the point.
     /// The function keeps its sines and cosines; what computes them is
     /// recorded in its metadata, and evaluation in a format, memory images and
     /// the simulator compute them so, bit by bit.
@@ -103,7 +103,7 @@ declare_pass! {
         /// Of `cordic`: rotations.
         pub iterations: u32 = 24 => NumberLimit::whole(
             1, 60, "later rotations are smaller than any number of 64 bits"),
-        /// On the host: bits behind the point.
+        /// On the host: bits after the point.
         pub bits: u32 = 32 => NumberLimit::whole(
             8, 50, "products must fit into 128 bits, and results into binary64"),
     }

@@ -30,7 +30,7 @@ pub(super) struct AttributionArguments {
     state: u32,
     /// Operations of a window, for the method interval
     #[arg(long, default_value_t = 1000, requires = "attribution",
-          add = whole(1, 100_000, "intervals over more operations say nothing"))]
+          add = whole(1, 100_000, "intervals over more operations are useless"))]
     window: u32,
     /// States from which ranges inside a function are assumed, for the method
     /// interval

@@ -85,7 +85,7 @@ struct RtlArguments {
     /// one of these seeds: the clock it reaches beside the estimate, in minutes
     #[arg(long, conflicts_with = "fits", value_name = "SEEDS", value_delimiter = ',',
           num_args = 0..=1, default_missing_value = "1,2,3",
-          add = whole(0, 1_000_000, "a seed only tells placements apart"))]
+          add = whole(0, 1_000_000, "a seed only distinguishes placements"))]
     place_and_route: Option<Vec<u32>>,
 }
 
