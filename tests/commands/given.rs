@@ -15,7 +15,7 @@ pub(crate) const NOT_RUN: &[(&str, &str)] = &[
     ),
     (
         "cargo install …",
-        "builds everything in release; docs/tutorials.md tells how long it took",
+        "builds everything in release; docs/results-processors.md has the time it took",
     ),
     (
         "cargo run …",
