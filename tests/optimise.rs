@@ -27,7 +27,26 @@ fn optimised(words: &[&str]) -> tempfile::TempDir {
     let text = said(&robovec(&words));
     assert!(text.contains("\nproved       equal"), "{text}");
     assert_fits_a_screen(&text);
+    assert_shows(&text, &results(folder.path())["answer"]);
     folder
+}
+
+/// The numbers on the screen are those of the JSON.
+fn assert_shows(text: &str, answer: &Value) {
+    let number = |value: &Value| value.as_f64().expect("it was measured");
+    let (before, after) = (number(&answer["before"]), number(&answer["after"]));
+    let digits = |speed: f64| match answer["measure"].as_str() {
+        Some("cycles" | "operations") => format!("{speed}"),
+        _ if speed < 100.0 => format!("{speed:.1}"),
+        _ => format!("{speed:.0}"),
+    };
+    let [worst, best] = [0, 1].map(|place| number(&answer["worst_errors"][place]));
+    for shown in [
+        format!("{} -> {} ", digits(before), digits(after)),
+        format!("{worst:.1e} -> {best:.1e} in "),
+    ] {
+        assert!(text.contains(&shown), "no {shown} in {text}");
+    }
 }
 
 /// At most 20 lines of 80 columns.
@@ -234,8 +253,11 @@ fn class_real_rests_on_no_circle() {
 fn no_preset_beats_it() {
     for elements in [4, 16] {
         let file = "examples/suspension/mbs_dirdyna_suspension.m";
-        let folder = optimised(&[file, &format!("--elements={elements}"), "--states=16"]);
+        let folder = optimised(&[file, &format!("--elements={elements}")]);
         let best = cycles(folder.path());
+        if elements == 4 {
+            is_in_the_readme(folder.path());
+        }
         for preset in REGISTRY.presets {
             let passes = preset
                 .pipeline
@@ -245,6 +267,27 @@ fn no_preset_beats_it() {
             assert!(best <= found, "{}: {found} beats {best}", preset.name);
         }
     }
+}
+
+/// README.md has the answer of its main job, and its figure.
+fn is_in_the_readme(folder: &Path) {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let (readme, figure) = (read(root, "README.md"), read(folder, "optimise.svg"));
+    let answer = &results(folder)["answer"];
+    let number = |value: &Value| value.as_f64().expect("it was measured");
+    let [gain, before, after, median] =
+        ["times_faster", "before", "after", "median_error"].map(|key| number(&answer[key]));
+    let [worst, best] = [0, 1].map(|place| number(&answer["worst_errors"][place]));
+    for line in [
+        format!("{gain:.2} times faster: {before} -> {after} cycles"),
+        format!("{worst:.1e} -> {best:.1e} in f32, median {median:.1e}"),
+    ] {
+        assert!(readme.contains(&line), "no {line} in README.md");
+    }
+    if std::env::var_os("INSTA_UPDATE").is_some_and(|value| value == "always") {
+        fs::write(root.join("docs/suspension.svg"), &figure).expect("it can be written");
+    }
+    assert_eq!(read(root, "docs/suspension.svg"), figure);
 }
 
 /// Equations at the level atomic in another order: each as soon as its

@@ -55,10 +55,6 @@ pub(crate) const NOT_RUN: &[(&str, &str)] = &[
         "takes minutes; tests/neglect.rs is smaller",
     ),
     (
-        "robovec rtl examples/models/bogie.mbs …",
-        "takes minutes; the double pendulum is run",
-    ),
-    (
         "robovec rtl bogie …",
         "takes minutes; the double pendulum is run",
     ),

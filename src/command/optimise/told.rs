@@ -38,20 +38,19 @@ pub(super) fn tell(
     let commands = commands(arguments, given, found);
     let subject = subject(arguments, found);
     let mut lines = answer.lines();
-    let rest = match &arguments.output {
+    lines.extend(left_out(given));
+    let (last, rest) = match &arguments.output {
         None => {
-            lines.push((
-                "use it",
-                "run again with '-o FOLDER', which writes it".to_owned(),
-            ));
-            String::new()
+            let again = "run again with '-o FOLDER', which writes it".to_owned();
+            (vec![("use it", again)], String::new())
         }
         Some(folder) => {
             let mut files = program_files(question, found)?;
             files.extend(in_its_language(arguments, found)?);
             // The page lies in the folder; the terminal does not.
-            let in_folder = [lines.clone(), uses(arguments, Path::new(""), &files)].concat();
-            lines.extend(uses(arguments, folder, &files));
+            let in_folder = uses(arguments, Path::new(""), &files);
+            let in_folder = [lines.clone(), in_folder].concat();
+            let last = uses(arguments, folder, &files);
             files.push(("commands.txt".to_owned(), commands.clone()));
             if !is_input(arguments, found) {
                 let start = print::print_module(&given.starts[found.start].module);
@@ -69,11 +68,18 @@ pub(super) fn tell(
             };
             files.extend(results(found, &texts));
             write(folder, &files)?;
-            format!(": {}, optimise.csv", folder.join(PAGE).display())
+            let pages = folder.join(PAGE);
+            (
+                last,
+                format!("\nall of them: {}, optimise.csv", pages.display()),
+            )
         }
     };
-    lines.extend(left_out(given));
-    let head = headline(&subject, &answer) + &labelled(&lines);
+    let mut head = headline(&subject, &answer) + &labelled(&lines);
+    for (label, text) in last {
+        // Commands are copied: they are not folded.
+        let _ = writeln!(head, "{label:<LABELS$}{text}");
+    }
     let rows = SCREEN.saturating_sub(head.lines().count() + FRAME);
     let table = text::front_table(found, answer.measure, rows);
     let mut text = format!("{head}\n{table}\n{}{rest}\n", text::numbers(found));
@@ -118,7 +124,9 @@ fn subject(arguments: &OptimiseArguments, found: &Optimised) -> String {
 /// Maximum number of lines of the report.
 const SCREEN: usize = 20;
 /// Lines of it around the rows of the table: its head, and blank ones.
-const FRAME: usize = 5;
+const FRAME: usize = 6;
+/// Width of the labels of the answer.
+const LABELS: usize = "worst error  ".len();
 
 /// Maximum number of characters of a reason.
 const REASON: usize = 120;
@@ -223,9 +231,10 @@ fn uses(
         extension == input.extension() && extension.is_some_and(|text| text != "rvir")
     });
     let code = files.iter().find(|(name, _)| name.ends_with(".c"));
+    let is_batch = arguments.target == OptimisationTarget::Batch;
     uses.push((
         "use it",
-        match (in_place, code) {
+        match (in_place.filter(|_| !is_batch), code) {
             (Some(own), _) => {
                 let folder = input
                     .parent()

@@ -101,7 +101,7 @@ impl OptimisationAnswer {
         };
         let before = self.measure.text(before);
         let gain = match (ratio, self.measure) {
-            (ratio, _) if (0.995..1.005).contains(&ratio) => "no faster".to_owned(),
+            (ratio, measure) if (ratio - 1.0).abs() < measure.noise() => "no faster".to_owned(),
             (ratio, _) if ratio < 1.0 => "slower than the input, which is best kept".to_owned(),
             (ratio, SpeedMeasure::Operations) => format!("{} times shorter", times(ratio)),
             (ratio, _) => format!("{} times faster", times(ratio)),
@@ -152,6 +152,14 @@ impl SpeedMeasure {
                 point.nanoseconds
             }
             SpeedMeasure::Operations => Some(point.operations as f64),
+        }
+    }
+
+    /// Relative noise of a measurement; smaller differences are none.
+    fn noise(self) -> f64 {
+        match self {
+            SpeedMeasure::Cycles | SpeedMeasure::Operations => 0.0005,
+            SpeedMeasure::NanosecondsOfACall | SpeedMeasure::NanosecondsOfAState => 0.03,
         }
     }
 
@@ -261,7 +269,10 @@ fn others(found: &Optimised, measure: SpeedMeasure) -> Vec<String> {
             name(point)
         )
     };
-    let points = || front.iter().map(|&index| &found.points[index]);
+    let points = || {
+        let points = front.iter().map(|&index| &found.points[index]);
+        points.filter(|point| !point.is_input)
+    };
     let faster = points().next().filter(|point| speed(point) < speed(taken));
     let exact = points().find(|point| speed(point) > speed(taken) && worst(point) < worst(taken));
     faster.into_iter().chain(exact).map(text).collect()

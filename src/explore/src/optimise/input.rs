@@ -89,30 +89,30 @@ fn timed(
         flags: Some(question.flags),
         ..bench_question(view(start), question.states)
     };
-    let mut forms: Vec<Contestant> = Vec::new();
+    let mut forms: Vec<(&str, Contestant)> = Vec::new();
     let operations = own::operations(view(start));
     if operations <= ONE_PIECE {
-        forms.extend(
-            question
-                .file
-                .map(|path| robotran::file(&asked, compiler, path)),
-        );
-        forms.push(robotran::printed(&asked, compiler, start));
+        let file = question.file;
+        let file = file.map(|path| robotran::file(&asked, compiler, path));
+        forms.extend(file.map(|file| ("the file as it is", file)));
+        let printed = robotran::printed(&asked, compiler, start);
+        forms.push(("as Robotran writes it", printed));
     }
     if operations <= LARGEST {
-        forms.push(single(&own::ContestantPlan {
+        let own = single(&own::ContestantPlan {
             question: &asked,
             compiler,
             family: ContestantFamily::Equations,
             name: "the same equations",
             view: view(start),
-        }));
+        });
+        forms.push(("the same equations in robovec's C", own));
     }
     let mut figures = ProgramFigures {
         remark: "too large to compile and time".to_owned(),
         ..ProgramFigures::default()
     };
-    for form in forms {
+    for (name, form) in forms {
         match outcome(&asked, &form, progress) {
             Ok(outcome) => {
                 figures.nanoseconds = outcome.nanoseconds;
@@ -122,7 +122,7 @@ fn timed(
             Err(error) => figures.remark = error,
         }
         if figures.nanoseconds.is_some() {
-            figures.remark = form.name;
+            name.clone_into(&mut figures.remark);
             break;
         }
     }
