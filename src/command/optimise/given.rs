@@ -6,6 +6,7 @@ use robovec_dynamics::generate::{GenerationRequest, generate_asked};
 use robovec_explore::optimise::start::{self, OptimisationStart};
 use robovec_explore::scene::{SceneFile, SceneSubject};
 use robovec_framework::scene::Scene;
+use robovec_ir::diagnostic::counted;
 use robovec_model::Model;
 use robovec_robotran::FunctionKind;
 use std::path::{Path, PathBuf};
@@ -91,7 +92,7 @@ fn equations(
             (module, Some(model), arguments.input.clone())
         }
         (None, path) => {
-            let read = input::equations(Path::new(&arguments.input), None)?;
+            let read = input::equations_of(Path::new(&arguments.input), None, function)?;
             scene = input::scene_of(&read, scene);
             let module = read.module;
             let model: Option<Model> = match path {
@@ -102,14 +103,19 @@ fn equations(
             (module, model, words.unwrap_or_default())
         }
     };
-    if module.functions.len() != 1 {
+    let is_there = module.functions.iter().any(|known| known.name == wanted);
+    if module.functions.len() != 1 && (function.is_some() || is_there) {
         opt::select(&mut module, wanted)?;
     }
     if module.functions.len() != 1 {
         let names: Vec<&str> = module.functions.iter().map(|f| f.name.as_str()).collect();
         return Err(CommandFailure::advised(
-            format!("'{wanted}' stands for {} functions", names.len()),
-            vec![format!("name one: --function {}", names.join(", "))],
+            format!(
+                "{} holds {}",
+                arguments.input,
+                counted(names.len(), "function")
+            ),
+            vec![format!("choose one with --function: {}", names.join(", "))],
         ));
     }
     let (mut formulations, mut left) = (Vec::new(), Vec::new());

@@ -5,7 +5,7 @@ use super::given::GivenStarts;
 use crate::command::output::{self, result_files};
 use crate::command::{CommandFailure, telling};
 use robovec_cgen::c;
-use robovec_explore::optimise::answer::OptimisationAnswer;
+use robovec_explore::optimise::answer::{self, OptimisationAnswer};
 use robovec_explore::optimise::text::OptimisationPage;
 use robovec_explore::optimise::{
     OptimisationPoint, OptimisationQuestion, OptimisationTarget, Optimised, text,
@@ -75,6 +75,11 @@ pub(super) fn tell(
             )
         }
     };
+    let folded = labelled(&lines).lines().count() + last.len();
+    if folded > SCREEN - FRAME - LEAST_ROWS - 2 {
+        // The table has the other choices as well.
+        lines.retain(|(label, _)| *label != answer::OTHERS);
+    }
     let mut head = headline(&subject, &answer) + &labelled(&lines);
     for (label, text) in last {
         // Commands are copied: they are not folded.
@@ -125,6 +130,8 @@ fn subject(arguments: &OptimiseArguments, found: &Optimised) -> String {
 const SCREEN: usize = 20;
 /// Lines of it around the rows of the table: its head, and blank ones.
 const FRAME: usize = 6;
+/// Minimum number of rows: the input and the program.
+const LEAST_ROWS: usize = 2;
 /// Width of the labels of the answer.
 const LABELS: usize = "worst error  ".len();
 

@@ -9,6 +9,9 @@ use robovec_ir::Machine;
 use robovec_present::number::{exponential, percent};
 use serde::Serialize;
 
+/// Label of the line with other choices.
+pub const OTHERS: &str = "or choose";
+
 /// Quantity by which programs are compared.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -137,7 +140,7 @@ impl OptimisationAnswer {
         lines.push(("proved", self.proof.clone()));
         lines.extend(self.schedule.clone().map(|text| ("schedule", text)));
         if !self.others.is_empty() {
-            lines.push(("or choose", self.others.join("; ")));
+            lines.push((OTHERS, self.others.join("; ")));
         }
         lines
     }
