@@ -1,20 +1,26 @@
 //! Numbers of arbitrary precision seen from binary64.
 
-use astro_float::{BigFloat, Sign};
+use astro_float::{BigFloat, Sign, Word};
+
+/// Number of the library's words in 64 bits.
+const WORDS: usize = (64 / Word::BITS) as usize;
 
 /// The top 64 bits of a number's mantissa, whether anything stands below
 /// them, and the exponent `e` with which the number is the mantissa as a
 /// fraction below one times `2^e`; `None` for zero and what is not a number.
 fn top(number: &BigFloat) -> Option<(u64, bool, i32)> {
     let (words, _, _, exponent, _) = number.as_raw_parts()?;
-    let (last, below) = words.split_last()?;
+    // A word is as long as a pointer; precisions are multiples of 64 bits.
+    let (below, top) = words.split_at(words.len().checked_sub(WORDS)?);
+    let top = top.iter().rev();
+    let top = top.fold(0, |top: u128, word| top << Word::BITS | u128::from(*word)) as u64;
     // The library's numbers are normalised but at the end of a range far
     // beyond that of binary64.
-    if *last >> 63 == 0 {
+    if top >> 63 == 0 {
         return None;
     }
     let sticky = below.iter().any(|word| *word != 0);
-    Some((*last, sticky, exponent))
+    Some((top, sticky, exponent))
 }
 
 /// The number with a precision of so many bits.
