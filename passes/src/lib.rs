@@ -20,6 +20,7 @@ pub mod eqsat;
 pub mod factor;
 pub mod fma;
 pub mod fold;
+mod hash;
 pub mod inline;
 pub mod interleave;
 pub mod lookahead;

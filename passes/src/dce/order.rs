@@ -6,11 +6,10 @@
 //! the longest chain first, and of equally long ones that with the smaller
 //! hash of the expression it stands for.
 
+use crate::hash;
 use robovec_framework::rewrite::{Rewriter, lay_out};
 use robovec_ir::{Function, Level, Node, Operand, OperandKind, Value, ValueFormats};
-use rustc_hash::FxBuildHasher;
 use std::cmp::Reverse;
-use std::hash::BuildHasher;
 
 /// The function with its values in this order; those that no output needs
 /// stand behind the others, as they came.
@@ -80,9 +79,9 @@ fn keys(function: &Function) -> Vec<(Reverse<u32>, u64)> {
             OperandKind::Value(value) => keys[value.index()],
             OperandKind::Constant(constant) => {
                 let bits = function.constant_number(constant).to_bits();
-                (Reverse(0), FxBuildHasher.hash_one((1_u8, bits)))
+                (Reverse(0), hash::of_words(&[1, bits]))
             }
-            OperandKind::Input(input) => (Reverse(0), FxBuildHasher.hash_one((2_u8, input.0))),
+            OperandKind::Input(input) => (Reverse(0), hash::of_words(&[2, input.0.into()])),
             OperandKind::None => (Reverse(0), 0),
         };
         let mut operands: Vec<(Reverse<u32>, u64)> = node.operands().iter().map(key).collect();
@@ -92,7 +91,7 @@ fn keys(function: &Function) -> Vec<(Reverse<u32>, u64)> {
         let lengths = operands.iter().map(|(Reverse(length), _)| *length);
         let longest = lengths.fold(0, u32::max);
         let hashes: Vec<u64> = operands.iter().map(|(_, hash)| *hash).collect();
-        let hash = FxBuildHasher.hash_one((node.operation as u32, hashes));
+        let hash = hash::of_list(node.operation as u64, &hashes);
         keys.push((Reverse(longest + 1), hash));
     }
     keys

@@ -9,9 +9,8 @@
 //! counted together. That can only make a pair look more wanted than it is,
 //! which costs nothing, and the same function always gives the same counts.
 
+use crate::hash;
 use crate::sums::groups::{GroupFamily, GroupLeaf};
-use rustc_hash::FxBuildHasher;
-use std::hash::BuildHasher;
 
 /// The largest group whose pairs are considered.
 pub(super) const LARGEST_GROUP: usize = 16;
@@ -60,11 +59,12 @@ impl PairCounts {
     fn slot(&self, family: GroupFamily, a: GroupLeaf, b: GroupLeaf) -> usize {
         let relation = match family {
             GroupFamily::Product => 0,
-            GroupFamily::Sum => 1 + u32::from(a.negative != b.negative),
+            GroupFamily::Sum => 1 + u64::from(a.negative != b.negative),
         };
         let low = a.operand.min(b.operand).bits();
         let high = a.operand.max(b.operand).bits();
-        let hash = FxBuildHasher.hash_one((relation, u64::from(low) << 32 | u64::from(high)));
+        let pair = u64::from(low) << 32 | u64::from(high);
+        let hash = hash::of_words(&[relation, pair]);
         (hash >> 20) as usize & (self.slots.len() - 1)
     }
 }
