@@ -37,10 +37,11 @@ fn is_drawn() -> bool {
     stderr().is_terminal() && !telling::is_quiet()
 }
 
-/// Tells every now and then how far a bar is, until it is finished or dropped.
+/// Tells every now and then how far a bar is, until it is finished or dropped;
+/// nothing where no thread can be started, as in WebAssembly.
 fn tell_in_lines(bar: &ProgressBar) {
     let bar = bar.downgrade();
-    thread::spawn(move || {
+    let _ = thread::Builder::new().spawn(move || {
         loop {
             thread::sleep(telling::interval());
             let Some(bar) = bar.upgrade() else { return };
