@@ -6,7 +6,9 @@ cd "$(dirname "$0")/.."
 tools=target/python-tools
 [ -x "$tools/bin/maturin" ] || {
     python3 -m venv "$tools"
-    "$tools/bin/pip" install --quiet 'maturin>=1.7,<2'
+    "$tools/bin/pip" install --quiet 'maturin>=1.9,<2'
 }
+scripts/third-party-licences robovec-python >python/THIRD-PARTY.txt
+rm -f dist/robovec-*.whl
 "$tools/bin/maturin" build --profile "${1:-release}" --quiet --manifest-path python/Cargo.toml --out dist
 ls dist/*.whl
