@@ -148,7 +148,7 @@ async function start() {
   }
   busy(null);
   const total = mine.calls.reduce((sum, result) => sum + result.milliseconds, 0);
-  $("state").textContent = mine.stopped ? "Stopped." : `${(total / 1000).toFixed(2)} s in ${mine.calls.length} calls of the programs.`;
+  $("state").textContent = mine.stopped ? "Stopped." : `${(total / 1000).toFixed(2)} s, programs called: ${mine.calls.length}.`;
   if (mine.calls.length > 0 && failed(mine.calls.at(-1)) && !mine.verdict) mine.tab = "Diagnostics";
   show();
 }
