@@ -18,7 +18,7 @@ use robovec_ir::{Module, print};
 use robovec_passes::registry::REGISTRY;
 use robovec_present::json::json_text;
 use robovec_present::number::or_nothing;
-use robovec_present::text::{cut, labelled};
+use robovec_present::text::{cut, headed, labelled};
 use robovec_robotran::Language;
 use robovec_robotran::drop_in::{DropInOptions, drop_in};
 use robovec_robotran::write::{WriteOptions, write as write_equations};
@@ -80,7 +80,7 @@ pub(super) fn tell(
         // The table has the other choices as well.
         lines.retain(|(label, _)| *label != answer::OTHERS);
     }
-    let mut head = headline(&subject, &answer) + &labelled(&lines);
+    let mut head = headed(&subject, &answer.headline()) + &labelled(&lines);
     for (label, text) in last {
         // Commands are copied: they are not folded.
         let _ = writeln!(head, "{label:<LABELS$}{text}");
@@ -96,17 +96,6 @@ pub(super) fn tell(
         }
     }
     Ok(text)
-}
-
-/// The gain, after the subject; below it where both do not fit into a line.
-fn headline(subject: &str, answer: &OptimisationAnswer) -> String {
-    let gain = answer.headline();
-    let one = format!("{subject}  {gain}\n");
-    if one.chars().count() <= 80 {
-        one
-    } else {
-        format!("{subject}\n  {gain}\n")
-    }
 }
 
 /// The file or model, and the function of a model.

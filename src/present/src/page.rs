@@ -88,7 +88,7 @@ pub fn lines(text: &str) -> String {
 pub fn card(answer: &str, lines: &[(&str, String)]) -> String {
     let mut text = format!(
         "<div class=\"card\"><p class=\"answer\">{}</p>\n<dl>",
-        Escaped(answer)
+        arrows(answer)
     );
     for (label, content) in lines {
         // Writing to a string cannot fail.
@@ -96,10 +96,15 @@ pub fn card(answer: &str, lines: &[(&str, String)]) -> String {
             text,
             "<dt>{}</dt><dd>{}</dd>",
             Escaped(label),
-            Escaped(content)
+            arrows(content)
         );
     }
     text + "</dl></div>\n"
+}
+
+/// A text with arrows that are not broken into lines.
+fn arrows(text: &str) -> String {
+    Escaped(&text.replace("->", "→")).to_string()
 }
 
 /// Maximum number of lines of a text beside another one.
@@ -171,6 +176,9 @@ fn cell(text: &mut String, cell: &DataCell) {
     let _ = match cell {
         DataCell::Empty => write!(text, "<td></td>"),
         DataCell::Count(_) | DataCell::Number(..) => write!(text, "<td class=\"n\">{plain}</td>"),
+        DataCell::Text(number) if number.parse::<f64>().is_ok() => {
+            write!(text, "<td class=\"n\">{number}</td>")
+        }
         DataCell::Text(long) if long.len() > LONG_CELL => {
             write!(text, "<td class=\"long\">{}</td>", Escaped(long))
         }
@@ -179,12 +187,12 @@ fn cell(text: &mut String, cell: &DataCell) {
     };
 }
 
-/// A figure with its caption.
+/// A figure with its caption, its panels side by side where they fit.
 pub fn figure(figure: &Figure) -> String {
     format!(
-        "<figure id=\"{}\">{}<figcaption><b>{}</b><br><span class=\"caption\">{}</span></figcaption></figure>\n",
+        "<figure id=\"{}\"><div class=\"panels\">{}</div><figcaption><b>{}</b><br><span class=\"caption\">{}</span></figcaption></figure>\n",
         figure.name,
-        plot::draw(figure),
+        plot::draw_apart(figure).concat(),
         Escaped(&figure.title),
         Escaped(&figure.caption),
     )

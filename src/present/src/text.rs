@@ -70,6 +70,16 @@ pub fn labelled(lines: &[(&str, String)]) -> String {
     text
 }
 
+/// A headline after its subject; below it where both do not fit into a line.
+pub fn headed(subject: &str, headline: &str) -> String {
+    let one = format!("{subject}  {headline}\n");
+    if one.chars().count() <= WIDTH {
+        one
+    } else {
+        format!("{subject}\n  {headline}\n")
+    }
+}
+
 /// A text of at most so many characters, the last of them `…` where it was
 /// longer.
 pub fn cut(text: &str, most: usize) -> String {
@@ -78,6 +88,14 @@ pub fn cut(text: &str, most: usize) -> String {
     }
     let start: String = text.chars().take(most - 1).collect();
     format!("{start}…")
+}
+
+/// At most so many of a list, the first and the last among them.
+pub fn thinned<T: Copy>(all: &[T], most: usize) -> Vec<T> {
+    let room = all.len().min(most);
+    let last = all.len().saturating_sub(1);
+    let steps = room.saturating_sub(1).max(1);
+    (0..room).map(|place| all[place * last / steps]).collect()
 }
 
 /// Texts in their order, each once.

@@ -8,7 +8,7 @@ use robovec_ir::diagnostic::counted;
 use robovec_present::json::json_script;
 use robovec_present::number::{exponential, share_percent};
 use robovec_present::page::{self, PointsPage};
-use robovec_present::text::cut;
+use robovec_present::text::{cut, thinned};
 use robovec_present::{
     AxisScale, ColumnList, Curve, DataTable, Digits, Figure, Mark, Paint, Panel, PlotAxis, Stroke,
     columns,
@@ -96,11 +96,8 @@ fn shown(found: &Optimised, measure: SpeedMeasure, most: usize) -> Vec<usize> {
         .into_iter()
         .filter(|index| !rows.contains(index))
         .collect();
-    let room = others.len().min(most - rows.len());
     // The first and the last stay, the fastest and the most exact.
-    let last = others.len().saturating_sub(1);
-    let steps = room.saturating_sub(1).max(1);
-    rows.extend((0..room).map(|place| others[place * last / steps]));
+    rows.extend(thinned(&others, most - rows.len()));
     let speed = |index: &usize| measure.of(&found.points[*index]).unwrap_or(f64::INFINITY);
     rows.sort_by(|a, b| speed(a).total_cmp(&speed(b)).then(a.cmp(b)));
     rows.dedup();

@@ -185,7 +185,7 @@ fn describe(panel: &Panel, curve: &Curve, mark: &Mark) -> String {
         text += &format!("\nfrom {} to {}", trimmed(low), trimmed(high));
     }
     if let Some(zone) = mark.zone {
-        text += &format!("\n{} zone", zone.name);
+        text += &format!("\n{}", zone.name);
     }
     text
 }

@@ -46,16 +46,38 @@ impl PlotFrame {
 /// Draws a figure.
 pub fn draw(figure: &Figure) -> String {
     let columns = figure.columns.clamp(1, figure.panels.len().max(1));
-    let [width, height] = if columns == 1 { WIDE } else { NARROW };
-    let beside = figure.panels.iter().map(label_room).fold(12.0, f64::max);
+    let axes = if columns == 1 { WIDE } else { NARROW };
+    drawing(figure, &figure.panels, columns, axes)
+}
+
+/// Maximum number of labels beside small axes.
+const LABELS: usize = 14;
+
+/// Draws every panel of a figure for itself, small enough for a narrow page,
+/// so that a wide one puts several side by side.
+pub fn draw_apart(figure: &Figure) -> Vec<String> {
+    let panels = figure.panels.chunks(1);
+    let draw = |panel: &[Panel]| {
+        let axes = match &panel[0].content {
+            PanelContent::Curves(curves) if curves.len() > LABELS => WIDE,
+            PanelContent::Curves(_) | PanelContent::Tiles(_) => NARROW,
+        };
+        drawing(figure, panel, 1, axes)
+    };
+    panels.map(draw).collect()
+}
+
+/// Draws panels of a figure in so many columns, with axes of a size.
+fn drawing(figure: &Figure, panels: &[Panel], columns: usize, [width, height]: [f64; 2]) -> String {
+    let beside = panels.iter().map(label_room).fold(12.0, f64::max);
     let cell = [LEFT + width + beside, ABOVE + height + BELOW];
-    let rows = figure.panels.len().div_ceil(columns);
+    let rows = panels.len().div_ceil(columns);
     let mut svg = Svg::new(
         cell[0] * columns as f64,
         cell[1] * rows as f64 + 6.0,
         &figure.title,
     );
-    for (index, panel) in figure.panels.iter().enumerate() {
+    for (index, panel) in panels.iter().enumerate() {
         let frame = PlotFrame {
             left: cell[0] * (index % columns) as f64 + LEFT,
             top: cell[1] * (index / columns) as f64 + ABOVE,
