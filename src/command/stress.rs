@@ -1,11 +1,12 @@
 //! `robovec stress`: hard cases, verdicts and cures.
 
 use super::output::result_files;
-use super::{CommandFailure, output, progress};
+use super::{CommandFailure, output, progress, telling};
 use clap::Args;
 use rayon::prelude::*;
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use robovec_present::json::json_text;
+use robovec_present::text::{headed, labelled};
 use robovec_stress::{CaseClass, Findings, StressCase, StressError};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -72,20 +73,7 @@ pub(super) fn run(arguments: &StressArguments) -> Result<String, CommandFailure>
     if let Some(folder) = &arguments.output {
         write_files(folder, &findings)?;
     }
-    let mut text = robovec_stress::text(&findings);
-    if !arguments.verdicts {
-        text.push('\n');
-        text += &robovec_stress::classes(&findings);
-        for more in [
-            robovec_stress::steps(&findings),
-            robovec_stress::gaps(&findings),
-        ] {
-            if !more.is_empty() {
-                text.push('\n');
-                text += &more;
-            }
-        }
-    }
+    let text = text(&findings);
     let complaints = complaints(arguments, &findings);
     if complaints.is_empty() {
         return Ok(text);
@@ -95,6 +83,27 @@ pub(super) fn run(arguments: &StressArguments) -> Result<String, CommandFailure>
         "the hard cases are not what they were".to_owned(),
         complaints,
     ))
+}
+
+/// The answer, the cases with the largest errors, and energies and gaps; all
+/// cases for those who ask for more.
+fn text(findings: &[(&StressCase, Findings)]) -> String {
+    let mut text = headed("hard cases", &robovec_stress::headline(findings))
+        + &labelled(&robovec_stress::lines(findings));
+    let all = if telling::is_verbose() {
+        robovec_stress::text(findings)
+    } else {
+        robovec_stress::worst(findings)
+    };
+    let more = [
+        all,
+        robovec_stress::steps(findings),
+        robovec_stress::gaps(findings),
+    ];
+    for more in more.iter().filter(|more| !more.is_empty()) {
+        text += &format!("\n{more}");
+    }
+    text
 }
 
 fn chosen(arguments: &StressArguments) -> Result<Vec<StressCase>, CommandFailure> {

@@ -41,7 +41,7 @@ pub use cure::{Findings, TreatmentTrial, examine, judge};
 pub use page::{figure, page};
 pub use treatment::{LoopStabilisation, ProgramTreatment};
 pub use verdict::{ALLOWANCE, StressVerdict, verdict};
-pub use view::{CaseFinding, classes, gaps, steps, table, text};
+pub use view::{CaseFinding, gaps, headline, lines, steps, table, text, worst};
 
 use robovec_dynamics::generate::GenerateError;
 use robovec_dynamics::motion::MotionError;

@@ -1,6 +1,6 @@
 //! Findings as a figure and as a page that needs nothing else.
 
-use super::view::{by_class, short};
+use super::view::{by_class, headline, lines, short};
 use super::{CaseFinding, Findings};
 use robovec_ir::diagnostic::counted;
 use robovec_present::escape::{Escaped, EscapedContent};
@@ -8,6 +8,9 @@ use robovec_present::number::or_nothing;
 use robovec_present::page::{self, PointsPage};
 use robovec_present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
 use std::fmt::Write;
+
+/// Smallest error that is drawn.
+const LEAST: f64 = 1e-17;
 
 /// An error of the findings.
 type Chosen = fn(&Findings) -> f64;
@@ -27,7 +30,7 @@ pub fn figure(findings: &[CaseFinding<'_>]) -> Figure {
                 let (x, y) = (at(found)?, error(found));
                 // What is exact, and what is no result, ends at the edges.
                 let drawable = x > 0.0 && x.is_finite() && !y.is_nan();
-                drawable.then(|| Mark::at(x.log10(), y.clamp(1e-17, 1e3).log10()))
+                drawable.then(|| Mark::at(x.log10(), y.clamp(LEAST, 1e3).log10()))
             };
             Curve::new(
                 label,
@@ -62,11 +65,29 @@ pub fn figure(findings: &[CaseFinding<'_>]) -> Figure {
         .into_iter()
         .filter(|panel| !panel.is_empty())
         .collect();
+    let mut all = findings
+        .iter()
+        .flat_map(|(_, found)| errors.map(|(_, error)| error(found)));
+    let exact = if all.any(|error| error < LEAST) {
+        "; smaller errors than 1e-17 are drawn there"
+    } else {
+        ""
+    };
+    let tried = findings.iter().any(|(_, found)| found.cure.is_some());
+    let kinds = if tried {
+        "binary32, in binary64 and with the cheapest cure"
+    } else {
+        "binary32 and in binary64"
+    };
+    let title = match panels.as_slice() {
+        [_, _] => "Error against condition, and against the step",
+        [only] if only.title == "Energy drift" => "Error against the step",
+        _ => "Error against condition",
+    };
     Figure::new(
         "stress",
-        "Error against condition, and against the step",
-        "Every case: its error in binary32, in binary64 and with the cheapest cure. \
-                  Exact results stand at -17, missing ones are left out.",
+        title,
+        format!("Every case: its error in {kinds}{exact}."),
         panels.len().max(1),
         panels,
     )
@@ -95,22 +116,46 @@ pub fn page(findings: &[CaseFinding<'_>]) -> String {
             counted(findings.len(), "case"),
             env!("CARGO_PKG_VERSION")
         ),
-        figures: if figure.panels.is_empty() {
-            String::new()
-        } else {
-            page::figure(&figure)
-        },
+        figures: page::card(&headline(findings), &lines(findings))
+            + &if figure.panels.is_empty() {
+                String::new()
+            } else {
+                page::figure(&figure)
+            },
         points: "Cases",
         tables,
         method: "<p>Errors are relative, against double-double numbers; costs are the cells of \
                  the operations, those of a product the square of its bits, relative to the \
-                 untreated program in binary32. The chosen cure is set in bold.</p>",
+                 untreated program in binary32. The chosen cure is set in bold. Treatments that \
+                 another beats in cost and error are in stress.csv.</p>",
         data: "null".to_owned(),
     };
     page.to_html()
 }
 
-/// A case with all that was tried.
+/// Treatments that no other beats in cost and error, the cheapest first, and
+/// the cure.
+fn kept(found: &Findings) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..found.trials.len()).collect();
+    let measures = |index: usize| {
+        let trial = &found.trials[index];
+        (trial.cost, trial.measured.error)
+    };
+    order.sort_by(|&a, &b| {
+        let (a, b) = (measures(a), measures(b));
+        a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+    });
+    let mut least = f64::INFINITY;
+    order.retain(|&index| {
+        let error = measures(index).1;
+        let is_kept = error < least || found.cure == Some(index);
+        least = least.min(error);
+        is_kept
+    });
+    order
+}
+
+/// A case with the treatments that matter.
 fn section(text: &mut String, (case, found): &CaseFinding<'_>) {
     let colour = match found.verdict.name() {
         "fine" => "fine",
@@ -144,7 +189,8 @@ fn section(text: &mut String, (case, found): &CaseFinding<'_>) {
     }
     text.push_str("<th class=\"n\">out of range</th></tr></thead><tbody>\n");
     let untreated = ("as it is", 1.0, &found.short, false);
-    let trials = found.trials.iter().enumerate().map(|(index, trial)| {
+    let trials = kept(found).into_iter().map(|index| {
+        let trial = &found.trials[index];
         let chosen = found.cure == Some(index);
         (trial.label.as_str(), trial.cost, &trial.measured, chosen)
     });

@@ -1,13 +1,85 @@
 //! Findings as text, table, figure and page.
 
-use super::{CaseClass, Findings, LoopStabilisation, ProgramTreatment, StressCase};
+use super::{CaseClass, Findings, LoopStabilisation, ProgramTreatment, StressCase, StressVerdict};
 use robovec_ir::Format;
 use robovec_ir::diagnostic::counted;
 use robovec_present::number::or_dash;
+use robovec_present::text::cut;
 use robovec_present::{DataCell, DataTable, text_lines};
 
 /// A case with what was found.
 pub type CaseFinding<'a> = (&'a StressCase, Findings);
+
+/// Number of cases that a cure brings to within ten times the error of f64, or
+/// of those that need none, in one line.
+pub fn headline(findings: &[CaseFinding<'_>]) -> String {
+    let count = |is_in: fn(&Findings) -> bool| {
+        let own = findings.iter().filter(|(_, found)| is_in(found));
+        own.count()
+    };
+    let all = counted(findings.len(), "case");
+    if findings.iter().all(|(_, found)| found.trials.is_empty()) {
+        let fine = count(|found| found.verdict == StressVerdict::Fine);
+        return format!("{fine} of {all} fine in binary32");
+    }
+    let cured = count(|found| found.cure.is_some());
+    format!("{cured} of {all} cured to within ten times the error of f64")
+}
+
+/// Lines after the headline, with their labels: cases by verdict, by class,
+/// and the median cost of cures.
+pub fn lines(findings: &[CaseFinding<'_>]) -> Vec<(&'static str, String)> {
+    let verdicts = StressVerdict::ALL.into_iter().filter_map(|verdict| {
+        let own = findings.iter();
+        let count = own.filter(|(_, found)| found.verdict == verdict).count();
+        (count > 0).then(|| format!("{} {count}", verdict.name()))
+    });
+    let mut lines = vec![("in binary32", verdicts.collect::<Vec<_>>().join(", "))];
+    let cures = findings.iter().filter_map(|(_, found)| found.cure());
+    let mut costs: Vec<f64> = cures.map(|trial| trial.cost).collect();
+    costs.sort_by(f64::total_cmp);
+    if let (Some(least), Some(most)) = (costs.first(), costs.last()) {
+        let middle = costs[costs.len() / 2];
+        let text = format!(
+            "{least:.2} to {most:.2} times the operations' cells in binary32, median {middle:.2}"
+        );
+        lines.push(("cost", text));
+        let classes = by_class(findings).map(|(class, own)| {
+            let cured = own.iter().filter(|(_, found)| found.cure.is_some());
+            format!("{} {} of {}", class.name(), cured.count(), own.len())
+        });
+        lines.push(("cured", classes.collect::<Vec<_>>().join(", ")));
+    }
+    lines
+}
+
+/// Maximum number of rows on the terminal.
+const SHOWN: usize = 10;
+/// Maximum number of characters of a case and of a cure there.
+const NAMES: [usize; 2] = [20, 16];
+
+/// The cases with the largest errors in binary32, in 80 columns.
+pub fn worst(findings: &[CaseFinding<'_>]) -> String {
+    let mut order: Vec<&CaseFinding<'_>> = findings.iter().collect();
+    let error = |found: &Findings| match found.short.error {
+        error if error.is_nan() => f64::INFINITY,
+        error => error,
+    };
+    order.sort_by(|(_, a), (_, b)| error(b).total_cmp(&error(a)));
+    let rows = order.into_iter().take(SHOWN).map(|(case, found)| {
+        let cure = found.cure();
+        vec![
+            cut(&case.name, NAMES[0]),
+            short(found.short.error),
+            short(found.long.error),
+            found.verdict.to_string(),
+            or_dash(cure, |trial| cut(&trial.label, NAMES[1])),
+            or_dash(cure, |trial| short(trial.measured.error)),
+        ]
+    });
+    let head = "case | >f32 | >f64 | verdict | cheapest cure | >after";
+    text_lines(head, &rows.collect::<Vec<_>>())
+}
 
 /// The findings as an aligned table; without the columns of cures where none
 /// were tried.
@@ -154,22 +226,6 @@ pub(super) fn by_class<'a>(
         (class, of_class.collect::<Vec<_>>())
     });
     classes.filter(|(_, of_class)| !of_class.is_empty())
-}
-
-/// Number of cases of each class with each verdict, and the closeness of cures
-/// to binary64.
-pub fn classes(findings: &[CaseFinding<'_>]) -> String {
-    let mut text = String::new();
-    for (class, of_class) in by_class(findings) {
-        let cured = of_class.iter().filter(|(_, found)| found.cure.is_some());
-        text += &format!(
-            "{}: {} of {} cured to within ten times the error of f64\n",
-            class.name(),
-            cured.count(),
-            counted(of_class.len(), "case")
-        );
-    }
-    text
 }
 
 /// The same for programs: one row for each case and treatment.
