@@ -4,7 +4,7 @@
 //! of everything.
 
 use crate::support::files::tree;
-use crate::support::programs::{robovec, said};
+use crate::support::programs::{robovec, said, unfolded};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -95,7 +95,7 @@ const RUNS: &[LabelledRun] = &[
         device: "ecp5",
         page: "explore.html",
         words: &["1 design on ECP5 LFE5UM-85F, 1 on the front"],
-        absent: &["The dashed line", "The line joins"],
+        absent: &["The dashed line", "The steps join"],
         points: Some(SWEEP),
     },
     LabelledRun {
@@ -103,7 +103,7 @@ const RUNS: &[LabelledRun] = &[
                   3-3,6-4 --memories unified --buffers 16 --instances 1,4 -o OUT",
         device: "cyclone",
         page: "explore.html",
-        words: &["8 designs on Cyclone V 5CSEBA6U23I7", "The line joins"],
+        words: &["8 designs on Cyclone V 5CSEBA6U23I7", "The steps join"],
         absent: &["The dashed line"],
         points: Some(SWEEP),
     },
@@ -111,15 +111,22 @@ const RUNS: &[LabelledRun] = &[
         command: "explore HERE/pair.rvir --states 1 --elements 1 --machine HERE/lattice.toml -o OUT",
         device: "ecp5",
         page: "explore.html",
-        words: &["Machine lattice: ", "5 operations as they came, 1 state\n"],
-        absent: &["line joins"],
+        words: &[
+            "Machine lattice: ",
+            "(1 random state in the given ranges, seed 1",
+        ],
+        absent: &["178 MHz"],
         points: Some(FRONT),
     },
     LabelledRun {
         command: "explore HERE/pair.rvir --states 8 --elements 2 -o OUT",
         device: "cyclone",
         page: "explore.html",
-        words: &["Machine thesis: ", " 120 MHz (estimated)", "8 states\n"],
+        words: &[
+            "Machine thesis: ",
+            " 120 MHz (estimated)",
+            "(8 random states in the given ranges, seed 1",
+        ],
         absent: &["178 MHz"],
         points: Some(FRONT),
     },
@@ -237,7 +244,7 @@ fn pages_and_texts_name_what_they_show() {
         let text = said(&robovec(&words));
         let page = fs::read_to_string(folder.path().join(run.page)).expect("there is a page");
         let shown = visible(&page);
-        let both = format!("{text}\n{shown}");
+        let both = format!("{}\n{shown}", unfolded(&text));
         let command = run.command;
         for word in run.words {
             assert!(both.contains(word), "{command}: no '{word}' in {text}");

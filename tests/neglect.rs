@@ -1,7 +1,7 @@
 //! Parts that scenes leave out: measured against mechanics, written as they
 //! were judged, refused where they mean nothing.
 
-use crate::support::programs::{robovec, stderr};
+use crate::support::programs::{robovec, stderr, unfolded};
 use robovec::explore::program::{transformed_by, view};
 use robovec::generate::{GenerationRequest, generate};
 use robovec::model::Model;
@@ -299,9 +299,9 @@ fn fitted_over_time(limits: &str) -> (serde_json::Value, String) {
     let out_word = out.to_string_lossy().into_owned();
     let told = robovec(&[&["fit", &path, "-o", &out_word], &words[..]].concat());
     assert!(told.status.success(), "{}", stderr(&told));
-    let text = String::from_utf8_lossy(&told.stdout).into_owned();
+    let text = unfolded(&String::from_utf8_lossy(&told.stdout));
     assert!(
-        text.contains("over time        1 s of the scene's motion"),
+        text.contains("over time 1 s of the scene's motion"),
         "{text}"
     );
     let json = fs::read_to_string(out.join("fit.json")).expect("written");

@@ -2,6 +2,7 @@
 //! is left of an interrupted run, and messages about plans that are wrong.
 
 use crate::support::files::{compare_with_record, each, stem, tree};
+use crate::support::programs::unfolded;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -26,7 +27,7 @@ fn run_small(folder: &Path, arguments: &[&str]) -> String {
     let output = study(&small_plan(), folder, arguments);
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success(), "{message}");
-    String::from_utf8_lossy(&output.stdout).into_owned()
+    unfolded(&String::from_utf8_lossy(&output.stdout))
 }
 
 fn read(path: &Path) -> String {
@@ -167,7 +168,7 @@ fn drawings_are_well_formed_and_the_page_needs_nothing_else() {
 fn an_interrupted_study_goes_on_where_it_stopped() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
-    assert!(run_small(folder, &["--jobs", "2"]).contains("54 placements; "));
+    assert!(run_small(folder, &["--jobs", "2"]).contains("54 placements: "));
     let whole = read(&folder.join("explore.json"));
     let page = read(&folder.join("explore.html"));
     let points = files(&folder.join("points"));
@@ -185,7 +186,7 @@ fn an_interrupted_study_goes_on_where_it_stopped() {
     assert_eq!(read(&folder.join("explore.html")), page);
     assert!(run_small(folder, &["--resume"]).contains("54 of them"));
     assert!(
-        run_small(folder, &[]).contains("54 placements; "),
+        run_small(folder, &[]).contains("54 placements: "),
         "without --resume all is new"
     );
 }

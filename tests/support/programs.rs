@@ -38,6 +38,11 @@ pub(crate) fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
+/// A text in one line, as it is before it is folded for a terminal.
+pub(crate) fn unfolded(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 /// Output of a run that must succeed.
 pub(crate) fn said(output: &Output) -> String {
     assert!(output.status.success(), "{}", stderr(output));

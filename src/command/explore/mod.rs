@@ -7,7 +7,7 @@ mod programs;
 use super::flags::{SEED, real, states, whole};
 use super::shares::ShareArguments;
 use super::subjects::named_model;
-use super::{CommandFailure, generation, input, output, progress};
+use super::{CommandFailure, generation, input, output, progress, telling};
 use clap::Args;
 use designs::DesignArguments;
 use robovec_dynamics::generate::{Formulation, Options};
@@ -185,7 +185,7 @@ fn each<E: Exploration>(
                 text += &format!("{name}: {pieces}, {found} of them found\n");
             }
             Explored::Whole(result) => {
-                text += &result.text();
+                text += &result.text(telling::is_verbose());
                 text.push('\n');
                 results.push(result);
             }
@@ -195,7 +195,7 @@ fn each<E: Exploration>(
     if let (Some(folder), WorkShare::ALL) = (&arguments.output, shares.share()) {
         output::write_files(folder, &exploration::files(&results))?;
     }
-    Ok(text)
+    Ok(text.trim_end().to_owned() + "\n")
 }
 
 /// A function with its formulations; positions of which nothing is known lie within

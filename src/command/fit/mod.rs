@@ -6,7 +6,7 @@ mod neglect;
 
 use super::flags::{SEED, states, whole};
 use super::output::result_files;
-use super::{CommandFailure, input, output, progress};
+use super::{CommandFailure, input, output, progress, telling};
 use clap::{Args, ValueEnum};
 use indicatif::ProgressBar;
 use robovec_analysis::rounding::usual_states;
@@ -154,7 +154,12 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
     if let Some(folder) = &arguments.output {
         write(folder, &task, &outcome, confirmation.as_ref())?;
     }
-    let text = fit::text::text(&task, &outcome, confirmation.as_ref());
+    let text = fit::text::text(
+        &task,
+        &outcome,
+        confirmation.as_ref(),
+        telling::is_verbose(),
+    );
     if confirmation.is_some_and(|confirmation| confirmation.holds()) {
         return Ok(text);
     }

@@ -55,8 +55,13 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
     let findings = neglect::neglect(&task, &|what| bar.set_message(what.to_owned()));
     bar.finish_and_clear();
     let findings = findings.map_err(fail)?;
-    let report = neglect::text(&findings, motion.error, motion.time, &machine);
-    let text = format!("{}\n\n{report}", file.scene.name);
+    let text = neglect::text(
+        &file.scene.name,
+        &findings,
+        motion.error,
+        motion.time,
+        &machine,
+    );
     if let Some(folder) = &arguments.output {
         let own_machine = file.scene.machine.as_ref().filter(|name| {
             // A built-in machine goes by its name wherever the scene is.

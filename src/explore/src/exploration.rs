@@ -15,6 +15,7 @@ use robovec_ir::states::States;
 use robovec_ir::{Machine, Module};
 use robovec_present::json::{json_script, json_text};
 use robovec_present::page::{self, PointsPage};
+use robovec_present::text::{headed, labelled};
 use robovec_present::{DataTable, Figure, plot};
 use serde::Serialize;
 
@@ -83,8 +84,28 @@ pub trait Exploration: Serialize + Sized {
     /// The model or file.
     fn name(&self) -> &str;
 
-    /// The results for the terminal.
-    fn text(&self) -> String;
+    /// The answer in one line.
+    fn headline(&self) -> String;
+
+    /// Lines after the headline, with their labels.
+    fn lines(&self) -> Vec<(&'static str, String)>;
+
+    /// The points that matter most, for the terminal.
+    fn short_table(&self) -> String;
+
+    /// All that is found, for those who ask for more.
+    fn details(&self) -> String;
+
+    /// The results for the terminal: the answer, then a table.
+    fn text(&self, is_verbose: bool) -> String {
+        let head = headed(self.name(), &self.headline());
+        let mut text = head + &labelled(&self.lines());
+        text += &format!("\n{}\n", self.short_table());
+        if is_verbose {
+            text += &format!("\n{}", self.details());
+        }
+        text
+    }
 
     /// All points of all functions.
     fn table(all: &[Self]) -> DataTable;
@@ -99,6 +120,18 @@ pub trait Exploration: Serialize + Sized {
     fn opening(all: &[Self], figure: String) -> String;
 }
 
+/// A card for every function, with its name where there are several.
+fn cards<E: Exploration>(all: &[E]) -> String {
+    let card = |one: &E| {
+        let headline = match all {
+            [_] => one.headline(),
+            _ => format!("{}: {}", one.name(), one.headline()),
+        };
+        page::card(&headline, &one.lines())
+    };
+    all.iter().map(card).collect()
+}
+
 /// The files of an exploration, by name.
 pub fn files<E: Exploration>(all: &[E]) -> Vec<(String, String)> {
     let (table, figure) = (E::table(all), E::figure(all));
@@ -111,7 +144,7 @@ pub fn files<E: Exploration>(all: &[E]) -> Vec<(String, String)> {
             names.join(", "),
             env!("CARGO_PKG_VERSION")
         ),
-        figures: E::opening(all, page::figure(&figure)),
+        figures: cards(all) + &E::opening(all, page::figure(&figure)),
         points: E::POINTS,
         tables: page::table(&table, "explore.csv"),
         method: &page::fill(E::METHOD, &[("devices", &devices)]),

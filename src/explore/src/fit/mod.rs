@@ -37,6 +37,7 @@
 //! and which gives the errors of candidates. Every challenge draws others. A
 //! choice that did not hold is never taken again, so that the search ends.
 
+mod answer;
 mod bound;
 mod challenge;
 pub mod confirm;

@@ -1,10 +1,10 @@
 //! A search as a page.
 
+use super::answer;
 use super::confirm::Confirmation;
-use super::text::{candidates_table, figure, text};
+use super::text::{candidates_table, details, figure};
 use super::{FitOutcome, FitTask};
 use robovec_fpga::hardware;
-use robovec_present::escape::Escaped;
 use robovec_present::json::json_script;
 use robovec_present::page::{self, PointsPage};
 
@@ -14,26 +14,26 @@ pub fn page(
     outcome: &FitOutcome,
     confirmation: Option<&Confirmation>,
 ) -> String {
-    let told = text(task, outcome, confirmation);
-    // Escaping is for one line at a time.
-    let lines: Vec<String> = told.lines().map(|line| Escaped(line).to_string()).collect();
+    let lines = answer::lines(task, outcome, confirmation);
     let page = PointsPage {
         title: format!("Scene {}", task.scene.name),
         subtitle: format!(
-            "{}. Machine {}: {}, {}. Computed by robovec {}.",
-            task.scene.description.trim_end_matches('.'),
+            "{}Machine {}: {}, {}. Computed by robovec {}.",
+            match task.scene.description.trim_end_matches('.') {
+                "" => String::new(),
+                description => format!("{description}. "),
+            },
             task.machine.name,
             task.machine.description,
             hardware::clock(task.machine).text(),
             env!("CARGO_PKG_VERSION")
         ),
-        figures: format!(
-            "<div class=\"scroll\"><pre>{}</pre></div>\n{}",
-            lines.join("\n"),
-            page::figure(&figure(task, outcome))
-        ),
+        figures: page::card(&answer::headline(task, outcome), &lines)
+            + &page::figure(&figure(task, outcome)),
         points: "All candidates",
-        tables: page::table(&candidates_table(outcome), "fit.csv"),
+        tables: page::table(&candidates_table(outcome), "fit.csv")
+            + "<h2>Excluded, and the front</h2>"
+            + &page::lines(&details(outcome)),
         method: &page::fill(
             include_str!("method.html"),
             &[("device", &task.machine.device.device().name)],

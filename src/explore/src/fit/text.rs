@@ -1,73 +1,97 @@
 //! Result of a search as text, table and figure.
 
+use super::answer;
 use super::confirm::Confirmation;
-use super::{
-    Challenge, CostMeasure, FitCandidate, FitOutcome, FitTask, MotionShare, SineTreatment,
-    VALIDATION_FACTOR,
-};
+use super::{FitCandidate, FitOutcome, FitTask, SineTreatment};
 use crate::captions;
-use robovec_error::yardstick::account::measure_text;
-use robovec_framework::scene::{Measure, OutputTolerance};
-use robovec_ir::diagnostic::counted;
+use crate::front::STEPS;
+use crate::pareto::{self, EqualPoints};
+use robovec_error::yardstick::account::ERROR_HEADS;
 use robovec_num::trigonometry::host::TrigonometricUnit;
-use robovec_present::number::exponential;
-use robovec_present::number::or_nothing;
+use robovec_present::number::{exponential, or_nothing, share_percent};
+use robovec_present::text::{headed, labelled, thinned};
 use robovec_present::{
-    AxisScale, ColumnList, Curve, DataTable, Digits, Figure, Mark, Panel, PlotAxis, columns,
+    AxisScale, ColumnList, Curve, DataTable, Digits, Figure, Mark, MarkFill, MarkZone, Paint,
+    Panel, PlotAxis, Stroke, columns,
 };
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// Lines of the front that are shown; all of it is in the files.
-const SHOWN: usize = 24;
+/// Maximum number of rows of the front on the terminal.
+const SHOWN: usize = 10;
 
-/// The choice, why, and the front.
+/// The answer, and the front; units for sines and cosines, excluded candidates
+/// and the whole front for those who ask for more.
 pub fn text(
     task: &FitTask<'_>,
     outcome: &FitOutcome,
     confirmation: Option<&Confirmation>,
+    is_verbose: bool,
 ) -> String {
-    let mut text = format!("scene {}", task.scene.name);
-    // Writing to a string cannot fail, here and below.
-    let _ = match task.scene.deadline {
-        Some(deadline) => writeln!(text, ", deadline {deadline} us"),
-        None => writeln!(text, ", no deadline"),
-    };
-    let _ = writeln!(
-        text,
-        "{}, {} measured at {} of the scene\n",
-        counted(outcome.programs.len(), "program"),
-        counted(outcome.candidates.len(), "candidate"),
-        counted(task.states, "state")
-    );
-    match outcome.chosen {
-        Some(chosen) => text += &choice(task, outcome, chosen),
-        None => text += &refusal(task, outcome),
+    let head = headed(&task.scene.name, &answer::headline(task, outcome))
+        + &labelled(&answer::lines(task, outcome, confirmation));
+    let mut text = format!("{head}\n{}\n", short_table(outcome));
+    if is_verbose {
+        text += &details(outcome);
     }
-    if let Some(challenge) = &outcome.challenge {
-        text += &held(task, outcome, challenge);
-        if let Some(motion) = &outcome.motion {
-            text += &over_time(outcome, motion);
+    text
+}
+
+/// Units for sines and cosines, excluded candidates, and the front.
+pub(super) fn details(outcome: &FitOutcome) -> String {
+    let front = outcome.front();
+    let program = outcome
+        .chosen
+        .map(|chosen| outcome.candidates[chosen].program);
+    let pipeline = or_nothing(program, |program| {
+        format!("pipeline: {}\n", outcome.programs[program].pipeline)
+    });
+    format!(
+        "{pipeline}{}{}\nFront of time, error and cost, {}\n{}\n",
+        units(outcome),
+        excluded(outcome),
+        match outcome.chosen {
+            Some(_) => "of those that meet the scene",
+            None => "of all candidates",
+        },
+        columns(outcome).text(&front)
+    )
+}
+
+/// The front of time, error and cost, each row once, the fastest first.
+fn short_table(outcome: &FitOutcome) -> String {
+    let mut rows: Vec<usize> = Vec::new();
+    let figures = |index: usize| {
+        let FitCandidate {
+            format,
+            elements,
+            cycles,
+            ..
+        } = &outcome.candidates[index];
+        (format, elements, cycles)
+    };
+    for index in outcome.chosen.into_iter().chain(outcome.front()) {
+        if !rows.iter().any(|&known| figures(known) == figures(index)) {
+            rows.push(index);
         }
     }
-    text += &or_nothing(confirmation, run);
-    text += &units(outcome);
-    text += &excluded(outcome);
-    let front = outcome.front();
-    let rows: Vec<usize> = front.iter().copied().take(SHOWN).collect();
-    let _ = writeln!(
-        text,
-        "\nFront of time, error and cost, {}: {} of {} shown; errors are parts of the largest \
-         element of an array, tolerances as the scene measures them\n{}",
-        match outcome.chosen {
-            Some(_) => "what meets the scene",
-            None => "everything",
-        },
-        rows.len(),
-        front.len(),
-        columns(outcome).text(&rows)
-    );
-    text
+    let chosen = rows.len().min(outcome.chosen.iter().len());
+    let mut shown = rows[..chosen].to_vec();
+    shown.extend(thinned(&rows[chosen..], SHOWN - chosen));
+    shown.sort_by_key(|&index| (outcome.candidates[index].cycles, index));
+    let of = |index: &usize| &outcome.candidates[*index];
+    let elements =
+        move |index: &usize| format!("{}+{}", of(index).elements[0], of(index).elements[1]);
+    let [_, worst] = ERROR_HEADS;
+    let list = columns! { usize;
+        "format", [All, All], move |index| of(index).format.as_str();
+        "elements", [All, All], elements;
+        "cycles", [All, All], move |index| of(index).cycles;
+        worst, [Exponent(1), All], move |index| of(index).normwise.worst;
+        "of device", [Words(share_percent), All], move |index| of(index).share;
+        "", [All, All], |index| standing(outcome, *index);
+    };
+    list.text(&shown)
 }
 
 /// Standing of a candidate in the search.
@@ -112,11 +136,6 @@ fn columns(outcome: &FitOutcome) -> ColumnList<'_, usize> {
         "front", [Hidden, All], move |index| if front.contains(index) { "front" } else { "" };
         "why not", [Hidden, All], move |index| of(index).remark.as_str();
     }
-}
-
-/// Cells of arithmetic.
-fn cells(cells: f64) -> String {
-    format!("{cells:.0}")
 }
 
 /// The units that would do for sines and cosines, with what they take.
@@ -200,238 +219,13 @@ fn excluded(outcome: &FitOutcome) -> String {
     text
 }
 
-fn percent(share: f64) -> String {
+/// A share of a tolerance or of a device in percent.
+pub(super) fn percent(share: f64) -> String {
     match share {
         _ if share >= 100.0 => format!("{share:.0} x"),
+        _ if share >= 0.01 => format!("{:.1} %", share * 100.0),
         _ => format!("{:.3} %", share * 100.0),
     }
-}
-
-fn choice(task: &FitTask<'_>, outcome: &FitOutcome, chosen: usize) -> String {
-    let validated = task.states * VALIDATION_FACTOR;
-    let candidate = &outcome.candidates[chosen];
-    let program = &outcome.programs[candidate.program];
-    let [add, multi] = candidate.elements;
-    let by = match task.cost {
-        CostMeasure::Device => "by its share of the device",
-        CostMeasure::Cells => "by the cells of its arithmetic",
-    };
-    let mixture = match &program.mixture {
-        Some(mixture) => format!(" for inputs; {}", mixture.text),
-        None => String::new(),
-    };
-    format!(
-        "The cheapest that meets everything, {by}\n  \
-         program    {}\n  \
-         sin, cos   {}; alone it takes {} of the tolerance\n  \
-         format     {}{mixture}\n  \
-         elements   {add} that add, {multi} that multiply\n  \
-         operations {}, longest chain {} cycles\n  \
-         schedule   {} cycles, {:.3} us\n  \
-         error      median {}, worst {} {}\n  \
-         tolerance  {}\n  \
-         device     {} of {} (estimates: look-up tables {:.0}, memory blocks {:.0}, multiplier blocks {})\n  \
-         arithmetic {} cells: products cost the square of the bits, sums the bits\n  \
-         pipeline   {}\n",
-        program.name,
-        program.treatment,
-        percent(program.model_share),
-        candidate.format,
-        candidate.operations,
-        candidate.path,
-        candidate.cycles,
-        candidate.microseconds,
-        exponential(candidate.normwise.median),
-        exponential(candidate.normwise.worst),
-        measure_text(&format!("at least {validated} states of the scene")),
-        allowed(task, candidate.used),
-        percent(candidate.share),
-        task.machine.device.device().name,
-        candidate.resources.look_up_tables,
-        candidate.resources.memory_blocks,
-        candidate.resources.multiplier_blocks,
-        cells(candidate.cells),
-        program.pipeline,
-    )
-}
-
-/// The used part of a scene's tolerances, each with its own measure, which is
-/// not that of the error beside them.
-fn allowed(task: &FitTask<'_>, used: f64) -> String {
-    let needs = task.scene.outputs.iter();
-    let allowed: Vec<String> = needs
-        .filter_map(|need| Some(format!("{} {}", need.pattern, need.tolerance?)))
-        .collect();
-    if allowed.is_empty() {
-        "none".to_owned()
-    } else {
-        format!(
-            "{} of it at the worst output: {}",
-            percent(used),
-            allowed.join("; ")
-        )
-    }
-}
-
-/// Reason why nothing meets the scene: what comes nearest.
-fn refusal(task: &FitTask<'_>, outcome: &FitOutcome) -> String {
-    let fastest = outcome
-        .candidates
-        .iter()
-        .min_by_key(|candidate| candidate.cycles);
-    let exact = |candidate: &&FitCandidate| candidate.used.is_finite();
-    let exact = outcome.candidates.iter().filter(exact);
-    let exact = exact.min_by(|a, b| a.used.total_cmp(&b.used));
-    let mut text = "Nothing meets this scene.\n".to_owned();
-    if let (Some(fastest), Some(deadline)) = (fastest, task.scene.deadline) {
-        let _ = writeln!(
-            text,
-            "  the fastest takes {:.3} us of {deadline} us",
-            fastest.microseconds
-        );
-    }
-    if let Some(exact) = exact {
-        let _ = writeln!(
-            text,
-            "  the most accurate takes {} of the tolerance",
-            percent(exact.used)
-        );
-    }
-    text
-}
-
-/// Facts established about the choice: the states it was tried at, and the
-/// results.
-fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> String {
-    let has_tolerances = task
-        .scene
-        .outputs
-        .iter()
-        .any(|need| need.tolerance.is_some());
-    if !has_tolerances {
-        return format!(
-            "The scene allows every error. All results are numbers at {} (seed {})\n",
-            counted(challenge.fresh, "fresh state"),
-            challenge.seed
-        );
-    }
-    let mut text = format!(
-        "Held at {} (seed {}): with a confidence of 95 %, at {:.4} % of the states \
-         in the ranges, or more\n  \
-         fresh states     worst {} of the tolerance\n  \
-         directed search  {}, bred from the worst ones: {} of the tolerance\n",
-        counted(challenge.fresh, "fresh state"),
-        challenge.seed,
-        (challenge.share() * 1e6).floor() / 1e4,
-        percent(challenge.fresh_used),
-        counted(challenge.directed, "more state"),
-        percent(challenge.used),
-    );
-    text += &match outcome.bound {
-        Some(bound) if bound.holds() => format!(
-            "  proved           for every state in the ranges: bounds of the rounding of all {} \
-             outputs, at most {} of the tolerance\n",
-            bound.outputs,
-            percent(bound.used)
-        ),
-        Some(bound) => format!(
-            "  not established  for every state: bounds of the rounding are within the tolerance \
-             for {} of {} outputs, the largest is {}\n",
-            bound.proved,
-            bound.outputs,
-            if bound.used.is_finite() {
-                format!("{} of it", percent(bound.used))
-            } else {
-                "without end".to_owned()
-            }
-        ),
-        None => "  not established  for every state: no bound was computed (the program is large, \
-                 has series, or reads inputs without a range)\n"
-            .to_owned(),
-    };
-    if outcome.broken > 0 {
-        let _ = writeln!(
-            text,
-            "  before it        {} failed such a search",
-            counted(outcome.broken, "cheaper choice")
-        );
-    }
-    let sizes = scales(task);
-    if !sizes.is_empty() {
-        let _ = writeln!(
-            text,
-            "  errors           in parts of the largest element of the array, or of its usual \
-             size where that is larger: {sizes}"
-        );
-    }
-    let mut tolerances = task.scene.outputs.iter().filter_map(|need| need.tolerance);
-    if tolerances.any(|one| one.measure == Measure::Relative && one.scale.is_none()) {
-        text += "  relative errors  in parts of the element, or of a thousandth of its usual size \
-                 where that is larger\n";
-    }
-    text
-}
-
-/// Result of the scene's motion.
-fn over_time(outcome: &FitOutcome, motion: &MotionShare) -> String {
-    let mut text = format!(
-        "  over time        {} s of the scene's motion in {}: {} of the largest displacement \
-         of a watched joint, {} allowed\n",
-        motion.time,
-        counted(motion.steps, "step"),
-        exponential(motion.error),
-        exponential(motion.allowed)
-    );
-    if let Some(energy) = motion.energy {
-        let _ = writeln!(
-            text,
-            "                   energy drifts by {} of the largest kinetic energy, {} allowed",
-            exponential(energy.drift),
-            exponential(energy.allowed)
-        );
-    }
-    let _ = writeln!(
-        text,
-        "                   {} erred more; dearer ones were not tried over time",
-        counted(outcome.drifted, "cheaper choice")
-    );
-    text
-}
-
-/// The sizes that errors are measured by at least, of arrays with a tolerance
-/// in parts of the largest element.
-fn scales(task: &FitTask<'_>) -> String {
-    let mut sizes: Vec<String> = Vec::new();
-    for need in &task.scene.outputs {
-        let array = &need.pattern.array;
-        let is_normwise = |tolerance: &OutputTolerance| tolerance.measure == Measure::Norm;
-        let Some(tolerance) = need.tolerance.filter(is_normwise) else {
-            continue;
-        };
-        let size = match tolerance.scale {
-            Some(scale) => format!("{} {scale} (the scene's)", need.pattern),
-            None => format!("{array} {:.3e}", task.sizes.get(array)),
-        };
-        if !sizes.contains(&size) {
-            sizes.push(size);
-        }
-    }
-    sizes.join(", ")
-}
-
-/// Result of the runs on the machine.
-fn run(confirmation: &Confirmation) -> String {
-    if !confirmation.remark.is_empty() {
-        return format!("  not simulated: {}\n", confirmation.remark);
-    }
-    format!(
-        "  cycle by cycle   {} of {} from memory images at the worst states, {} the \
-         evaluator's bit for bit; {} of the tolerance\n",
-        counted(confirmation.simulated, "run"),
-        counted(confirmation.cycles, "cycle"),
-        if confirmation.equal { "all" } else { "NOT" },
-        percent(confirmation.simulated_used),
-    )
 }
 
 /// All candidates as a table for programs.
@@ -440,40 +234,98 @@ pub fn candidates_table(outcome: &FitOutcome) -> DataTable {
     captions::table("fit", &[], &columns(outcome), &rows)
 }
 
+/// A kind of number formats, with its colour and marker.
+fn kind(outcome: &FitOutcome, candidate: &FitCandidate) -> &'static str {
+    match candidate.format.as_str() {
+        _ if outcome.programs[candidate.program].mixture.is_some() => "a format for every value",
+        format if format.starts_with("fixed") => "fixed point",
+        format if format.starts_with("float") => "narrow floats",
+        _ => "binary32",
+    }
+}
+
+/// Kinds of formats in the order of their colours.
+const KINDS: [&str; 4] = [
+    "binary32",
+    "narrow floats",
+    "fixed point",
+    "a format for every value",
+];
+
+const MEETS: MarkZone = MarkZone {
+    name: "meets the scene",
+    fill: MarkFill::Full,
+};
+
+const MISSES: MarkZone = MarkZone {
+    name: "does not meet the scene",
+    fill: MarkFill::Hollow,
+};
+
 /// Time against error, and time against the share of the device.
 pub fn figure(task: &FitTask<'_>, outcome: &FitOutcome) -> Figure {
     type Measure = fn(&FitCandidate) -> f64;
-    let panel = |title: &str, axis: &str, measure: Measure| {
+    let panel = |title: &str, axis: &str, number: fn(f64) -> String, measure: Measure| {
         let mark = |index: usize| {
             let candidate = &outcome.candidates[index];
-            Mark::at(candidate.microseconds, measure(candidate))
-        };
-        let drawable = |index: &usize| measure(&outcome.candidates[*index]).is_finite();
-        let group = |label: &str, place: usize, indices: Vec<usize>| {
-            Curve::points(label, place, indices.into_iter().filter(drawable).map(mark))
+            let zone = if candidate.meets { MEETS } else { MISSES };
+            Mark {
+                zone: Some(zone),
+                ..Mark::at(candidate.microseconds, measure(candidate))
+            }
         };
         let all = 0..outcome.candidates.len();
-        let meets = |index: &usize| outcome.candidates[*index].meets;
-        let (good, bad): (Vec<usize>, Vec<usize>) = all.partition(meets);
+        let good = |index: &usize| outcome.chosen.is_none() || outcome.candidates[*index].meets;
+        let good: Vec<usize> = all.clone().filter(good).collect();
+        let plane: Vec<[f64; 2]> = good
+            .iter()
+            .map(|&index| [mark(index).x, mark(index).y])
+            .collect();
+        let front = pareto::front(&plane, EqualPoints::First).into_iter();
+        let front = front.map(|place| mark(good[place]));
+        let mut curves = vec![Curve::new(
+            "front",
+            Paint::Distinct(0),
+            Stroke::Steps,
+            front,
+        )];
+        for (place, name) in KINDS.into_iter().enumerate() {
+            let own = |index: &usize| kind(outcome, &outcome.candidates[*index]) == name;
+            curves.push(Curve::points(
+                name,
+                3 + place,
+                all.clone().filter(own).map(mark),
+            ));
+        }
+        let plain = answer::baseline(task, outcome).filter(|&plain| outcome.chosen != Some(plain));
+        for (name, index, colour) in [("cheapest", plain, 1), ("chosen", outcome.chosen, 2)] {
+            let marks = index.map(mark);
+            let label: String = marks
+                .iter()
+                .map(|mark| format!("{name} {:.2}, {}", mark.x, number(mark.y)))
+                .collect();
+            curves.push(Curve::points(label, colour, marks));
+        }
         Panel::curves(
             title,
             PlotAxis::new("time (us)", AxisScale::Decades),
             PlotAxis::new(axis, AxisScale::Decades),
-            vec![
-                group("does not meet the scene", 1, bad),
-                group("meets the scene", 0, good),
-                group("chosen", 3, outcome.chosen.into_iter().collect()),
-            ],
+            curves,
         )
     };
     let panels = vec![
-        panel("Error", "worst normwise error (2^-24)", |candidate| {
-            candidate.normwise.worst * f64::from(1u32 << 24)
+        panel("Error", "worst normwise error", exponential, |candidate| {
+            candidate.normwise.worst
         }),
-        panel("Cost", "share of the device (%)", |candidate| {
-            candidate.share * 100.0
-        }),
+        panel(
+            "Cost",
+            "share of the device (%)",
+            |share| format!("{share:.2} %"),
+            |candidate| candidate.share * 100.0,
+        ),
     ];
     let words = [("scene", task.scene.name.as_str())];
-    captions::figure("fit", "fit", &words, panels).expect("it has panels")
+    captions::figure("fit", "fit", &words, panels)
+        .expect("it has panels")
+        .with_note(Stroke::Steps, STEPS)
 }

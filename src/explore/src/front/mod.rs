@@ -8,11 +8,13 @@
 //! case, in cost. What is not dominated is the front, and the only place where
 //! there is something to choose.
 
+mod answer;
 mod choice;
 mod measure;
 mod text;
 
 pub use measure::FrontPoint;
+pub(crate) use text::STEPS;
 
 use crate::exploration::{Explored, ExploredFunction};
 use crate::pareto::{self, EqualPoints};

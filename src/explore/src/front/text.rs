@@ -1,24 +1,21 @@
 //! The front as aligned text, as a table for programs, and as a figure.
 
+use super::Front;
+use super::answer::PlaceAnswer;
 use super::measure::FrontPoint;
-use super::{Front, FrontVerdict};
 use crate::captions;
 use crate::exploration::Exploration;
-use robovec_error::yardstick::account::{measure_text, random_states};
+use robovec_error::yardstick::account::ERROR_HEADS;
 use robovec_fpga::hardware;
 use robovec_ir::Machine;
 use robovec_ir::diagnostic::counted;
-use robovec_present::number::share_percent;
+use robovec_present::number::{exponential, share_percent};
 use robovec_present::page;
-use robovec_present::text::distinct;
+use robovec_present::text::{cut, distinct, thinned};
 use robovec_present::{
-    AxisScale, ColumnList, Curve, DataTable, Figure, Mark, MarkFill, MarkZone, Panel, PlotAxis,
-    columns,
+    AxisScale, ColumnList, Curve, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, columns,
 };
 use std::fmt::Write;
-
-/// The unit of errors in figures: the rounding of one operation in binary32.
-const UNIT: f64 = 1.0 / (1u32 << 24) as f64;
 
 /// Standing of a point with a number of elements: on the front, beaten, or not
 /// possible.
@@ -165,18 +162,51 @@ impl Exploration for Front {
         &self.name
     }
 
-    /// One table per number of elements, and what became of the thesis' choices.
-    fn text(&self) -> String {
-        let mut text = format!(
-            "{}: {} as they came, {}\n",
-            self.name,
-            counted(self.operations, "operation"),
-            counted(self.states, "state")
-        );
-        for (name, reason) in &self.left {
-            // Writing to a string cannot fail, here and below.
-            let _ = writeln!(text, "formulation {name} was left out: {reason}");
-        }
+    fn headline(&self) -> String {
+        self.gain_text()
+    }
+
+    fn lines(&self) -> Vec<(&'static str, String)> {
+        self.evidence()
+    }
+
+    /// The front of cycles and worst error for the headline's number of
+    /// elements, with both points that the headline compares.
+    fn short_table(&self) -> String {
+        let Some(answer) = self.headlined() else {
+            return String::new();
+        };
+        let PlaceAnswer {
+            place,
+            thesis,
+            best,
+        } = answer;
+        let compared: Vec<usize> = [thesis].into_iter().chain(best).collect();
+        let mut steps = self.steps(place);
+        steps.retain(|index| !compared.contains(index));
+        let mut rows = compared.clone();
+        rows.extend(thinned(&steps, SHOWN - rows.len()));
+        rows.sort_by_key(|&index| (self.points[index].cycles[place], index));
+        let mark = |index: &usize| match () {
+            () if *index == thesis => "thesis",
+            () if Some(*index) == best => "ours",
+            () => "",
+        };
+        let point = |index: &usize| &self.points[*index];
+        let [_, worst] = ERROR_HEADS;
+        let list = columns! { usize;
+            "choice", [All, All], |index| cut(&point(index).choice, CHOICE);
+            "format", [All, All], |index| point(index).format.as_str();
+            "cycles", [All, All], move |index| point(index).cycles[place];
+            worst, [Exponent(1), All], |index| point(index).normwise.worst;
+            "", [All, All], mark;
+        };
+        list.text(&rows)
+    }
+
+    /// One table per number of elements.
+    fn details(&self) -> String {
+        let mut text = format!("{} as they came\n", counted(self.operations, "operation"));
         for (place, count) in self.elements.iter().enumerate() {
             let undominated = self.undominated(place);
             // What another one of ours beats is in the files.
@@ -184,30 +214,10 @@ impl Exploration for Front {
                 .into_iter()
                 .filter(|row| row.point.thesis || undominated.contains(&row.index))
                 .collect();
-            let _ = writeln!(
-                text,
-                "\n{count}+{count} elements\n{}",
-                columns().text(&rows)
-            );
+            let table = columns().text(&rows);
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "\n{count}+{count} elements\n{table}");
         }
-        let drawn = random_states(self.states as usize, self.seed, self.has_ranges);
-        let _ = writeln!(
-            text,
-            "\nmedian and worst error in parts {}; relative errors in parts of the element",
-            measure_text(&drawn)
-        );
-        let count = |by: fn(&FrontVerdict) -> Option<usize>| {
-            let verdicts = self.verdicts.iter();
-            verdicts.filter(|verdict| by(verdict).is_some()).count()
-        };
-        let _ = writeln!(
-            text,
-            "\nof {} of the thesis, counted per number of elements, {} dominated, {} of them within \
-             the own number format",
-            counted(self.verdicts.len(), "choice"),
-            count(|verdict| verdict.by),
-            count(|verdict| verdict.in_its_format),
-        );
         text
     }
 
@@ -231,7 +241,8 @@ impl Exploration for Front {
             places.map(|place| panel(front, place))
         });
         let figure = captions::figure("front", "explore", &[], panels.collect());
-        figure.expect("a function has a panel")
+        let figure = figure.expect("a function has a panel");
+        figure.with_note(Stroke::Steps, STEPS)
     }
 
     fn machines(fronts: &[Front]) -> [String; 2] {
@@ -252,60 +263,64 @@ impl Exploration for Front {
     }
 
     fn opening(fronts: &[Front], figure: String) -> String {
-        page::folding_table(&verdicts_table(fronts), "", true) + &figure
+        figure + &page::table(&verdicts_table(fronts), "")
     }
 }
 
-/// The zone of points that no other one beats.
-const FRONT: MarkZone = MarkZone {
-    name: "front",
-    fill: MarkFill::Full,
-};
+/// Caption of the front where it has steps.
+pub(crate) const STEPS: &str = "The steps join those that no other beats in both.";
 
-/// The zone of all others.
-const BEATEN: MarkZone = MarkZone {
-    name: "beaten",
-    fill: MarkFill::Hollow,
-};
+/// Maximum number of rows on the terminal.
+const SHOWN: usize = 10;
+/// Maximum number of characters of a choice there.
+const CHOICE: usize = 33;
 
+/// Cycles against worst error with a number of elements: the front as steps, a
+/// colour and marker for every format, and both points that the answer
+/// compares.
 fn panel(front: &Front, place: usize) -> Panel {
-    let undominated = front.undominated(place);
     let mark = |index: usize| {
         let point = &front.points[index];
-        let cycles = point.cycles[place].expect("it was placed");
-        Mark {
-            zone: Some(if undominated.contains(&index) {
-                FRONT
-            } else {
-                BEATEN
-            }),
-            ..Mark::at(f64::from(cycles), point.normwise.worst.min(1e9) / UNIT)
-        }
+        let cycles = point.cycles[place]?;
+        Some(Mark::at(f64::from(cycles), point.normwise.worst.min(1e9)))
     };
-    let mut curves: Vec<Curve> = Vec::new();
-    let placed = |index: &usize| front.points[*index].cycles[place].is_some();
-    let mut groups: Vec<(bool, String)> = Vec::new();
-    for index in (0..front.points.len()).filter(placed) {
-        let point = &front.points[index];
-        let label = if point.thesis {
-            format!("thesis: {}", point.choice)
-        } else {
-            format!("ours, {}", point.format)
-        };
-        let group = (point.thesis, label);
-        let known = groups.iter().position(|known| *known == group);
-        let number = known.unwrap_or_else(|| {
-            groups.push(group.clone());
-            curves.push(Curve::points(group.1, groups.len(), Vec::new()));
-            groups.len() - 1
-        });
-        curves[number].marks.push(mark(index));
+    let steps = front.steps(place).into_iter().filter_map(mark);
+    let mut curves = vec![Curve::new(
+        "front",
+        Paint::Distinct(0),
+        Stroke::Steps,
+        steps,
+    )];
+    let mut group = |label: &str, colour, is_in: &dyn Fn(&FrontPoint) -> bool| {
+        let indices = 0..front.points.len();
+        let own = indices.filter(|&index| is_in(&front.points[index]));
+        curves.push(Curve::points(label, colour, own.filter_map(mark)));
+    };
+    let ours = || front.points.iter().filter(|point| !point.thesis);
+    let mut formats: Vec<&str> = ours().map(|point| point.format.as_str()).collect();
+    formats.sort_unstable();
+    formats.dedup();
+    for (number, format) in formats.into_iter().enumerate() {
+        let is_own = |point: &FrontPoint| !point.thesis && point.format == format;
+        group(&format!("ours, {format}"), 3 + number, &is_own);
+    }
+    group("thesis, f32", 1, &|point| point.thesis);
+    let answer = front.answer(place);
+    let named = [
+        ("thesis", answer.map(|answer| answer.thesis), 1),
+        ("ours", answer.and_then(|answer| answer.best), 2),
+    ];
+    for (name, index, colour) in named {
+        if let Some(mark) = index.and_then(mark) {
+            let label = format!("{name} {}, {}", mark.x, exponential(mark.y));
+            curves.push(Curve::points(label, colour, [mark]));
+        }
     }
     let count = front.elements[place];
     Panel::curves(
         format!("{}, {count}+{count} elements", front.name),
         PlotAxis::new("schedule (cycles)", AxisScale::Decades),
-        PlotAxis::new("worst normwise error (2^-24)", AxisScale::Decades),
+        PlotAxis::new("worst normwise error", AxisScale::Decades),
         curves,
     )
 }

@@ -4,35 +4,43 @@ use super::search::{NeglectFindings, WatchedCurve};
 use robovec_ir::Machine;
 use robovec_ir::diagnostic::counted;
 use robovec_present::number::{exponential, or_dash};
+use robovec_present::text::{headed, labelled};
 use robovec_present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke, text_table};
-use std::fmt::Write;
 
-/// The report: what was compared, speed, error and cost of the scenes, and
-/// what everything was worth.
-pub fn text(findings: &NeglectFindings, allowed: f64, time: f64, machine: &Machine) -> String {
-    let mut text = String::from("watched over the motion\n");
-    let rows: Vec<Vec<String>> = findings
-        .watched
-        .iter()
-        .map(|(name, scale)| vec![name.clone(), exponential(*scale)])
-        .collect();
-    text += &text_table("joint | >largest displacement (m, rad)", &rows);
-    text += "\n\n";
-    text += &figures(findings);
-    // Writing to a string cannot fail, here and below.
-    let _ = writeln!(
-        text,
-        "\noperations of the function, with its sines and cosines, and of the forces of links and \
-         points; longest chain, cycles and rounding on {}, in {}; error of the motion: the largest \
-         over {time} s, in parts of the largest displacement; error of the equations: of the \
-         needed outputs at states of the full motion, in parts of the largest element of the array, \
-         against the full equations in double-double arithmetic",
-        machine.name, machine.number
-    );
-    text += "\n";
-    text += &worth(findings);
-    text += &verdict(findings, allowed);
-    text
+/// The report: how much shorter and how exact the scene becomes, then speed,
+/// error and cost of the scenes, and what everything was worth.
+pub fn text(
+    scene: &str,
+    findings: &NeglectFindings,
+    allowed: f64,
+    time: f64,
+    machine: &Machine,
+) -> String {
+    let mut lines = verdict(findings, allowed);
+    let watched = findings.watched.iter();
+    let watched = watched.map(|(name, scale)| format!("{name} {}", exponential(*scale)));
+    let watched: Vec<String> = watched.collect();
+    lines.push((
+        "watched",
+        format!("{} (largest displacement, m, rad)", watched.join(", ")),
+    ));
+    lines.push((
+        "measured",
+        format!(
+            "operations of the function, with its sines and cosines, and of forces; cycles and \
+             rounding on {}, in {}; error of the motion: the largest over {time} s, in parts of \
+             the largest displacement; error of the equations: at states of the full motion, in \
+             parts of the largest element of the array, against double-double",
+            machine.name, machine.number
+        ),
+    ));
+    format!(
+        "{}{}\n{}\n\n{}",
+        headed(scene, &headline(findings)),
+        labelled(&lines),
+        figures(findings),
+        worth(findings)
+    )
 }
 
 fn figures(findings: &NeglectFindings) -> String {
@@ -86,53 +94,63 @@ fn worth(findings: &NeglectFindings) -> String {
     text_table(head, &rows) + "\n"
 }
 
-fn verdict(findings: &NeglectFindings, allowed: f64) -> String {
-    let taken = findings
-        .findings
-        .iter()
-        .filter(|finding| finding.taken.is_some());
+/// Operations of the full and of the reduced scene, in one line.
+fn headline(findings: &NeglectFindings) -> String {
+    let taken = findings.findings.iter();
+    let taken = taken.filter(|finding| finding.taken.is_some()).count();
     let [full, .., reduced] = findings.figures.as_slice() else {
         unreachable!("the full and the reduced scene were measured");
     };
     let (before, after) = (full.operations.total(), reduced.operations.total());
-    let share = 100.0 * after as f64 / before.max(1) as f64;
-    let mut text = format!(
-        "\n{} of {} left out: {before} -> {} ({share:.0} %), error of the motion \
-         {} of {} allowed\n",
-        taken.count(),
-        findings.findings.len(),
-        counted(after, "operation"),
-        exponential(reduced.motion),
-        exponential(allowed),
-    );
-    if reduced.motion > allowed {
-        text += "what the scene itself leaves out exceeds the error it allows\n";
-    }
+    format!(
+        "{:.2} times fewer operations: {before} -> {after}, {taken} of {} left out",
+        before as f64 / after.max(1) as f64,
+        counted(findings.findings.len(), "part")
+    )
+}
+
+/// Errors of the reduced scene, with their labels.
+fn verdict(findings: &NeglectFindings, allowed: f64) -> Vec<(&'static str, String)> {
+    let reduced = findings.figures.last();
+    let reduced = reduced.expect("the reduced scene was measured");
+    let excess = if reduced.motion > allowed {
+        "; what the scene itself leaves out exceeds the error it allows"
+    } else {
+        ""
+    };
+    let error = exponential(reduced.motion);
+    let mut lines = vec![(
+        "error",
+        format!(
+            "{error} of the motion, {} allowed{excess}",
+            exponential(allowed)
+        ),
+    )];
     if let Some(fresh) = findings.fresh {
-        let verdict = if fresh <= allowed {
+        let holds = if fresh <= allowed {
             "holds"
         } else {
             "does not hold"
         };
-        let _ = writeln!(
-            text,
-            "from starts the search has not seen: {}, so that it {verdict} there",
-            exponential(fresh)
-        );
+        let fresh = exponential(fresh);
+        lines.push((
+            "fresh",
+            format!("{fresh} from starts the search has not seen: it {holds} there"),
+        ));
     }
     if findings.rest > 0.0 {
-        let _ = writeln!(
-            text,
-            "{} is left for number formats and series: `robovec fit` of the reduced scene",
-            exponential(findings.rest)
-        );
+        let rest = exponential(findings.rest);
+        lines.push((
+            "remaining",
+            format!("{rest} for number formats and series: 'robovec fit' of the reduced scene"),
+        ));
     }
-    let _ = writeln!(
-        text,
-        "the integrator adds {}; what holds for these motions need not hold for others",
-        exponential(findings.integration)
-    );
-    text
+    let integration = exponential(findings.integration);
+    lines.push((
+        "integrator",
+        format!("adds {integration}; what holds for these motions need not hold for others"),
+    ));
+    lines
 }
 
 /// The watched joints in the first motion, full and reduced.

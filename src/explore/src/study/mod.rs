@@ -33,7 +33,11 @@ pub use run::{StudyOutcome, run};
 use robovec_ir::diagnostic::counted;
 use robovec_present::json::json_text;
 use robovec_present::plot;
+use robovec_present::text::{headed, labelled};
 use std::path::Path;
+
+/// The page.
+const PAGE: &str = "explore.html";
 
 /// The files of a study: those of each folder, by name.
 pub fn files(results: &Results, times: &[CpuTime]) -> [(&'static str, Vec<(String, String)>); 3] {
@@ -50,7 +54,7 @@ pub fn files(results: &Results, times: &[CpuTime]) -> [(&'static str, Vec<(Strin
     let page = page::page(results, &tables, &figures, times);
     let [tables, figures] = inside;
     let whole = vec![
-        ("explore.html".to_owned(), page),
+        (PAGE.to_owned(), page),
         ("explore.json".to_owned(), lines(&results.to_json())),
     ];
     [("tables", tables), ("figures", figures), ("", whole)]
@@ -74,39 +78,34 @@ fn lines(value: &serde_json::Value) -> String {
     text + "\n}\n"
 }
 
-/// Number of placements, what failed, and the verdict on the headline.
+/// The answer about the headline, and the number of placements.
 pub fn summary(results: &Results, folder: &Path) -> String {
+    let verdicts = verdict::of_headline(results);
+    let mut lines = verdict::lines(&verdicts);
     let reused = match results.outcome.reused {
         0 => String::new(),
         reused => format!(", {reused} of them from an earlier run"),
     };
-    let mut text = format!(
-        "{}{reused}; results in {}\n",
-        counted(results.outcome.points.len(), "placement"),
-        folder.display()
-    );
+    let placements = counted(results.outcome.points.len(), "placement");
+    let folder = folder.join(PAGE);
+    lines.push((
+        "computed",
+        format!("{placements}{reused}: {}", folder.display()),
+    ));
     let mut failures = results.points().filter_map(|placed| {
         let reason = placed.point.failure.as_ref()?;
         Some((placed.request, reason))
     });
     if let Some((request, reason)) = failures.next() {
-        text += &format!(
-            "{} of them are impossible, the first is {} on {} with {}+{} elements: {reason}\n",
-            1 + failures.count(),
+        let text = format!(
+            "{}, the first is {} on {} with {}+{} elements: {reason}",
+            counted(1 + failures.count(), "placement"),
             results.plan.models[request.model].name,
             results.plan.machines[request.machine].name,
             request.n_add,
             request.n_multi,
         );
+        lines.push(("impossible", text));
     }
-    for verdict in results
-        .of_headline()
-        .filter_map(|program| verdict::verdict(&program))
-    {
-        text += &format!(
-            "{}: {} {}\n",
-            verdict.pipeline, verdict.answer, verdict.cost
-        );
-    }
-    text
+    headed(&results.plan.name, &verdict::headline(&verdicts)) + &labelled(&lines)
 }

@@ -40,6 +40,51 @@ pub(super) fn verdicts(results: &Results) -> Vec<StudyVerdict> {
     programs.iter().filter_map(verdict).collect()
 }
 
+/// The verdicts about the headline model.
+pub(super) fn of_headline(results: &Results) -> Vec<StudyVerdict> {
+    let programs = results.of_headline();
+    programs.filter_map(|program| verdict(&program)).collect()
+}
+
+/// The fastest of some pipelines beside the first, each with the elements that
+/// it is worth, in one line.
+pub(super) fn headline(verdicts: &[StudyVerdict]) -> String {
+    let split = |verdict: &StudyVerdict| verdict.knee.cheapest.or(verdict.knee.fastest);
+    let placed = verdicts.iter().filter_map(|one| Some((one, split(one)?)));
+    let placed: Vec<(&StudyVerdict, Split)> = placed.collect();
+    let best = placed.iter().min_by_key(|(_, split)| split.cycles);
+    let (Some((first, before)), Some((best, after))) = (placed.first(), best) else {
+        return "nothing could be placed".to_owned();
+    };
+    let elements = after.elements();
+    if before.cycles == after.cycles {
+        let elements = counted(elements, "element");
+        return format!(
+            "{} on {elements} ({})",
+            counted(after.cycles, "cycle"),
+            first.pipeline
+        );
+    }
+    format!(
+        "{:.2} times faster: {} -> {} cycles, {} -> {elements} elements ({} -> {})",
+        f64::from(before.cycles) / f64::from(after.cycles),
+        before.cycles,
+        after.cycles,
+        before.elements(),
+        first.pipeline,
+        best.pipeline,
+    )
+}
+
+/// The verdicts after the names of their pipelines.
+pub(super) fn lines(verdicts: &[StudyVerdict]) -> Vec<(&str, String)> {
+    let line = |verdict: &StudyVerdict| format!("{} {}", verdict.answer, verdict.cost);
+    let lines = verdicts.iter();
+    lines
+        .map(|verdict| (verdict.pipeline.as_str(), line(verdict)))
+        .collect()
+}
+
 pub(super) fn verdict(program: &StudiedProgram<'_>) -> Option<StudyVerdict> {
     let (facts, clock) = (program.facts, program.clock());
     let knee = knee(program)?;

@@ -43,15 +43,15 @@ impl FunctionSweep {
         self.power = Some(power);
     }
 
-    /// Lines with the design of the least energy and a comparison with the
-    /// processor; empty where neither power nor time of a processor is known.
-    pub(super) fn energy_text(&self) -> String {
+    /// The design of the least energy, and a comparison with the processor;
+    /// empty where neither power nor time of a processor is known.
+    pub(super) fn energy(&self) -> Vec<String> {
         let fitting = || self.points.iter().filter(|point| point.share <= 1.0);
-        let mut text = String::new();
+        let mut texts = Vec::new();
         let least = fitting().filter_map(|point| point.energy_uj.map(|energy| (energy, point)));
         if let Some((energy, point)) = least.min_by(|a, b| a.0.total_cmp(&b.0)) {
-            text += &format!(
-                "energy: the design of {}+{} elements and {} at once that takes {:.1} % of the \
+            let mut text = format!(
+                "the design of {}+{} elements and {} at once that takes {:.1} % of the \
                  device needs the least, {energy:.3} uJ per evaluation",
                 point.design.adders,
                 point.design.multipliers,
@@ -61,17 +61,17 @@ impl FunctionSweep {
             if let Some(core) = self.cpu_energy_uj {
                 text += &format!(", one core of this computer {core:.3} uJ");
             }
-            text.push('\n');
+            texts.push(text);
         }
         let fastest = fitting().map(|point| point.us_per_evaluation);
         if let (Some(cpu), Some(own)) = (self.cpu_us, fastest.min_by(f64::total_cmp)) {
-            text += &format!(
-                "energy: the fastest design that fits needs less than a core as long as the \
-                 device draws less than {:.3} times the core's power\n",
+            texts.push(format!(
+                "the fastest design that fits needs less than a core as long as the device draws \
+                 less than {:.3} times the core's power",
                 cpu / own
-            );
+            ));
         }
-        text
+        texts
     }
 }
 
@@ -95,14 +95,14 @@ mod tests {
             let energy = point.energy_uj.expect("it was added");
             assert!((energy - watts * point.us_per_evaluation).abs() < 1e-12);
         }
-        assert!(sweep.energy_text().contains("20.000 uJ"));
+        assert!(sweep.energy()[0].contains("20.000 uJ"));
     }
 
     #[test]
     fn without_power_the_ratio_is_printed() {
         let (_, mut sweep) = small_sweep(&[1]);
-        assert_eq!(sweep.energy_text(), "");
+        assert!(sweep.energy().is_empty());
         sweep.cpu_us = Some(2.0);
-        assert!(sweep.energy_text().contains("times the core's power"));
+        assert!(sweep.energy()[0].contains("times the core's power"));
     }
 }

@@ -3,10 +3,12 @@
 use super::{FunctionSweep, SweepPoint, SweptProgram};
 use crate::captions;
 use crate::exploration::Exploration;
+use crate::front::STEPS;
 use robovec_error::yardstick::account::{ERROR_HEADS, measure_text};
 use robovec_ir::diagnostic::counted;
+use robovec_present::number::{exponential, share_percent};
 use robovec_present::page;
-use robovec_present::text::distinct;
+use robovec_present::text::{distinct, thinned};
 use robovec_present::{
     AxisScale, ColumnList, Curve, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, columns,
 };
@@ -27,27 +29,46 @@ fn programs(sweep: &FunctionSweep) -> String {
     columns.text(&rows)
 }
 
+/// Maximum number of rows on the terminal.
+const SHOWN: usize = 10;
+
 type DesignRow<'a> = (&'a FunctionSweep, &'a SweepPoint);
+
+fn elements_text((_, point): &DesignRow<'_>) -> String {
+    format!("{}+{}", point.design.adders, point.design.multipliers)
+}
+
+fn stages_text((_, point): &DesignRow<'_>) -> String {
+    point
+        .design
+        .stages
+        .map(|count| count.to_string())
+        .join(", ")
+}
+
+/// The columns of the terminal.
+fn short_columns<'a>() -> ColumnList<'a, DesignRow<'a>> {
+    columns! { DesignRow<'_>;
+        "share %", [Decimals(1), All], |row| 100.0 * row.1.share;
+        "elements", [All, All], elements_text;
+        "stages", [All, All], stages_text;
+        "memory", [All, All], |row| row.1.design.memory.name();
+        "buffer", [All, All], |row| buffer_name(row.1.design.buffer);
+        "at once", [All, All], |row| row.1.design.instances;
+        "us per evaluation", [Decimals(3), All], |row| row.1.us_per_evaluation;
+    }
+}
 
 fn design_columns<'a>() -> ColumnList<'a, DesignRow<'a>> {
     let [median, worst] = ERROR_HEADS;
     let error = |row: &DesignRow<'_>| row.0.programs[row.1.program].normwise;
-    let elements =
-        |row: &DesignRow<'_>| format!("{}+{}", row.1.design.adders, row.1.design.multipliers);
-    let stages = |row: &DesignRow<'_>| {
-        row.1
-            .design
-            .stages
-            .map(|count| count.to_string())
-            .join(", ")
-    };
     columns! { DesignRow<'_>;
         "function", [Hidden, All], |row| row.0.name.as_str();
         "share %", [Decimals(1), Hidden], |row| 100.0 * row.1.share;
-        "add+multi", [All, Hidden], elements;
+        "add+multi", [All, Hidden], elements_text;
         "adders", [Hidden, All], |row| row.1.design.adders;
         "multipliers", [Hidden, All], |row| row.1.design.multipliers;
-        "stages", [All, Hidden], stages;
+        "stages", [All, Hidden], stages_text;
         "adder stages", [Hidden, All], |row| row.1.design.stages[0];
         "multiplier stages", [Hidden, All], |row| row.1.design.stages[1];
         "estimated clock (MHz)", [Decimals(0), Decimals(1)], |row| row.1.clock.mhz;
@@ -74,47 +95,75 @@ fn design_columns<'a>() -> ColumnList<'a, DesignRow<'a>> {
     }
 }
 
-/// Winner, in a sentence.
-fn verdict(sweep: &FunctionSweep) -> String {
-    let fitting = sweep.points.iter().filter(|point| point.share <= 1.0);
-    let fastest = fitting.min_by(|a, b| a.us_per_evaluation.total_cmp(&b.us_per_evaluation));
-    let Some(fastest) = fastest else {
-        return "no design fits the device\n".to_owned();
-    };
-    let own = fastest.us_per_evaluation;
-    let mut text = format!("the fastest design that fits takes {own:.3} us per evaluation");
-    match sweep.cpu_us {
-        Some(cpu) => {
-            text += &format!(", one core of this computer {cpu:.3} us");
-            if let Some(batch) = sweep.cpu_batch_us {
-                text += &format!(" ({batch:.3} us each when it makes eight at once)");
-            }
-            let (winner, factor) = if cpu < own {
-                ("processor", own / cpu)
-            } else {
-                ("design", cpu / own)
-            };
-            text += &format!(": the {winner} wins by {factor:.1}");
-        }
-        None if !sweep.cpu_remark.is_empty() => {
-            text += &format!("; there is no time of the processor: {}", sweep.cpu_remark);
-        }
-        None => {}
+impl FunctionSweep {
+    /// The fastest design that fits the device, the smallest of equally fast
+    /// ones.
+    fn fastest(&self) -> Option<&SweepPoint> {
+        let mut front = self.front();
+        front.retain(|point| point.share <= 1.0);
+        front.last().copied()
     }
-    format!("{text}\n{}\n", jitter(sweep))
+
+    /// The time of the processor beside that of a design.
+    fn processor_text(&self, own: f64) -> Option<String> {
+        let Some(cpu) = self.cpu_us else {
+            let remark = &self.cpu_remark;
+            return (!remark.is_empty()).then(|| format!("not timed: {remark}"));
+        };
+        let batch = self
+            .cpu_batch_us
+            .map(|batch| format!(" ({batch:.3} us each when it makes eight at once)"));
+        let (winner, factor) = if cpu < own {
+            ("processor", own / cpu)
+        } else {
+            ("design", cpu / own)
+        };
+        Some(format!(
+            "one core of this computer takes {cpu:.3} us{}: the {winner} wins by {factor:.1}",
+            batch.unwrap_or_default()
+        ))
+    }
+
+    /// Variation of times from one evaluation to the next.
+    fn jitter_text(&self) -> String {
+        let core = self.cpu_jitter_us.map(|jitter| {
+            format!(
+                "; on this core one evaluation in a thousand takes {jitter:.3} us longer than the \
+                 median one"
+            )
+        });
+        format!(
+            "0 us: a design takes the same cycles for every evaluation, loading and reading by the \
+             host not counted{}",
+            core.unwrap_or_default()
+        )
+    }
 }
 
-/// Variation of times from one evaluation to the next.
-fn jitter(sweep: &FunctionSweep) -> String {
-    let design = "jitter: a design takes the same cycles for every evaluation, 0 us (loading and \
-                  reading by the host not counted)";
-    match sweep.cpu_jitter_us {
-        Some(jitter) => format!(
-            "{design}; on this core one evaluation in a thousand takes {jitter:.3} us longer than \
-             the median one"
-        ),
-        None => design.to_owned(),
-    }
+/// A design with its speed and its share of the device.
+fn design_text(point: &SweepPoint) -> String {
+    let design = &point.design;
+    let bound = if point.cycles == point.lower_bound {
+        ", no schedule is shorter"
+    } else {
+        ""
+    };
+    format!(
+        "{}+{} elements of {}+{} stages, {} memories, buffer {}, {}, {} at once: {} cycles{bound}, \
+         {}, {:.3} us per evaluation, {} of the device (estimated)",
+        design.adders,
+        design.multipliers,
+        design.stages[0],
+        design.stages[1],
+        design.memory.name(),
+        buffer_name(design.buffer),
+        design.interconnect.name(),
+        design.instances,
+        point.cycles,
+        point.clock.text(),
+        point.us_per_evaluation,
+        share_percent(point.share),
+    )
 }
 
 fn buffer_name(buffer: Option<u32>) -> String {
@@ -129,37 +178,71 @@ impl Exploration for FunctionSweep {
         &self.name
     }
 
-    /// The front with the processor's time beside it, and what did not work.
-    fn text(&self) -> String {
-        let rows: Vec<DesignRow<'_>> = self
-            .front()
+    fn headline(&self) -> String {
+        let (front, fastest) = (self.front(), self.fastest());
+        let Some(([smallest, ..], fastest)) = Some(front.as_slice()).zip(fastest) else {
+            return "no design fits the device".to_owned();
+        };
+        let (before, after) = (smallest.us_per_evaluation, fastest.us_per_evaluation);
+        if front.len() == 1 {
+            return format!("{after:.3} us per evaluation in the only design of the front");
+        }
+        format!(
+            "{:.2} times faster than the smallest design: {before:.3} -> {after:.3} us",
+            before / after
+        )
+    }
+
+    fn lines(&self) -> Vec<(&'static str, String)> {
+        let mut lines = Vec::new();
+        if let Some(fastest) = self.fastest() {
+            let smallest = self.front()[0];
+            lines.push(("fastest", design_text(fastest)));
+            if smallest != fastest {
+                lines.push(("smallest", design_text(smallest)));
+            }
+            let program = &self.programs[fastest.program];
+            lines.push(("program", program.name.clone()));
+            lines.push((
+                "worst error",
+                format!(
+                    "{} in {}, median {}, {}",
+                    exponential(program.normwise.worst),
+                    self.number,
+                    exponential(program.normwise.median),
+                    measure_text(&self.states)
+                ),
+            ));
+            let processor = self.processor_text(fastest.us_per_evaluation);
+            lines.extend(processor.map(|text| ("processor", text)));
+        }
+        lines.push(("jitter", self.jitter_text()));
+        lines.extend(self.energy().into_iter().map(|text| ("energy", text)));
+        let designs = counted(self.points.len(), "design");
+        let front = self.front().len();
+        let designs = format!("{designs} on {}, {front} on the front", self.device);
+        lines.push(("compared", designs));
+        if let Some((_, reason)) = self.failures.first() {
+            let count = counted(self.failures.len(), "design");
+            lines.push(("not placed", format!("{count}, the first because {reason}")));
+        }
+        lines
+    }
+
+    /// The front, from the smallest design on.
+    fn short_table(&self) -> String {
+        let rows: Vec<DesignRow<'_>> = thinned(&self.front(), SHOWN)
             .into_iter()
             .map(|point| (self, point))
             .collect();
-        let mut text = format!(
-            "{}: {} on {}, {} on the front\n\n{}\n{}\n",
-            self.name,
-            counted(self.points.len(), "design"),
-            self.device,
-            rows.len(),
-            programs(self),
-            design_columns().text(&rows)
-        );
-        text += &format!(
-            "errors of the programs in {}, in parts {}\n",
-            self.number,
-            measure_text(&self.states)
-        );
-        text += &verdict(self);
-        text += &self.energy_text();
-        if let Some((_, reason)) = self.failures.first() {
-            let count = self.failures.len();
-            text += &format!(
-                "{} could not be placed, the first because {reason}\n",
-                counted(count, "design")
-            );
-        }
-        text
+        short_columns().text(&rows)
+    }
+
+    /// Programs, and the whole front.
+    fn details(&self) -> String {
+        let front = self.front().into_iter();
+        let rows: Vec<DesignRow<'_>> = front.map(|point| (self, point)).collect();
+        format!("{}\n{}\n", programs(self), design_columns().text(&rows))
     }
 
     fn table(sweeps: &[FunctionSweep]) -> DataTable {
@@ -178,11 +261,10 @@ impl Exploration for FunctionSweep {
     fn figure(sweeps: &[FunctionSweep]) -> Figure {
         let panels = sweeps.iter().map(panel).collect();
         let words = [("devices", &*devices(sweeps))];
-        let line = "The line joins the designs that no other one beats.";
         let dashed = "The dashed line is a core of this computer.";
         captions::figure("sweep", "explore", &words, panels)
             .expect("a function has a panel")
-            .with_note(Stroke::Plain, line)
+            .with_note(Stroke::Steps, STEPS)
             .with_note(Stroke::Dashed, dashed)
     }
 
@@ -196,6 +278,7 @@ impl Exploration for FunctionSweep {
         let last = fronts.columns.len() - 1;
         fronts.rows.retain(|row| !row[last].plain().is_empty());
         fronts.title = "Designs that no other one beats".to_owned();
+        fronts.caption = "Any other takes more of the device or more time.".to_owned();
         figure + &page::table(&fronts, "explore.csv")
     }
 }
@@ -210,20 +293,29 @@ fn panel(sweep: &FunctionSweep) -> Panel {
     let mut instances: Vec<u32> = sweep.points.iter().map(|p| p.design.instances).collect();
     instances.sort_unstable();
     instances.dedup();
+    let front = sweep.front().into_iter().map(mark);
     let mut curves = vec![Curve::new(
         "front",
         Paint::Distinct(0),
-        Stroke::Plain,
-        sweep.front().into_iter().map(mark),
+        Stroke::Steps,
+        front,
     )];
     for (place, count) in instances.into_iter().enumerate() {
         let own = sweep.points.iter();
         let own = own.filter(|point| point.design.instances == count);
         curves.push(Curve::points(
             format!("{count} at once"),
-            place + 1,
+            place + 3,
             own.map(mark),
         ));
+    }
+    let smallest = sweep.front().into_iter().next();
+    for (name, point, colour) in [("smallest", smallest, 1), ("fastest", sweep.fastest(), 2)] {
+        let marks = point.map(mark);
+        let label = marks
+            .iter()
+            .map(|mark| format!("{name} {:.1} %, {:.3}", mark.x, mark.y));
+        curves.push(Curve::points(label.collect::<String>(), colour, marks));
     }
     if let Some(cpu) = sweep.cpu_us {
         let shares = || sweep.points.iter().map(|point| 100.0 * point.share);

@@ -7,7 +7,7 @@
 use super::cpu::CpuTime;
 use super::results::Results;
 use super::tables::processors;
-use super::verdict::verdicts;
+use super::verdict::{headline, lines, of_headline, verdicts};
 use robovec_ir::diagnostic::counted;
 use robovec_present::escape::Escaped;
 use robovec_present::json::json_script;
@@ -43,6 +43,7 @@ pub(super) fn page(
         .chain(tables)
         .filter(|table| table.rows.len() <= LONGEST_TABLE);
     let title = format!("Study: {}", plan.name);
+    let headlined = of_headline(results);
     let parts = [
         ("title", Escaped(&title).to_string()),
         ("subtitle", Escaped(&subtitle).to_string()),
@@ -51,6 +52,10 @@ pub(super) fn page(
         ("tables", shown.map(table).collect()),
         ("figures", figures.iter().map(page::figure).collect()),
         ("method", method(results)),
+        (
+            "card",
+            page::card(&headline(&headlined), &lines(&headlined)),
+        ),
         ("data", json_script(&data(results, times))),
     ];
     let parts: Vec<(&str, &str)> = parts

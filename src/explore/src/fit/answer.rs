@@ -1,0 +1,325 @@
+//! Answer of a search: the cheapest choice, how much cheaper than binary32, how
+//! exact, and at which states it holds.
+
+use super::confirm::Confirmation;
+use super::text::percent;
+use super::{
+    Challenge, CostMeasure, FitCandidate, FitOutcome, FitTask, MotionShare, VALIDATION_FACTOR,
+};
+use robovec_error::yardstick::account::measure_text;
+use robovec_framework::scene::{Measure, OutputTolerance};
+use robovec_ir::diagnostic::counted;
+use robovec_present::number::{exponential, share_percent};
+
+type Line = (&'static str, String);
+
+/// The cheapest candidate in binary32 that meets the scene.
+pub(super) fn baseline(task: &FitTask<'_>, outcome: &FitOutcome) -> Option<usize> {
+    let plain = (0..outcome.candidates.len()).filter(|&index| {
+        let candidate = &outcome.candidates[index];
+        let is_mixed = outcome.programs[candidate.program].mixture.is_some();
+        candidate.meets && !is_mixed && candidate.format == "f32"
+    });
+    let cost = |index: &usize| cost(task, &outcome.candidates[*index]);
+    plain.min_by(|a, b| cost(a).total_cmp(&cost(b)))
+}
+
+fn cost(task: &FitTask<'_>, candidate: &FitCandidate) -> f64 {
+    match task.cost {
+        CostMeasure::Device => candidate.share,
+        CostMeasure::Cells => candidate.cells,
+    }
+}
+
+/// The cost of the choice beside that of binary32, in one line.
+pub(super) fn headline(task: &FitTask<'_>, outcome: &FitOutcome) -> String {
+    let Some(chosen) = outcome.chosen.map(|chosen| &outcome.candidates[chosen]) else {
+        return "nothing meets this scene".to_owned();
+    };
+    let text = |candidate: &FitCandidate| match task.cost {
+        CostMeasure::Device => share_percent(candidate.share),
+        CostMeasure::Cells => format!("{:.0}", candidate.cells),
+    };
+    let unit = match task.cost {
+        CostMeasure::Device => "of the device",
+        CostMeasure::Cells => "cells",
+    };
+    let own = text(chosen);
+    let Some(plain) = baseline(task, outcome).map(|plain| &outcome.candidates[plain]) else {
+        return format!("{own} {unit}; nothing in binary32 meets the scene");
+    };
+    let ratio = cost(task, plain) / cost(task, chosen);
+    if ratio < 1.005 {
+        return format!("{own} {unit}, in binary32");
+    }
+    let before = text(plain);
+    format!("{ratio:.2} times cheaper than binary32: {before} -> {own} {unit}")
+}
+
+/// Lines after the headline, with their labels.
+pub(super) fn lines(
+    task: &FitTask<'_>,
+    outcome: &FitOutcome,
+    confirmation: Option<&Confirmation>,
+) -> Vec<Line> {
+    let mut lines = match outcome.chosen {
+        Some(chosen) => choice(task, outcome, chosen),
+        None => refusal(task, outcome),
+    };
+    if let Some(challenge) = &outcome.challenge {
+        lines.extend(held(task, outcome, challenge));
+        if let Some(motion) = &outcome.motion {
+            lines.push(("over time", over_time(outcome, motion)));
+        }
+    }
+    lines.extend(confirmation.map(|confirmation| ("simulated", run(confirmation))));
+    let tried = format!(
+        "{}, {} measured at {} of the scene",
+        counted(outcome.programs.len(), "program"),
+        counted(outcome.candidates.len(), "candidate"),
+        counted(task.states, "state")
+    );
+    lines.push(("tried", tried));
+    if let Some(first) = outcome.untried.first() {
+        let others = match outcome.untried.len() - 1 {
+            0 => String::new(),
+            others => format!("; {} with -v", counted(others, "other")),
+        };
+        lines.push(("not tried", format!("{first}{others}")));
+    }
+    lines
+}
+
+fn choice(task: &FitTask<'_>, outcome: &FitOutcome, chosen: usize) -> Vec<Line> {
+    let validated = task.states * VALIDATION_FACTOR;
+    let candidate = &outcome.candidates[chosen];
+    let program = &outcome.programs[candidate.program];
+    let [add, multi] = candidate.elements;
+    let mixture = program.mixture.as_ref();
+    let mixture = mixture.map(|mixture| format!(" for inputs; {}", mixture.text));
+    let deadline = task.scene.deadline;
+    let deadline = deadline.map(|deadline| format!(", deadline {deadline} us"));
+    let resources = &candidate.resources;
+    vec![
+        (
+            "program",
+            format!(
+                "{}, {}, in {}{}",
+                program.name,
+                counted(candidate.operations, "operation"),
+                candidate.format,
+                mixture.unwrap_or_default()
+            ),
+        ),
+        (
+            "sin, cos",
+            format!(
+                "{}, alone {} of the tolerance",
+                program.treatment,
+                percent(program.model_share)
+            ),
+        ),
+        (
+            "schedule",
+            format!(
+                "{} on {add}+{multi} elements, {:.3} us{}",
+                counted(candidate.cycles, "cycle"),
+                candidate.microseconds,
+                deadline.unwrap_or_default()
+            ),
+        ),
+        (
+            "worst error",
+            format!(
+                "{}, median {}, {}",
+                exponential(candidate.normwise.worst),
+                exponential(candidate.normwise.median),
+                measure_text(&format!("at least {validated} states of the scene")),
+            ),
+        ),
+        ("tolerance", allowed(task, candidate.used)),
+        (
+            "device",
+            format!(
+                "{} of {}: look-up tables {:.0}, memory blocks {:.0}, multiplier blocks {} \
+                 (estimated); {:.0} cells",
+                share_percent(candidate.share),
+                task.machine.device.device().name,
+                resources.look_up_tables,
+                resources.memory_blocks,
+                resources.multiplier_blocks,
+                candidate.cells
+            ),
+        ),
+    ]
+}
+
+/// The used part of a scene's tolerances, each with its own measure, which is
+/// not that of the error beside them.
+fn allowed(task: &FitTask<'_>, used: f64) -> String {
+    let needs = task.scene.outputs.iter();
+    let allowed: Vec<String> = needs
+        .filter_map(|need| Some(format!("{} {}", need.pattern, need.tolerance?)))
+        .collect();
+    if allowed.is_empty() {
+        "none".to_owned()
+    } else {
+        format!(
+            "{} of it at the worst output: {}",
+            percent(used),
+            allowed.join("; ")
+        )
+    }
+}
+
+/// Reason why nothing meets the scene: what comes nearest.
+fn refusal(task: &FitTask<'_>, outcome: &FitOutcome) -> Vec<Line> {
+    let candidates = || outcome.candidates.iter();
+    let fastest = candidates().min_by_key(|candidate| candidate.cycles);
+    let exact = candidates().filter(|candidate| candidate.used.is_finite());
+    let exact = exact.min_by(|a, b| a.used.total_cmp(&b.used));
+    let mut lines = Vec::new();
+    if let (Some(fastest), Some(deadline)) = (fastest, task.scene.deadline) {
+        let time = fastest.microseconds;
+        lines.push(("fastest", format!("{time:.3} us of {deadline} us")));
+    }
+    if let Some(exact) = exact {
+        let used = percent(exact.used);
+        lines.push(("most exact", format!("{used} of the tolerance")));
+    }
+    lines
+}
+
+/// Facts established about the choice: the states it was tried at, and the
+/// results.
+fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> Vec<Line> {
+    let fresh = counted(challenge.fresh, "fresh state");
+    let seed = challenge.seed;
+    let mut needs = task.scene.outputs.iter();
+    if !needs.any(|need| need.tolerance.is_some()) {
+        let text =
+            format!("every error is allowed; all results are numbers at {fresh} (seed {seed})");
+        return vec![("held", text)];
+    }
+    let broken = match outcome.broken {
+        0 => String::new(),
+        broken => format!("; {} failed it", counted(broken, "cheaper choice")),
+    };
+    let mut lines = vec![
+        (
+            "held",
+            format!(
+                "at {fresh} (seed {seed}), at most {} of the tolerance: with a confidence of \
+                 95 %, at {:.4} % of the states in the ranges, or more",
+                percent(challenge.fresh_used),
+                (challenge.share() * 1e6).floor() / 1e4,
+            ),
+        ),
+        (
+            "searched",
+            format!(
+                "{}, bred from the worst ones: at most {} of the tolerance{broken}",
+                counted(challenge.directed, "more state"),
+                percent(challenge.used),
+            ),
+        ),
+        match outcome.bound {
+            Some(bound) if bound.holds() => (
+                "proved",
+                format!(
+                    "for every state in the ranges: bounds of the rounding of all {} outputs, at \
+                     most {} of the tolerance",
+                    bound.outputs,
+                    percent(bound.used)
+                ),
+            ),
+            Some(bound) => {
+                let largest = if bound.used.is_finite() {
+                    format!("{} of it", percent(bound.used))
+                } else {
+                    "without end".to_owned()
+                };
+                let text = format!(
+                    "for every state: bounds of the rounding are within the tolerance for {} of \
+                     {} outputs, the largest is {largest}",
+                    bound.proved, bound.outputs,
+                );
+                ("not proved", text)
+            }
+            None => (
+                "not proved",
+                "for every state: no bound was computed (the program is large, has series, or \
+                 reads inputs without a range)"
+                    .to_owned(),
+            ),
+        },
+    ];
+    let sizes = scales(task);
+    if !sizes.is_empty() {
+        let text = format!("or of its usual size where that is larger: {sizes}");
+        lines.push(("parts", format!("of an array's largest element, {text}")));
+    }
+    let mut tolerances = task.scene.outputs.iter().filter_map(|need| need.tolerance);
+    if tolerances.any(|one| one.measure == Measure::Relative && one.scale.is_none()) {
+        let text = "of the element, or of a thousandth of its usual size where that is larger";
+        lines.push(("parts", text.to_owned()));
+    }
+    lines
+}
+
+/// Result of the scene's motion.
+fn over_time(outcome: &FitOutcome, motion: &MotionShare) -> String {
+    let energy = motion.energy.map(|energy| {
+        format!(
+            "; energy drifts by {} of the largest kinetic energy, {} allowed",
+            exponential(energy.drift),
+            exponential(energy.allowed)
+        )
+    });
+    format!(
+        "{} s of the scene's motion in {}: {} of the largest displacement of a watched joint, {} \
+         allowed{}; {} erred more",
+        motion.time,
+        counted(motion.steps, "step"),
+        exponential(motion.error),
+        exponential(motion.allowed),
+        energy.unwrap_or_default(),
+        counted(outcome.drifted, "cheaper choice")
+    )
+}
+
+/// The sizes that errors are measured by at least, of arrays with a tolerance
+/// in parts of the largest element.
+fn scales(task: &FitTask<'_>) -> String {
+    let mut sizes: Vec<String> = Vec::new();
+    for need in &task.scene.outputs {
+        let array = &need.pattern.array;
+        let is_normwise = |tolerance: &OutputTolerance| tolerance.measure == Measure::Norm;
+        let Some(tolerance) = need.tolerance.filter(is_normwise) else {
+            continue;
+        };
+        let size = match tolerance.scale {
+            Some(scale) => format!("{} {scale} (the scene's)", need.pattern),
+            None => format!("{array} {:.3e}", task.sizes.get(array)),
+        };
+        if !sizes.contains(&size) {
+            sizes.push(size);
+        }
+    }
+    sizes.join(", ")
+}
+
+/// Result of the runs on the machine.
+fn run(confirmation: &Confirmation) -> String {
+    if !confirmation.remark.is_empty() {
+        return format!("not: {}", confirmation.remark);
+    }
+    format!(
+        "cycle by cycle, {} of {} from memory images at the worst states, {} the evaluator's bit \
+         for bit; {} of the tolerance",
+        counted(confirmation.simulated, "run"),
+        counted(confirmation.cycles, "cycle"),
+        if confirmation.equal { "all" } else { "NOT" },
+        percent(confirmation.simulated_used),
+    )
+}
