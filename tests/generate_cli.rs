@@ -208,9 +208,7 @@ fn rows_that_say_what_others_say_are_named() {
     let made = robovec(&["gen", path(&file), "--whole-step", "-o", path(&output)]);
     assert!(made.status.success(), "{}", said(&made));
     let told = String::from_utf8_lossy(&made.stderr);
-    let named = told
-        .matches("says what other rows say, and is left out")
-        .count();
+    let named = told.matches("repeats other rows, and is left out").count();
     // A planar loop has two rows, here twice.
     assert_eq!(named, 2, "{told}");
     assert!(told.contains("(cut '"), "{told}");

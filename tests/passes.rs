@@ -125,7 +125,7 @@ fn produce(path: &Path, text: &str) -> String {
             let mut produced = print::print_module(&module);
             // The text must also say all there is to say.
             let again = parse::parse_module(&name, &produced).expect("printed text reads back");
-            assert!(again == module, "the printed text says something else");
+            assert!(again == module, "the printed text differs");
             for artifact in outcome.artifacts {
                 produced += &format!("\n==> {} <==\n{}", artifact.name, artifact.text);
             }

@@ -34,7 +34,7 @@ fn run(bytes: &mut Unstructured<'_>) -> Result<()> {
         assert!(largest(function) <= operations, "{operations}: {text}");
     }
     let again = parse::parse_module("printed", &text).expect("printed text reads back");
-    assert!(again == module, "the text says something else: {text}");
+    assert!(again == module, "the text differs: {text}");
     execute(&mut module, "atomise");
     for (left, right) in atomic.functions.iter().zip(&module.functions) {
         assert_eq!(shape(left), shape(right), "{text}");

@@ -78,10 +78,7 @@ fn execute(module: &mut Module, text: &str, machine: &str) {
     }
     let printed = print::print_module(module);
     let again = parse::parse_module("printed", &printed).expect("printed text reads back");
-    assert!(
-        again == *module,
-        "{text}: the printed text says something else"
-    );
+    assert!(again == *module, "{text}: the printed text differs");
 }
 
 #[cfg(test)]

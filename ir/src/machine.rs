@@ -330,7 +330,7 @@ impl Machine {
             && self.memory.writes.is_none_or(|writes| writes > 2)
         {
             return fail(
-                "a memory of four ports takes at most 2 words in a cycle; say so by 'writes = 2'"
+                "a memory of four ports takes at most 2 words in a cycle; set 'writes = 2'"
                     .to_owned(),
             );
         }
@@ -374,7 +374,7 @@ impl Machine {
                     .any(|other| other.kind == *kind || other.operations.contains(name))
                 {
                     return Err(format!(
-                        "the kind '{kind}' or its operation '{name}' stands there twice"
+                        "the kind '{kind}' or its operation '{name}' is listed twice"
                     ));
                 }
             }

@@ -361,7 +361,7 @@ fn describe(view: View<'_>, value: Value) -> String {
     let operation = view.function.node(value).operation.name();
     match root {
         Some(root) => format!("an inner '{operation}' before {}", name(root)),
-        None => format!("an inner '{operation}' behind all definitions"),
+        None => format!("an inner '{operation}' after all definitions"),
     }
 }
 

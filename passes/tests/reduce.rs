@@ -202,7 +202,7 @@ fn a_wrong_rewrite_is_reduced_to_itself() {
     let witness = found
         .witness
         .as_ref()
-        .expect("small numbers tell them apart");
+        .expect("small numbers distinguish them");
     assert!((witness.before + witness.after).abs() < 1e-12, "{witness}");
     assert!(found.to_string().contains("a-b = b-a"));
 }

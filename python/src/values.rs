@@ -12,7 +12,7 @@ use robovec_num::soft_float::FormatArithmetic;
 const BYTES: usize = size_of::<f64>();
 
 /// Number of threads; 0 is the number of processors.
-const THREADS: NumberLimit = NumberLimit::whole(0, 1024, "every thread takes memory of its own");
+const THREADS: NumberLimit = NumberLimit::whole(0, 1024, "every thread takes memory");
 
 /// The outputs at states that lie one after the other, as bytes of binary64 in
 /// the order of this machine. Every state is computed alone, so results do not

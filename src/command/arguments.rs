@@ -39,7 +39,7 @@ pub(crate) struct OptimiserArguments {
     #[arg(long)]
     pub(crate) force: bool,
 
-    /// Language of the input; by default told by its name and content
+    /// Language of the input; by default found from its name and content
     #[arg(long = "input-language", alias = "language", value_enum)]
     pub(crate) language: Option<InputLanguage>,
 
@@ -95,7 +95,7 @@ pub(crate) struct OptimiserArguments {
     #[arg(long)]
     pub(crate) print_history: bool,
 
-    /// Tell how a value (%OM16) or an output (M[1,2]) came to be, instead of printing the result
+    /// Print how a value (%OM16) or an output (M[1,2]) came to be, instead of printing the result
     #[arg(long, value_name = "VALUE")]
     pub(crate) explain: Option<String>,
 
@@ -113,7 +113,7 @@ pub(crate) struct OptimiserArguments {
           require_equals = true, add = whole(1, 1_000_000, "every pass is checked at every point"))]
     pub(crate) check_each: Option<u32>,
 
-    /// Run only the first P passes, of the last one only the first N rewrites, and say so
+    /// Run only the first P passes, of the last one only the first N rewrites, and report it
     #[arg(long, value_name = "P[:N]")]
     pub(crate) bisect_limit: Option<Limit>,
 

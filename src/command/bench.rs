@@ -37,7 +37,7 @@ pub(super) struct BenchArguments {
     /// Forces and torques on the bodies of a model, drawn like other inputs, instead of none
     #[arg(long)]
     forces: bool,
-    /// C compilers, each with a row of its own; by default the better of gcc and clang, where
+    /// C compilers, each with its own row; by default the better of gcc and clang, where
     /// both are installed, for every program
     #[arg(long, value_delimiter = ',')]
     compilers: Vec<String>,
@@ -230,7 +230,7 @@ pub(super) fn usual_equations(
             return usual.map(|module| (module, None));
         }
         Ok(module) => too_long(length(module)),
-        Err(_) => "the generator does not write them (robovec gen tells why)".to_owned(),
+        Err(_) => "the generator does not write them (robovec gen gives the reason)".to_owned(),
     };
     let found = contenders(model, task.kind(), task.formulations(), &options);
     let shortest = found.possible.into_iter().min_by_key(|one| one.operations);
@@ -333,7 +333,7 @@ fn compilers(arguments: &BenchArguments) -> Result<Vec<Compiler>, CommandFailure
 /// Number of formulations of a model that take part.
 pub(super) const FORMULATIONS: usize = 2;
 
-/// Enters the formulations with the fewest operations, and tells of those that
+/// Enters the formulations with the fewest operations, and reports those that
 /// the generator does not give for this model.
 fn from_model(
     question: &BenchQuestion<'_>,

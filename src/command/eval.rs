@@ -71,7 +71,7 @@ pub(super) struct EvalArguments {
     /// Write floats in hexadecimal, as C's `%a`
     #[arg(long)]
     hexadecimal: bool,
-    /// Language of the file; by default told by its name and content
+    /// Language of the file; by default found from its name and content
     #[arg(long = "input-language", alias = "language", value_enum)]
     language: Option<InputLanguage>,
 }

@@ -13,7 +13,7 @@ use std::fmt::Write;
 /// named.
 const MAX_EXCERPTS: usize = 6;
 
-/// Tells how what the user asked for came to be.
+/// Prints how the requested value came to be.
 ///
 /// # Errors
 ///
@@ -159,7 +159,7 @@ fn print_change(change: &DefinitionChange, input: &ReadEquations, text: &mut Str
     if let Some(sources) = merged {
         let _ = writeln!(text, "  {}", after.text);
         let places = list_places(input, *sources);
-        let _ = writeln!(text, "    now stands for the equations at {places}");
+        let _ = writeln!(text, "    now replaces the equations at {places}");
         return;
     }
     match before {
@@ -209,7 +209,7 @@ fn timing(moment: &Moment) -> String {
     format!(" available at cycle {arrival} of {path}, {slack}")
 }
 
-/// The definition with all that later levels say of it.
+/// The definition with all that later levels add to it.
 fn last_definition(view: View<'_>, item: trail::TrackedItem) -> Option<String> {
     let trail::TrackedItem::Value(name) = item else {
         return None;

@@ -2,7 +2,7 @@
 //! groups of commands, and an example or two of each.
 //!
 //! **Invariants.** A word of [`WORDS`] takes the same kind of value in every
-//! command that has it ([`apply`] writes its name); every command stands in one
+//! command that has it ([`apply`] writes its name); every command is in one
 //! group and has examples, which tests read as command lines. The page
 //! `docs/commands.md` is made from here.
 
@@ -253,7 +253,7 @@ pub(super) fn apply(command: Command) -> Command {
     });
     command.help_template(format!(
         "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n{groups}\nOptions:\n{{options}}\n\n\
-         'robovec COMMAND --help' tells of a command, with examples; docs/commands.md of the words \
+         'robovec COMMAND --help' describes a command, with examples; docs/commands.md of the words \
          that mean the same in all.\n"
     ))
 }
@@ -384,7 +384,7 @@ mod tests {
         for sub in tool.get_subcommands().filter(|sub| !sub.is_hide_set()) {
             let name = sub.get_name();
             let groups = GROUPS.iter().filter(|(_, names)| names.contains(&name));
-            assert_eq!(groups.count(), 1, "{name} stands in one group");
+            assert_eq!(groups.count(), 1, "{name} is in one group");
             let known = EXAMPLES.iter().find(|(known, _)| *known == name);
             let (_, lines) = known.unwrap_or_else(|| panic!("{name} has no example"));
             for line in *lines {

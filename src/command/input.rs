@@ -1,6 +1,6 @@
 //! Reading what the user names: equations, models, scenes, pipelines, machines.
 //!
-//! What a reader remarked is told here, when the file is read, so that no command
+//! Remarks of readers are printed here, when the file is read, so that no command
 //! can forget to.
 
 use super::arguments::InputLanguage;
@@ -22,8 +22,8 @@ use robovec_robotran::FunctionKind;
 use robovec_robotran::Language;
 use std::path::Path;
 
-/// The scene with the ranges that a file gives inputs of which it says
-/// nothing; none where nobody says anything.
+/// The scene, with the ranges of the file for inputs that it leaves open; none
+/// where neither is given.
 pub(crate) fn scene_of(read: &ReadEquations, given: Option<Scene>) -> Option<Scene> {
     if read.ranges.is_empty() {
         return given;
@@ -137,7 +137,7 @@ pub(crate) fn model(path: &Path) -> Result<ReadModel, CommandFailure> {
     model_for(path, None)
 }
 
-/// Reads a model to make a function of it; tells what the function leaves out,
+/// Reads a model to make a function of it; prints what the function leaves out,
 /// too.
 pub(crate) fn model_for(
     path: &Path,
@@ -223,7 +223,7 @@ pub(crate) fn machine(name: &str) -> Result<Machine, CommandFailure> {
     sources::machine(name).map_err(CommandFailure)
 }
 
-/// The machine where nothing else is said.
+/// The machine where no other is named.
 pub(crate) const USUAL_MACHINE: &str = "thesis";
 
 /// The machine without whose divider nothing could be placed.

@@ -1,7 +1,7 @@
 //! The table of limits: every number that a user can write, what it can be,
 //! and what more would cost.
 //!
-//! Limits stand where their numbers are declared ([`NumberLimit`]); this
+//! Limits are where their numbers are declared ([`NumberLimit`]); this
 //! module, above all rooms that declare some, only gathers them, for the manual (`docs/limits.md`) and for the
 //! tests that try every number at its ends.
 
@@ -36,8 +36,8 @@ pub fn sections() -> Vec<LimitSection> {
     vec![
         section(
             "Options of passes",
-            "Written in pipelines: `eqsat{window=20}`. Number formats have limits of their own \
-             (docs/formats.md).",
+            "Written in pipelines: `eqsat{window=20}`. The limits of number formats are in \
+             docs/formats.md.",
             pipeline::limits(&REGISTRY),
         ),
         section(
@@ -163,7 +163,7 @@ mod tests {
             for row in section.rows {
                 let name = format!("{} {}", row.place, row.name);
                 assert!(!row.limit.reason().is_empty(), "{name}");
-                assert!(seen.insert(name.clone()), "{name} stands there twice");
+                assert!(seen.insert(name.clone()), "{name} is listed twice");
             }
         }
     }

@@ -96,8 +96,7 @@ fn require_compiler(asked: bool) -> Result<(), CommandFailure> {
     Ok(())
 }
 
-/// Number of threads; as many as there are processors when the user does
-/// not say.
+/// Number of threads; by default that of processors.
 fn threads(jobs: Option<u32>) -> Result<rayon::ThreadPool, CommandFailure> {
     let pool = rayon::ThreadPoolBuilder::new();
     // 0 stands for as many as there are processors.

@@ -34,7 +34,7 @@ pub(super) struct ModelArguments {
     /// to the standard output
     #[arg(short, long, value_name = "PATH")]
     output: Option<PathBuf>,
-    /// Tell whether these files of equations still belong to the model; exit
+    /// Check whether these files of equations still belong to the model; exit
     /// code 1 when one must be generated again
     #[arg(long, value_name = "FILES", num_args = 1.., conflicts_with = "output")]
     equations: Vec<PathBuf>,
@@ -158,7 +158,7 @@ fn member(family: ModelFamily, arguments: &ModelArguments) -> Result<Model, Comm
 fn write(model: &Model, arguments: &ModelArguments) -> Result<String, CommandFailure> {
     if let Some(reason) = unsayable(model) {
         return Err(CommandFailure::advised(
-            format!("a .mbs file cannot say '{}': {reason}", model.name),
+            format!("a .mbs file cannot hold '{}': {reason}", model.name),
             vec!["every command takes the file it comes from as a model".to_owned()],
         ));
     }

@@ -19,7 +19,7 @@ pub(super) fn refuse_wrong(path: &Path, is_text: bool) -> Result<(), CommandFail
             "mif" | "hex" => "for images, end the pipeline with place,codegen{target=mif}",
             "v" | "sv" => "for hardware, end the pipeline with place,codegen{target=rtl}",
             "m" | "py" => "'robovec gen' writes Matlab and Python",
-            _ => "what else is told of a program goes into other files: --report FILE",
+            _ => "reports go into other files: --report FILE",
         };
         let notes = vec![
             "robovec's text goes into a file whose name ends in .rvir".to_owned(),

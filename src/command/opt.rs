@@ -90,7 +90,7 @@ fn reproduced(
 const NO_PASSES: &str = "no passes were named: these are the equations as read\n  \
     -passes='$shorten,place'  places them on the elements of a machine\n  \
     -passes='$cpu,codegen{target=c}' -o FOLDER  writes C\n  \
-    --list-passes  lists all, --report - tells what the equations cost\n";
+    --list-passes  lists all, --report - prints what the equations cost\n";
 
 /// Inputs of the user, read.
 struct GivenInputs {
@@ -337,7 +337,7 @@ fn filter(names: Option<&str>) -> PassFilter {
     }
 }
 
-/// Tests whether anything tells what each pass did.
+/// Tests whether anything reports what each pass did.
 fn tells_of_passes(arguments: &OptimiserArguments) -> bool {
     arguments.report.is_some()
         || arguments.stats.is_some()
@@ -457,7 +457,7 @@ fn describe(
     }
 }
 
-/// A message about equations: in the text read if they stand there, else with
+/// A message about equations: in the text read if they are there, else with
 /// their place named.
 fn located(
     message: String,

@@ -15,7 +15,7 @@ pub(crate) fn write_file(
     write_over(path, Replace::Results, write)
 }
 
-/// As [`write_file`], replacing what is said.
+/// As [`write_file`], with another message.
 pub(crate) fn write_over(
     path: &Path,
     replace: Replace,

@@ -1,4 +1,4 @@
-//! Placed text that is wrong: the file is told of, not a pass.
+//! Placed text that is wrong: the message names the file, not a pass.
 
 use super::CommandFailure;
 use robovec_framework::manager::{RunError, check_schedules};
@@ -17,7 +17,7 @@ pub(super) fn check(input: &ReadEquations, machine: &Machine) -> Result<(), Comm
 }
 
 /// The message of [`RunError::Given`]: in the text where it can be read
-/// again, else as the verifier says it.
+/// again, else in the words of the verifier.
 pub(super) fn refusal(
     message: &str,
     help: &str,

@@ -8,7 +8,7 @@ use std::io::{IsTerminal, Write, stderr};
 use std::thread;
 use std::time::Duration;
 
-/// A bar over so many steps; `text` stands beside it.
+/// A bar over so many steps; `text` is printed beside it.
 pub(super) fn bar(steps: usize, text: &str) -> ProgressBar {
     styled(Some(steps), &format!("{{bar:40}} {text}"))
 }
@@ -22,7 +22,7 @@ pub(super) fn spinner() -> ProgressBar {
     bar
 }
 
-/// A bar that is told how many steps there are as it goes.
+/// A bar whose number of steps is set as it goes.
 pub(super) fn plain() -> ProgressBar {
     let bar = ProgressBar::hidden();
     if is_drawn() {
@@ -37,7 +37,7 @@ fn is_drawn() -> bool {
     stderr().is_terminal() && !telling::is_quiet()
 }
 
-/// Tells every now and then how far a bar is, until it is finished or dropped;
+/// Prints every now and then how far a bar is, until it is finished or dropped;
 /// nothing where no thread can be started, as in WebAssembly.
 fn tell_in_lines(bar: &ProgressBar) {
     let bar = bar.downgrade();

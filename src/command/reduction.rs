@@ -56,7 +56,7 @@ pub(super) fn follow_up(
     }
 }
 
-/// Writes the files asked for, and says so.
+/// Writes the files asked for, and reports it.
 fn write_files(
     module: &Module,
     pipeline: &Pipeline,

@@ -1,4 +1,4 @@
-//! Shares of the work of an exploration, as commands are told of them.
+//! Shares of the work of an exploration, as options of commands give them.
 
 use super::{CommandFailure, output};
 use clap::Args;

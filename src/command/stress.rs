@@ -20,7 +20,7 @@ pub(super) struct StressArguments {
     /// Only the cases of this class
     #[arg(long, value_name = "NAME", value_parser = classes())]
     class: Option<String>,
-    /// Tell what cases there are, without measuring
+    /// List the cases, without measuring
     #[arg(long)]
     list: bool,
     /// Only verdicts, no cures
@@ -113,7 +113,7 @@ fn chosen(arguments: &StressArguments) -> Result<Vec<StressCase>, CommandFailure
             let known = cases.iter().map(|case| case.name.as_str());
             let near = did_you_mean(name, known).map(|near| format!("did you mean '{near}'?"));
             let mut notes: Vec<String> = near.into_iter().collect();
-            notes.push("'robovec stress --list' tells all cases".to_owned());
+            notes.push("'robovec stress --list' prints all cases".to_owned());
             let message = format!("there is no case '{}'", clip(name));
             return Err(CommandFailure::advised(message, notes));
         }

@@ -1,11 +1,11 @@
 //! Summary of a run of `robovec-opt` without a report: speed, error and cost of
 //! every function, beside what came in.
 //!
-//! As compilers do, it tells people and not programs: only where the result
+//! As in compilers, it is for people and not programs: only where the result
 //! goes to a file or to a terminal, and on the standard error. It has to cost
 //! next to nothing, so that errors are measured at few states, and at none
 //! where the functions are large: the work is counted in operations, so that
-//! the same run tells the same on every computer.
+//! the same run prints the same on every computer.
 
 use super::arguments::OptimiserArguments;
 use robovec_analysis::critical_path::critical_path;
@@ -36,8 +36,7 @@ const MOST_STATES: usize = 64;
 /// Contents of the summary.
 pub(super) struct RunSummary<'a> {
     machine: &'a Machine,
-    /// Origin of the states, and whether a scene says how large they
-    /// are.
+    /// Origin of the states, and whether a scene gives their ranges.
     states: (States, bool),
     /// The format in which the pipeline's program computes.
     format: Format,
@@ -56,7 +55,7 @@ struct FunctionBefore {
 
 impl<'a> RunSummary<'a> {
     /// Looks at the functions before the run; `None` when nothing will be
-    /// told.
+    /// printed.
     pub(super) fn begin(
         arguments: &OptimiserArguments,
         pipeline: &Pipeline,
@@ -199,7 +198,7 @@ fn measured_by<'m>(pipeline: &Pipeline, module: &'m Module, machine: &Machine) -
 }
 
 /// True where somebody reads it: the result goes to a file or to a terminal,
-/// and nothing else was asked for that tells the same.
+/// and nothing else was asked for that prints the same.
 fn is_told(arguments: &OptimiserArguments, pipeline: &Pipeline) -> bool {
     let is_file = |path: &Path| path != Path::new("-");
     let goes_to_people = match &arguments.output {

@@ -1,8 +1,8 @@
 //! Verbosity on the standard error while a command works: `-q`, `-v`.
 //!
-//! Warnings, errors and results are always told. One setting holds for the
+//! Warnings, errors and results are always printed. One setting holds for the
 //! whole process: it is made once, before the command runs, and read where
-//! progress and remarks are told.
+//! progress and remarks are printed.
 
 use clap::Args;
 use std::io::{self, Write};
@@ -12,17 +12,17 @@ use std::time::Duration;
 /// The words of the command line.
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub(crate) struct TellingArguments {
-    /// Tell no progress, no remarks and no summary of a compilation
+    /// Print no progress, no remarks and no summary of a compilation
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     pub(crate) quiet: bool,
-    /// Tell progress every two seconds and, in the end, how long it took
+    /// Print progress every two seconds and, in the end, how long it took
     #[arg(short, long, global = true)]
     pub(crate) verbose: bool,
 }
 
 static TELLING: OnceLock<TellingArguments> = OnceLock::new();
 
-/// Sets how much is told; what was set first stays.
+/// Sets how much is printed; the first setting stays.
 pub(super) fn set(arguments: TellingArguments) {
     TELLING.get_or_init(|| arguments);
 }
@@ -31,12 +31,12 @@ fn current() -> TellingArguments {
     TELLING.get().copied().unwrap_or_default()
 }
 
-/// Tests whether nothing but warnings and errors is told.
+/// Tests whether nothing but warnings and errors is printed.
 pub(super) fn is_quiet() -> bool {
     current().quiet
 }
 
-/// Tests whether more than usual is told.
+/// Tests whether more than usual is printed.
 pub(super) fn is_verbose() -> bool {
     current().verbose
 }

@@ -31,7 +31,7 @@ pub(super) struct ViewArguments {
     /// Page to write; by default NAME.html in the current folder
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Language of the file, if its name does not say it
+    /// Language of the file, if its name does not show it
     #[arg(long = "input-language", alias = "language", value_name = "LANGUAGE")]
     language: Option<InputLanguage>,
     /// Model (.mbs, .urdf) that the equations come from, to show its joints
@@ -150,7 +150,7 @@ fn model(arguments: &ViewArguments) -> Result<Option<ModelText>, CommandFailure>
     }))
 }
 
-/// Writes what was asked for, and tells where it is.
+/// Writes what was asked for, and prints where it is.
 fn write(
     arguments: &ViewArguments,
     read: &ReadEquations,

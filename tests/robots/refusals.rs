@@ -125,11 +125,8 @@ fn a_robot_is_written_as_mbs_where_that_can_say_it() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let reasons = [
         ("arm.urdf", Some("joint 'joint_4' moves against its axis")),
-        (
-            "gripper.urdf",
-            Some("joint 'left_finger_joint' stands turned"),
-        ),
-        ("oblique.urdf", Some("joint 'lean' stands turned")),
+        ("gripper.urdf", Some("joint 'left_finger_joint' is turned")),
+        ("oblique.urdf", Some("joint 'lean' is turned")),
         ("quadruped.urdf", None),
     ];
     assert_eq!(reasons.map(|(name, _)| name), EXAMPLES);

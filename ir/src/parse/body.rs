@@ -143,7 +143,7 @@ impl ModuleBuilder<'_> {
             let help = if operation.is_fused() {
                 "fma(a, b, c) is a*b + c, fms(a, b, c) is a*b - c, fnma(a, b, c) is c - a*b"
             } else {
-                "an angle or a number stands in the parentheses"
+                "an angle or a number is in the parentheses"
             };
             self.advise(span, message, help);
             return self.nothing();
@@ -397,7 +397,7 @@ impl ModuleBuilder<'_> {
             let message = format!("{} has no processing element", clip(self.slice(span)));
             let level = self.open.function.level;
             let help = format!(
-                "at the level {level} every definition says 'on ELEMENT at CYCLE' or 'on host'"
+                "at the level {level} every definition has 'on ELEMENT at CYCLE' or 'on host'"
             );
             return self.advise(span, message, &help);
         };

@@ -256,7 +256,7 @@ impl<'t> ModuleBuilder<'t> {
                 let end = self.text.len() as u32;
                 let diagnostic = error(Span::new(end, end), "the text ends inside a function")
                     .with_label(also(head, "the function starts here"))
-                    .with_note("help: a function ends with '}' on a line of its own");
+                    .with_note("help: a function ends with '}' on a separate line");
                 self.problems.push(diagnostic);
             }
             self.close_function();

@@ -31,7 +31,7 @@ impl ModuleBuilder<'_> {
         if index as usize != expected {
             self.advise(
                 number,
-                format!("the source files are not numbered in order: {index} stands here"),
+                format!("the source files are not numbered in order: {index} is here"),
                 &format!("the next source file is number {expected}"),
             );
         }
@@ -46,14 +46,14 @@ impl ModuleBuilder<'_> {
             self.problems.push(
                 error(name, "a function starts inside another")
                     .with_label(also(head, "this function has not ended"))
-                    .with_note("help: a function ends with '}' on a line of its own"),
+                    .with_note("help: a function ends with '}' on a separate line"),
             );
         }
         self.close_function();
         let text = self.slice(name);
         if let Some(first) = self.functions.insert(text, name) {
             let message = format!("there are two functions '{}'", clip(text));
-            self.conflict(name, message, first, "the first one stands here");
+            self.conflict(name, message, first, "the first one is here");
         }
         let word = self.slice(level);
         let level = Level::from_name(word).unwrap_or_else(|| {
@@ -88,7 +88,7 @@ impl ModuleBuilder<'_> {
         if self.open.head.is_none() {
             self.advise(
                 span,
-                "this statement stands outside any function",
+                "this statement is outside any function",
                 "a function begins with a line like 'function NAME equations {'",
             );
         }

@@ -56,7 +56,7 @@ impl ModuleBuilder<'_> {
         if let Some(joined) = joined {
             let label = also(
                 Span::new(joined, joined),
-                "the statement goes on behind this line",
+                "the statement goes on after this line",
             );
             diagnostic = diagnostic.with_label(label);
         }
@@ -66,7 +66,7 @@ impl ModuleBuilder<'_> {
                 Some("help: a value is a % and a name, like %OM16.1".to_owned())
             }
             ModuleToken::Unknown if text.starts_with('.') => {
-                Some("help: a number has digits before and behind its point".to_owned())
+                Some("help: a number has digits before and after its point".to_owned())
             }
             _ => expected_list(expected).map(|list| format!("expected {list}")),
         };

@@ -119,9 +119,8 @@ impl ModuleBuilder<'_> {
             };
             diagnostic = diagnostic.with_note(note);
         } else if self.open.inputs.contains_key(name) {
-            diagnostic = diagnostic.with_note(format!(
-                "help: '{name}' is an input: inputs stand without the %"
-            ));
+            diagnostic =
+                diagnostic.with_note(format!("help: '{name}' is an input: inputs have no %"));
         } else if let Some(nearest) = self.nearest(base) {
             diagnostic = diagnostic.with_note(format!("help: did you mean %{nearest}?"));
         }
@@ -224,7 +223,7 @@ impl ModuleBuilder<'_> {
         let diagnostic: Diagnostic = if circle.len() < 2 {
             error(
                 span,
-                format!("{} is defined by itself", clip(self.slice(span))),
+                format!("{} needs its own value", clip(self.slice(span))),
             )
         } else {
             let mut way: Vec<String> = circle.iter().take(MAX_SHOWN).map(name).collect();

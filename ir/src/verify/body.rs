@@ -169,9 +169,7 @@ fn expressions(collector: &mut ViolationCollector<'_>) {
         copy(collector, value, node, &named);
         if named[value.index()] {
             for left in open.drain(..) {
-                collector.value(left, || {
-                    "is not used by the definition behind it".to_owned()
-                });
+                collector.value(left, || "is not used by the definition after it".to_owned());
             }
             sources(collector, first..value.0, node.sources);
             first = value.0 + 1;
@@ -192,7 +190,7 @@ fn take(collector: &mut ViolationCollector<'_>, open: &mut Vec<Value>, inner: Va
         open.remove(at);
         collector.value(inner, || {
             let user = super::describe(view, user);
-            format!("does not stand in the order of evaluation of {user}")
+            format!("is not in the order of evaluation of {user}")
         });
     } else {
         collector.value(inner, || {
@@ -250,7 +248,7 @@ fn trees_of_assignments(
             first = root.0 + 1;
         } else {
             collector.assignment(index, || {
-                "is set to an expression that does not stand in the order of the outputs".to_owned()
+                "is set to an expression that is not in the order of the outputs".to_owned()
             });
         }
     }

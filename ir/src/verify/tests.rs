@@ -118,7 +118,7 @@ fn inner_nodes_follow_the_text() {
     });
     assert_eq!(
         messages,
-        ["an inner 'mul' before %x is not used by the definition behind it"]
+        ["an inner 'mul' before %x is not used by the definition after it"]
     );
     // It is used twice.
     let messages = after(EQUATIONS, |f| {
@@ -146,7 +146,7 @@ fn inner_nodes_follow_the_text() {
     let messages = after(EQUATIONS, |f| f.assignments[0].operand = Input(0).into());
     assert_eq!(
         messages,
-        ["an inner 'mul' behind all definitions is used by nothing"]
+        ["an inner 'mul' after all definitions is used by nothing"]
     );
 }
 

@@ -335,7 +335,7 @@ impl<'text> RuleBuilder<'text> {
 
     fn once(&mut self, twice: bool, span: Range<usize>) -> Action<'text> {
         if twice {
-            return Err(self.error(span, "this stands in the rule twice").into());
+            return Err(self.error(span, "this occurs in the rule twice").into());
         }
         Ok(())
     }
@@ -417,7 +417,7 @@ impl<'text> RuleBuilder<'text> {
         };
         let word = clip(&variables[*variable as usize]).into_owned();
         let message = format!("the variable '{word}' does not occur on the {name} side");
-        let notes = vec!["nothing says what it should stand for".to_owned()];
+        let notes = vec!["no side gives it a value".to_owned()];
         Err(self.advise(span.clone(), message, notes))
     }
 }

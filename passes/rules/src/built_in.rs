@@ -38,7 +38,7 @@ impl RuleSet {
         let mut all = RuleSet::default();
         for name in DEFAULT {
             let set = RuleSet::named(name).expect("a default file ships");
-            all.extend(set).expect("names are unique, a test says so");
+            all.extend(set).expect("names are unique, as a test checks");
         }
         all
     }
@@ -47,6 +47,6 @@ impl RuleSet {
     pub fn named(name: &str) -> Option<RuleSet> {
         let (_, text) = BUILT_IN.iter().find(|(known, _)| *known == name)?;
         let set = RuleSet::parse(text, &format!("{name}.rules"));
-        Some(set.expect("files that ship are well formed, a test says so"))
+        Some(set.expect("files that ship are well formed, as a test checks"))
     }
 }

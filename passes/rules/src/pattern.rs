@@ -46,7 +46,7 @@ impl Pattern {
             let count = self.nodes.len();
             assert!(
                 operands.iter().all(|&operand| (operand as usize) < count),
-                "operands stand before their operation"
+                "operands come before their operation"
             );
         }
         self.nodes.push(node);

@@ -190,13 +190,10 @@ impl RuleReader<'_> {
             Some((RuleToken::Close, span)) if is_inside => {
                 self.builder.error(span, "no '(' is open here")
             }
-            Some((_, span)) => self
+            Some((_, span)) => self.builder.error(span, format!("expected {wanted}")),
+            None => self
                 .builder
-                .error(span, format!("here should stand {wanted}")),
-            None => self.builder.error(
-                end..end,
-                format!("the file ends where {wanted} should stand"),
-            ),
+                .error(end..end, format!("the file ends early: expected {wanted}")),
         };
     }
 

@@ -177,9 +177,8 @@ pub fn explain(error: &PlaceError, function: &Function, context: &Context<'_>) -
             "add '{operation}' to the operations of a kind in the machine file, or choose \
              another machine"
         )),
-        PlaceError::ComputedAngle { value, .. } => about(value).help(
-            "pass the angle as an input of its own, and let the caller compute it".to_owned(),
-        ),
+        PlaceError::ComputedAngle { value, .. } => about(value)
+            .help("pass the angle as an input, and let the caller compute it".to_owned()),
         PlaceError::MemoryTooSmall { .. } => PassError::new(error.to_string()).help(
             "use more processing elements (n_add, n_multi), which spread the words over more \
              memories, or a machine with larger ones",

@@ -255,7 +255,10 @@ impl<'a> TestReplay<'a> {
             self.write_all(cycle, &writes)?;
         }
         if finish != self.schedule.cycles {
-            return Err(format!("ends at {finish}, said {}", self.schedule.cycles));
+            return Err(format!(
+                "ends at {finish}, expected {}",
+                self.schedule.cycles
+            ));
         }
         for (assignment, home) in self.function.assignments.iter().zip(&self.placement.homes) {
             let computed = assignment

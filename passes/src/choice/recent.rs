@@ -45,7 +45,7 @@ impl RecentSums {
         terms: SmallVec<[ProductTerm; 6]>,
         class: Option<SignedClass>,
     ) {
-        assert!(!terms.is_empty(), "an empty place stands for no sum");
+        assert!(!terms.is_empty(), "an empty place has no sum");
         if self.sums.is_empty() {
             self.sums = vec![RecentSum::default(); KEPT];
         }

@@ -177,7 +177,7 @@ impl Elimination<'_> {
         };
         for to in out {
             let weight = self.graph.into[to as usize].remove(&vertex);
-            let weight = weight.expect("an edge stands at both of its ends");
+            let weight = weight.expect("an edge is listed at both of its ends");
             let (own, next) = kinds(&self.graph, to);
             let origin = (self.origin)(own, next);
             for (&from, &first) in &into {

@@ -78,7 +78,7 @@ option_words! {
 impl Pass for Differentiate {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         if function.formats.is_some() {
-            let message = "values have formats of their own, and those of derivatives are unknown";
+            let message = "values have their own formats, and those of derivatives are unknown";
             return Err(PassError::new(message).help("run 'differentiate' before 'mixed'"));
         }
         let view = View {

@@ -84,7 +84,7 @@ const FIRST_NODES: usize = 600_000;
 const NODES_PER_OPERATION: usize = 2;
 
 /// The statistic of all windows, over all rounds.
-pub const WINDOWS: &str = "windows looked at";
+pub const WINDOWS: &str = "windows tested";
 /// The statistic of windows that the limit of forms ended.
 pub const OUT_OF_NODES: &str = "windows without room for more forms";
 /// The statistic of windows that the limit of rounds of rules ended.

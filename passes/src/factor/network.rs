@@ -294,7 +294,7 @@ impl FactorNetwork {
     ) -> (FactorKind, Vec<Edge>) {
         debug_assert!(
             self.below(&operands, self.nodes[node].position),
-            "operands stand at lower positions"
+            "operands have lower positions"
         );
         for &edge in &operands {
             self.acquire(edge);
@@ -328,7 +328,7 @@ impl FactorNetwork {
                 let node = &self.nodes[node as usize];
                 self.below(&node.operands, node.position)
             }),
-            "operands stand at lower positions than their users"
+            "operands have lower positions than their users"
         );
         order
     }

@@ -91,7 +91,7 @@ impl Choices {
         let formats = &search.formats;
         assert!(
             formats.len() <= 1 << u8::BITS,
-            "a byte tells the formats apart"
+            "a byte distinguishes the formats"
         );
         let arithmetics: Vec<FormatArithmetic> = formats
             .iter()

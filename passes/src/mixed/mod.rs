@@ -185,7 +185,7 @@ impl Mixed {
         let (error, wide) = (self.error.print(), self.wide);
         let message = format!(
             "even with all values in {wide} an output has {ratio:.2} times the error allowed, \
-             {error} of its array's largest element or what the scene says"
+             {error} of its array's largest element or the scene's limit"
         );
         PassError::new(message).help("allow a larger error or a wider format")
     }

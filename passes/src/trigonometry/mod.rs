@@ -256,7 +256,7 @@ impl Trigonometry {
             let help = match elsewhere {
                 CircularPlace::Elements => "on the host: polynomial, table or cordic",
                 CircularPlace::Host => {
-                    "the elements neither compare nor shift: say on=host, or take taylor or minimax"
+                    "the elements neither compare nor shift: set on=host, or take taylor or minimax"
                 }
             };
             let message = format!("method={method} is not for on={place}");
@@ -365,6 +365,6 @@ impl Trigonometry {
              of ±{range:.4}"
         ))
         .at(occurrence.sources)
-        .help("say halvings=2 or more, a smaller range, a larger error, or round=false")
+        .help("set halvings=2 or more, a smaller range, a larger error, or round=false")
     }
 }

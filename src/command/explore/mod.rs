@@ -35,7 +35,7 @@ pub(super) struct ExploreArguments {
     #[arg(long)]
     function: Option<String>,
     /// Machine compiled for: a name or a .toml file; by default thesis, or solver for equations
-    /// that divide. A plan takes several in the place of its own, `couples` for those of Table 1.3
+    /// that divide. A plan takes several in place of those it names, `couples` for those of Table 1.3
     #[arg(long, value_delimiter = ',')]
     machine: Vec<String>,
     /// Numbers of elements per kind; by default 4,16,64, or those of the plan
@@ -62,7 +62,7 @@ pub(super) struct ExploreArguments {
     #[command(flatten)]
     shares: ShareArguments,
     /// Threads; as many as there are processors by default
-    #[arg(long, add = whole(1, 1024, "every thread takes memory of its own"))]
+    #[arg(long, add = whole(1, 1024, "every thread takes memory"))]
     jobs: Option<u32>,
     /// Positions q of programs are drawn from -ANGLE to ANGLE (rad, m); 0.1 by default
     #[arg(long, help_heading = "Programs",

@@ -47,8 +47,8 @@ pub(super) struct FitArguments {
     /// Only these formulations; by default the scene's, or all that may be the best
     #[arg(long, conflicts_with_all = SEARCHLESS, value_delimiter = ',', value_parser = super::generation::formulations())]
     formulation: Vec<String>,
-    /// Place where sines and cosines are computed; by default as the scene
-    /// says, or on the host
+    /// Place where sines and cosines are computed; by default as in the
+    /// scene, or on the host
     #[arg(long, conflicts_with_all = SEARCHLESS, value_enum)]
     trigonometry: Option<Where>,
     /// Measure of the cheapest
@@ -89,7 +89,7 @@ enum Cost {
     /// The share of the device that the machine takes, in one format that floats
     #[default]
     Device,
-    /// The cells of the arithmetic, for hardware of one's own: fixed point and
+    /// The cells of the arithmetic, for custom hardware: fixed point and
     /// formats of single values may be chosen
     Cells,
 }

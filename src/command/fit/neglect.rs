@@ -38,8 +38,8 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
         && let Some(reason) = unsayable(&subject.model)
     {
         return Err(CommandFailure::advised(
-            format!("the reduced model would be a .mbs file, which cannot say it: {reason}"),
-            vec!["without -o the findings are told".to_owned()],
+            format!("the reduced model would be a .mbs file, which cannot hold it: {reason}"),
+            vec!["without -o the findings are printed".to_owned()],
         ));
     }
     let machine = super::machine(arguments, &file, &module)?;

@@ -171,7 +171,7 @@ pub(super) fn refuse_losses(
         if !known.insert(name.as_str()) {
             return Err(CommandFailure::advised(
                 format!("two of the files give a {name}"),
-                vec!["write them one by one, into folders of their own".to_owned()],
+                vec!["write them one by one, into separate folders".to_owned()],
             ));
         }
         let path = folder.join(name);

@@ -39,7 +39,7 @@ pub(super) struct GenArguments {
     function: Vec<String>,
     /// Write C that does the whole step of MBsysC: driven joints, closing of loops, forces,
     /// accelerations (--function accelred, the default here), or forces of actuators
-    /// (--function invdynared); unless said otherwise in the formulation with the fewest
+    /// (--function invdynared); unless set otherwise in the formulation with the fewest
     /// operations, after the preset $cpu
     #[arg(long, requires = "output", conflicts_with_all = ["language", "bounded"])]
     whole_step: bool,
@@ -76,7 +76,7 @@ pub(super) struct GenArguments {
     #[arg(long, value_name = "ROWS", default_value_t = 0,
           add = whole(0, 32, "each is eliminated with all joints"))]
     user_constraints: usize,
-    /// Language of files of equations; by default told by their names and content
+    /// Language of files of equations; by default found from their names and content
     #[arg(long, value_enum)]
     input_language: Option<InputLanguage>,
     /// Passes that run over the equations, e.g. atomise,cse,dce
@@ -374,7 +374,7 @@ pub(super) fn transform(module: &mut Module, pipeline: &Pipeline) -> Result<(), 
     transform_remarking(module, pipeline, &mut telling::remarks())
 }
 
-/// Does as [`transform`], and tells somebody else what passes remark.
+/// Does as [`transform`], and passes the remarks of passes to an observer.
 pub(super) fn transform_remarking(
     module: &mut Module,
     pipeline: &Pipeline,

@@ -59,14 +59,14 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
     }
 }
 
-/// Names the rows of loops that say what others say.
+/// Names the rows of loops that repeat others.
 fn tell_redundant(model: &Model) -> Result<(), CommandFailure> {
     let failed = |error: GenerateError| CommandFailure::plain(error.to_string());
     let cuts = cuts_of_rows(model).map_err(failed)?;
     for row in redundant_rows(model).map_err(failed)? {
         let _ = writeln!(
             telling::remarks(),
-            "remark: row {} of the constraints (cut '{}') says what other rows say, and is left out",
+            "remark: row {} of the constraints (cut '{}') repeats other rows, and is left out",
             row + 1,
             model.cuts[cuts[row]].name
         );

@@ -76,7 +76,7 @@ pub(super) struct OptimiseArguments {
     #[command(flatten)]
     shares: ShareArguments,
     /// Threads; as many as there are processors by default
-    #[arg(long, value_name = "N", add = whole(1, 1024, "every thread takes memory of its own"))]
+    #[arg(long, value_name = "N", add = whole(1, 1024, "every thread takes memory"))]
     jobs: Option<u32>,
 }
 

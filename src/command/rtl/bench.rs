@@ -120,7 +120,7 @@ pub(super) fn require_simulator(arguments: &RtlBenchArguments) -> Result<(), Com
     }
 }
 
-/// Runs the benches of a folder when that was asked for: what they say.
+/// Runs the benches of a folder when that was asked for; gives their messages.
 ///
 /// The hardware is in `rtl/` of the folder `hardware`, or is that folder.
 pub(super) fn checked(

@@ -71,7 +71,7 @@ struct RtlArguments {
     /// Passes to run before, as in robovec-opt; the last one is 'place'
     #[arg(long, value_name = "PIPELINE")]
     passes: Option<String>,
-    /// Hardware that is there (its folder, or its machine.json): tell whether the program fits,
+    /// Hardware that is there (its folder, or its machine.json): check whether the program fits,
     /// and with '-o' write its images only
     #[arg(long, value_name = "HARDWARE", conflicts_with_all = ["machine", "crossbar"])]
     fits: Option<PathBuf>,
@@ -331,7 +331,7 @@ fn only_function(module: &Module) -> Result<&Function, CommandFailure> {
                 ),
                 vec![
                     format!("functions: {}", names.join(", ")),
-                    "choose one with '--function'; '--fits' tells of the others".to_owned(),
+                    "choose one with '--function'; '--fits' lists the others".to_owned(),
                 ],
             ))
         }
@@ -478,7 +478,7 @@ fn errors(view: View<'_>, number: Format, scene: Option<&Scene>) -> String {
     let yardstick = Yardstick::new(view, &input::states(scene, STATE_SEED), count);
     let states = random_states(yardstick.len(), STATE_SEED, scene.is_some());
     let account = ErrorAccount::measured(view, &yardstick, number, states);
-    let account = account.expect("a program is measured by itself");
+    let account = account.expect("a program is measured against its own values");
     format!("  {}\n", account.text())
 }
 

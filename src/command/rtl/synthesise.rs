@@ -35,7 +35,7 @@ pub(super) struct SynthesiseArguments {
     /// Number format: f32, float(8,17,flush) ...
     #[arg(long, value_name = "FORMAT", default_value = "f32")]
     number: Format,
-    /// Tell the cells of every longest path
+    /// Print the cells of every longest path
     #[arg(long)]
     paths: bool,
 }
@@ -124,7 +124,7 @@ pub(super) fn routed(
     if machine.device != DeviceFamily::Ecp5 {
         return Err(CommandFailure::advised(
             format!("open tools do not place and route a {}", shape.device.name),
-            vec!["let the machine file say device = \"ecp5\"".to_owned()],
+            vec!["set in the machine file: device = \"ecp5\"".to_owned()],
         ));
     }
     let tool = Yosys::find().map_err(failure)?;
@@ -167,7 +167,7 @@ pub(super) fn routed(
     Ok(text)
 }
 
-/// An error of the mapping, told to the user.
+/// An error of the mapping, for the user.
 pub(super) fn failure(error: SynthesisError) -> CommandFailure {
     let notes = match &error {
         SynthesisError::Tool(ToolError::Time { .. }) => {

@@ -28,7 +28,7 @@ pub(super) struct RuleBenchArguments {
     /// Equations or models (.mbs, .urdf) to try the rules on
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
-    /// Rules beside those that ship: a .rules file; false ones are told and
+    /// Rules beside those that ship: a .rules file; false ones are reported and
     /// left out
     #[arg(long, value_name = "FILE")]
     rules: Vec<String>,
@@ -77,7 +77,7 @@ struct Rewritten {
     limits: WindowLimits,
 }
 
-/// One rule, or several that say the same.
+/// One rule, or several that are equal.
 struct RuleRow {
     rules: Vec<String>,
     /// With no other rule.
@@ -100,7 +100,7 @@ struct RuleBench<'a> {
     /// Passes that use the rules.
     passes: &'a Pipeline,
     rules: &'a RuleSet,
-    /// Names of the rules, those that say the same together.
+    /// Names of the rules, equal ones together.
     kinds: &'a [Vec<String>],
     work: SharedWork<'a>,
 }
@@ -312,7 +312,7 @@ fn why_worse(row: &RuleRow, all: Rewritten) -> Option<String> {
             "with it the rounds of rules end sooner"
         }
         _ => {
-            "no limit tells them apart: windows are rewritten one after the other, and a gain in \
+            "no limit makes the difference: windows are rewritten one after the other, and a gain in \
              one can spoil that of a later one"
         }
     };
@@ -382,7 +382,7 @@ fn to_text(tables: &[RuleTable], unused: &[String]) -> String {
     }
     text.push_str(
         "Alone: change by this rule over no rule at all. Among all: change by adding this rule to \
-         all others. Rules on one line say the same of signed sums.\n",
+         all others. Rules on one line are the same for signed sums.\n",
     );
     if !unused.is_empty() {
         let _ = writeln!(

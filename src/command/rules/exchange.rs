@@ -58,7 +58,7 @@ pub(super) struct ExportArguments {
 }
 
 /// Reads rules of another tool, finds their classes, and gives them as a rule
-/// file. Rules that are false or not proved are told and become comments; a
+/// file. Rules that are false or not proved are reported and become comments; a
 /// false one is an error, which comes after all others have been written.
 pub(super) fn import(arguments: &ImportArguments) -> Result<String, CommandFailure> {
     let text = input::text(&arguments.file, &limited::FOREIGN_RULES)?;

@@ -242,7 +242,7 @@ fn to_text(search: &RuleSearch, all: usize) -> String {
 fn mined_text(mined: &MinedRules, all: usize) -> String {
     let search = &mined.search;
     let limits = match (mined.all_windows, search.complete) {
-        (false, _) => " (some values have more windows than are looked at)",
+        (false, _) => " (some values have more windows than are searched)",
         (true, false) => " (more than '--values' for some)",
         (true, true) => "",
     };
@@ -282,7 +282,7 @@ fn table(search: &RuleSearch) -> String {
     let _ = writeln!(text, "\n{}", text_table(head, &rows));
     text.push_str(
         "\nCycles: by how much values on a longest chain would be earlier than by any order of \
-         operands, each place by itself, added up.\nOperations: saved at places that do not touch \
+         operands, each place alone, added up.\nOperations: saved at places that do not touch \
          each other: so many fewer there are when the rule is used.\n",
     );
     text

@@ -24,23 +24,23 @@ pub(super) struct RulesArguments {
 
 #[derive(Subcommand, Debug)]
 enum RulesCommand {
-    /// Tell which rule earns how many cycles and operations on equations
+    /// Print which rule earns how many cycles and operations on equations
     Bench(bench::RuleBenchArguments),
-    /// Prove or refute rules, and tell what they do to numbers
+    /// Prove or refute rules, and print what they do to numbers
     Check(check::RuleCheckArguments),
     /// Write rules in the syntax of another tool
     Export(exchange::ExportArguments),
     /// Find new rules and rank them by what they would gain
     Find(find::FindArguments),
-    /// Read rules of another tool, and tell their classes
+    /// Read rules of another tool, and print their classes
     Import(exchange::ImportArguments),
     /// List rules with their reasons
     List(list::ListArguments),
-    /// Tell what rules do to errors, cycles, operations and graphs
+    /// Print what rules do to errors, cycles, operations and graphs
     Profile(profile::ProfileArguments),
-    /// Tell by which rules a value came about
+    /// Print by which rules a value came about
     Why(why::WhyArguments),
-    /// Tell how rules lead from one term to another, or why they do not
+    /// Print how rules lead from one term to another, or why they do not
     WhyNot(why_not::WhyNotArguments),
 }
 

@@ -52,7 +52,7 @@ fn one(name: &str) -> Result<RuleSet, CommandFailure> {
 }
 
 /// The rules that passes use: those of the names and, unless they are not
-/// wanted, those that ship. What is false is told and left out.
+/// wanted, those that ship. False rules are reported and left out.
 pub(crate) fn sound(names: &[String], with_default: bool) -> Result<RuleSet, CommandFailure> {
     let mut all = match with_default {
         // Tests prove that what ships is sound.

@@ -103,7 +103,7 @@ impl Variables {
     }
 }
 
-/// The term of a value down to where `leaf` says so; `None` when it is larger
+/// The term of a value down to where `leaf` is true; `None` when it is larger
 /// than what is explained.
 fn term(
     tables: &Tables,

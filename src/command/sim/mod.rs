@@ -59,7 +59,7 @@ pub(super) struct SimCommand {
 
 #[derive(Subcommand, Debug)]
 enum StandingCommand {
-    /// Find where a model stands still under its laws
+    /// Find the positions at which a model is at rest under its laws
     Equilibrium(standing::EquilibriumArguments),
     /// Find the modes of a model under its laws: frequencies, damping, shapes
     Modal(standing::ModalArguments),

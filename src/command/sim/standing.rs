@@ -117,8 +117,8 @@ fn equilibrium_text(model: &Model, found: &Equilibrium) -> String {
     let head = ">joint | name | >position | | >from start | nature | >error";
     format!(
         "{}: equilibrium after {} of Newton's method\n\n{}\n\
-         'free' is what nothing holds: it stays where it starts. The error is what rounding of the forces\n\
-         may do to the position.\n",
+         Nothing holds a 'free' joint: it stays where it starts. The error is the most by which\n\
+         rounding of the forces moves the position.\n",
         model.name,
         counted(found.rounds, "round"),
         text_lines(head, &rows)

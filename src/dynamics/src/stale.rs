@@ -317,7 +317,7 @@ fn difference(
         let mut keep = outputs.into_iter();
         aligned
             .assignments
-            .retain(|_| keep.next().expect("every assignment was looked at"));
+            .retain(|_| keep.next().expect("every assignment has an entry"));
     }
     let verdict = check(
         View {

@@ -31,7 +31,7 @@ fn one(forest: &Forest<'_>, root: u32, taken: &mut TakenNames) -> Result<Core, D
     let span = forest.get(root).span.clone();
     let elements = match forest.head(root) {
         Some("FPCore") => &forest.elements(root)[1..],
-        Some(_) | None => return Err(error(span, "only '(FPCore …)' stands outside of a core")),
+        Some(_) | None => return Err(error(span, "only '(FPCore …)' is allowed outside a core")),
     };
     let (symbol, rest) = match elements {
         [first, rest @ ..] if forest.atom(*first).is_some() => (Some(*first), rest),
@@ -45,7 +45,7 @@ fn one(forest: &Forest<'_>, root: u32, taken: &mut TakenNames) -> Result<Core, D
     };
     if forest.get(*arguments).kind == TreeKind::Atom {
         let span = forest.get(*arguments).span.clone();
-        return Err(error(span, "the arguments stand in parentheses"));
+        return Err(error(span, "the arguments are in parentheses"));
     }
     let (mut properties, mut rest) = (Vec::new(), rest);
     while let [key, value, more @ ..] = rest {
@@ -58,7 +58,7 @@ fn one(forest: &Forest<'_>, root: u32, taken: &mut TakenNames) -> Result<Core, D
     let [body] = rest else {
         return Err(error(
             span,
-            "one expression stands behind the properties of a core",
+            "one expression follows the properties of a core",
         ));
     };
     let title = property(forest, &properties, ":name").and_then(|value| forest.atom(value));

@@ -122,7 +122,7 @@ fn chosen<'c>(file: &str, cores: &'c [Core], wanted: Option<&str>) -> Result<&'c
         (None, [core]) => Ok(core),
         (None, []) => Err(Report::error(format!("{file} holds no FPCore"), Vec::new())),
         (None, _) => Err(Report::error(
-            format!("{file} holds {} cores; say which one", cores.len()),
+            format!("{file} holds {} cores; choose one", cores.len()),
             vec![
                 format!("--function NAME, of {}", listed(cores)),
                 "a command without --function reads files of one core".to_owned(),

@@ -111,7 +111,7 @@ impl<'text> CoreLowering<'_, 'text, '_> {
                 self.fail(
                     argument,
                     "an argument is a number, with a name only".into(),
-                    Some("arrays are read element by element: give each a name of its own"),
+                    Some("arrays are read element by element: name each element"),
                 );
                 continue;
             };
@@ -253,7 +253,7 @@ impl<'text> CoreLowering<'_, 'text, '_> {
             bound.push((atom, value));
         }
         if self.forest.get(list).kind == TreeKind::Atom {
-            self.fail(list, "bindings stand in parentheses".into(), None);
+            self.fail(list, "bindings are in parentheses".into(), None);
             return false;
         }
         let names = bound.iter().map(|(name, _)| *name).collect();
@@ -280,7 +280,7 @@ impl<'text> CoreLowering<'_, 'text, '_> {
                 (Some(":precision"), Some(&value)) => {
                     let own = self.forest.atom(value).and_then(named_format);
                     if own != Some(self.format) {
-                        let help = "'mixed' gives values formats of their own";
+                        let help = "'mixed' chooses a format for each value";
                         let message = "all of a core is computed in one precision".to_owned();
                         self.fail(value, message, Some(help));
                     }

@@ -23,7 +23,7 @@ impl ParameterRandom {
 
     /// A number in a range, with four digits, so that files stay short.
     pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
-        debug_assert!(low <= high, "a range ends behind its start");
+        debug_assert!(low <= high, "a range ends after its start");
         four_digits(low + (high - low) * self.0.unit())
     }
 

@@ -64,7 +64,7 @@ fn misfit(
             ),
             RobotranToken::End,
         ) => (
-            "the expression ends behind an operator".to_owned(),
+            "the expression ends after an operator".to_owned(),
             "an operand is missing before this",
             "the statement is cut short, or a line break needs `...` (Matlab) or `\\` (Python)",
         ),
@@ -81,11 +81,11 @@ fn misfit(
         (Some(RobotranToken::Name(_)), RobotranToken::Open | RobotranToken::BracketOpen) => (
             "a call or an index that is not a plain number".to_owned(),
             "in an expression only sin, cos and sqrt may be called, and indices are numbers",
-            "a user function stands alone on the right side (`F = user_LinkForces(...)`)",
+            "a user function is alone on the right side (`F = user_LinkForces(...)`)",
         ),
         (_, RobotranToken::Equals) => (
             "`=` after something that cannot be assigned to".to_owned(),
-            "on its left only a name or an array element may stand",
+            "its left side is a name or an array element",
             "look for a missing end of the statement before",
         ),
         (_, RobotranToken::Other) => (

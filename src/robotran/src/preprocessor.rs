@@ -121,7 +121,7 @@ impl Preprocessor {
     pub(super) fn expand(&self, word: &str) -> Result<Option<Expansion>, PreprocessorRefusal> {
         const OTHER: PreprocessorRefusal = (
             "a macro that is neither a name nor a number",
-            "run the file through the preprocessor first (`cpp -P`), or write out what the macro stands for",
+            "run the file through the preprocessor first (`cpp -P`), or write out the text of the macro",
         );
         let mut current = word;
         for _ in 0..LONGEST_CHAIN {
@@ -186,8 +186,8 @@ impl Preprocessor {
             }
             "pragma" if changes_numbers(rest) => {
                 return Err((
-                    "this line tells the compiler to compute in another way",
-                    "remove it: robovec rounds every operation on its own",
+                    "this line makes the compiler compute in another way",
+                    "remove it: robovec rounds every operation",
                 ));
             }
             "include" | "pragma" | "line" | "" => {}
@@ -213,7 +213,7 @@ impl Preprocessor {
             return Err(("`#else` without `#if`", CANNOT_TELL.1));
         };
         if open.last {
-            return Err(("`#else` behind another `#else`", CANNOT_TELL.1));
+            return Err(("`#else` after another `#else`", CANNOT_TELL.1));
         }
         let live = match condition {
             _ if open.taken => false,

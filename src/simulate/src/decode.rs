@@ -59,7 +59,7 @@ impl WordFields {
                 width: field.width,
             };
             if named.insert(field.name.clone(), bits).is_some() {
-                return Err(fail(format!("field '{}' stands there twice", field.name)));
+                return Err(fail(format!("field '{}' occurs twice", field.name)));
             }
         }
         let mut take = |name: &str| named.remove(name).unwrap_or_default();

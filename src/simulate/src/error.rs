@@ -44,7 +44,7 @@ pub enum LoadError {
         error: MifError,
     },
     /// An image of another depth or width than the manifest says.
-    #[error("'{file}' has {found} as its {what}, the manifest says {expected}")]
+    #[error("'{file}' has {found} as its {what}, the manifest has {expected}")]
     ImageSize {
         /// The file.
         file: String,
@@ -105,7 +105,7 @@ pub enum LoadError {
         problem: String,
     },
     /// Two elements or memories of one name.
-    #[error("the name '{0}' stands in the manifest twice")]
+    #[error("the name '{0}' occurs in the manifest twice")]
     NameTwice(String),
     /// A list of select codes other than all results, then all buffer ports.
     #[error("the crossbar's sources are not all results and then all buffer read ports")]
@@ -151,7 +151,7 @@ pub enum LoadError {
         machine: String,
     },
     /// A file is not the one the manifest was written with.
-    #[error("'{file}' was changed: it has the hash {found}, the manifest says {expected}")]
+    #[error("'{file}' was changed: it has the hash {found}, the manifest has {expected}")]
     OtherFile {
         /// The file.
         file: String,
@@ -161,7 +161,7 @@ pub enum LoadError {
         expected: String,
     },
     /// The instruction images are not those the manifest was written with.
-    #[error("the instruction images have the hash {found}, the manifest says {expected}")]
+    #[error("the instruction images have the hash {found}, the manifest has {expected}")]
     OtherSchedule {
         /// Of the files.
         found: String,

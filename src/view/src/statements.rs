@@ -158,7 +158,7 @@ fn statement_lines(text: &str, count: usize) -> Vec<&str> {
         .filter(|line| !line.is_empty() && *line != "}")
         .collect();
     let first = lines.len().checked_sub(count);
-    let first = first.expect("every definition has a line of its own");
+    let first = first.expect("every definition has its own line");
     lines[first..].to_vec()
 }
 

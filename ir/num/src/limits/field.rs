@@ -76,7 +76,7 @@ where
     let refuse = |reason: String| de::Error::custom(format!("'{name}': {reason}"));
     let amount = match Number::deserialize(deserializer)? {
         Number::Nothing => {
-            return T::nothing().ok_or_else(|| refuse("a number must stand here".to_owned()));
+            return T::nothing().ok_or_else(|| refuse("expected a number".to_owned()));
         }
         Number::Negative(number) if limit.is_whole() => {
             return Err(refuse(limit.refusal(&number.to_string())));

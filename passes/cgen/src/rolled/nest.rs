@@ -235,7 +235,7 @@ impl Nest {
 
     /// The position and the pass that compute a value which statements read.
     pub(super) fn producer(&self, value: Value) -> (u32, u32) {
-        self.producers[value.index()].expect("a value that a statement reads has one of its own")
+        self.producers[value.index()].expect("a value that a statement reads has a statement")
     }
 
     fn is_of_another_pass(&self, number: usize, pass: usize, value: usize) -> bool {

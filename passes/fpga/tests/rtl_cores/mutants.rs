@@ -312,14 +312,14 @@ pub(crate) const MUTANTS: &[Mutant] = &[
     mutant(
         (
             "fp_mul.v",
-            "only the lowest bits of an exponent tell subnormals",
+            "only the lowest bits of an exponent show subnormals",
         ),
         ("LOW = M + 4 * four", "LOW = M"),
         OperatorCore::Multiply,
         false,
     ),
     split(
-        ("fp_mul.v", "products of pieces stand in the wrong place"),
+        ("fp_mul.v", "products of pieces are in the wrong place"),
         ("at / PIECES + at % PIECES", "at / PIECES"),
     ),
     split(

@@ -55,7 +55,7 @@ impl Reference {
             let expected = self.ruled(other, operation, words, simulated);
             assert_eq!(
                 simulated, expected,
-                "{operation:?} of {words:x?} in {:?}: the simulator says {simulated:#x}, not {expected:#x}",
+                "{operation:?} of {words:x?} in {:?}: the simulator gives {simulated:#x}, not {expected:#x}",
                 self.format
             );
         }

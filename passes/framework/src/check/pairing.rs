@@ -409,7 +409,7 @@ pub(super) fn same_arrays(
         output: None,
         reason: match odd {
             Some((name, _)) => format!("the {what} array {name} {otherwise}"),
-            None => format!("the {what} arrays stand in another order"),
+            None => format!("the {what} arrays are in another order"),
         },
     })
 }

@@ -119,7 +119,7 @@ pub(super) fn draw(sizes: &[f64], seed: u64, place: StatePlace, count: usize) ->
                 | StateScale::UsualAgain
                 | StateScale::Zero
                 | StateScale::Found => {
-                    unreachable!("arrays have a say in these states")
+                    unreachable!("arrays set these states")
                 }
             }
         })

@@ -138,7 +138,7 @@ impl PipelineBuilder {
                 other => format!("'{other}'"),
             })
             .collect();
-        self.error(span, &format!("here should stand {}", wanted.join(" or ")));
+        self.error(span, &format!("expected {}", wanted.join(" or ")));
     }
 
     fn error(&mut self, span: Range<usize>, message: &str) -> &mut Diagnostic {
@@ -185,7 +185,7 @@ impl PipelineBuilder {
         let flag = setting.value.is_none();
         let written = setting.value.unwrap_or_else(|| "true".to_owned());
         if options.iter().any(|(name, _)| *name == setting.name) {
-            let message = format!("option '{}' stands there twice", setting.name);
+            let message = format!("option '{}' is given twice", setting.name);
             self.error(setting.span, &message);
             return;
         }

@@ -69,15 +69,15 @@ impl fmt::Display for Doubt {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
             Doubt::Fields => {
-                "the sides differ in a prime field, but no numbers were found that tell them \
-                 apart; the proof does not know which sums are positive"
+                "the sides differ in a prime field, but no numbers were found that distinguish \
+                 them; the proof does not know which sums are positive"
             }
             Doubt::Nowhere => "no place was found where both sides are defined",
             Doubt::Roots => "the left side may be defined at single points beyond the proof",
             Doubt::Domain(operand) => {
                 return write!(
                     formatter,
-                    "nothing says that the right side is defined wherever the left side is: \
+                    "nothing shows that the right side is defined wherever the left side is: \
                      {operand}"
                 );
             }

@@ -109,7 +109,7 @@ impl Importer<'_> {
             }
             None => {
                 let span = forest.get(root).span.clone();
-                self.errors.push(error(span, "here should stand a command"));
+                self.errors.push(error(span, "expected a command"));
                 return;
             }
         };
@@ -189,7 +189,7 @@ impl Importer<'_> {
             let message = format!("the ruleset '{}' is not kept", clip(text));
             let mut diagnostic = error(forest.get(name).span.clone(), message);
             diagnostic.severity = Severity::Warning;
-            let note = "its rules are read as all others; write them into a file of their own";
+            let note = "its rules are read as all others; write them into a separate file";
             diagnostic.notes.push(note.to_owned());
             self.warnings.push(diagnostic);
         }
@@ -254,7 +254,7 @@ impl Importer<'_> {
             return;
         };
         let Some(name) = forest.atom(*name) else {
-            let message = "here should stand the name of a rule";
+            let message = "expected the name of a rule";
             self.errors
                 .push(error(forest.get(*name).span.clone(), message));
             return;

@@ -141,7 +141,7 @@ pub(super) fn number(atom: &str) -> Option<f64> {
 fn operation(forest: &Forest<'_>, tree: u32) -> Result<Operation, PatternProblem> {
     let span = forest.get(tree).span.clone();
     let Some(head) = forest.head(tree) else {
-        let message = "here should stand an operation with its operands";
+        let message = "expected an operation with its operands";
         return Err(PatternProblem::Wrong(error(span, message)));
     };
     let count = forest.elements(tree).len() - 1;

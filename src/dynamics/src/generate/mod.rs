@@ -243,7 +243,7 @@ pub enum GenerateError {
     /// Forces cannot move a joint in a determined way.
     #[error(
         "no acceleration of the joint '{0}' is determined: \
-         what it moves has no mass or inertia of its own in that direction"
+         what it moves has no mass or inertia in that direction"
     )]
     Singular(String),
     /// Constraints of the user have no joints that follow from them.

@@ -20,7 +20,7 @@ pub enum MotionError {
     /// Forces cannot move a joint in a determined way.
     #[error(
         "at {time:?} s the mass matrix is singular at the joint '{joint}': \
-         what it moves has no mass or inertia of its own in that direction"
+         what it moves has no mass or inertia in that direction"
     )]
     Singular {
         /// Name of the joint.
@@ -92,7 +92,7 @@ impl MotionError {
     pub fn advice(&self) -> Option<&'static str> {
         match self {
             MotionError::Singular { .. } => Some(
-                "give the bodies behind it mass and inertia, or make one of two \
+                "give the bodies beyond it mass and inertia, or make one of two \
                  joints that do the same driven",
             ),
             MotionError::DeadPoint { .. } => Some(

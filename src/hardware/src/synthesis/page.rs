@@ -43,8 +43,8 @@ pub fn page(machine: &MappedMachine, tool: &Yosys) -> String {
         machine.estimate().lab_memories
     );
     text += "Thesis: Table 1.4, its machine of 4 adders and 4 multipliers as built, with unified \
-             memories; its selects are a memory of their own.\n\
-             Every memory is mapped to memory blocks; no register stands for a memory's bit.\n\n";
+             memories; its selects are a separate memory.\n\
+             Every memory is mapped to memory blocks; no bit of a memory is a register.\n\n";
     text += &clock(machine);
     text
 }
@@ -111,7 +111,7 @@ fn clock(machine: &MappedMachine) -> String {
     if machine.phases > 1 {
         let _ = writeln!(
             text,
-            "A cycle has {} clocks; paths that have a whole cycle are not told apart here, so the \
+            "A cycle has {} clocks; paths that have a whole cycle are not distinguished here, so the \
              machine may be quicker.",
             machine.phases
         );

@@ -144,7 +144,7 @@ pub(super) fn complaint(log: &str, output: &FinishedProcess) -> String {
         .rfind(|line| line.contains("ERROR"));
     let line = line
         .or_else(|| said.lines().last())
-        .unwrap_or("it says nothing");
+        .unwrap_or("it prints nothing");
     line.trim().to_owned()
 }
 

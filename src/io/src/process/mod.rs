@@ -360,10 +360,10 @@ mod tests {
         assert_eq!(run.status.code(), Some(3));
         let run = ProgramCall::new("sh")
             .arguments(["-c", "echo $WORD; pwd"])
-            .variable("WORD", "said")
+            .variable("WORD", "given")
             .folder(Path::new("/"))
             .run();
-        assert_eq!(run.expect("it ends").text(), "said\n/\n");
+        assert_eq!(run.expect("it ends").text(), "given\n/\n");
     }
 
     #[test]

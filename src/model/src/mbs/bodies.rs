@@ -25,7 +25,7 @@ pub(super) fn read(
             place(root.node),
             "the model has no base",
             "there is no `base` in it",
-            "gravity is taken as (0, 0, -9.81) m/s^2; add `<base>` to say otherwise",
+            "gravity is taken as (0, 0, -9.81) m/s^2; add `<base>` to change it",
         );
     }
     let tree = root.one("bodytree");

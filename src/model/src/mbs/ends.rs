@@ -46,7 +46,7 @@ fn leave_out(name: &str, fields: &ElementFields<'_>, messages: &mut Messages) {
         fields.place_or_own("name"),
         &format!("link3D '{}' is left out of the equations", clip(name)),
         "no function is generated for its force and torque",
-        "add them to the `frc` and `trq` of its bodies in a program of your own",
+        "add them to the `frc` and `trq` of its bodies in your own program",
     );
 }
 

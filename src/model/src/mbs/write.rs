@@ -52,7 +52,7 @@ pub fn unsayable(model: &Model) -> Option<String> {
         if !one.mounting.turns.is_empty() {
             return joint(
                 &one.name,
-                "stands turned on the frame before, and axes of `.mbs` joints are those of that \
+                "is turned on the frame before, and axes of `.mbs` joints are those of that \
                  frame",
             );
         }

@@ -132,7 +132,7 @@ pub(super) fn read(
                 &format!("there are two joints '{}'", clip(&joint.name)),
                 joint.place.clone(),
                 first.clone(),
-                "give every joint a name of its own",
+                "give every joint a different name",
             )),
             Some(_) => messages.count_error(),
         }
@@ -186,7 +186,7 @@ fn read_link(
                 &format!("there are two links '{}'", clip(&name)),
                 at,
                 first.place.clone(),
-                "give every link a name of its own",
+                "give every link a different name",
             ));
         } else {
             messages.count_error();

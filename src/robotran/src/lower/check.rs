@@ -144,7 +144,7 @@ fn cycle(
         label.with_message(format!("`{}` needs the others", symbols.text(*symbol)))
     });
     let message = match members {
-        [only] => format!("`{}` is defined by itself", symbols.text(*only)),
+        [only] => format!("`{}` needs its own value", symbols.text(*only)),
         _ => "these equations need one another".to_owned(),
     };
     Diagnostic::error()

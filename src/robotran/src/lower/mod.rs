@@ -243,7 +243,7 @@ impl Lowering<'_, '_> {
                         .with_labels(vec![
                             Label::primary(0, span.range()).with_message("the first of them"),
                         ])
-                        .with_note("they stand in `default` or `else`, or behind a `return`"),
+                        .with_note("they are in `default` or `else`, or after a `return`"),
                 );
             }
         }

@@ -91,7 +91,7 @@ impl Lowering<'_, '_> {
         };
         self.warnings.push(
             Diagnostic::warning()
-                .with_message("a loop or condition is not compiled, only what stands in it")
+                .with_message("a loop or condition is not compiled, only its contents")
                 .with_labels(vec![
                     Label::primary(0, span.range())
                         .with_message(format!("its equations are the function `{name}`")),

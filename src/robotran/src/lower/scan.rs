@@ -55,7 +55,7 @@ pub(super) fn scan(
 ) -> Scan {
     debug_assert!(
         runs.is_sorted_by(|one, next| one.end <= next.start),
-        "runs stand in the order of the file"
+        "runs are in the order of the file"
     );
     let arrays = storage.arrays.len();
     let mut scanner = Scanner {

@@ -69,7 +69,7 @@ impl StorageBuilder<'_> {
             self.warnings.push(
                 Diagnostic::warning()
                     .with_message(format!(
-                        "the header says {} joints, but joint {joint} of `{text}` is used",
+                        "the header has {} joints, but joint {joint} of `{text}` is used",
                         self.joints
                     ))
                     .with_note(

@@ -37,7 +37,7 @@ impl Cutter<'_> {
                 self.errors.push(refusal(
                     "a `return` within the equations of a sensor",
                     span,
-                    "skips what stands behind the cases",
+                    "skips the equations after the cases",
                     "end the case with `break`, or remove the `return`",
                 ));
                 self.leave();

@@ -57,7 +57,7 @@ impl FunctionBlock {
         debug_assert!(
             self.runs
                 .is_sorted_by(|one, next| one.statements.end <= next.statements.start),
-            "runs stand in the order of the file"
+            "runs are in the order of the file"
         );
         match &self.runs[..] {
             [] => 0..0,

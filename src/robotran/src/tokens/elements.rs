@@ -65,7 +65,7 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
                 return Ok(self.function_of_integer(function, row));
             }
             return Err(self.refusal((
-                "an index, or two arguments, behind a function of one number",
+                "an index, or two arguments, after a function of one number",
                 "write its argument in parentheses: sin(x)",
             )));
         }
@@ -106,7 +106,7 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
             }
             Some(Expansion::Nothing | Expansion::Number(_)) => Err(self.refusal((
                 "a macro before an index that is not the name of an array",
-                "write out what the macro stands for",
+                "write out the text of the macro",
             ))),
         }
     }
@@ -140,7 +140,7 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
         let word_end = bytes
             .iter()
             .position(bracket)
-            .expect("the pattern of the lexeme has a bracket behind the word");
+            .expect("the pattern of the lexeme has a bracket after the word");
         let mut indices = [0u32; 2];
         // Numbers that have begun; the last of them is being read.
         let mut begun = 0;

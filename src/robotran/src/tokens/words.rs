@@ -124,7 +124,7 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
         } else {
             Err(self.refusal((
                 "an import that may give another meaning to a function",
-                "import sin, cos, sqrt and zeros from math or numpy under their own names, on a line of its own",
+                "import sin, cos, sqrt and zeros from math or numpy under their own names, on a separate line",
             )))
         }
     }

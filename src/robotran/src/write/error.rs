@@ -63,7 +63,7 @@ pub enum RobotranWriteError {
         output: String,
     },
     /// A call that is not one of a user function.
-    #[error("'{function}' calls '{callee}' in a way that Robotran's files cannot say")]
+    #[error("'{function}' calls '{callee}' in a way that Robotran's files cannot express")]
     Call {
         /// The function.
         function: String,

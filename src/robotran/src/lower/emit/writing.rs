@@ -171,7 +171,7 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
         }
         assert!(
             self.function.nodes().len() < LATER as usize,
-            "later expressions are numbered behind all others"
+            "later expressions are numbered after all others"
         );
         self.append_trees();
         self.function.sort_assignments();
