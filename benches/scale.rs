@@ -199,7 +199,7 @@ fn children_seconds() -> f64 {
 }
 
 /// Peak memory of one run, through GNU time where it is installed: the system
-/// only tells the largest of all children so far.
+/// only gives the largest of all children so far.
 fn peak_megabytes(command: &Command) -> String {
     let output = Command::new("/usr/bin/time")
         .arg("-f")

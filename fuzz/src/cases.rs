@@ -1,5 +1,5 @@
 //! Cases for the tests of the bodies: the same on every machine, however busy
-//! it is; more of them, at random, for as long as `ARBTEST_BUDGET_MS` says.
+//! it is; more of them, at random, for as long as `ARBTEST_BUDGET_MS` states.
 
 use arbitrary::{Result, Unstructured};
 
@@ -45,7 +45,7 @@ pub(crate) fn of_sizes(
     of_seeds(seeds, property);
 }
 
-/// The lower half of a seed is how many bytes it stands for.
+/// The lower half of a seed is how many bytes it represents.
 fn of_seeds(
     seeds: impl Iterator<Item = u64>,
     mut property: impl FnMut(&mut Unstructured<'_>) -> Result<()>,

@@ -32,7 +32,7 @@ const CONTENTS: Contents = Contents {
     hostile: false,
 };
 
-/// Passes that may come before and behind.
+/// Passes that may come before and after.
 const OTHERS: [&str; 8] = [
     "fold",
     "cse",
@@ -45,7 +45,7 @@ const OTHERS: [&str; 8] = [
 ];
 
 /// Differentiates random equations in a random way, with random passes before
-/// and behind. A Jacobian is compared with differences of the equations in
+/// and after. A Jacobian is compared with differences of the equations in
 /// double-double, and a change of one of its operations that shows in numbers
 /// must be refused.
 ///
@@ -229,7 +229,7 @@ fn name_of_input(view: View<'_>, input: usize) -> String {
 }
 
 /// The output that holds the derivative of an element by another, when there
-/// is one: by the names of the arrays and what the manual says of their
+/// is one: by the names of the arrays and what the manual states of their
 /// extents.
 fn element(view: View<'_>, row: &str, column: &str) -> Option<usize> {
     let (by, place) = column.split_once(' ')?;

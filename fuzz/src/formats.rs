@@ -1,4 +1,4 @@
-//! Programs whose values have formats of their own, against another library.
+//! Programs whose values have their own formats, against another library.
 //!
 //! That library computes every operation in binary128 towards zero; where
 //! that was not exact the last bit is set, so that its one rounding into the

@@ -1,5 +1,5 @@
 //! Whatever model with loops is given, the generated functions of the whole
-//! step move it as dense solutions do, or say why they cannot.
+//! step move it as dense solutions do, or show why they cannot.
 
 use crate::generated::decorate;
 use arbitrary::{Result, Unstructured};
@@ -25,7 +25,7 @@ const PIPELINES: [&str; 4] = [
 ///
 /// # Panics
 ///
-/// Panics when the motions differ, a loop opens, or an error says nothing.
+/// Panics when the motions differ, a loop opens, or an error means nothing.
 pub fn whole_steps_move_models(data: &[u8]) {
     // Too few bytes for a model are no finding.
     let _ = moves(&mut Unstructured::new(data));

@@ -61,7 +61,7 @@ pub fn check_catches_mutants(data: &[u8]) {
     let _ = plant(&mut Unstructured::new(data));
 }
 
-/// As [`check_catches_mutants`], and tells what became of the mutation.
+/// As [`check_catches_mutants`], and returns what became of the mutation.
 ///
 /// # Errors
 ///
@@ -130,7 +130,7 @@ pub fn plant(bytes: &mut Unstructured<'_>) -> Result<Mutant> {
 }
 
 /// Changes the format of one value: where that changes a bit, the check must
-/// say so, and it must accept the function as it was.
+/// state it, and it must accept the function as it was.
 fn plant_format(
     bytes: &mut Unstructured<'_>,
     tables: &Tables,
@@ -169,7 +169,7 @@ fn plant_format(
 }
 
 /// True when an output differs beyond doubt, or is gone, at most of the
-/// points that a referee of its own looks at.
+/// points that its own referee looks at.
 fn referee_sees(tables: &Tables, [before, after]: [&Function; 2], seed: u64) -> bool {
     let mut referee = Referee::new(BITS[0]);
     let differ = (0..SEEN).filter(|&state| {

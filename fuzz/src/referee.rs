@@ -27,7 +27,7 @@ pub(crate) enum Real {
     Between(Box<[BigFloat; 2]>),
     /// There is no such number.
     Undefined,
-    /// The bits do not tell whether there is one, or it is too large to say.
+    /// The bits do not show whether there is one, or it is too large to state.
     Unknown,
 }
 
@@ -307,7 +307,7 @@ pub(crate) enum Opinion {
     Different,
     /// There was a number, and there is none.
     Lost,
-    /// There was a number; of the other the bits do not say.
+    /// There was a number; the bits of the other do not show it.
     Open,
     /// There was none.
     Nothing,

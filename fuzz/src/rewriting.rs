@@ -1,5 +1,5 @@
 //! A pass that believes every rule: what a false one does when no check
-//! stands before it.
+//! is before it.
 
 #![allow(unreachable_pub, reason = "the macro declares public passes")]
 

@@ -6,7 +6,7 @@ use robovec::model::urdf::{RobotBase, read_urdf};
 
 /// Any bytes, on both bases: reading neither panics nor hangs, complains with
 /// places inside the text, and what it accepts is sound; where a `.mbs` file
-/// can say it, it is read back from one, but for its limits.
+/// can state it, it is read back from one, but for its limits.
 ///
 /// # Panics
 ///
@@ -78,7 +78,7 @@ mod tests {
         "&lt;",
     ];
 
-    /// A robot that is sound: a tree of links with all that files can say.
+    /// A robot that is sound: a tree of links with all that files can state.
     fn sound(bytes: &mut Unstructured<'_>) -> Result<Vec<u8>> {
         let mut text = String::from("<robot name='r'><link name='l0'/>");
         let kinds = [

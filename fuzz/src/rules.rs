@@ -123,7 +123,7 @@ fn sides(bytes: &mut Unstructured<'_>, spoil: bool) -> Result<(Term, Term)> {
     Ok((left, if bound { spoilt } else { right }))
 }
 
-/// Tests whether small whole numbers tell the sides apart. These are
+/// Tests whether small whole numbers distinguish the sides. These are
 /// polynomials of low degree, and the arithmetic is exact.
 fn differ(left: &Term, right: &Term) -> bool {
     let numbers = [-3.0, -1.0, 2.0, 5.0, 7.0];

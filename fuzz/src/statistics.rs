@@ -50,7 +50,7 @@ impl Statistics {
     }
 
     /// Adds what came of an input; bytes that do not make a program are
-    /// invalid. Says on the standard error how far the target is, after 1024
+    /// invalid. Reports on the standard error how far the target is, after 1024
     /// inputs, 2048, and so on.
     pub fn record(&self, result: &arbitrary::Result<Run>) {
         let add = |counter: &AtomicU64, number| counter.fetch_add(number, Ordering::Relaxed);

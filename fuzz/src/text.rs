@@ -60,7 +60,7 @@ pub fn round_trip(data: &[u8]) {
     let _ = check_random(&mut Unstructured::new(data));
 }
 
-/// Tells whether the module was placed in the end.
+/// Returns whether the module was placed in the end.
 fn check_random(bytes: &mut Unstructured<'_>) -> Result<bool> {
     let kind = *bytes.choose(&[Kind::Placeable, Kind::Tame, Kind::Wild])?;
     let pipeline = *bytes.choose(&PIPELINES)?;

@@ -284,7 +284,7 @@ fn compare(before: View<'_>, after: View<'_>, text: &str) {
     }
 }
 
-/// The outputs' bits where every input has a number of its own; NaN is NaN.
+/// The outputs' bits where every input has its own number; NaN is NaN.
 fn values(view: View<'_>) -> BTreeMap<String, u64> {
     let function = view.function;
     let inputs: Vec<f64> = (0..function.input_len() as u32)

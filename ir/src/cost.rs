@@ -54,7 +54,7 @@ impl OperationWork {
 }
 
 /// Cost of the operations of a function, in cells: each in the format of its
-/// value, where it has one of its own.
+/// value, where it has one.
 pub fn function_cost(function: &Function, format: Format) -> f64 {
     let Some(formats) = &function.formats else {
         return OperationWork::of(function).cost(format);

@@ -180,7 +180,7 @@ impl Report {
     }
 
     /// The bytes of a place in one of the texts, for a label; clamped to the
-    /// text. [`SourcePlace::file`] is not looked at.
+    /// text. [`SourcePlace::file`] is not read.
     pub fn range_of(&self, file: FileId, place: SourcePlace) -> Range<usize> {
         let Some(source) = self.files.get(file) else {
             return 0..0;

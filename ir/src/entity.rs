@@ -76,12 +76,12 @@ pub enum OperandKind {
     Input(Input),
     /// A literal.
     Constant(Constant),
-    /// No operand, behind those that an operation takes.
+    /// No operand, after those that an operation takes.
     None,
 }
 
 impl Operand {
-    /// The absent operand behind those that an operation takes.
+    /// The absent operand after those that an operation takes.
     pub const NONE: Operand = Operand(u32::MAX);
 
     /// The most operands an operation takes: a fused multiply-add has three.

@@ -1,6 +1,6 @@
 //! A function: named arrays in, straight-line nodes, named arrays out.
 //!
-//! One structure serves every level. Nodes stand in program order, which is
+//! One structure serves every level. Nodes are in program order, which is
 //! also a topological order: an operand is always an earlier node. At the
 //! equations level the nodes without a name are the inner nodes of the
 //! expression tree of the next named node (or output) that uses them.
@@ -386,7 +386,7 @@ impl Function {
         self.constants[constant.index()]
     }
 
-    /// The number an operand stands for, when it is a constant.
+    /// The number an operand represents, when it is a constant.
     #[inline]
     pub fn number(&self, operand: Operand) -> Option<f64> {
         operand

@@ -32,7 +32,7 @@ pub struct HistoryStep {
     pub before: History,
     /// The pass with its options, as in the pipeline.
     pub pass: String,
-    /// The rules the pass applied, in order; empty for a pass that tells
+    /// The rules the pass applied, in order; empty for a pass that shows
     /// none.
     pub rules: Vec<String>,
 }

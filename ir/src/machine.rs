@@ -1,7 +1,7 @@
 //! The target machine, as data.
 //!
 //! A machine is a set of *kinds* of processing elements (PEs), each fully
-//! pipelined and able to start one operation per cycle, with a memory behind
+//! pipelined and able to start one operation per cycle, with a memory after
 //! every element, a buffer for late transfers and a crossbar between them
 //! (thesis 1.1 to 1.3). Nothing about a machine is a constant in code: all of
 //! it comes from a TOML file (`machines/`), described field by field below.
@@ -73,12 +73,12 @@ pub struct Machine {
 #[serde(deny_unknown_fields)]
 pub struct ElementDescription {
     /// Its name: lower-case letters only, since the text form appends a
-    /// number, and not `host`, which stands for the host there.
+    /// number, and not `host`, which represents the host there.
     pub kind: String,
     /// The operations it performs: `add`, `sub`, `mul`, `div`, `sqrt`, and the
     /// fused `fma` (a*b + c), `fms` (a*b - c) and `fnma` (c - a*b).
     pub operations: Vec<String>,
-    /// Their number, unless a pass is told otherwise.
+    /// Their number, unless a pass gets another one.
     #[serde(deserialize_with = "fields::count::deserialize")]
     pub count: u32,
     /// Pipeline stages of the operator.
@@ -384,7 +384,7 @@ impl Machine {
 
     /// Compares every number with its limit. The numbers of a machine that is
     /// read from text were compared where they are read, so that an error
-    /// tells its place; this is for machines made or changed in code.
+    /// shows its place; this is for machines made or changed in code.
     fn check_fields(&self) -> Result<(), String> {
         fields::clock_mhz::check(&self.clock_mhz)?;
         if let Format::Float(float) = &self.number {

@@ -18,7 +18,7 @@ pub struct Tables {
 
 /// Functions with their names and sources.
 ///
-/// Two modules are equal when they say the same: how strings, constants and
+/// Two modules are equal when they state the same: how strings, constants and
 /// places are numbered inside does not count.
 #[derive(Clone, Default, Debug)]
 pub struct Module {
@@ -72,7 +72,7 @@ pub struct View<'a> {
     pub function: &'a Function,
 }
 
-/// True when two functions, each with its own tables, say the same.
+/// True when two functions, each with its own tables, state the same.
 pub fn same_function(left: View<'_>, right: View<'_>) -> bool {
     let (a, b) = (left.function, right.function);
     a.name == b.name

@@ -1,6 +1,6 @@
 //! Reading parenthesised text (egglog, Herbie, FPCore) into trees.
 //!
-//! Trees live in an arena and are built with a stack of our own: no nesting
+//! Trees live in an arena and are built with a separate stack: no nesting
 //! is too deep.
 
 use crate::diagnostic::{Diagnostic, Label};
@@ -33,7 +33,7 @@ pub enum TreeKind {
     List(Vec<u32>),
 }
 
-/// A tree with the place it stands at.
+/// A tree with the place it is at.
 #[derive(Clone, Debug)]
 pub struct TextTree {
     /// An atom, or a list of trees.
@@ -83,7 +83,7 @@ impl<'text> Forest<'text> {
             .and_then(|&head| self.atom(head))
     }
 
-    /// The comment before a tree, when it stands on the line before or on its
+    /// The comment before a tree, when it is on the line before or on its
     /// own line.
     pub fn comment(&self, index: u32) -> Option<&'text str> {
         let before = self.text[..self.get(index).span.start].trim_end();
@@ -104,7 +104,7 @@ pub fn error(span: Range<usize>, message: impl Into<String>) -> Diagnostic {
 ///
 /// # Errors
 ///
-/// Fails where a parenthesis or a quote stands alone.
+/// Fails where a parenthesis or a quote is alone.
 pub fn read(text: &str) -> Result<Forest<'_>, Diagnostic> {
     let mut forest = Forest {
         text,

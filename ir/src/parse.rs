@@ -45,7 +45,7 @@ use lexer::Tokens;
 use robovec_num::limits::NumberLimit;
 
 /// The limits of numbers in the text form: name, limit, and what it is when
-/// the text does not say.
+/// the text does not specify it.
 pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
     ("elements of all inputs", header::INPUT_ELEMENTS, ""),
     ("elements of all outputs", header::OUTPUT_ELEMENTS, ""),
@@ -58,7 +58,7 @@ pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
 const MAX_BYTES: usize = 1 << 31;
 
 /// Reads a module from its text form. The name is that of the file, for
-/// messages that must say it; labels refer to file 0.
+/// messages that must state it; labels refer to file 0.
 ///
 /// # Errors
 ///
@@ -73,7 +73,7 @@ pub fn parse_module(name: &str, text: &str) -> Result<Module, Vec<Diagnostic>> {
 pub struct VerificationTarget<'a> {
     /// The machine.
     pub machine: &'a Machine,
-    /// Told the name of every function.
+    /// Called with the name of every function.
     pub wanted: &'a dyn Fn(&str) -> bool,
 }
 

@@ -51,7 +51,7 @@ pub struct Schedule {
     /// Name of the machine.
     pub machine: String,
     /// Hash of the machine's content ([`crate::Machine::content_hash`]);
-    /// absent in text that was written without it, which then stands for the
+    /// absent in text that was written without it, which then represents the
     /// machine of the name.
     pub machine_hash: Option<Fnv>,
     /// The kinds of processing elements, with their counts.

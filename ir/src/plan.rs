@@ -23,7 +23,7 @@ pub struct EvaluationPlan {
     steps: Vec<EvaluationStep>,
     /// Number of input elements; their places come first.
     inputs: usize,
-    /// Literals, behind the inputs; the last is a zero for absent operands.
+    /// Literals, after the inputs; the last is a zero for absent operands.
     literals: Vec<f64>,
     /// Places of all kinds.
     places: usize,

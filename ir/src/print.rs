@@ -2,7 +2,7 @@
 //!
 //! The text is the whole truth: reading it back gives an equal module, at
 //! every level (`ir/src/parse` reads it, `docs/text-format.md` describes it).
-//! Output goes through a buffer of its own because the formatting machinery
+//! Output goes through its own buffer because the formatting machinery
 //! of the standard library would cost more than all passes together on a
 //! function of 600,000 operations.
 
@@ -55,7 +55,7 @@ fn text_of(bytes: Vec<u8>) -> String {
     String::from_utf8(bytes).expect("what is printed is UTF-8")
 }
 
-/// One function as a whole text of its own.
+/// One function as its own whole text.
 pub fn print_file(view: View<'_>) -> String {
     let mut bytes = Vec::new();
     let mut text = Text::new(&mut bytes);
@@ -68,7 +68,7 @@ pub fn print_file(view: View<'_>) -> String {
     text_of(bytes)
 }
 
-/// One function as a string, as it stands in the text of its module.
+/// One function as a string, as written in the text of its module.
 pub fn print_function(view: View<'_>) -> String {
     let mut bytes = Vec::new();
     let mut text = Text::new(&mut bytes);
@@ -79,7 +79,7 @@ pub fn print_function(view: View<'_>) -> String {
     text_of(bytes)
 }
 
-/// The definition of one value as it stands in the text, without indentation
+/// The definition of one value as written in the text, without indentation
 /// and line end; the whole expression tree at the equations level.
 pub fn print_definition(view: View<'_>, value: Value) -> String {
     let mut bytes = Vec::new();
@@ -89,7 +89,7 @@ pub fn print_definition(view: View<'_>, value: Value) -> String {
     text_of(bytes)
 }
 
-/// An output element as it stands in the text (`M[1,2]`).
+/// An output element as written in the text (`M[1,2]`).
 pub fn print_output(view: View<'_>, output: crate::Output) -> String {
     let (array, indices, rank) = view.function.output_element(output);
     let mut bytes = Vec::new();
@@ -99,7 +99,7 @@ pub fn print_output(view: View<'_>, output: crate::Output) -> String {
     text_of(bytes)
 }
 
-/// An operand as it stands in the text (`%OM16`, `q[3]`, `0.5`); a value
+/// An operand as written in the text (`%OM16`, `q[3]`, `0.5`); a value
 /// without a name as its expression.
 pub fn print_operand(view: View<'_>, operand: Operand) -> String {
     let mut bytes = Vec::new();

@@ -52,9 +52,9 @@ pub struct Ranges {
 type ElementRanges = BTreeMap<[u32; 2], [f64; 2]>;
 
 impl Ranges {
-    /// Says that an element of an array, by its indices from 1 (0 for those
+    /// Records that an element of an array, by its indices from 1 (0 for those
     /// it does not have), lies between two numbers, in SI units; equal ones
-    /// say what it is.
+    /// show what it is.
     pub fn set(&mut self, array: &str, indices: [u32; 2], low: f64, high: f64) {
         debug_assert!(
             low <= high,
@@ -180,7 +180,7 @@ impl States {
 }
 
 /// The binary32 number at a place of a range; outside it only when it holds
-/// none. A range of one number says what the element is: that number, whatever
+/// none. A range of one number shows what the element is: that number, whatever
 /// its bits, since a program into which it was compiled holds it so.
 fn inside([low, high]: [f64; 2], place: f64) -> f64 {
     if low == high {

@@ -1,7 +1,7 @@
 //! Interned strings, and the names of values built from them.
 //!
 //! A Robotran name (`OM16`) is a symbol; a name made by a pass is the symbol
-//! of the equation it came from with a number behind it (`OM16.1`). Keeping
+//! of the equation it came from with a number after it (`OM16.1`). Keeping
 //! the two parts apart makes a derived name cost eight bytes and no
 //! allocation.
 
@@ -25,7 +25,7 @@ impl Symbol {
 #[derive(Clone, Default, Debug)]
 pub struct Symbols {
     strings: Vec<StoredText>,
-    /// The strings that do not fit into eight bytes, one behind the other.
+    /// The strings that do not fit into eight bytes, one after the other.
     long: String,
     long_ends: Vec<u32>,
     /// For each string whether names can be derived from it
@@ -45,7 +45,7 @@ pub struct Symbols {
 const RECENT: usize = 2048;
 
 /// A string of up to eight bytes, as most names are, without a zero among
-/// them: the bytes and then zeros. Or the number of a longer one, behind a
+/// them: the bytes and then zeros. Or the number of a longer one, after a
 /// byte that no UTF-8 has.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 struct StoredText([u8; 8]);
@@ -186,7 +186,7 @@ impl Symbols {
         str::from_utf8(&stored.0[..length]).expect("what is stored is a string")
     }
 
-    /// The bytes of a string that fits into eight of them, zeros behind it, and
+    /// The bytes of a string that fits into eight of them, zeros after it, and
     /// its length; copying all eight costs less than finding out how many.
     #[inline]
     pub(crate) fn short_text(&self, symbol: Symbol) -> Option<([u8; 8], usize)> {
@@ -270,7 +270,7 @@ fn word_parts(text: &str) -> Option<usize> {
 pub struct Name {
     /// The symbol the name starts with.
     pub base: Symbol,
-    /// 0, or the number behind the dot.
+    /// 0, or the number after the dot.
     pub suffix: u32,
 }
 
@@ -310,10 +310,10 @@ impl Name {
         (&text[..start - 1], suffix)
     }
 
-    /// A number behind the dot has at most this many digits.
+    /// A number after the dot has at most this many digits.
     pub const MAX_DIGITS: usize = 9;
 
-    /// The largest number behind the dot.
+    /// The largest number after the dot.
     pub const MAX_NUMBER: u32 = 999_999_999;
 
     /// The name as text, without the leading `%`.

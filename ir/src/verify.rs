@@ -27,9 +27,9 @@
 //! At the level `equations`:
 //!
 //! 8. Nodes without a name are inner nodes of one expression: each is used
-//!    exactly once, and they stand in the order of evaluation, left operand
+//!    exactly once, and they are in the order of evaluation, left operand
 //!    first, right before the definition they belong to; those that belong
-//!    to assignments stand behind all definitions. So the text determines
+//!    to assignments are after all definitions. So the text determines
 //!    the order of the nodes.
 //! 9. An inner node has the sources of the definition or assignment that it
 //!    belongs to.
@@ -192,7 +192,7 @@ pub fn is_valid(module: &Module) -> bool {
 
 /// Checks the invariants of the function's level. The result is empty for a
 /// well-formed function. It holds at most 100 violations; when there are
-/// more, a last entry says how many.
+/// more, a last entry shows how many.
 pub fn verify(view: View<'_>) -> Vec<Violation> {
     let mut collector = ViolationCollector::new(view);
     header::check(&mut collector);

@@ -126,7 +126,7 @@ impl<'a> InliningChoice<'a> {
         extent
     }
 
-    /// The value that stands in the place of another: skipped copies lead on.
+    /// The value that is in the place of another: skipped copies lead on.
     fn target(&self, value: Value) -> Value {
         let mut value = value;
         while self.skipped[value.index()]
@@ -252,7 +252,7 @@ fn shape(function: &Function, node: &Node) -> (Operation, [Operand; Operand::MAX
 }
 
 /// The binding strength of an operation, as in Robotran's files: a minus takes
-/// in the product behind it.
+/// in the product after it.
 fn binding(operation: Operation) -> u8 {
     match operation {
         Operation::Add | Operation::Sub | Operation::Neg => 1,
@@ -267,7 +267,7 @@ fn binding(operation: Operation) -> u8 {
     }
 }
 
-/// The binding strength with which an operand stands without parentheses.
+/// The binding strength with which an operand is without parentheses.
 fn needed(operation: Operation, place: usize) -> u8 {
     match (operation, place) {
         (Operation::Add | Operation::Sub, 0) | (Operation::Copy, _) => 1,

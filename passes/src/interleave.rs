@@ -4,8 +4,8 @@
 //! A schedule of a single program waits for its longest chain: on 16 + 16
 //! elements most issue slots stay empty. Independent instances share the
 //! elements, not the chain. They are one function with one schedule, so list
-//! scheduling is fair to all of them by itself: operations of equal urgency
-//! of all instances stand side by side in its order, and what falls behind
+//! scheduling is fair to all of them already: operations of equal urgency
+//! of all instances are side by side in its order, and what falls behind
 //! becomes more urgent.
 
 use hashbrown::HashMap;

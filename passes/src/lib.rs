@@ -1,8 +1,8 @@
 //! The passes of robovec.
 //!
 //! Each is one file or folder of this crate, save the one that places, which is
-//! a crate of its own; [`registry::REGISTRY`]
-//! lists all of them. `sums` is what the passes on sums and products share,
+//! its own crate; [`registry::REGISTRY`]
+//! lists all of them. `sums` holds what the passes on sums and products share,
 //! `choice` and `reassociate` what some of them do. This crate reads and writes no files.
 
 pub mod accurate;

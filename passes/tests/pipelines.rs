@@ -1,5 +1,5 @@
 //! Pipelines of the real passes: what is printed reads back, and mistakes are
-//! told with their place.
+//! reported with their place.
 
 use robovec_passes::registry::REGISTRY;
 

@@ -179,7 +179,7 @@ fn notes_of_a_pass_reach_the_story() {
     use robovec_framework::pipeline::{PassStep, Pipeline, PipelineStep};
     use robovec_ir::{Function, Level, Name, Operand, Operation};
 
-    /// Turns `%D = q[4]*%C1` around and says so.
+    /// Turns `%D = q[4]*%C1` around and notes it.
     struct Turn;
     impl Pass for Turn {
         fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {

@@ -35,7 +35,7 @@ fn write_files(folder: PathBuf, files: Vec<(String, String)>) -> PyResult<()> {
         .map_err(|error| Error::new_err(error.to_string()))
 }
 
-/// The module behind the package.
+/// The module after the package.
 #[pymodule]
 fn _robovec(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("Error", module.py().get_type::<Error>())?;

@@ -17,7 +17,7 @@ use std::str::FromStr;
 /// Number system of the evaluation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum NumberSystem {
-    /// A number format; values with a format of their own are computed in
+    /// A number format; values with their own format are computed in
     /// that.
     Format(Format),
     /// Pairs of binary64, about 106 bits.

@@ -1,5 +1,5 @@
 //! Random programs with hostile constants through random pipelines, pass by
-//! pass, judged by a referee of their own ([`crate::referee`]).
+//! pass, judged by their own referee ([`crate::referee`]).
 //!
 //! What a pass gives is compared with what it took: over the real numbers for
 //! every class that promises them, with constants off by one rounding where a

@@ -1,8 +1,8 @@
-//! Random rules, true and false, and what the rule check says of them.
+//! Random rules, true and false, and what the rule check states of them.
 //!
 //! Which are true is known without the check: true ones are instances of
 //! theorems ([`theorems`]); false ones are made from them by changes
-//! ([`changes`]), and numbers of 2,000 bits say that they are false
+//! ([`changes`]), and numbers of 2,000 bits show that they are false
 //! ([`precise`]), or how they were made. None of the false ones may be proved,
 //! none of the true ones refuted.
 

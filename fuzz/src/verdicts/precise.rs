@@ -20,7 +20,7 @@ enum Side {
     Value(BigFloat, i64),
     /// Not defined, for certain.
     Undefined,
-    /// Too close to tell.
+    /// Too close to decide.
     Unknown,
 }
 
@@ -119,7 +119,7 @@ fn place(rule: &Rule, number: usize) -> Vec<f64> {
         .collect()
 }
 
-/// True when numbers say that a rule is false.
+/// True when numbers show that a rule is false.
 pub(super) fn is_false(rule: &Rule, places: usize) -> bool {
     let Ok(mut constants) = Consts::new() else {
         return false;

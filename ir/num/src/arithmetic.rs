@@ -31,7 +31,7 @@ pub trait Arithmetic {
     /// `a * b + c`, rounded once.
     fn fma(&self, a: Self::Number, b: Self::Number, c: Self::Number) -> Self::Number;
 
-    /// The result of an operation; it ignores what lies behind its operands.
+    /// The result of an operation; it ignores what lies after its operands.
     #[inline]
     fn apply(&self, operation: Operation, [a, b, c]: [Self::Number; 3]) -> Self::Number {
         match operation {

@@ -1,4 +1,4 @@
-//! Double-double with a bound of its own error.
+//! Double-double with a bound of its error.
 //!
 //! Beside every number a radius is kept in binary64: the exact value lies
 //! within it (running error analysis: Wilkinson 1963; Higham, *Accuracy and

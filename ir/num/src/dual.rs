@@ -4,7 +4,7 @@
 //! derivative of a rational function is exact, so that a program for it is
 //! refuted by one point (Clifford 1871; Griewank and Walther, *Evaluating
 //! Derivatives*, 2008, section 3.1). Sine and cosine are each other's
-//! derivative whatever stands for them, and the derivative of a root is
+//! derivative whatever represents them, and the derivative of a root is
 //! half of one over it.
 //!
 //! What does not depend on the direction has no derivative rather than one of

@@ -1,7 +1,7 @@
 //! A hash of bytes that is the same on every system and in every version:
 //! 64-bit FNV-1a.
 //!
-//! It tells files and machines apart that differ by mistake. It protects
+//! It distinguishes files and machines that differ by mistake. It protects
 //! against nobody who makes two of the same hash on purpose.
 
 use std::fmt;

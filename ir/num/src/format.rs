@@ -4,7 +4,7 @@
 //! file can name one. Names are those of [`Format::from_str`]: `f16`, `bf16`,
 //! `f32`, `f64`, `float(8,17)` for 8 bits of exponent and 17 stored bits of
 //! mantissa, `float(8,17,flush)` for the same without subnormal numbers, and
-//! `fixed(12,19)` for a sign, 12 bits before the point and 19 behind it. The
+//! `fixed(12,19)` for a sign, 12 bits before the point and 19 after it. The
 //! thesis calls formats between and below the IEEE ones *customised* (1.1).
 
 pub mod fields;
@@ -46,7 +46,7 @@ pub enum Format {
 pub struct FixedFormat {
     /// Bits before the point, without the sign.
     pub integer: u32,
-    /// Bits behind the point.
+    /// Bits after the point.
     pub fraction: u32,
 }
 
@@ -168,7 +168,7 @@ impl<'de> Visitor<'de> for FormatVisitor {
     }
 }
 
-/// The names of formats with a name of their own.
+/// The names of formats with their own name.
 const NAMED: [(&str, u32, u32); 4] = [
     ("f16", 5, 10),
     ("bf16", 8, 7),

@@ -4,10 +4,10 @@
 //! program, a field of a file) is declared with an [`NumberLimit`] beside it. The
 //! reader of the number asks it, the message beyond the limit is made from it,
 //! and so is the table of all limits (`docs/limits.md`), which tests walk
-//! through. There is no other place where a limit stands.
+//! through. No limit is in another place.
 //!
 //! **Invariant.** Within what is allowed nothing overflows, and a small input
-//! is treated in seconds; the reason says what more would cost, or what could
+//! is treated in seconds; the reason shows what more would cost, or what could
 //! not be represented.
 
 mod field;
@@ -27,7 +27,7 @@ pub enum Amount {
     Real(f64),
 }
 
-/// The numbers that may stand at some place, both ends included.
+/// The numbers that may be at some place, both ends included.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct NumberLimit {
     least: Amount,
@@ -36,7 +36,7 @@ pub struct NumberLimit {
 }
 
 impl NumberLimit {
-    /// Integers from `least` to `most`. The reason is a clause that says why
+    /// Integers from `least` to `most`. The reason is a clause that shows why
     /// not more: "every round reads the function again".
     pub const fn whole(least: u64, most: u64, reason: &'static str) -> NumberLimit {
         assert!(least <= most, "a limit allows a number");
@@ -114,7 +114,7 @@ impl NumberLimit {
         )
     }
 
-    /// Says what is wrong with a number, if anything is.
+    /// Reports what is wrong with a number, if anything is.
     ///
     /// # Errors
     ///
@@ -177,7 +177,7 @@ pub fn clip(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// A word that is no number stands in quotation marks.
+/// A word that is no number is in quotation marks.
 fn quoted(text: &str) -> String {
     match text.parse::<f64>() {
         Ok(_) => text.to_owned(),

@@ -10,7 +10,7 @@
 //! The order is stable: equal keys keep the order they came in. So to sort by
 //! a pair, sort by the second part first.
 
-/// Bits of a key that are looked at in one pass.
+/// Bits of a key that are considered in one pass.
 const DIGIT_BITS: u32 = 11;
 
 /// Keys of so many bits are counted all at once: their counts still lie in a

@@ -1,4 +1,4 @@
-//! Evaluation where every value may have a format of its own.
+//! Evaluation where every value may have its own format.
 //!
 //! An operation takes its operands as they are, in whatever format they were
 //! computed, and its exact result is rounded once into the format of its

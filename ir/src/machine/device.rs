@@ -1,7 +1,7 @@
 //! The devices that machines are built on, as data.
 //!
 //! A machine file names a family; what its cells and nets take, how wide a
-//! multiplier block is and what there is of everything stands in a TOML file
+//! multiplier block is and what there is of everything is in a TOML file
 //! per family (`devices/`), with the origin of the figures. Clocks, cuts of
 //! operators and shares of a device all come from there.
 
@@ -76,14 +76,14 @@ impl FromStr for DeviceFamily {
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Default, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ClockOrigin {
-    /// Whoever wrote the machine file says so.
+    /// Whoever wrote the machine file states it.
     #[default]
     Declared,
     /// It was measured with hardware of this machine.
     Measured,
     /// The thesis prints it, of hardware that is not robovec's.
     Published,
-    /// The model of the device says so.
+    /// The model of the device states it.
     Estimated,
 }
 

@@ -1,7 +1,7 @@
 //! The content of a machine as far as a placed program depends on it, as a
 //! hash.
 //!
-//! A name says nothing: a copy of a machine file keeps it while stages,
+//! A name means nothing: a copy of a machine file keeps it while stages,
 //! memories and ports change, and a program placed for the one does wrong on
 //! the other. So a schedule carries the hash of its machine
 //! ([`Schedule::machine_hash`]), and so do the manifests of images.
@@ -14,7 +14,7 @@ impl Machine {
     /// 64-bit FNV-1a of what a program depends on: the compact JSON of
     /// `[number, elements, memory, buffer, interconnect]` of the machine
     /// file with every element's `count` set to 1, since placement may be
-    /// told other counts and says which it used. Name, description, clock,
+    /// given other counts and records which it used. Name, description, clock,
     /// device, instruction memories and resources change no placement.
     pub fn content_hash(&self) -> Fnv {
         let mut elements = self.elements.clone();

@@ -5,7 +5,7 @@
 //!
 //! A word *departs* in the cycle in which it is on its element's result bus,
 //! or is shown by the element's buffer. Over the crossbar it arrives in the
-//! same cycle. Over a network it passes *links*, each in a cycle of its own:
+//! same cycle. Over a network it passes *links*, each in its own cycle:
 //! the `k`-th of them, from 0, `k * hop` cycles after the departure, and it
 //! arrives `hop` cycles after the last. A word of an element's own memory
 //! passes no link and arrives at once.
@@ -15,7 +15,7 @@
 //! cycle; one word that departed once counts once, however many elements it
 //! goes to, because switches copy it where its ways part.
 //!
-//! The elements stand in the network in the order of their numbers, the kinds
+//! The elements are in the network in the order of their numbers, the kinds
 //! taking turns (`add0`, `multi0`, `add1`, `multi1`, …), so that elements that
 //! work together are neighbours.
 
@@ -68,7 +68,7 @@ pub enum Topology {
     /// A mesh whose rows and columns are rings; words go the shorter way
     /// round, upwards where both are equal.
     Torus,
-    /// Stages of two-by-two switches behind perfect shuffles, as many as the
+    /// Stages of two-by-two switches after perfect shuffles, as many as the
     /// number of a place has bits; a word enters on the line of its element.
     Omega,
     /// Routers whose numbers differ in one bit are neighbours; words mend the
@@ -100,7 +100,7 @@ impl Topology {
 
 impl LinkNetwork {
     /// The network of a shape with one word per link and cycle and a register
-    /// behind every link.
+    /// after every link.
     pub fn of(topology: Topology) -> LinkNetwork {
         LinkNetwork {
             topology,

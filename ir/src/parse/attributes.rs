@@ -1,6 +1,6 @@
-//! The attributes behind an expression: cycle, addresses, times, places.
+//! The attributes after an expression: cycle, addresses, times, places.
 //!
-//! Attributes may stand in any order. They are collected here and given to
+//! Attributes may be in any order. They are collected here and given to
 //! the definition or assignment when its line ends.
 
 use super::builder::{ADDRESS, CYCLE, ModuleBuilder};
@@ -224,7 +224,7 @@ impl ModuleBuilder<'_> {
         self.attributes.sources = Some((set, span));
     }
 
-    /// `@43:3-20` behind a statement.
+    /// `@43:3-20` after a statement.
     pub(super) fn place(&mut self, span: Span) {
         if let Some(place) = self.read_place(span) {
             let set = self.module.tables.sources.single(place);

@@ -2,7 +2,7 @@
 //!
 //! There is always a function being read: outside the braces it is one that
 //! is thrown away, so that no action has to ask. Nodes are pushed as their
-//! expressions are reduced; the head of a statement says where its nodes
+//! expressions are reduced; the head of a statement shows where its nodes
 //! start, its end gives the last of them the name.
 
 use super::VerificationTarget;
@@ -61,7 +61,7 @@ pub(super) struct Open<'t> {
     pub(super) written: FastMap<u32, Span>,
     pub(super) preloads: Vec<PendingPreload>,
     pub(super) undefined: Undefined,
-    /// True when the nodes do not yet stand in the order of the text form.
+    /// True when the nodes are not yet in the order of the text form.
     pub(super) disordered: bool,
 }
 

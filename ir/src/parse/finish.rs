@@ -103,7 +103,7 @@ impl<'t> ModuleBuilder<'t> {
     }
 
     /// Sorts the assignments and their nodes as in the text form; where the
-    /// outputs stand, in that order.
+    /// outputs are, in that order.
     fn finish_assignments(&mut self) -> Vec<Span> {
         let mut pending = std::mem::take(&mut self.open.assignments);
         if self.open.disordered && self.open.function.level == Level::Equations {
@@ -129,7 +129,7 @@ impl<'t> ModuleBuilder<'t> {
         pending.iter().map(|assignment| assignment.span).collect()
     }
 
-    /// Moves the nodes of assignments behind those of definitions, in the
+    /// Moves the nodes of assignments after those of definitions, in the
     /// order of the assignments.
     fn reorder(&mut self, pending: &mut [PendingAssignment]) {
         let count = self.open.node_count();
@@ -183,7 +183,7 @@ impl<'t> ModuleBuilder<'t> {
         }
     }
 
-    /// Nodes of assignments have no histories of their own, and neither times
+    /// Nodes of assignments have no histories, and neither times
     /// nor slots; the verifier rejects them, but wants tables that fit.
     fn complete_tables(&mut self) {
         let count = self.open.node_count() as usize;

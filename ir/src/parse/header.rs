@@ -82,7 +82,7 @@ impl ModuleBuilder<'_> {
         self.next_statement();
     }
 
-    /// Complains about a statement outside the braces; true when it stands
+    /// Complains about a statement outside the braces; true when it is
     /// inside.
     pub(super) fn inside(&mut self, span: Span) -> bool {
         if self.open.head.is_none() {
@@ -285,7 +285,7 @@ impl ModuleBuilder<'_> {
         self.next_statement();
     }
 
-    /// `preload add0[3] = q[3]`; a value stands for itself until all are
+    /// `preload add0[3] = q[3]`; a value represents itself until all are
     /// known.
     pub(super) fn preload(
         &mut self,

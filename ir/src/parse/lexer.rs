@@ -1,6 +1,6 @@
 //! Tokens of the text form.
 //!
-//! A token is one byte and a range of the text; what it says is read from the
+//! A token is one byte and a range of the text; what it states is read from the
 //! text by whoever needs it, so nothing is copied or allocated here. Line
 //! ends are tokens because they end statements, which is also what an error
 //! recovers at; [`Tokens`] drops those between a line and its continuation.
@@ -112,7 +112,7 @@ pub(super) enum ModuleToken {
 }
 
 impl ModuleToken {
-    /// True when the statement goes on after a line end behind this token.
+    /// True when the statement goes on after a line end after this token.
     fn goes_on(self) -> bool {
         matches!(
             self,
@@ -139,7 +139,7 @@ impl ModuleToken {
     }
 }
 
-/// A token with the bytes it stands at.
+/// A token with the bytes it is at.
 pub(super) type Spanned = (u32, ModuleToken, u32);
 
 /// The tokens of a text; every statement ends with exactly one
@@ -191,7 +191,7 @@ impl<'t> Tokens<'t> {
         Some((span.start as u32, token, span.end as u32))
     }
 
-    /// True when the token and the text behind it begin a new definition, as
+    /// True when the token and the text after it begin a new definition, as
     /// after a line that breaks off.
     fn is_head(&self, token: ModuleToken, end: u32) -> bool {
         let rest = self.lexer.source()[end as usize..].trim_start_matches([' ', '\t']);
@@ -199,7 +199,7 @@ impl<'t> Tokens<'t> {
     }
 
     /// The token after a line end: the line end itself, or, when the statement
-    /// goes on, the token behind it.
+    /// goes on, the token after it.
     fn after_newline(&mut self, newline: Spanned) -> Option<Spanned> {
         let following = loop {
             match self.raw() {

@@ -1,7 +1,7 @@
 //! The values by name, for the function being read.
 //!
 //! Names derived from one symbol are numbered almost without gaps, so their
-//! values stand in a vector per symbol; only numbers far beyond the rest go
+//! values are in a vector per symbol; only numbers far beyond the rest go
 //! through a hash map. Entries carry the number of the function they were
 //! made for, so that starting the next function costs nothing.
 

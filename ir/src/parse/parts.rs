@@ -67,9 +67,9 @@ pub(super) enum Head {
     /// Neither of the two.
     #[default]
     Other,
-    /// `%x =`: the name and where it stands.
+    /// `%x =`: the name and where it is.
     Definition(Name, Span),
-    /// `M[1,2] =`: the element, when it exists, and where it stands.
+    /// `M[1,2] =`: the element, when it exists, and where it is.
     Assignment(Option<Output>, Span),
 }
 
@@ -113,7 +113,7 @@ impl Attributes {
     }
 }
 
-/// Uses beyond this number are not looked at.
+/// Uses beyond this number are not considered.
 const MAX_USES: usize = 100_000;
 
 /// Uses of names that no value bore when they were read.

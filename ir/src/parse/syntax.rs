@@ -1,4 +1,4 @@
-//! Errors of the grammar, said for people.
+//! Errors of the grammar, stated for people.
 
 use super::builder::{ModuleBuilder, Open};
 use super::lexer::{ModuleToken, Spanned, Tokens};
@@ -105,7 +105,7 @@ impl ModuleBuilder<'_> {
         self.next_statement();
     }
 
-    /// The token that starts at a byte or behind the blanks there.
+    /// The token that starts at a byte or after the blanks there.
     fn token_at(&self, start: u32) -> Option<Spanned> {
         let mut lexer = ModuleToken::lexer(&self.text[start as usize..]);
         let token = lexer.next()?.ok()?;

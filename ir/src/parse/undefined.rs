@@ -62,7 +62,7 @@ impl ModuleBuilder<'_> {
         self.names.get(Name { base, suffix })
     }
 
-    /// For every node the first definition at or behind it, if any.
+    /// For every node the first definition at or after it, if any.
     fn next_definitions(&self) -> Vec<Option<Value>> {
         let mut next = None;
         let nodes = self.open.function.values().rev();
@@ -78,7 +78,7 @@ impl ModuleBuilder<'_> {
         roots
     }
 
-    /// The definition whose expression holds a use, given the next one behind
+    /// The definition whose expression holds a use, given the next one after
     /// it; `None` in an assignment.
     fn definition_around(&self, span: Span, root: Option<&Option<Value>>) -> Option<Value> {
         let root = (*root?)?;

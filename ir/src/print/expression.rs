@@ -73,7 +73,7 @@ impl FunctionPrinter<'_> {
         }
     }
 
-    /// Prints an operation on two operands that have names of their own, as
+    /// Prints an operation on two operands that have their own names, as
     /// almost all have below the equations level; false for any other one.
     fn simple(&self, text: &mut Text<'_>, value: Value) -> bool {
         let function = self.view.function;

@@ -51,7 +51,7 @@ impl<'w> Text<'w> {
         }
     }
 
-    /// Writes these bytes behind the text, without making them part of it.
+    /// Writes these bytes after the text, without making them part of it.
     #[inline]
     fn put(&mut self, bytes: &[u8]) {
         // Whether there is room is asked once, by the place itself.

@@ -150,7 +150,7 @@ fn atomic(collector: &mut ViolationCollector<'_>) {
 }
 
 /// Inner nodes, with a stack of those not yet used: what an operation reads
-/// must lie on top, and a definition must leave nothing behind.
+/// must lie on top, and a definition must leave nothing on it.
 fn expressions(collector: &mut ViolationCollector<'_>) {
     let function = collector.view.function;
     let named: Vec<bool> = function
@@ -226,7 +226,7 @@ fn sources(collector: &mut ViolationCollector<'_>, inner: std::ops::Range<u32>, 
     }
 }
 
-/// The expressions of assignments: what is open behind the definitions, in
+/// The expressions of assignments: what is open after the definitions, in
 /// the order of the assignments.
 fn trees_of_assignments(
     collector: &mut ViolationCollector<'_>,

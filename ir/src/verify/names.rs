@@ -4,7 +4,7 @@ use super::{ViolationCollector, all_differ};
 use crate::entity::Value;
 use crate::symbol::{Name, Symbol};
 
-/// Bits for each node that tell which names are borne: what the keys that
+/// Bits for each node that show which names are borne: what the keys that
 /// would be sorted instead take. Names derived from one symbol are numbered
 /// almost without gaps, so that only a text written by hand has more.
 const BITS_PER_NODE: usize = 64;
@@ -53,7 +53,7 @@ fn names<'a>(collector: &ViolationCollector<'a>) -> impl Iterator<Item = (Value,
 }
 
 /// True when no two names are equal and their numbers lie close enough
-/// together to tell.
+/// together to show.
 fn known_to_differ(collector: &ViolationCollector<'_>) -> bool {
     // For each symbol one more than the largest number behind it, and then
     // the place of its number 0 among the bits.

@@ -5,7 +5,7 @@ use super::{ViolationCollector, ViolationSubject, all_differ, describe};
 use crate::entity::Value;
 use crate::placement::{Schedule, Slot};
 
-/// Bits for each node that tell which slots are taken: what the keys that
+/// Bits for each node that show which slots are taken: what the keys that
 /// would be sorted instead take.
 const BITS_PER_NODE: usize = 64;
 
@@ -127,7 +127,7 @@ fn one_at_a_time(collector: &mut ViolationCollector<'_>, schedule: &Schedule) {
     }
 }
 
-/// Tells who shares a slot.
+/// Reports who shares a slot.
 fn taken_twice(collector: &mut ViolationCollector<'_>, schedule: &Schedule) {
     let key = |slot: &Slot| u64::from(slot.element.number()) << 32 | u64::from(slot.cycle);
     let mut keys: Vec<u64> = schedule.slots.iter().flatten().map(key).collect();

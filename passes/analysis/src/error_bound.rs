@@ -8,7 +8,7 @@
 //! Algorithms*, 2002, sections 3.1 and 4.2, with a product counting the
 //! roundings of both factors).
 //!
-//! The magnitude is what makes the bound useful for rewriting: exchanging,
+//! The magnitude makes the bound useful for rewriting: exchanging,
 //! regrouping, distributing and factoring leave it as it is, and only a
 //! rewrite that cancels terms, or brings in terms that cancel, changes it. A
 //! pass that promises to be *real* therefore changes the bound by the

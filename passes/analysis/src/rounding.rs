@@ -1,10 +1,10 @@
 //! Distribution of rounding errors in binary32, and its change by a pass.
 //!
-//! [`accuracy`](super::accuracy) tells of every output; here all outputs in
+//! [`accuracy`](super::accuracy) describes every output; here all outputs in
 //! all states are one population, of which the median, the 99th percentile
-//! and the largest are told, relative to the element (*relative*) and to the
+//! and the largest are reported, relative to the element (*relative*) and to the
 //! largest element of its array (*normwise*), both in units of the rounding
-//! of one operation, 2⁻²⁴: 0.5 is what one rounding costs in the median.
+//! of one operation, 2⁻²⁴: one rounding costs 0.5 in the median.
 //!
 //! # Larger, or only other
 //!

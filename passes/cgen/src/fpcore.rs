@@ -40,7 +40,7 @@ pub fn fpcore(view: View<'_>, real: Real, ranges: &Ranges) -> Option<String> {
     Some(text)
 }
 
-/// Words that stand for numbers in FPCore, or for truths.
+/// Words that represent numbers in FPCore, or truths.
 const CONSTANTS: &str = "E FALSE INFINITY LN10 LN2 LOG10E LOG2E M_1_PI M_2_PI M_2_SQRTPI NAN PI \
     PI_2 PI_4 SQRT1_2 SQRT2 TRUE";
 

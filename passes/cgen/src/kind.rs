@@ -149,7 +149,7 @@ impl EquationKind {
     }
 
     /// The kind of a function and, for sensors, its number: by what its
-    /// metadata say of the file it came from, else by its name. A function
+    /// metadata hold of the file it came from, else by its name. A function
     /// that was differentiated has other arrays and is of no kind.
     pub fn of(function: &Function) -> Option<(EquationKind, Option<u32>)> {
         if function.metadata(differentiation::KEY).is_some() {
@@ -210,7 +210,7 @@ const STRUCTURE: &str = "structure";
 
 impl Generation {
     /// The generation that a function's file was written for: the current one,
-    /// unless its metadata say `structure "MBSdataStruct"`.
+    /// unless its metadata have `structure "MBSdataStruct"`.
     pub fn of(function: &Function) -> Generation {
         match function.metadata(STRUCTURE) {
             Some(name) if name == Generation::Old.structure().name => Generation::Old,

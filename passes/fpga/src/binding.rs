@@ -1,4 +1,4 @@
-//! Initial data: what every preloaded word stands for, symbolically and, for
+//! Initial data: what every preloaded word represents, symbolically and, for
 //! a given input vector, as a number.
 
 use super::ImageError;

@@ -143,7 +143,7 @@ pub enum ImageError {
         /// Of the function.
         count: usize,
     },
-    /// A value has a number format of its own, which the elements lack.
+    /// A value has its own number format, which the elements lack.
     #[error(
         "'%{value}' is computed as {format}, and the elements of the machine compute as {machine}"
     )]

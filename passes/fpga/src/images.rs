@@ -75,7 +75,7 @@ pub fn images(
 }
 
 /// As [`images`], one file after the other into `artifacts`; the manifest
-/// comes last, so that it stands only beside complete images. Needs memory
+/// comes last, so that it is only beside complete images. Needs memory
 /// for an index of the placement, whatever the length of the files.
 ///
 /// # Errors
@@ -311,7 +311,7 @@ struct ImageWriter<'a> {
     /// Bits of a data word.
     width: u32,
     /// The hardware the images are made for; absent when the machine file alone
-    /// says it.
+    /// states it.
     hardware: Option<&'a ImageHardware>,
 }
 
@@ -347,7 +347,7 @@ impl ImageWriter<'_> {
         }
     }
 
-    /// The sources that the select codes stand for: all results, then all
+    /// The sources that the select codes represent: all results, then all
     /// buffers' first read ports, then the second ones ….
     fn sources(&self) -> Vec<String> {
         let elements = self.sizes.elements;

@@ -3,7 +3,7 @@
 //! All elements of a machine share the sizes (one block of hardware serves
 //! them all); only the operation field depends on the kind. Where the machine
 //! file declares a size, the layout follows it, so that another model on the
-//! same machine needs new images and no new hardware; where it says
+//! same machine needs new images and no new hardware; where it has
 //! "unlimited", the layout takes what the program uses.
 
 use super::manifest;
@@ -48,7 +48,7 @@ impl Sizes {
     }
 }
 
-/// Bits that tell `count` things apart, at least one.
+/// Bits that distinguish `count` things, at least one.
 pub(super) fn bits(count: u32) -> u32 {
     (u32::BITS - count.saturating_sub(1).leading_zeros()).max(1)
 }

@@ -2,7 +2,7 @@
 //!
 //! [`images`] turns a placed function into the memory images of
 //! the machine: one instruction word per element and cycle, one data image
-//! per memory, and a manifest that says where every input goes and every
+//! per memory, and a manifest that shows where every input goes and every
 //! output is found (`docs/images.md` is the contract with simulator and
 //! hardware), [`rtl`] the machine itself, [`quartus`] a project for a board;
 //! [`hardware`] holds the formulas of resources and clock.

@@ -35,7 +35,7 @@ pub struct Manifest {
     pub files: Vec<FileHash>,
     /// The elements, in the order that the crossbar counts them.
     pub elements: Vec<ProcessingElement>,
-    /// The sources that the crossbar's select codes stand for: code `i` is
+    /// The sources that the crossbar's select codes represent: code `i` is
     /// `sources[i]`.
     pub sources: Vec<String>,
     /// Every input element, in order.
@@ -65,7 +65,7 @@ pub struct Manifest {
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AddressMap {
-    /// Version of the map, as the register `version` says it.
+    /// Version of the map, as the register `version` states it.
     pub version: u32,
     /// Bits of the host's address.
     pub address_bits: u32,
@@ -124,7 +124,7 @@ pub struct MachineIdentity {
     /// 64-bit FNV-1a hash, in hexadecimal, of what a program depends on: the
     /// compact JSON of `[number, elements, memory, buffer, interconnect]` of
     /// the machine file with every element's `count` set to 1 (the counts
-    /// used stand in [`Manifest::elements`]).
+    /// used are in [`Manifest::elements`]).
     pub hash: String,
 }
 
@@ -231,7 +231,7 @@ pub enum ValueReference {
 pub struct InputElement {
     /// Array and indices, counted from 1: `q[3]`.
     pub name: String,
-    /// The words it must stand in at the start; none for an input nothing
+    /// The words it must be in at the start; none for an input nothing
     /// reads.
     pub words: Vec<WordAddress>,
 }
@@ -242,7 +242,7 @@ pub struct InputElement {
 pub struct ConstantElement {
     /// The shortest decimal number that reads back as the binary64 literal.
     pub value: String,
-    /// The words it stands in, in the data images.
+    /// The words it is in, in the data images.
     pub words: Vec<WordAddress>,
 }
 
@@ -257,7 +257,7 @@ pub struct HostElement {
     pub operation: String,
     /// From what: inputs, constants and earlier values of the host.
     pub operands: Vec<ValueReference>,
-    /// The words it must stand in at the start.
+    /// The words it must be in at the start.
     pub words: Vec<WordAddress>,
 }
 

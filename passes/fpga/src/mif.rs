@@ -47,7 +47,7 @@ impl<'w> MifWriter<'w> {
         self.word_with(address, limbs, "")
     }
 
-    /// One word with a comment behind it.
+    /// One word with a comment after it.
     pub(super) fn word_with(
         &mut self,
         address: u32,

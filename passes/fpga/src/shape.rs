@@ -67,7 +67,7 @@ pub(super) fn check_shape(
     check_issues(view, machine, schedule, placement, kinds)
 }
 
-/// Every operation stands on an element that performs it, reads as many words
+/// Every operation is on an element that performs it, reads as many words
 /// as it has operands, and starts before the end.
 fn check_issues(
     view: View<'_>,

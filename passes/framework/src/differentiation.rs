@@ -15,7 +15,7 @@ use crate::option_words;
 use crate::options::{OptionValue, joined_names};
 use robovec_ir::{Array, Function, MAX_INPUT_ELEMENTS, MAX_OUTPUT_ELEMENTS, Shape, View};
 
-/// The key of the metadata that says which derivatives a function computes.
+/// The key of the metadata that shows which derivatives a function computes.
 pub const KEY: &str = "derivative";
 
 /// The derivative that is wanted of a function.
@@ -133,7 +133,7 @@ impl DifferentiationError {
     }
 }
 
-/// The arrays of a derivative, and where its elements stand.
+/// The arrays of a derivative, and where its elements are.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct DerivativeArrays {
     /// The arrays differentiated, in order of declaration.

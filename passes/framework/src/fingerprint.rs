@@ -7,13 +7,13 @@
 //! - Two polynomials that differ agree at a random point of a field of `p`
 //!   elements with probability at most degree/p (Schwartz and Zippel),
 //!   provided that their difference does not vanish modulo `p`. Both primes
-//!   are drawn from the constants of the function, so that no constant stands
+//!   are drawn from the constants of the function, so that no constant is
 //!   in any relation to them but by accident.
 //! - In the real image a value is known in double-double with a bound of its
 //!   error ([`Ball`]). Values that are further apart than their bounds allow
-//!   are not equal, whatever the fields say.
+//!   are not equal, whatever the fields state.
 //!
-//! What is not a polynomial stands for itself: sines, cosines and roots are
+//! What is not a polynomial represents itself: sines, cosines and roots are
 //! drawn from their argument, so equal arguments give equal results. So are
 //! the inverses of divisors that are not literals: `x/y*y` is not `x`, which
 //! has a value where `y` is zero, while `a/y + b/y` is `(a + b)/y`. A value
@@ -76,7 +76,7 @@ impl Fingerprint {
 }
 
 /// Tests whether two real values can be one. Of a value that is no number at
-/// the point (the root of a negative one, an overflow) the fields alone tell.
+/// the point (the root of a negative one, an overflow) the fields alone show.
 fn may_be_equal(a: &Ball<1>, b: &Ball<1>) -> bool {
     !(a.is_known(0) && b.is_known(0)) || a.touches(b, 0)
 }

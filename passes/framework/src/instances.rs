@@ -10,7 +10,7 @@ use crate::options::{OptionValue, joined_names};
 /// The most instances in one program.
 pub const MAX_INSTANCES: u32 = 64;
 
-/// The key of the metadata that says how many instances a function holds.
+/// The key of the metadata that shows how many instances a function holds.
 pub const KEY: &str = "instances";
 
 /// The number of instances a program holds, and the inputs they share.
@@ -34,7 +34,7 @@ impl Instances {
 }
 
 /// The number of instances a function holds, by its metadata; 1 when it does
-/// not say.
+/// not state.
 pub fn count(function: &robovec_ir::Function) -> u32 {
     let text = function.metadata(KEY);
     text.and_then(|text| text.parse().ok()).unwrap_or(1)

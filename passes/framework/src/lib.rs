@@ -1,8 +1,8 @@
-//! The framework that every pass stands on, and nothing of any pass.
+//! The framework that every pass uses, and nothing of any pass.
 //!
-//! [`pass`] says what a pass and a registry of passes are, [`options`] what it
-//! can be told, [`pipeline`] reads what the user wants to run, [`manager`]
-//! runs it with its instruments, [`check`] compares functions, [`trail`] tells
+//! [`pass`] defines a pass and a registry of passes, [`options`] what it
+//! can be given, [`pipeline`] reads what the user wants to run, [`manager`]
+//! runs it with its instruments, [`check`] compares functions, [`trail`] shows
 //! where values come from, [`reduce`] finds what a pass breaks, [`template`]
 //! fills generated files. This crate reads and writes no files.
 

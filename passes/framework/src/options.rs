@@ -1,7 +1,7 @@
 //! Typed options of passes.
 //!
 //! The fields of a pass's structure are its options: name, type, default and
-//! documentation stand in one place and nowhere else, so that the help, the
+//! documentation are in one place and nowhere else, so that the help, the
 //! parser and the printer cannot drift apart. A number cannot be declared
 //! without its limit: the compiler refuses it.
 
@@ -17,7 +17,7 @@ pub trait OptionValue: Sized + PartialEq {
     const IS_NUMBER: bool = false;
     /// Name of the type in the help (`integer`, `first | preferential`).
     fn type_name() -> String;
-    /// Reads a value from a pipeline's text; the error says what is wanted.
+    /// Reads a value from a pipeline's text; the error shows what is wanted.
     ///
     /// # Errors
     ///
@@ -87,7 +87,7 @@ impl OptionValue for Option<u32> {
     }
 }
 
-/// A number format by its name; one with parentheses stands in quotes.
+/// A number format by its name; one with parentheses is in quotes.
 impl OptionValue for Format {
     fn type_name() -> String {
         "f32 | f64 | \"float(EXPONENT,MANTISSA)\" | ...".to_owned()
@@ -104,7 +104,7 @@ impl OptionValue for Format {
 ///
 /// # Errors
 ///
-/// Fails when one is empty or stands there twice.
+/// Fails when one is empty or is there twice.
 pub fn joined_names(text: &str) -> Result<Vec<String>, String> {
     let names: Vec<String> = text.split('+').map(str::to_owned).collect();
     if names.iter().any(String::is_empty) {

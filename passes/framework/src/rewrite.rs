@@ -29,7 +29,7 @@ impl<'a> Rewriter<'a> {
         }
     }
 
-    /// Starts with an empty function that has a signature of its own; outputs
+    /// Starts with an empty function that has its own signature; outputs
     /// are for the caller to set.
     pub fn into_function(old: &'a Function, new: Function) -> Rewriter<'a> {
         Rewriter {
@@ -39,7 +39,7 @@ impl<'a> Rewriter<'a> {
     }
 
     /// As [`Rewriter::new`]; the values that are [kept](Rewriter::keep) keep
-    /// their number formats too. For passes under which a format still says
+    /// their number formats too. For passes under which a format still means
     /// the same: without this the formats are gone, which the manager refuses.
     pub fn with_formats(old: &'a Function, level: Level) -> Rewriter<'a> {
         let mut rewriter = Rewriter::new(old, level);
@@ -78,7 +78,7 @@ impl<'a> Rewriter<'a> {
         [self.translate(a), self.translate(b), self.translate(c)]
     }
 
-    /// Says what the next old value has become; called once per value, in
+    /// Records what the next old value has become; called once per value, in
     /// order.
     pub fn record(&mut self, operand: Operand) {
         debug_assert!(
@@ -88,7 +88,7 @@ impl<'a> Rewriter<'a> {
         self.map.push(operand);
     }
 
-    /// Says what an old value that was recorded before has become after all.
+    /// Records what an old value that was recorded before has become after all.
     pub fn amend(&mut self, value: Value, operand: Operand) {
         self.map[value.index()] = operand;
     }

@@ -29,7 +29,7 @@ impl RewriteLimit {
         }
     }
 
-    /// Tests whether the value of this name may be written anew; `rule` says
+    /// Tests whether the value of this name may be written anew; `rule` names
     /// how, in a few words or by the name of a rule.
     ///
     /// A group of operations is one rewrite, asked for by the name of its

@@ -1,4 +1,4 @@
-//! Templates of generated files: text in which words stand between two `@`.
+//! Templates of generated files: text in which words are between two `@`.
 
 use std::fmt::{Display, Write};
 

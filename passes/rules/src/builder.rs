@@ -1,7 +1,7 @@
 //! Putting rules together while their text is read.
 //!
 //! Every action of the grammar calls the builder at once; no tree is built. A
-//! mistake is told where it is found, and the rule it stands in is not read
+//! mistake is reported where it is found, and the rule it is in is not read
 //! further.
 
 use super::pattern::{Pattern, PatternNode};
@@ -15,7 +15,7 @@ use robovec_ir::diagnostic::{Diagnostic, Label, clip, did_you_mean};
 use robovec_num::decimal;
 use std::ops::Range;
 
-/// Most mistakes told of one file; after so many it is no rule file.
+/// Maximum number of mistakes reported of one file; after so many it is no rule file.
 const MAX_MISTAKES: usize = 20;
 
 /// Words that cannot be the name of a rule.
@@ -36,7 +36,7 @@ const CLASSES: [NumericClass; 3] = [
     NumericClass::RealTrig,
 ];
 
-/// A mistake that was told.
+/// A mistake that was reported.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Told;
 
@@ -105,17 +105,17 @@ impl<'text> RuleBuilder<'text> {
         self.begin();
     }
 
-    /// True when more mistakes would not be told.
+    /// True when more mistakes would not be reported.
     pub(super) fn is_hopeless(&self) -> bool {
         self.diagnostics.len() >= MAX_MISTAKES
     }
 
-    /// Tells a mistake.
+    /// Reports a mistake.
     pub(super) fn error(&mut self, span: Range<usize>, message: impl Into<String>) -> Told {
         self.advise(span, message, Vec::new())
     }
 
-    /// Tells a mistake, with advice.
+    /// Reports a mistake, with advice.
     fn advise(
         &mut self,
         span: Range<usize>,
@@ -205,7 +205,7 @@ impl<'text> RuleBuilder<'text> {
         Err(self.unknown("operation", word, span, &names, known).into())
     }
 
-    /// Tells that nothing bears a word as its name.
+    /// Reports that nothing bears a word as its name.
     fn unknown(
         &mut self,
         what: &str,

@@ -3,7 +3,7 @@
 //! A thin layer over egg: patterns become terms and rewrites. Budgets count
 //! nodes and iterations, never seconds, so that an experiment has the same
 //! outcome everywhere. Conditions of rules are taken as met: a graph here
-//! tells how rules grow and what they derive, it rewrites no program.
+//! shows how rules grow and what they derive, it rewrites no program.
 
 use super::pattern::{Pattern, PatternNode};
 use super::rule::Rule;

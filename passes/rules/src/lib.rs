@@ -1,6 +1,6 @@
 //! Rules of rewriting as data.
 //!
-//! A rule says that what looks like its left side may become its right side.
+//! A rule states that what looks like its left side may become its right side.
 //! Rules live in files (`rules/*.rules`) that are read at run time, so that
 //! trying a new one takes no compiler: the format is described in
 //! docs/rules.md. The files that ship are embedded, as machines are.
@@ -8,7 +8,7 @@
 //! Invariant: a set that was read is well formed (every variable of a right
 //! side is bound, no side is empty, names are unique), but it need not be
 //! *true*; [`check`] proves or refutes each rule, and
-//! [`RuleSet::sound`] is what a pass may use.
+//! A pass may use [`RuleSet::sound`].
 
 mod builder;
 mod built_in;

@@ -1,6 +1,6 @@
 //! Patterns: terms with variables, the two sides of a rule.
 //!
-//! Invariant: nodes stand in post-order (operands before the operation, the
+//! Invariant: nodes are in post-order (operands before the operation, the
 //! root last), so that everything that walks a pattern is a counting loop.
 
 use robovec_ir::Operation;
@@ -10,9 +10,9 @@ use robovec_num::arithmetic::Arithmetic;
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum PatternNode {
     /// The variable of this number, counted from 0 in
-    /// [`Rule::variables`](super::Rule::variables); it stands for any value.
+    /// [`Rule::variables`](super::Rule::variables); it represents any value.
     Variable(u32),
-    /// This number. Finite; minus zero is not told from zero.
+    /// This number. Finite; minus zero is not distinguished from zero.
     Number(f64),
     /// An operation on earlier nodes of the pattern. Of an operation on one
     /// operand the second place repeats the first.

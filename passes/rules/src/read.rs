@@ -25,7 +25,7 @@ lalrpop_mod!(
 /// Longest rule file, in bytes.
 const LONGEST: usize = 4 << 20;
 
-/// Reads a file of rules; what is wrong in it is told all at once.
+/// Reads a file of rules; what is wrong in it is reported all at once.
 pub(super) fn parse(text: &str, file_name: &str) -> Result<RuleSet, Report> {
     let mut reader = RuleReader {
         text,
@@ -123,7 +123,7 @@ impl RuleReader<'_> {
         }
     }
 
-    /// The next rule: behind the next semicolon, or at the word `rule`.
+    /// The next rule: after the next semicolon, or at the word `rule`.
     fn recover(&self, from: usize) -> usize {
         for (at, (token, _)) in self.tokens.iter().enumerate().skip(from) {
             match token {
@@ -135,7 +135,7 @@ impl RuleReader<'_> {
         self.tokens.len()
     }
 
-    /// Tells a mistake; `rule` are the tokens of its rule before the last that
+    /// Reports a mistake; `rule` are the tokens of its rule before the last that
     /// was taken.
     fn explain(&mut self, error: &ParseError<usize, RuleToken<'_>, Told>, rule: Range<usize>) {
         let (found, expected) = match error {
@@ -161,7 +161,7 @@ impl RuleReader<'_> {
     }
 
     /// Does what the parser puts off until it has seen the next token, by
-    /// reading the tokens before a mistake once more with one behind them that
+    /// reading the tokens before a mistake once more with one after them that
     /// is expected: what is wrong with them comes first.
     fn settle(&mut self, before: Range<usize>, expected: &[&str]) -> Result<(), Told> {
         let next = EXPECTED.iter().find(|(name, _)| expected.contains(name));
@@ -174,7 +174,7 @@ impl RuleReader<'_> {
         }
     }
 
-    /// Tells that something else should stand at a token, or at the end.
+    /// Reports that something else should be at a token, or at the end.
     fn unexpected(&mut self, found: Option<(RuleToken<'_>, Range<usize>)>, expected: &[&str]) {
         if let Some((RuleToken::Unknown, _)) = found {
             return; // It was told before.

@@ -4,7 +4,7 @@ use super::pattern::Pattern;
 use robovec_analysis::class::NumericClass;
 use std::ops::Range;
 
-/// A condition on the value that a variable stands for.
+/// A condition on the value that a variable represents.
 ///
 /// A pass may use the rule only where it *knows* that the condition holds:
 /// of a number in the equations it does, of a state it does not.

@@ -23,9 +23,9 @@ pub(crate) enum RuleToken<'text> {
     #[token("class")]
     Class,
     /// The name of a rule, which may have hyphens: words, numbers and minus
-    /// signs without blanks between them behind `rule`.
+    /// signs without blanks between them after `rule`.
     RuleName(&'text str),
-    /// The same behind `class=`.
+    /// The same after `class=`.
     ClassName(&'text str),
     /// A number without sign.
     #[regex(r"([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")]

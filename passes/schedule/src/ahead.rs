@@ -113,7 +113,7 @@ impl Sweep<'_> {
 
     /// The plan to issue a node without buffers: at its seat if that is free,
     /// else wherever the operands can have been written; or again as a plan
-    /// says.
+    /// states.
     fn plan_ahead(
         &mut self,
         node: usize,

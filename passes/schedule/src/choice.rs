@@ -5,7 +5,7 @@
 //! very cycle the operand appeared on the crossbar, or *indirectly*, through
 //! the producer's buffer in a later cycle that is past. Table 2.1 ranks the
 //! nine combinations; direct transfers never need what indirect ones do, so
-//! indirect ones are looked at only when no element does without.
+//! indirect ones are considered only when no element does without.
 
 use super::graph::Datum;
 use super::locations::{Entry, Locations, Memory, WriteBack};
@@ -208,7 +208,7 @@ pub(super) struct IssuePlan {
     pub(super) routes: [Option<Route>; Operand::MAX_COUNT],
 }
 
-/// The operands of an operation as data flow; `None` behind the last one.
+/// The operands of an operation as data flow; `None` after the last one.
 pub(super) type OperandSources = [Option<OperandSource>; Operand::MAX_COUNT];
 
 /// The route of an earlier operand that is the same datum in the same memory:
@@ -301,7 +301,7 @@ pub(super) struct Wanted {
 }
 
 /// The route without buffer, if ports and links allow one; the transfers of
-/// other operands are looked at only where it takes a port.
+/// other operands are considered only where it takes a port.
 // It is asked for every operand at every place, and handing over what it takes
 // costs more than the answer.
 #[inline(always)]

@@ -108,7 +108,7 @@ impl Sweep<'_> {
         }
     }
 
-    /// Tells the readers of an issued node when its result can be read.
+    /// Informs the readers of an issued node when its result can be read.
     fn announce(&mut self, node: usize, cycle: u32) {
         let ready = cycle + self.graph.weight(node);
         self.draft.cycles = self.draft.cycles.max(ready);

@@ -197,7 +197,7 @@ impl DependenceGraph {
         }
     }
 
-    /// Numbers the inputs and constants that are read behind the values, in
+    /// Numbers the inputs and constants that are read after the values, in
     /// the order of operands.
     fn number_data(&mut self, function: &Function) {
         for operand in function.nodes().iter().flat_map(|node| node.operands()) {

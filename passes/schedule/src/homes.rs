@@ -12,7 +12,7 @@ use robovec_ir::Function;
 /// keeps it to the end.
 ///
 /// A word that was written for a reader serves; a result without readers gets
-/// a write of its own, directly if a port is free, else through the buffer as
+/// its own write, directly if a port is free, else through the buffer as
 /// soon as possible.
 ///
 /// # Errors

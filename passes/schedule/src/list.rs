@@ -1,7 +1,7 @@
 //! List scheduling without memories: how short a schedule an order gives.
 //!
-//! It costs a fraction of the placement sweep, so it is what orders are tried
-//! with. It also runs from the end of the program backwards; the issue cycles
+//! It costs a fraction of the placement sweep, so orders are tried
+//! with it. It also runs from the end of the program backwards; the issue cycles
 //! of such a schedule are in turn an order, which knows where elements are
 //! scarce late in the program as no longest path can.
 

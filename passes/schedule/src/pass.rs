@@ -1,5 +1,5 @@
 //! Placement as a pass: its options, the machine with the numbers of elements
-//! they ask for, and what the user is told. The placing itself is [`place`].
+//! they ask for, and what the user reads. The placing itself is [`place`].
 
 use super::{ElementChoice, PlaceError, PlaceOptions, Priority, place};
 use robovec_framework::pass::{Context, Gives, Pass, PassError};

@@ -135,7 +135,7 @@ impl Sweep<'_> {
     /// As [`Sweep::cheapest`], of the plans without buffers for a node.
     ///
     /// What such a plan costs follows from where the operands are, so that
-    /// ports are looked at only for a plan that would be the best so far.
+    /// ports are considered only for a plan that would be the best so far.
     pub(super) fn cheapest_plain(
         &self,
         sources: &OperandSources,

@@ -107,7 +107,7 @@ impl PlacementSearch<'_> {
     }
 
     /// Tries more orders on a machine without buffers: there list schedules
-    /// without memories say little about what ports will allow, so every
+    /// without memories state little about what ports will allow, so every
     /// order is swept.
     fn without_buffers(&mut self) {
         if self.task.machine.buffer.is_some() {

@@ -149,7 +149,7 @@ pub(super) fn machine(name: &str, adders: u32, multipliers: u32) -> Machine {
 }
 
 /// Replays a placed function cycle by cycle and refuses every breach of the
-/// rules of the machine; the sentence says which.
+/// rules of the machine; the sentence shows which.
 pub(super) fn replay(function: &Function, machine: &Machine) -> Result<(), String> {
     TestReplay::new(function, machine)?.run()
 }

@@ -10,7 +10,7 @@
 //! unbiased estimate of it for all values together: the outputs are given
 //! random signs and the derivative of their signed sum is taken, whose square
 //! has this expectation (Hutchinson, *Communications in Statistics* 19, 1990).
-//! Every lane of a profile is a state of its own with signs of its own.
+//! Every lane of a profile is a state with its own signs.
 //!
 //! The weight of an output is `1 / sqrt(e m)`, `e` being the error it can be
 //! expected to have and `m` the largest such error in its array: half-way, in
@@ -19,7 +19,7 @@
 //! takes all errors as independent, which is good enough for a scale. So
 //! neither a state nor an output with large errors decides alone.
 //!
-//! A lane in which something is not finite says nothing there and counts as
+//! A lane in which something is not finite means nothing there and counts as
 //! zero.
 
 use robovec_ir::evaluate::evaluate_nodes;
@@ -30,7 +30,7 @@ use robovec_num::batch::Batch;
 use robovec_num::random::bits_at;
 use std::array;
 
-/// States that are looked at together.
+/// States that are considered together.
 pub(crate) const LANES: usize = 8;
 
 /// One number per state.

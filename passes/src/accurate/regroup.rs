@@ -303,7 +303,7 @@ impl RegroupingWriter<'_> {
         }
     }
 
-    /// The operand of a source; the absent one stands for zero.
+    /// The operand of a source; the absent one represents zero.
     fn resolve(&mut self, source: StepSource, results: &[Operand]) -> Operand {
         match source {
             StepSource::Operand(operand) if operand.is_none() => {

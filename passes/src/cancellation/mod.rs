@@ -3,7 +3,7 @@
 //!
 //! Both look for a form of a difference that is equal wherever the difference
 //! is defined, and take it where the ranges of the scene prove that it is
-//! better: the error that the operations behind it can lose together, bounded
+//! better: the error that the operations after it can lose together, bounded
 //! over all states in the ranges ([`robovec_analysis::interval`]), is at most
 //! half of what it was. Without ranges nothing is proved, and nothing is
 //! rewritten.

@@ -7,7 +7,7 @@
 //! recursion.
 //!
 //! How far back is measured in time: at a *frontier* a class is written in
-//! what was available then, every variable behind it having been replaced by
+//! what was available then, every variable after it having been replaced by
 //! its own form at the same frontier. Variables of one frontier are thus of
 //! one age, and few: the state of the recursion. A form is composed directly,
 //! of the class's equation and the forms of its operands, and of the form at a
@@ -127,7 +127,7 @@ struct CompositionSpace {
 
 /// A function as a network whose classes have forms that look back, and the
 /// number of equations of the longest chain that is linear in its latest
-/// values. `None`, with a remark, when nothing can be said of the function.
+/// values. `None`, with a remark, when nothing can be stated of the function.
 pub(crate) fn look_ahead(
     function: &Function,
     context: &mut Context<'_>,
@@ -168,7 +168,7 @@ struct Composer<'a> {
     /// Arrivals of the function as it was read: they place the frontiers.
     reference: &'a Arrivals,
     limits: CompositionLimits,
-    /// By class: how many equations lie behind it, one linear in the latest
+    /// By class: how many equations lie after it, one linear in the latest
     /// value of the next.
     chains: Vec<u32>,
     linear: LinearForms,
@@ -302,7 +302,7 @@ impl Composer<'_> {
         }
     }
 
-    /// Substitutes the forms at a frontier for the variables behind it in
+    /// Substitutes the forms at a frontier for the variables after it in
     /// `space.outer`; adds the result to the class, and keeps it for others
     /// when it is asked to.
     fn compose(

@@ -50,7 +50,7 @@ pub(crate) struct FormsByClass<'a> {
     add: u32,
     multiply: u32,
     /// The operations of each form: most forms are dearer than the best, and
-    /// their terms need not be looked at.
+    /// their terms need not be considered.
     costs: Vec<u32>,
     /// The start of the forms of each class, and the end of the last ones.
     starts: Vec<u32>,

@@ -12,7 +12,7 @@ use robovec_analysis::critical_path::Weights;
 use robovec_ir::{Assignment, Function, Level, Name, Operand, SourceSet, Tables};
 use smallvec::SmallVec;
 
-/// Writes the function a mapping stands for, at the atomic level, with the
+/// Writes the function a mapping represents, at the atomic level, with the
 /// signature and the names of the function that was read.
 pub(crate) fn emit(
     old: &Function,

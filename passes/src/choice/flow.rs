@@ -93,7 +93,7 @@ impl Mapper<'_> {
     ///
     /// What a class costs each of its users is estimated from how often it is
     /// used in a `model`, a mapping for a later time, when there is one; and
-    /// what is not looked at has the form it has there.
+    /// what is not considered has the form it has there.
     pub(crate) fn recover(
         &self,
         mapping: &mut Mapping,
@@ -134,7 +134,7 @@ impl Mapper<'_> {
 
     /// Chooses by estimated cost in several rounds, every class's cost divided
     /// among those that used it so far. Keeps the forms of the mapping with the
-    /// fewest operations. Classes that are not looked at are left with times
+    /// fewest operations. Classes that are not considered are left with times
     /// that are not those of their forms.
     fn flow_rounds(
         &self,
@@ -168,7 +168,7 @@ impl Mapper<'_> {
         }
     }
 
-    /// Chooses by estimated cost for the classes that are looked at. A class
+    /// Chooses by estimated cost for the classes that are considered. A class
     /// that becomes one of them is chosen for when it is met.
     fn flow_round(&self, mapping: &mut Mapping, shares: &[f64], states: &mut Vec<FlowState>) {
         states.clear();
@@ -190,7 +190,7 @@ impl Mapper<'_> {
         }
     }
 
-    /// Chooses by estimated cost for one class, or tells the class that must be
+    /// Chooses by estimated cost for one class, or returns the class that must be
     /// chosen for before.
     fn choose_by_flow(
         &self,

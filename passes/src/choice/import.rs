@@ -54,7 +54,7 @@ impl Import {
 /// Reads functions at the atomic level that compute the same outputs, all of
 /// them into one network: a value that several compute gets a form from each.
 /// `None`, with a remark, when some value is undefined (a division by what is
-/// always zero), so that nothing can be said of it.
+/// always zero), so that nothing can be stated of it.
 ///
 /// A form of a later function is left out where it would close a cycle with
 /// those of earlier ones; the first function is there as it was.
@@ -260,7 +260,7 @@ impl ChoiceImporter<'_> {
     }
 
     /// A rank above those of the classes used. That of a value's level is not
-    /// always: a value merged with an equal one may stand deeper.
+    /// always: a value merged with an equal one may be deeper.
     fn above(&self, rank: u64, used: impl Iterator<Item = Class>) -> u64 {
         let ranks = used.map(|class| self.import.network.rank(class) + 1);
         ranks.fold(rank.max(1), u64::max)

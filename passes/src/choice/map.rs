@@ -19,7 +19,7 @@ pub(crate) struct Mapping {
     pub(super) uses: Vec<u32>,
     /// Latest arrivals that keep the outputs in time.
     pub(super) required: Vec<u32>,
-    /// The classes that were looked at when forms were chosen by flow: those
+    /// The classes that were considered when forms were chosen by flow: those
     /// that a form of another might have used.
     pub(super) demanded: Vec<bool>,
     /// Operations of the forms in use.
@@ -103,7 +103,7 @@ impl Mapper<'_> {
     /// Chooses for one class after the other what costs least now. False when
     /// that changes nothing.
     ///
-    /// Arrivals are always those of the forms chosen: only what is behind a
+    /// Arrivals are always those of the forms chosen: only what is after a
     /// change is timed again. What is not used then has no time until a form
     /// that uses it is tried.
     pub(super) fn exact_round(&self, mapping: &mut Mapping) -> bool {

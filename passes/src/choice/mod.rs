@@ -1,7 +1,7 @@
 //! Networks of choices: values that can be computed in several ways, and the
 //! cheapest way that is early enough.
 //!
-//! A [`ChoiceNetwork`](network::ChoiceNetwork) holds *classes*, each standing for one
+//! A [`ChoiceNetwork`](network::ChoiceNetwork) holds *classes*, each representing one
 //! value up to its sign, and for each class its *forms*: sums of products of
 //! other classes. Classes are identified by the value itself, taken at a
 //! random point of two prime fields and of the real numbers

@@ -78,7 +78,7 @@ impl ChoiceNetwork {
 
     /// Asks for room at once for about what the network of a function of so
     /// many operations takes when forms are composed in it. Vectors that grow to
-    /// that leave memory behind in pieces, which no larger one can use, and
+    /// that leave memory in pieces, which no larger one can use, and
     /// tables that grow take a tenth of the time at 500,000 operations.
     pub(crate) fn reserve(&mut self, operations: usize) {
         let (classes, forms) = (2 * operations, FORMS_PER_OPERATION * operations);
@@ -188,7 +188,7 @@ impl ChoiceNetwork {
         self.origins[self.classes[class.index()].origin as usize]
     }
 
-    /// Says which equations a class comes from.
+    /// Records which equations a class comes from.
     pub(crate) fn set_sources(&mut self, class: Class, sources: SourceSet) {
         let owner = self.origin_of(class).0;
         self.classes[class.index()].origin = self.origins.len() as u32;
@@ -456,7 +456,7 @@ impl ChoiceNetwork {
         signed
     }
 
-    /// Drops terms that cancel, orders the others and puts 1 behind.
+    /// Drops terms that cancel, orders the others and appends 1.
     pub(crate) fn tidy(&self, terms: &mut Vec<ProductTerm>) {
         for term in terms.iter_mut() {
             *term = term.ordered();

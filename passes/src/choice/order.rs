@@ -6,7 +6,7 @@ use petgraph::visit::DfsPostOrder;
 use robovec_framework::fingerprint::{Fingerprint, Images};
 use robovec_ir::Function;
 
-/// For each function and each of its values how many operations lie behind it
+/// For each function and each of its values how many operations lie after it
 /// at most, whichever function its operands are computed by: the same number
 /// wherever the value occurs, up to its sign.
 ///

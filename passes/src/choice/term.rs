@@ -92,7 +92,7 @@ impl ProductTerm {
         ProductTerm { second, ..self }
     }
 
-    /// The same product, its classes in order and 1 behind.
+    /// The same product, its classes in order and then 1.
     pub(crate) fn ordered(self) -> ProductTerm {
         let (a, b) = (self.a, self.b());
         if a == Class::ONE || b != Class::ONE && b < a {

@@ -7,7 +7,7 @@ use crate::sums::earliest::{LatestTwo, fits, joined, levels};
 use robovec_ir::Operation;
 use smallvec::SmallVec;
 
-/// Steps from the latest to the earliest time that a form is looked at for its
+/// Steps from the latest to the earliest time that a form is considered for its
 /// curve: half way and at both ends. Three to eight took longer and found no
 /// shorter paths.
 const STEPS: u32 = 2;

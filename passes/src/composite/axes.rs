@@ -2,7 +2,7 @@
 //!
 //! With all coordinates and attachment points zero every frame is the base's,
 //! and an element of the matrix depends on the axes of its two joints and on
-//! the inertia behind the second alone. What bodies do not tell, as point
+//! the inertia beyond the second alone. What bodies do not show, as point
 //! masses, single components of attachment points or single coordinates of
 //! prismatic joints do: a joint moves what lies along another axis than its
 //! own.
@@ -54,17 +54,17 @@ struct AlignedFrames<'a> {
     tree: &'a AncestorTree,
     /// Without attachment points.
     bodies: ProbedMatrix,
-    /// By joint: the inertia of all bodies behind it, about the one origin.
+    /// By joint: the inertia of all bodies beyond it, about the one origin.
     inertias: Vec<CompositeInertia<f64>>,
     /// With point masses and attachment points along one axis.
     points: [ProbedMatrix; 3],
-    /// By axis and joint: whether something behind the joint is moved by the
-    /// points along this axis behind it.
+    /// By axis and joint: whether something beyond the joint is moved by the
+    /// points along this axis beyond it.
     reach: [Vec<bool>; 3],
     /// By prismatic joint: the matrix with its coordinate alone and point
     /// masses.
     slides: Vec<Option<ProbedMatrix>>,
-    /// By joint: the point masses behind it.
+    /// By joint: the point masses beyond it.
     masses: Vec<f64>,
     /// By joint: its coordinate where it alone is not zero.
     coordinates: Vec<f64>,
@@ -131,7 +131,7 @@ impl<'a> AlignedFrames<'a> {
         }
     }
 
-    /// The kinds that a joint may be of, as far as its own element tells.
+    /// The kinds that a joint may be of, as far as its own element shows.
     fn domain(&self, joint: usize) -> Vec<JointAxis> {
         let own = self.bodies.at(joint, joint);
         let size = self.bodies.largest();
@@ -204,7 +204,7 @@ impl<'a> AlignedFrames<'a> {
     }
 }
 
-/// For each joint whether a revolute joint at or behind it is seen to move
+/// For each joint whether a revolute joint at or beyond it is seen to move
 /// something.
 fn reach(matrix: &ProbedMatrix, tree: &AncestorTree) -> Vec<bool> {
     let mut reach = vec![false; tree.parents.len()];

@@ -2,7 +2,7 @@
 //!
 //! Everything is in the axes of a joint's frame and about its origin. A unit
 //! acceleration of joint j gives the frame the angular part `OM` and the
-//! linear part `AM` (Robotran's names); the body, and the joints behind it,
+//! linear part `AM` (Robotran's names); the body, and the joints beyond it,
 //! then need the force `FM` and the torque `CM` with
 //!
 //! ```text

@@ -1,8 +1,8 @@
-//! The forces of joints that stand still against velocities, gravity and
+//! The forces of joints that are at rest against velocities, gravity and
 //! loads, from composite bodies, over any ring.
 //!
-//! Seen from a joint, the bodies behind it move as one rigid body would, plus
-//! what every joint k behind adds to the motion of its own composite. With
+//! Seen from a joint, the bodies beyond it move as one rigid body would, plus
+//! what every joint k beyond adds to the motion of its own composite. With
 //! `BE = ~OA + ~OM ~OM` (Robotran's names, ~ the matrix of the cross product)
 //! a point r of a frame has the acceleration `AF + BE r`, and a composite of
 //! mass m, first moment h and moments J needs
@@ -17,7 +17,7 @@
 //! BE_ab += 2 OM_b qd    BE_ac += 2 OM_c qd    BE_bb, BE_cc -= (2 OM_a - qd) qd
 //! ```
 //!
-//! with OM behind the joint, so that joint k adds a wrench of ten products to
+//! with OM beyond the joint, so that joint k adds a wrench of ten products to
 //! what the joints before it carry. Nothing is computed for each body as such.
 //! Whether that takes fewer operations than body by body depends on the tree:
 //! who writes the equations has to compare.
@@ -58,7 +58,7 @@ struct RingMotion<N> {
     squares: RingVector<N>,
 }
 
-/// The axes behind an axis, cyclically.
+/// The axes after an axis, cyclically.
 fn others(axis: usize) -> (usize, usize) {
     ((axis + 1) % 3, (axis + 2) % 3)
 }
@@ -189,7 +189,7 @@ fn moved<S: MovingSystem>(
     }
 }
 
-/// A vector of the frame before a joint in the axes behind it.
+/// A vector of the frame before a joint in the axes beyond it.
 fn turn_down<S: MovingSystem>(
     system: &mut S,
     stand: &Stand<S::Number>,
@@ -209,7 +209,7 @@ fn turn_down<S: MovingSystem>(
     turned
 }
 
-/// `2 OM x e qd` of a joint that slides along e: the components behind the axis.
+/// `2 OM x e qd` of a joint that slides along e: the components after the axis.
 fn slide<S: MovingSystem>(
     system: &mut S,
     axis: usize,

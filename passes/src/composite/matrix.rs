@@ -10,8 +10,8 @@ pub(super) struct JointPlacement {
     /// Its kind.
     pub(super) joint: JointAxis,
     /// The points of the parent, in [`ModelInputs::points`](super::model::ModelInputs::points), whose sum it
-    /// stands on: one, or none for the origin. Where joints that only slide
-    /// follow one another, all of their points may stand here.
+    /// is on: one, or none for the origin. Where joints that only slide
+    /// follow one another, all of their points may be here.
     pub(super) points: Vec<usize>,
     /// The inertia of its body is mirrored about the diagonal.
     pub(super) symmetric: bool,
@@ -24,7 +24,7 @@ pub(super) trait BodySystem: Ring {
     fn enter(&mut self, joint: usize);
 
     /// The body of a joint, with what is missing of its inertia on one side of
-    /// the diagonal mirrored if its placement says so.
+    /// the diagonal mirrored if its placement states it.
     fn body(&mut self, joint: usize, place: &JointPlacement) -> RigidBody<Self::Number>;
 
     fn stand(&mut self, joint: usize, place: &JointPlacement) -> Stand<Self::Number>;

@@ -33,7 +33,7 @@ impl SystemInput {
         }
     }
 
-    /// A number for it that stands in no relation to those of others, as a
+    /// A number for it that is in no relation to those of others, as a
     /// system might have it: masses and diagonal inertias are positive, the
     /// two products of inertia of a pair of axes are equal, and no angle is
     /// near a multiple of a right one.
@@ -234,7 +234,7 @@ fn read_inputs(network: &FactorNetwork) -> HashSet<Input> {
 pub(super) struct AncestorTree {
     /// The joint before each, counted from 0.
     pub(super) parents: Vec<Option<usize>>,
-    /// The bodies behind each joint, counted from 0 as the joint that moves
+    /// The bodies beyond each joint, counted from 0 as the joint that moves
     /// them last.
     pub(super) behind: Vec<Vec<usize>>,
     /// True for each joint that is prismatic.
@@ -247,7 +247,7 @@ impl AncestorTree {
         std::iter::successors(Some(joint), |&joint| self.parents[joint])
     }
 
-    /// The sum of the masses behind a joint in their usual state.
+    /// The sum of the masses beyond a joint in their usual state.
     pub(super) fn mass(&self, joint: usize, model: &ModelInputs) -> f64 {
         let bodies = self.behind[joint].iter();
         let heavy = bodies.filter(|&&body| model.bodies[body].mass.is_some());

@@ -1,10 +1,10 @@
-//! The attachment points that joints stand on, one point at a time.
+//! The attachment points that joints are on, one point at a time.
 //!
 //! With point masses and a single attachment point, what a joint feels is the
-//! mass behind the point times the square of the speed it gives to it. So the
+//! mass beyond the point times the square of the speed it gives to it. So the
 //! body that a point belongs to is one for which every joint before it, and no
-//! other, feels as much as the rotations between them say, and the mass tells
-//! which of the body's children stand on the point. A point that no joint
+//! other, feels as much as the rotations between them state, and the mass shows
+//! which of the body's children are on the point. A point that no joint
 //! feels has no place, and needs none.
 
 use super::bodies::{JointAxis, cross};
@@ -16,7 +16,7 @@ use super::probe::{MatrixProbe, UsualState, near};
 /// and all of them.
 const MAX_CHILDREN: usize = 16;
 
-/// By joint: the points of its parent that it stands on, counted from 0.
+/// By joint: the points of its parent that it is on, counted from 0.
 pub(super) fn find(
     probe: &mut MatrixProbe<'_>,
     model: &ModelInputs,
@@ -64,7 +64,7 @@ struct TurnedFrames<'a> {
     model: &'a ModelInputs,
     tree: &'a AncestorTree,
     children: Vec<Vec<usize>>,
-    /// By joint: the masses behind it.
+    /// By joint: the masses beyond it.
     masses: Vec<f64>,
     /// By joint: its axes, in those of the base.
     axes: Vec<[[f64; 3]; 3]>,
@@ -110,8 +110,8 @@ impl<'a> TurnedFrames<'a> {
         frames
     }
 
-    /// The children of a body that stand on a point of it, if what joints feel
-    /// says that it has this point.
+    /// The children of a body that are on a point of it, if what joints feel
+    /// states that it has this point.
     fn children_at(&self, body: usize, arm: [f64; 3], felt: &[f64]) -> Option<Vec<usize>> {
         let arm = sum(self.axes[body], arm);
         let speeds: Vec<(usize, f64)> = self
@@ -141,7 +141,7 @@ impl<'a> TurnedFrames<'a> {
         x * x + y * y + z * z
     }
 
-    /// Some of the children of a body, with everything behind them, by their
+    /// Some of the children of a body, with everything beyond them, by their
     /// mass.
     fn children_of_mass(&self, body: usize, mass: f64) -> Option<Vec<usize>> {
         let children: Vec<usize> = self.children[body]

@@ -1,4 +1,4 @@
-//! The mass matrix at states of our own choosing.
+//! The mass matrix at chosen states.
 //!
 //! The function is evaluated in binary64 at states that a system would hardly
 //! meet: without the mass of all bodies but one, with all frames aligned, with

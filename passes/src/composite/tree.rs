@@ -1,13 +1,13 @@
 //! The search for the tree of bodies that a mass matrix belongs to.
 //!
-//! The function says what it computes at any state, so the tree need not be
+//! The function shows what it computes at any state, so the tree need not be
 //! guessed: each property has states that show it alone.
 //!
 //! 1. *Ancestors*: with the mass of one body only, the rows that are not
-//!    zero tell which joints move it.
-//! 2. *Kinds*: a prismatic joint feels the mass of every body behind it and
+//!    zero show which joints move it.
+//! 2. *Kinds*: a prismatic joint feels the mass of every body beyond it and
 //!    nothing else; [`super::axes`] finds the axes with all frames aligned.
-//! 3. *Points*: [`super::points`] finds where joints stand, one attachment
+//! 3. *Points*: [`super::points`] finds where joints are, one attachment
 //!    point at a time.
 //! 4. *Products of inertia* that are given on one side of the diagonal: one
 //!    body at a time, mirrored or not.
@@ -33,10 +33,10 @@ fn alone(body: usize) -> impl Fn(SystemInput) -> f64 {
     }
 }
 
-/// Operations that may be spent on axes that no single state tells.
+/// Operations that may be spent on axes that no single state shows.
 const WORK: usize = 2_000_000_000;
 
-/// The placement of every joint, as far as the matrix tells.
+/// The placement of every joint, as far as the matrix shows.
 pub(super) fn find(function: &Function, model: &ModelInputs) -> Vec<JointPlacement> {
     let mut probe = MatrixProbe::new(function, model);
     let tree = ancestors(&mut probe, model);
@@ -84,7 +84,7 @@ fn place(
 }
 
 /// The joints that move each body, and the tree that follows: Robotran numbers
-/// a joint behind those that it stands on.
+/// a joint beyond those that it is on.
 fn ancestors(probe: &mut MatrixProbe<'_>, model: &ModelInputs) -> AncestorTree {
     let count = model.len();
     let mut tree = AncestorTree {

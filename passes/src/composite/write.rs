@@ -13,9 +13,9 @@ use robovec_num::arithmetic::Arithmetic;
 struct EquationWriter<'n> {
     network: &'n mut FactorNetwork,
     model: &'n ModelInputs,
-    /// By joint: whose equations the values made for it stand for.
+    /// By joint: whose equations the values made for it represent.
     origins: &'n [NodeOrigin],
-    /// Whose equations the values stand for that are made now.
+    /// Whose equations the values represent that are made now.
     origin: NodeOrigin,
 }
 
@@ -217,7 +217,7 @@ fn exchange(
     kept
 }
 
-/// For each joint what its equations stand for: those of the diagonal element
+/// For each joint what its equations represent: those of the diagonal element
 /// of the matrix, or, if that is zero, of the first element in its row.
 fn origins(
     network: &FactorNetwork,

@@ -3,7 +3,7 @@
 //! A table of 600,000 operations lies outside the caches, and nearly every
 //! look into it finds nothing. So operations are hashed first, with what they
 //! read down to inputs and constants, and a table need know only those whose
-//! hash is there twice. The bits that tell so lie in a cache of second level.
+//! hash is there twice. The bits that show so lie in a cache of second level.
 
 use super::Key;
 use robovec_ir::{Function, Operand, Value};

@@ -1,10 +1,10 @@
 //! An order of values that does not depend on the order they came in.
 //!
 //! What ties are broken by is often the order of a file: the same equations
-//! in another order then make another program. Here every value stands where
+//! in another order then make another program. Here every value is where
 //! the outputs first need it: the last output first, of operands the one with
 //! the longest chain first, and of equally long ones that with the smaller
-//! hash of the expression it stands for.
+//! hash of the expression it represents.
 
 use crate::hash;
 use robovec_framework::rewrite::{Rewriter, lay_out};
@@ -12,7 +12,7 @@ use robovec_ir::{Function, Level, Node, Operand, OperandKind, Value, ValueFormat
 use std::cmp::Reverse;
 
 /// The function with its values in this order; those that no output needs
-/// stand behind the others, as they came.
+/// are after the others, as they came.
 pub(super) fn by_outputs(function: &Function) -> Function {
     let order = order(function);
     let mut rewriter = Rewriter::unmapped(function, function.level);

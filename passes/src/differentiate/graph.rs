@@ -32,7 +32,7 @@ pub(super) struct LinearisedGraph {
     pub(super) vertices: Vec<Vertex>,
     /// By vertex, the vertices before it with the weights of the edges.
     pub(super) into: Vec<BTreeMap<u32, PathWeight>>,
-    /// By vertex, the vertices behind it.
+    /// By vertex, the vertices after it.
     pub(super) out: Vec<BTreeSet<u32>>,
 }
 

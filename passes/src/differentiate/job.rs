@@ -146,7 +146,7 @@ impl<'a> DerivativeJob<'a> {
         Ok(writer)
     }
 
-    /// The new inputs that stand for directions and for weights.
+    /// The new inputs that represent directions and weights.
     fn seeds(&self) -> [Option<Vec<Operand>>; 2] {
         let first = self.old.input_len() as u32;
         let element = |place: u32| Operand::from(Input(first + place));

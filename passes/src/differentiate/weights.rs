@@ -42,7 +42,7 @@ pub(super) struct PartialOrigin {
     pub(super) rule: &'static str,
 }
 
-/// Writes operations behind those of a function.
+/// Writes operations after those of a function.
 #[derive(Clone)]
 pub(super) struct WeightWriter {
     pub(super) function: Function,

@@ -2,7 +2,7 @@
 //! its forms.
 //!
 //! The e-graph keeps a value and its negation apart, and signs outside of
-//! products. Here both become classes of their own where somebody needs them,
+//! products. Here both become their own classes where somebody needs them,
 //! so that `b - a` costs no more than `a - b` when the opposite is wanted.
 
 use super::form::{EquivalentForm, terms};
@@ -42,7 +42,7 @@ pub(crate) enum AlternativeKind {
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Alternative {
     pub(crate) kind: AlternativeKind,
-    /// Classes; one may stand several times.
+    /// Classes; one may occur several times.
     pub(crate) children: Vec<u32>,
 }
 

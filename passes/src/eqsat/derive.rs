@@ -49,7 +49,7 @@ pub struct DerivationEffort {
 
 /// Looks for a derivation of one term from another by rules up to a class
 /// and those of order, grouping, signs, zeros and ones, which are always on.
-/// Variables stand for the same values in both terms.
+/// Variables represent the same values in both terms.
 pub fn derive(
     left: &Pattern,
     right: &Pattern,
@@ -156,7 +156,7 @@ fn steps(
     steps.collect()
 }
 
-/// The rule that led to a term of an explanation: it stands at the place in
+/// The rule that led to a term of an explanation: it is at the place in
 /// the term where it was used.
 fn applied(term: &FlatTerm<EquivalentForm>) -> Option<(String, bool)> {
     let mut open = vec![term];

@@ -224,7 +224,7 @@ impl EquivalenceGraph {
         self.add(EquivalentForm::Sum(1, [term.class].into()))
     }
 
-    /// Says that a class and a term are equal; true when that was new.
+    /// Makes a class and a term equal; true when that was new.
     pub(crate) fn equate(&mut self, class: Id, term: ClassReference) -> bool {
         let value = self.value(term);
         self.egraph.union(class, value)

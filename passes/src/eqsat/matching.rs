@@ -27,7 +27,7 @@ pub(crate) enum VariableBinding {
 /// A place where a rule applies.
 #[derive(Clone, Debug)]
 pub(crate) struct RuleMatch {
-    /// The class of which it says something.
+    /// The class of which it states something.
     pub(crate) class: Id,
     pub(crate) bindings: Vec<Option<VariableBinding>>,
     /// The terms beside the matched ones, or the factors.

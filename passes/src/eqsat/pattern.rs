@@ -7,13 +7,13 @@ use robovec_rules::{Condition, Pattern, PatternNode, Rule, RuleSet};
 /// A pattern: sums and products as wide as they are written, signs outside.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Bag {
-    /// Stands for any value.
+    /// Represents any value.
     Variable(u32),
     /// This number, by its bits; never negative.
     Number(u64),
     /// The sum of these.
     Sum(Vec<SignedPattern>),
-    /// The product of these; the sign of a product stands outside it.
+    /// The product of these; the sign of a product is outside it.
     Product(Vec<Bag>),
     /// Any other operation.
     Other(Operation, Vec<SignedPattern>),
@@ -198,7 +198,7 @@ pub(crate) struct BagRule {
 }
 
 impl BagRule {
-    /// The rules of a set that say something about bags, in one direction
+    /// The rules of a set that state something about bags, in one direction
     /// each: not those whose sides are the same bag, as associativity,
     /// commutativity and the rules of signs are, nor those that would match
     /// everything. Rules of a weaker class than allowed are left out.
@@ -223,7 +223,7 @@ impl BagRule {
     }
 
     /// Both sides with the signs of the variables chosen so that rules which
-    /// differ in signs only have the same: a variable of a bag stands for
+    /// differ in signs only have the same: a variable of a bag represents
     /// values of either sign, so `distribute-sub` is `distribute`.
     pub(crate) fn sides(&self) -> (SignedPattern, SignedPattern) {
         let masks = 0..1u32 << self.variables.min(6);

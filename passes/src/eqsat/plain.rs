@@ -1,7 +1,7 @@
 //! Saturation with associativity and commutativity by rule.
 //!
 //! Operations enter as they are, on two operands, and every order and every
-//! parenthesis is a form of its own: 3^n of them for a sum of n terms. That is
+//! parenthesis is its own form: 3^n of them for a sum of n terms. That is
 //! for small windows, for questions about rules, and for the proof that bags
 //! merged earliest first lose nothing against it.
 

@@ -52,7 +52,7 @@ pub(crate) struct Rewriting {
 pub(crate) struct RewritingRound {
     /// In program order of their roots.
     pub(crate) rewritings: Vec<Rewriting>,
-    /// Windows looked at.
+    /// Windows considered.
     pub(crate) windows: u64,
     /// Of them those whose e-graph had no room for more forms.
     pub(crate) out_of_nodes: u64,

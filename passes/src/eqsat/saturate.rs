@@ -78,7 +78,7 @@ pub(crate) fn saturate(
     SaturationEnd::Iterations
 }
 
-/// True when what the variables stand for is known to meet the conditions.
+/// True when what the variables represent is known to meet the conditions.
 fn is_allowed(graph: &EquivalenceGraph, rule: &BagRule, found: &RuleMatch) -> bool {
     rule.conditions.iter().all(|condition| {
         let bound = found.bindings[condition.variable as usize].as_ref();

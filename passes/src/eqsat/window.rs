@@ -20,7 +20,7 @@ use std::collections::BinaryHeap;
 pub(crate) struct RewriteWindow {
     /// The operations rewritten, in program order; the last is the root.
     pub(crate) interior: Vec<Value>,
-    /// The operands that the leaves of the e-graph stand for.
+    /// The operands that the leaves of the e-graph represent.
     pub(crate) leaves: Vec<Operand>,
     /// Time at which each leaf is ready.
     pub(crate) times: Vec<u32>,
@@ -150,7 +150,7 @@ impl WindowImporter<'_, '_> {
         leaf
     }
 
-    /// Says of which angle a leaf is the sine or cosine.
+    /// Records of which angle a leaf is the sine or cosine.
     fn argument(&mut self, operand: Operand, leaf: Id) {
         let function = self.around.function;
         if let Some(value) = operand.value()

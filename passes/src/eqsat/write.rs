@@ -19,7 +19,7 @@ struct RewritingWriter<'a> {
 
 /// The function with the windows rewritten; equal operations are merged and
 /// dead ones removed. Also who made which of the new values, where the
-/// rewritings say so.
+/// rewritings state it.
 pub(crate) fn write(
     function: &Function,
     tables: &mut Tables,

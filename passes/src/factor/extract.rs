@@ -58,7 +58,7 @@ const UNIT: i64 = 12;
 
 /// Finds divisors that pay and applies them, the most promising first; gives
 /// the number of operations saved.
-/// `times`, if given, says what may be how late.
+/// `times`, if given, shows what may be how late.
 pub(super) fn extract(
     network: &mut FactorNetwork,
     order: &[u32],

@@ -1,7 +1,7 @@
 //! Fewer operations by algebra over the reals.
 //!
 //! A function is read into a `network` of n-ary sums and products in which no
-//! two values are equal or opposite, as their `fingerprint`s tell; `horner`
+//! two values are equal or opposite, as their `fingerprint`s show; `horner`
 //! writes polynomials by Horner's schemes if asked to, `extract` takes common
 //! factors and shared parts out, `times` keeps the longest path,
 //! and `write` makes trees of operations again. `factor` and `factor-trig` are
@@ -68,8 +68,8 @@ declare_pass! {
     /// Values are known by what they are at random points of two prime fields,
     /// so equal ones meet however they are written; what is zero, or the
     /// negation or a copy of another value, is not computed. Then pairs of terms
-    /// or factors that several sums or products have in common become values of
-    /// their own, and `a*b + a*c` becomes `a*(b + c)`, where that saves
+    /// or factors that several sums or products have in common become separate
+    /// values, and `a*b + a*c` becomes `a*(b + c)`, where that saves
     /// operations: the pairs that save most first (Hosangadi, Fallah and
     /// Kastner, 2006), in rounds until nothing is gained.
     ///

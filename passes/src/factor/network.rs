@@ -3,7 +3,7 @@
 //! **Invariants.** A node's value never changes; what is rewritten is how it
 //! is computed, so that its users need not be touched. No two live nodes have
 //! values that are equal or opposite: a value that is made is looked up by its
-//! fingerprint first. Operands stand at lower positions than their user, which
+//! fingerprint first. Operands are at lower positions than their user, which
 //! keeps the network free of cycles. `uses` counts reads by live nodes and by
 //! outputs; a node without uses does not count its operands, so `cost` is the
 //! number of operations of what the outputs need.
@@ -285,7 +285,7 @@ impl FactorNetwork {
     }
 
     /// Computes a live sum or product another way and returns how it was.
-    /// The operands must give the same value and stand at lower positions.
+    /// The operands must give the same value and are at lower positions.
     pub(crate) fn replace(
         &mut self,
         node: usize,
@@ -309,7 +309,7 @@ impl FactorNetwork {
         (old_kind, old)
     }
 
-    /// True when all these stand below a position.
+    /// True when all these are below a position.
     pub(crate) fn below(&self, edges: &[Edge], position: u64) -> bool {
         edges
             .iter()

@@ -22,7 +22,7 @@ declare_pass! {
     /// unit of the host has its own, sines. Bits change then, and the class is
     /// real: what is computed before the run is proved exactly as it was
     /// before constants are rounded, as of `specialise`. Functions whose values
-    /// have formats of their own keep theirs.
+    /// have their own formats keep theirs.
     pub struct Fold("fold") {
         /// Computes constants that binary32 does not hold.
         pub inexact: bool = false,

@@ -70,7 +70,7 @@ impl AccuracyCheck {
 }
 
 /// An error over what is allowed; where the exact number is not finite
-/// nothing can be said.
+/// nothing can be stated.
 fn ratio(exact: Double, computed: f64, allowed: f64) -> f64 {
     if !exact.high.is_finite() {
         return 0.0;

@@ -4,7 +4,7 @@
 //! With few elements operations decide, with many the longest path does, and
 //! between the two neither; so programs are placed and the schedules compared.
 //! Facts that hold for every list scheduler (a schedule is at least as long as
-//! the path, and as the operations of a kind over its elements) tell what need
+//! the path, and as the operations of a kind over its elements) show what need
 //! not be placed, and what need not be tried.
 //!
 //! Invariants:
@@ -33,7 +33,7 @@ use robovec_ir::Operation;
 ///
 /// # Errors
 ///
-/// Fails when not a single program can be made: what the first pass said.
+/// Fails when not a single program can be made: what the first pass stated.
 pub fn search<M: ProgramMaker>(
     maker: &mut M,
     starts: Vec<SearchStart<M::Program>>,

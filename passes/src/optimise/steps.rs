@@ -1,8 +1,8 @@
 //! The steps a search is made of: data, in the order in which they are tried.
 //!
-//! A *preparation* is what a start goes through first, a *move* is what a
-//! program may go through after it, and again after another move. Those most
-//! often best stand first, so that they win among equals.
+//! Every start goes through a *preparation* first; a program may
+//! go through a *move* after it, and again after another move. Those most
+//! often best are first, so that they win among equals.
 
 use robovec_analysis::class::NumericClass;
 use robovec_framework::pass::Registry;
@@ -22,9 +22,9 @@ pub enum StartForm {
 /// One step of a search.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SearchStep {
-    /// Its name, which steps of one kind share: the pipeline tells them apart.
+    /// Its name, which steps of one kind share: the pipeline distinguishes them.
     pub name: &'static str,
-    /// The passes it stands for.
+    /// The passes it represents.
     pub pipeline: &'static str,
     /// Its work per operation of the program it starts from, in the work of
     /// reassociating one: rounded from processor times at 4,000 operations;
@@ -38,7 +38,7 @@ pub struct SearchStep {
     /// True when it finds composite bodies in equations, which saves more than
     /// anything else does.
     pub finds_bodies: bool,
-    /// True for a preparation that every start goes through: it tells whether
+    /// True for a preparation that every start goes through: it shows whether
     /// the others promise anything.
     pub is_first: bool,
 }

@@ -39,7 +39,7 @@ pub struct VariantTrial<P> {
 }
 
 impl<P> VariantTrial<P> {
-    /// A program with what can be told without placing it.
+    /// A program with what can be reported without placing it.
     pub(super) fn new(
         (name, start, pipeline): (String, usize, String),
         program: P,

@@ -1,4 +1,4 @@
-//! The engine behind `zero-removal`, `swap` and `balance`.
+//! The engine of `zero-removal`, `swap` and `balance`.
 //!
 //! All three read the function as *groups*, a group being a signed sum of
 //! terms or a product of factors, and write each group anew as a tree of

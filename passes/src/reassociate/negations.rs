@@ -24,7 +24,7 @@ impl Negations {
         found.ok().map(|place| self.0[place].1)
     }
 
-    /// Decides for every group with the wrong sign; `latest` says, once it is
+    /// Decides for every group with the wrong sign; `latest` states, once it is
     /// known, how late results may be: those with the time for a `0 - x`
     /// after them have it there. Wishes are passed on to leaves.
     pub(super) fn plan<'t>(

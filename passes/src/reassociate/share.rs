@@ -1,7 +1,7 @@
 //! Pairs of leaves that occur together in several groups.
 //!
 //! Two terms that several sums have in common are worth adding once. The
-//! count of a pair says in how many groups it occurs; groups with many leaves
+//! count of a pair shows in how many groups it occurs; groups with many leaves
 //! are left out, so that the number of pairs stays linear.
 //!
 //! Counts are kept without their pairs, one byte per slot of a table four

@@ -37,7 +37,7 @@ impl Known {
 /// The expression that made a number.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum NumberExpression {
-    /// It stands in the function or in the scene.
+    /// It is in the function or in the scene.
     Literal(f64),
     /// By an operation on one or two earlier numbers; with one, the second
     /// repeats it.
@@ -55,7 +55,7 @@ pub(crate) struct KnownNumbers {
     /// Those with the same elements of the fields; more than one only where
     /// different numbers coincide there by accident.
     of_elements: HashMap<[u64; 2], SmallVec<[Known; 1]>, FxBuildHasher>,
-    /// The fields numbers are told apart in. The semantic check draws others.
+    /// The fields numbers are distinguished in. The semantic check draws others.
     fields: [PrimeField; 2],
     /// True where only numbers are made that binary64 holds.
     exact: bool,

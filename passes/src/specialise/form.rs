@@ -31,7 +31,7 @@ pub(super) struct LinearForm {
     pub(super) constant: Known,
     /// The equations it comes from.
     pub(super) sources: SourceSet,
-    /// The name of the value it stands for.
+    /// The name of the value it represents.
     pub(super) name: Name,
 }
 

@@ -78,12 +78,12 @@ fn empty(function: &Function, signature: &SliceSignature) -> Function {
     empty
 }
 
-/// The constant an operand of the numbered function stands for.
+/// The constant an operand of the numbered function represents.
 pub(crate) fn known(function: &Function, operand: Operand) -> Option<Known> {
     function.number(operand).map(|number| Known(number as u32))
 }
 
-/// Copies the body behind `first` nodes that are there.
+/// Copies the body after `first` nodes that are there.
 fn copy(
     numbered: &Function,
     signature: &SliceSignature,

@@ -18,7 +18,7 @@ pub(crate) fn apart<T>(operation: Operation, product: T, addend: T) -> (Operatio
     (operation, operands)
 }
 
-/// The fused operation whose product and addend change sign where said, and
+/// The fused operation whose product and addend change sign where stated, and
 /// whether its result is stored negated.
 pub(crate) fn turned(operation: Operation, product: bool, addend: bool) -> (Operation, bool) {
     let (first, second) = signs(operation);

@@ -2,7 +2,7 @@
 
 use hashbrown::HashTable;
 
-/// The places of things that a caller keeps, which also tells their hashes:
+/// The places of things that a caller keeps, which also gives their hashes:
 /// to keep those here would nearly double what a table of millions takes.
 #[derive(Clone, Default)]
 pub(crate) struct PlaceTable {
@@ -45,8 +45,8 @@ impl PlaceTable {
     }
 }
 
-/// A hash as the table wants it: it takes the slot from the low bits and tells
-/// neighbours apart by the high ones.
+/// A hash as the table wants it: it takes the slot from the low bits and
+/// distinguishes neighbours by the high ones.
 fn spread(hash: u64) -> u64 {
     (hash ^ hash >> 32).wrapping_mul(0x9e37_79b9_7f4a_7c15)
 }

@@ -33,7 +33,7 @@ impl SignedOperand {
         arrival: 0,
     };
 
-    /// The operand, standing for the negation if so asked.
+    /// The operand, representing the negation if so asked.
     pub(crate) fn flip(self, flip: bool) -> SignedOperand {
         SignedOperand {
             negative: self.negative ^ flip,
@@ -151,7 +151,7 @@ impl ArrivalTimes {
         ready.fold(0, u32::max).saturating_add(weight)
     }
 
-    /// Says when the next value is there.
+    /// Records when the next value is there.
     pub(crate) fn note(&mut self, time: u32) {
         self.times.push(time);
     }
@@ -191,7 +191,7 @@ impl SumWriter {
         }
     }
 
-    /// The same, but what is written is only looked at: it needs no names.
+    /// The same, but what is written is only considered: it needs no names.
     pub(crate) fn draft(old: &Function, level: Level, weights: Weights) -> SumWriter {
         let count = old.nodes().len();
         let mut out = old.skeleton(level);
@@ -316,7 +316,7 @@ impl SumWriter {
         })
     }
 
-    /// Joins two terms or factors; says whether it is the last operation of its
+    /// Joins two terms or factors; returns whether it is the last operation of its
     /// value, and which of two equal forms is taken ([`joining`]).
     pub(crate) fn join(
         &mut self,
@@ -375,7 +375,7 @@ impl SumWriter {
     }
 
     /// Lets every value be negated anew: where one is needed for another
-    /// equation, it says so.
+    /// equation, it states it.
     pub(crate) fn forget_negations(&mut self) {
         self.negated.clear();
     }

@@ -52,7 +52,7 @@ pub(super) struct Emitter<'a> {
 }
 
 impl<'a> Emitter<'a> {
-    /// Replaces the sines and cosines whose angles have a recipe, and says
+    /// Replaces the sines and cosines whose angles have a recipe, and returns
     /// how many there were.
     pub(super) fn run(
         function: &'a Function,
@@ -215,7 +215,7 @@ impl<'a> Emitter<'a> {
         }
     }
 
-    /// An angle that stands for its sine can be read as often as that was.
+    /// An angle that represents its sine can be read as often as that was.
     fn rename_angle(&mut self, angle: Operand, name: Name) {
         if let Some(value) = angle.value()
             && self.rewriter.new.node(value).name.is_none()

@@ -11,7 +11,7 @@ use robovec_num::trigonometry::host::{Implementation, KEY, TrigonometricUnit};
 const ORDER: u32 = 9;
 
 impl Trigonometry {
-    /// Records in the function what computes its sines and cosines, and tells
+    /// Records in the function what computes its sines and cosines, and reports
     /// what is proved of it.
     pub(super) fn record(
         &self,

@@ -3,7 +3,7 @@
 //! The thesis' machine adds and multiplies; sines and cosines are computed
 //! before the run, or the thesis cuts their series off (1.2.2). This pass
 //! writes them as polynomials ([`robovec_num::trigonometry`]) whose error on
-//! the range of each angle is proved, and says what it proved.
+//! the range of each angle is proved, and reports what it proved.
 
 mod builder;
 mod choose;
@@ -278,7 +278,7 @@ impl Trigonometry {
         Ok(())
     }
 
-    /// The bounds of every input element: those of the scene, when it says,
+    /// The bounds of every input element: those of the scene, if it has any,
     /// else `range`.
     fn input_bounds(&self, function: &Function, context: &Context<'_>) -> Vec<Interval> {
         let known = context.scene.map(Scene::known_inputs);

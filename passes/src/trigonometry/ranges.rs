@@ -28,7 +28,7 @@ const INPUT: u64 = 1 << 40;
 const CONSTANT: u64 = 2 << 40;
 
 impl Angles {
-    /// Follows the operands of all sines and cosines; `input` tells between
+    /// Follows the operands of all sines and cosines; `input` gives between
     /// which bounds an element lies.
     pub(super) fn new(function: &Function, input: &dyn Fn(Input) -> Interval) -> Angles {
         let needed = needed(function);

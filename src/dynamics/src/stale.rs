@@ -2,12 +2,12 @@
 //!
 //! Equations are generated from a model and then live on their own: the model
 //! is changed, a point added or a zero filled in, and the old files compile as
-//! before and give wrong results. What such a file says about itself (project,
+//! before and give wrong results. What such a file states about itself (project,
 //! number of joints) catches few of these cases. So the model's equations are
 //! generated again and compared with the file's as functions, at random points
 //! of a prime field with the model's zeros filled in: equal ones are right for
 //! the model whoever wrote them. Only when they differ does the comparison of
-//! used parameters say why.
+//! used parameters show why.
 
 mod explain;
 mod inputs;

@@ -146,11 +146,11 @@ pub(super) fn word(name: &str) -> String {
     word
 }
 
-/// Names that are given away, each with the number tried last behind it.
+/// Names that are given away, each with the number tried last after it.
 #[derive(Default, Debug)]
 pub(super) struct TakenNames(BTreeMap<String, u64>);
 
-/// The name, with a number behind it when another thing bears it.
+/// The name, with a number after it when another thing bears it.
 pub(super) fn unlike(name: String, taken: &mut TakenNames) -> String {
     let Some(&tried) = taken.0.get(&name) else {
         taken.0.insert(name.clone(), 1);

@@ -3,11 +3,11 @@
 //!
 //! A core is a function of scalars with one result. What is straight-line
 //! code over the operations of the representation is read; branches, loops,
-//! tensors and other functions are refused where they stand. The writer is a
+//! tensors and other functions are refused where they are. The writer is a
 //! target of the pass `codegen`.
 //!
 //! **Invariant.** Nesting costs memory, not stack: parentheses are read into
-//! an arena, and expressions are walked with a stack of their own.
+//! an arena, and expressions are walked with their own stack.
 
 mod core;
 mod lower;

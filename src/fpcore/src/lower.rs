@@ -34,7 +34,7 @@ struct CoreLowering<'f, 'text, 'p> {
     problems: &'p mut CoreProblems,
     tables: &'p mut Tables,
     terms: Terms,
-    /// The terms that a name stands for, the innermost last.
+    /// The terms that a name represents, the innermost last.
     scope: BTreeMap<&'text str, Vec<u32>>,
     steps: Vec<Step<'text>>,
     results: Vec<u32>,
@@ -321,7 +321,7 @@ impl<'text> CoreLowering<'_, 'text, '_> {
         true
     }
 
-    /// Says why an operation is not read.
+    /// Reports why an operation is not read.
     fn refuse(&mut self, tree: u32, name: &str) {
         const OURS: [&str; 8] = ["+", "-", "*", "/", "sqrt", "sin", "cos", "fma"];
         let reason = match name {

@@ -10,7 +10,7 @@ pub(super) enum CoreLiteral {
     /// The nearest number of binary64.
     Number(f64),
     /// The nearest number of binary64 to a decimal of more digits than
-    /// binary64 tells apart.
+    /// binary64 distinguishes.
     Long(f64),
     /// A number that binary64 does not hold.
     TooLarge,
@@ -20,7 +20,7 @@ pub(super) enum CoreLiteral {
     None,
 }
 
-/// Significant digits that binary64 tells apart.
+/// Significant digits that binary64 distinguishes.
 const DIGITS: usize = 17;
 
 pub(super) fn literal(atom: &str) -> CoreLiteral {

@@ -77,7 +77,7 @@ fn left_out(forest: &Forest<'_>, tree: u32, problems: &mut CoreProblems) {
     warn(forest, tree, message, problems);
 }
 
-/// Adds what a comparison says; `false` when it says something else than
+/// Adds what a comparison states; `false` when it states something else than
 /// ranges.
 fn compare<'a>(
     relation: &str,

@@ -1,6 +1,6 @@
 //! Expressions on their way into a function.
 //!
-//! In the text a binding may stand inside an expression; in a function every
+//! In the text a binding may be inside an expression; in a function every
 //! definition comes before the expressions that read it. So expressions are
 //! kept here until the core is read, and every bound one becomes a definition
 //! in the order they were read.
@@ -26,7 +26,7 @@ pub(super) enum Term {
     },
 }
 
-/// A term that a variable stands for.
+/// A term that a variable represents.
 #[derive(Clone, Copy, Debug)]
 struct BoundTerm {
     term: u32,
@@ -39,7 +39,7 @@ struct BoundTerm {
 #[derive(Default, Debug)]
 pub(super) struct Terms {
     terms: Vec<Term>,
-    /// True for the terms that a variable stands for.
+    /// True for the terms that a variable represents.
     named: Vec<bool>,
     /// The operand of a defined term, once it is made.
     defined: Vec<Operand>,

@@ -2,7 +2,7 @@
 //!
 //! **Invariant.** A file is read up to the limit of its kind, and a failure is a
 //! report that points into the text where it can. What a reader remarked is
-//! returned; telling it is left to the caller.
+//! returned; printing it is left to the caller.
 
 use crate::files::limited::{self, FileLimit};
 use robovec_ir::diagnostic::{Diagnostic, Label, Report, did_you_mean};
@@ -71,7 +71,7 @@ impl ReadEquations {
 }
 
 /// Name of a file in messages: only the last part, so that results do not
-/// depend on where one stands; `<stdin>` for `-`.
+/// depend on where one is; `<stdin>` for `-`.
 pub fn display_name(path: &Path) -> String {
     if path == Path::new("-") {
         return "<stdin>".to_owned();
@@ -85,7 +85,7 @@ pub fn display_name(path: &Path) -> String {
 ///
 /// # Errors
 ///
-/// Says why the file is not read, where its text is wrong, or that no function
+/// Reports why the file is not read, where its text is wrong, or that no function
 /// sets an output.
 pub fn equations(
     path: &Path,
@@ -114,7 +114,7 @@ pub fn equations(
 ///
 /// # Errors
 ///
-/// Says why the file is not read, or where its text is wrong.
+/// Reports why the file is not read, or where its text is wrong.
 pub fn equations_or_stubs(
     path: &Path,
     language: Option<EquationLanguage>,
@@ -177,17 +177,17 @@ static FLOATING: AtomicBool = AtomicBool::new(false);
 static RIGHT_ANGLE: AtomicU64 = AtomicU64::new(0);
 
 /// Sets how robots are read from now on, in the whole process; as
-/// [`RobotReading::default`] where nothing is said.
+/// [`RobotReading::default`] where nothing is stated.
 pub fn set_reading(reading: RobotReading) {
     FLOATING.store(reading.base == RobotBase::Floating, Ordering::Relaxed);
     RIGHT_ANGLE.store(reading.right_angle.to_bits(), Ordering::Relaxed);
 }
 
-/// Reads a model, a `.mbs` or a URDF file, a robot as [`set_reading`] said.
+/// Reads a model, a `.mbs` or a URDF file, a robot as [`set_reading`] set.
 ///
 /// # Errors
 ///
-/// Says why the file is not read, or where its text is wrong.
+/// Reports why the file is not read, or where its text is wrong.
 pub fn model(path: &Path) -> Result<ReadModel, Report> {
     if let Some(model) = built_in_name(path).and_then(family::built_in) {
         return Ok(ReadModel {
@@ -221,7 +221,7 @@ pub fn is_model_path(path: &Path) -> bool {
     is("mbs") || is("urdf") || built_in_name(path).is_some()
 }
 
-/// The name of a built-in model (`bogie`, `serial-23`) that stands in the place
+/// The name of a built-in model (`bogie`, `serial-23`) that is in the place
 /// of a file; a file of that name goes before it.
 fn built_in_name(path: &Path) -> Option<&str> {
     let name = path.to_str()?;
@@ -253,7 +253,7 @@ pub fn is_urdf(name: &str, bytes: &[u8]) -> bool {
 ///
 /// # Errors
 ///
-/// Says why the file is not read, or which byte is no UTF-8.
+/// Reports why the file is not read, or which byte is no UTF-8.
 pub fn text(path: &Path, limit: &FileLimit) -> Result<String, Report> {
     let bytes = limited::read(path, limit)?;
     let name = path.display().to_string();
@@ -264,7 +264,7 @@ pub fn text(path: &Path, limit: &FileLimit) -> Result<String, Report> {
 ///
 /// # Errors
 ///
-/// Says which machines there are, or where the file is wrong.
+/// Reports which machines there are, or where the file is wrong.
 pub fn machine(name: &str) -> Result<Machine, Report> {
     if let Some(machine) = Machine::built_in(name) {
         return Ok(machine);

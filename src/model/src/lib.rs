@@ -1,6 +1,6 @@
 //! Models: the bodies, joints, points and loops that equations are made of.
 //!
-//! A model is what a `.mbs` file holds without its drawings, or what a program
+//! A model has the contents of a `.mbs` file without its drawings, or what a program
 //! builds. Everything is a flat list in file order, because Robotran's numbers
 //! are places in these lists: a joint id counts joints over all bodies, a
 //! point id (the column of `dpt`) counts the points of the base first, then
@@ -202,7 +202,7 @@ pub struct Joint {
     pub actuated: bool,
     /// Initial position (m or rad), velocity and acceleration.
     pub initial: [f64; 3],
-    /// Place where its frame stands on the one before.
+    /// Place where its frame is on the one before.
     pub mounting: JointMounting,
     /// The least and the greatest position (m or rad), where the model limits it.
     pub limits: Option<[f64; 2]>,

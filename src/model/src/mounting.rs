@@ -1,7 +1,7 @@
 //! Mounting of a joint on its parent: turns and signs beyond Robotran's joints,
 //! whose axes are those of the frame before.
 //!
-//! The axis of a joint is always an axis of its own frame. Where it is none of
+//! The axis of a joint is always an axis of its frame. Where it is none of
 //! the frame before, constant rotations lie in between; they have no degree of
 //! freedom and no joint id. A joint that moves against its axis is reversed.
 
@@ -17,7 +17,7 @@ pub struct ConstantTurn {
     pub angle: f64,
 }
 
-/// Place where a joint's frame stands, and which way it moves.
+/// Place where a joint's frame is, and which way it moves.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct JointMounting {
     /// The constant rotations between the frame before and the joint's own, in

@@ -6,7 +6,7 @@ use robovec_ir::diagnostic::clip;
 use std::ops::Range;
 
 /// Warns of massless ends of the tree and of impossible inertias; `places` are
-/// where the names of bodies stand.
+/// where the names of bodies are.
 pub(super) fn remark(model: &Model, places: &[Range<usize>], messages: &mut Messages) {
     assert_eq!(
         places.len(),

@@ -34,7 +34,7 @@ pub(super) fn scaled(a: Point3, factor: f64) -> Point3 {
 }
 
 /// A rotation: its matrix takes components in a frame to those in the frame it
-/// stands on.
+/// is on.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Rotation3(pub(super) [[f64; 3]; 3]);
 
@@ -88,7 +88,7 @@ impl Rotation3 {
         Rotation3(product.map(|row| row.map(|x: f64| if x.abs() <= DUST { 0.0 } else { x })))
     }
 
-    /// A vector of the frame in the axes of the one it stands on.
+    /// A vector of the frame in the axes of the one it is on.
     pub(super) fn apply(&self, vector: Point3) -> Point3 {
         from_fn(|row| (0..3).map(|k| self.0[row][k] * vector[k]).sum())
     }
@@ -124,7 +124,7 @@ impl Rotation3 {
     }
 }
 
-/// Place where a frame stands on another one.
+/// Place where a frame is on another one.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct FramePose {
     pub(super) rotation: Rotation3,
@@ -138,7 +138,7 @@ impl FramePose {
         origin: [0.0; 3],
     };
 
-    /// A pose given in this frame, in the frame this one stands on.
+    /// A pose given in this frame, in the frame this one is on.
     pub(super) fn then(&self, other: &FramePose) -> FramePose {
         let moved = if self.rotation.is_identity() {
             other.origin

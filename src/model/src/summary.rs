@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 /// The summary of a model, several lines of text.
 ///
-/// In the tree, a body that hangs alone on another stands right below it; only
+/// In the tree, a body that hangs alone on another is right below it; only
 /// where a body carries several do their branches step to the right, so that
 /// long chains stay readable.
 pub fn summarise(model: &Model) -> String {
@@ -113,7 +113,7 @@ fn tree(model: &Model) -> String {
 }
 
 /// Puts the bodies that hang on one onto the stack, the last one lowest, each
-/// with what stands before its line and before those of its branch.
+/// with what is before its line and before those of its branch.
 fn push_children(children: &[usize], prefix: &str, stack: &mut Vec<(usize, String, String)>) {
     for (place, &child) in children.iter().enumerate().rev() {
         let (head, below) = match children.len() {

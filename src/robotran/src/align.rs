@@ -83,7 +83,7 @@ fn larger(one: Shape, other: Shape) -> Shape {
     }
 }
 
-/// The function with other arrays, each of which contains one of its own.
+/// The function with other arrays, each of which contains one of its arrays.
 fn rebuild(
     function: &Function,
     tables: &mut Tables,

@@ -31,8 +31,8 @@ pub fn is_control(byte: u8) -> bool {
     byte < b' ' && !matches!(byte, b'\n' | b'\r' | b'\t' | 0xb | 0xc)
 }
 
-/// The text of bytes of any number, decoded as [`decode`] does; `kind` says
-/// what kind of text is expected, for the message about one that is none.
+/// The text of bytes of any number, decoded as [`decode`] does; `kind` names
+/// the text expected, for the message about one that is none.
 pub fn decode_text<'a>(
     bytes: &'a [u8],
     kind: &str,
@@ -94,7 +94,7 @@ fn extension(name: &str) -> &str {
 }
 
 /// The language of a text: what the text shows beyond doubt, else what the
-/// name's extension says, else the style of its comments.
+/// name's extension states, else the style of its comments.
 pub(super) fn detect(name: &str, text: &str) -> Option<Language> {
     let by_extension = Language::from_extension(extension(name));
     let mut shown = Language::ALL

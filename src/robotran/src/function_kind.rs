@@ -119,7 +119,7 @@ impl FunctionKind {
     }
 
     /// True for parts of the whole step that Robotran makes on request only,
-    /// or has no function of its own for.
+    /// or has no function for.
     pub fn is_part_of_step(self) -> bool {
         matches!(
             self,
@@ -179,7 +179,7 @@ impl FunctionKind {
     }
 
     /// The function that gives what has this name: as [`FunctionKind::from_name`],
-    /// and `sensor_3` is what `sensor` gives third.
+    /// and `sensor_3` is the third result of `sensor`.
     pub fn with_name(name: &str) -> Option<FunctionKind> {
         let bare = name.trim_end_matches(|c: char| c.is_ascii_digit());
         FunctionKind::from_name(name)

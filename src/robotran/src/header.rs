@@ -31,7 +31,7 @@ pub(super) struct Header {
     /// Arrays whose extent does not follow from their use: rows, and columns
     /// or 0.
     pub(super) extents: Vec<(String, u32, u32)>,
-    /// Sizes that no file can have: where they stand, and why not.
+    /// Sizes that no file can have: where they are, and why not.
     pub(super) refused: Vec<(Range<usize>, String)>,
 }
 
@@ -63,7 +63,7 @@ impl Header {
         header
     }
 
-    /// A size of a comment, or `None` when no number stands there. One that
+    /// A size of a comment, or `None` when no number is there. One that
     /// is not allowed is remembered, with its place in the text.
     fn size(&mut self, written: &str, what: &str, limit: NumberLimit, text: &str) -> Option<u32> {
         // Both are pieces of one text.

@@ -64,7 +64,7 @@ use std::fmt;
 const ERROR_LIMIT: usize = 20;
 
 /// The limits of sizes in these files: name, limit, and what it is when the
-/// file does not say.
+/// file does not specify it.
 pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
     ("Number of joints (comment)", conventions::JOINTS, "as used"),
     ("Array extents (comment)", header::EXTENT, "as used"),
@@ -146,7 +146,7 @@ impl fmt::Display for ReadError {
 impl std::error::Error for ReadError {}
 
 /// Reads a file of Robotran's. The name serves messages, the source places of
-/// the module, and, where the text leaves it open, to tell the language and
+/// the module, and, where the text leaves it open, to find the language and
 /// the kind of file; `language` overrules what is found.
 ///
 /// # Errors
@@ -300,7 +300,7 @@ impl<T: TokenSource> Iterator for StatementTokens<'_, T> {
     }
 }
 
-/// Parses all statements; behind one that cannot be read it starts anew.
+/// Parses all statements; after one that cannot be read it starts anew.
 fn parse_tokens<'s, L: Surface<'s>>(
     text: &'s str,
     language: Language,

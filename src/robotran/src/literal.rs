@@ -3,7 +3,7 @@
 //! `1/2` is 0 in C and 0.5 in Matlab and Python, `010` is 8 in C, and `0.1f`
 //! is not 0.1. So a literal keeps its type, and expressions of literals alone
 //! are computed while the file is read, as the language computes them; what
-//! no 64-bit float can stand for is refused.
+//! no 64-bit float can represent is refused.
 
 use robovec_ir::Operation;
 use robovec_num::decimal::is_lost;
@@ -253,7 +253,7 @@ fn is_decimal_float(text: &str) -> bool {
         && text.bytes().any(|byte| !byte.is_ascii_digit())
 }
 
-/// A whole constant of C with its suffix, which says the least type.
+/// A whole constant of C with its suffix, which states the least type.
 fn whole_of_c(text: &str, radix: u32) -> Result<Literal, Unkept> {
     let digits = text.trim_end_matches(['u', 'l']);
     let suffix = &text[digits.len()..];
@@ -280,7 +280,7 @@ fn whole_of_c(text: &str, radix: u32) -> Result<Literal, Unkept> {
     Ok(Literal::Whole { value, long })
 }
 
-/// The digits of `0x1.8p1` behind its `0x`, in lower case.
+/// The digits of `0x1.8p1` after its `0x`, in lower case.
 fn hexadecimal_float(text: &str) -> Result<Literal, Unkept> {
     let (digits, exponent) = text.split_once('p').ok_or(NOT_A_NUMBER)?;
     let exponent: i32 = exponent.parse().map_err(|_| NOT_A_NUMBER)?;

@@ -4,7 +4,7 @@
 //! (`#define q s->q`), and people switch parts of a file on and off. A macro
 //! whose body is one name or one number is replaced exactly; any other may be
 //! defined but not used in an equation, because its tokens would have to be
-//! read as if they stood there. What a file does not say itself, such as the
+//! read as if they were there. What a file does not state itself, such as the
 //! macros of a compiler, is refused where it would decide what is read.
 
 use super::literal::{self, Literal};

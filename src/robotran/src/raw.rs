@@ -9,7 +9,7 @@ use logos::{Lexer, Logos, Skip};
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Raw {
     Word,
-    /// A word behind a structure: `s->q`, `np.sin`.
+    /// A word after a structure: `s->q`, `np.sin`.
     Member,
     /// A word with literal indices.
     Element,

@@ -38,7 +38,7 @@ pub(super) struct LexicalError {
 }
 
 impl LexicalError {
-    /// The error of what stands there.
+    /// The error of what is there.
     #[cold]
     pub(super) fn new(span: SourceSpan, message: &'static str, note: &'static str) -> LexicalError {
         LexicalError {

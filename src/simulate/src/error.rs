@@ -43,7 +43,7 @@ pub enum LoadError {
         /// Fault and its place.
         error: MifError,
     },
-    /// An image of another depth or width than the manifest says.
+    /// An image of another depth or width than the manifest states.
     #[error("'{file}' has {found} as its {what}, the manifest has {expected}")]
     ImageSize {
         /// The file.
@@ -314,7 +314,7 @@ pub enum Hazard {
         /// The element.
         element: String,
     },
-    /// An output's word was not written when the manifest says it is.
+    /// An output's word was not written when the manifest states it is.
     #[error("output {output}: {memory}[{address}] is not written in cycle {expected}")]
     OutputNotWritten {
         /// The output element.

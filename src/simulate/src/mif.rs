@@ -88,7 +88,7 @@ pub struct MifError {
 /// Faults of memory initialisation files.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum MifProblem {
-    /// Something else stands there.
+    /// Something else is there.
     #[error("expected {0}")]
     Expected(&'static str),
     /// A setting with an unknown name.
@@ -126,7 +126,7 @@ pub enum MifProblem {
         /// The address.
         address: u32,
     },
-    /// Text behind `END;`.
+    /// Text after `END;`.
     #[error("nothing may follow END")]
     AfterEnd,
 }

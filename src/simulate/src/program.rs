@@ -63,7 +63,7 @@ pub(super) struct MemoryUnit {
 #[derive(Clone, Debug)]
 pub(super) struct HostStep {
     pub(super) operation: Operation,
-    /// Behind the operands of the operation the first one again.
+    /// After the operands of the operation the first one again.
     pub(super) operands: [ValueReference; 3],
     /// Place where it is loaded.
     pub(super) words: Vec<u32>,

@@ -23,7 +23,7 @@ impl LoadedProgram {
         self.run_observed(inputs, &mut Silent)
     }
 
-    /// A run that tells an observer what happens in it.
+    /// A run that reports to an observer what happens in it.
     pub(super) fn run_observed<O: Observer>(
         &self,
         inputs: &[f64],

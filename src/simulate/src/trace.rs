@@ -1,6 +1,6 @@
 //! A run with everything that hardware can be compared with.
 //!
-//! Outputs say only whether a machine is right; a trace says where it goes
+//! Outputs show only whether a machine is right; a trace shows where it goes
 //! wrong first. It holds what a host loads before the run and every result
 //! with the cycle in which it is on its element's bus, as words of the
 //! machine's format. A test bench replays the former and compares the latter.

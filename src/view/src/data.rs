@@ -66,7 +66,7 @@ pub(super) struct FunctionData {
 }
 
 /// A state of a function: a column for each property of its statements, values
-/// first and outputs behind them.
+/// first and outputs after them.
 #[derive(Serialize)]
 pub(super) struct StateData {
     /// The pass that left the function so; absent for the state that was read.

@@ -3,8 +3,8 @@
 //! somebody who asks why an output is late.
 //!
 //! The page holds the data once, as columns ([`data`]), and a script that draws
-//! what is looked at. **Invariants.** A page refers to no other file and no
-//! address; it is the same bytes for the same run; statements of a state stand
+//! what is shown. **Invariants.** A page refers to no other file and no
+//! address; it is the same bytes for the same run; statements of a state are
 //! in the order of the text form, values before outputs.
 
 mod data;
@@ -45,7 +45,7 @@ pub struct ViewedRun<'a> {
     pub machine: &'a Machine,
     /// Source of random states.
     pub states: &'a States,
-    /// The files that equations stand in, name and text, as far as they are
+    /// The files that equations are in, name and text, as far as they are
     /// at hand.
     pub files: &'a [(String, String)],
     /// The model that the equations come from, where it is at hand.

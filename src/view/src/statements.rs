@@ -162,7 +162,7 @@ fn statement_lines(text: &str, count: usize) -> Vec<&str> {
     lines[first..].to_vec()
 }
 
-/// A definition without what stands elsewhere on the page: the slot, the words
+/// A definition without what is elsewhere on the page: the slot, the words
 /// of memory, the places.
 fn split(line: &str) -> (&str, &str) {
     let (name, right) = line.split_once(" = ").expect("a line defines one name");
@@ -192,7 +192,7 @@ fn relative_errors(
     (nodes, outputs.collect())
 }
 
-/// Two digits say enough on a page and keep it small.
+/// Two digits are enough on a page and keep it small.
 fn two_digits(number: f64) -> f32 {
     let text = format!("{number:.1e}");
     text.parse().expect("a number that was just printed")

@@ -7,10 +7,10 @@
 //! differences, products and quotients of angles are taken modulo `r`, and
 //! the sine and cosine of an angle `a` are the coordinates of the point
 //! `a·G` for a generator `G` of the subgroup. So `sin(a + b)`, `cos(2*a)` and
-//! `sin(a/3)` are what the theorems of addition say, for any expression of
+//! `sin(a/3)` are what the theorems of addition state, for any expression of
 //! angles that is rational in the inputs.
 //!
-//! What has passed through a sine, a cosine or a root is an angle of its own,
+//! What has passed through a sine, a cosine or a root is a new angle,
 //! drawn from its value.
 //!
 //! Two functions that agree here at a random point agree over the reals but
@@ -104,7 +104,7 @@ impl CircleField {
         result
     }
 
-    /// A value that is an angle of its own, odd in the value.
+    /// A value that is a new angle, odd in the value.
     fn fresh(&self, value: u64) -> Angular {
         if PrimeField::is_undefined(value) {
             return UNDEFINED;

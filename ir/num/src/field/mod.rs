@@ -8,13 +8,13 @@
 //! at random and come in pairs ([`Prime::pair`]): modulo 2⁶¹ − 1 the constant
 //! 2⁶¹ is 1, and whoever trusts that field alone drops it.
 //!
-//! What stands for what:
+//! Representations:
 //!
 //! - A literal is the dyadic rational its binary64 value is, exactly: the
 //!   mantissa times a power of two. `0.1` is therefore not one tenth.
 //! - Division multiplies by the inverse. Dividing by zero, or a literal that
 //!   is not finite, gives [`PrimeField::UNDEFINED`], and so does every
-//!   operation on it: such a point says nothing and must be drawn anew.
+//!   operation on it: such a point means nothing and must be drawn anew.
 //! - `sin` and `cos` are drawn from the seed and the argument's value, so
 //!   equal arguments give equal results. They keep what a pass may always
 //!   use, `sin(0) = 0`, `cos(0) = 1`, `sin(-x) = -sin(x)`, `cos(-x) = cos(x)`,
@@ -42,7 +42,7 @@ use crate::random::mix;
 /// The point at which functions are evaluated: the seed of the random elements.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct FieldPoint {
-    /// Selects the random elements that stand for inputs, sines, cosines and
+    /// Selects the random elements that represent inputs, sines, cosines and
     /// square roots.
     pub seed: u64,
 }
@@ -55,7 +55,7 @@ pub trait Field: Arithmetic<Number: PartialEq> + Sized {
     /// Its prime.
     fn prime(&self) -> Prime;
 
-    /// The random element that stands for an input element; it depends on
+    /// The random element that represents an input element; it depends on
     /// the point and the index alone.
     fn input(&self, index: u64) -> Self::Number;
 
@@ -84,7 +84,7 @@ pub trait Field: Arithmetic<Number: PartialEq> + Sized {
 pub struct PrimeField {
     /// The number of elements.
     pub prime: Prime,
-    /// Selects the random elements that stand for inputs, sines, cosines and
+    /// Selects the random elements that represent inputs, sines, cosines and
     /// square roots.
     pub seed: u64,
     /// True to draw sine and cosine as a point of the unit circle, false to
@@ -148,7 +148,7 @@ impl PrimeField {
         }
     }
 
-    /// A random element that stands for the inverse of a number, odd in the
+    /// A random element that represents the inverse of a number, odd in the
     /// number, and for nothing else: `x*(1/y)*y` is not `x` with it, since
     /// the one has a value where `y` is zero and the other has none.
     pub fn guarded_inverse(&self, number: u64) -> u64 {

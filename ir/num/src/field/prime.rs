@@ -2,7 +2,7 @@
 //!
 //! A field of 2⁶¹ − 1 elements would be the fastest, but 2⁶¹ is 1 there, and
 //! programs contain powers of two. The primes here are drawn at random, so
-//! that no constant of a program stands in any relation to them but by
+//! that no constant of a program is in any relation to them but by
 //! accident.
 //!
 //! Numbers are kept in Montgomery's form: `x` as `x·2⁶⁴ mod p`, which makes a
@@ -117,7 +117,7 @@ impl Modulus {
         self.mul(number % self.modulus, self.square)
     }
 
-    /// The natural number below the modulus that a number stands for.
+    /// The natural number below the modulus that a number represents.
     pub fn plain(&self, number: u64) -> u64 {
         self.mul(number, 1)
     }
@@ -165,7 +165,7 @@ pub struct Prime {
     /// The order `r` of the subgroup of the circle.
     pub(super) order: Modulus,
     /// Squares that the prime was drawn for, and their roots, which are
-    /// squares too; pairs of zeros behind the last.
+    /// squares too; pairs of zeros after the last.
     pub(super) roots: [(u64, u64); MAX_RADICANDS],
 }
 

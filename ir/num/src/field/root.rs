@@ -1,7 +1,7 @@
 //! The prime field with square roots that are roots.
 //!
 //! In [`PrimeField`](super::PrimeField) the square of a root has nothing to do
-//! with what stands under it, so that `(√a − √b)(√a + √b)` is not `a − b`.
+//! with what is under it, so that `(√a − √b)(√a + √b)` is not `a − b`.
 //! Half of its elements are no squares; but −1 is none of them, and with a
 //! root `i` of −1 every element has one: that of `a`, or `i` times that of
 //! `−a`. So numbers are `re + i·im` here. A root of a number that has an
@@ -42,7 +42,7 @@ impl Gaussian {
 }
 
 impl RootField {
-    /// An element that stands for a number in draws, odd in it: its size and
+    /// An element that represents a number in draws, odd in it: its size and
     /// whether it is the negation.
     fn size(&self, a: Gaussian) -> (u64, bool) {
         let (real, negative) = self.plain.without_sign(a.real);

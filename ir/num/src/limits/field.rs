@@ -13,9 +13,9 @@ use std::fmt;
 pub trait LimitedField: Sized {
     /// The type with a number that was compared with its limit, and so fits.
     fn from_amount(amount: Amount) -> Self;
-    /// The number a value stands for, if it stands for one.
+    /// The number a value represents, if it represents one.
     fn amount(&self) -> Option<Amount>;
-    /// The value of a field that is there and says nothing (`null`), where
+    /// The value of a field that is there and means nothing (`null`), where
     /// that is one.
     fn nothing() -> Option<Self> {
         None

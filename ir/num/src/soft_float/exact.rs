@@ -1,4 +1,4 @@
-//! Exact results as integers, for what binary64 cannot tell.
+//! Exact results as integers, for what binary64 cannot show.
 //!
 //! Every function returns `None` where binary64's own result is exact: for
 //! operands or results that are zero, and for infinities and NaN.
@@ -6,7 +6,7 @@
 /// A finite number that is not zero: `significand * 2^exponent` with a sign.
 ///
 /// Invariant: where the number was not exact, the last bit of the significand
-/// is set ("and a little more") and at least 62 bits stand before it.
+/// is set ("and a little more") and at least 62 bits are before it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ExactNumber {
     pub(super) negative: bool,

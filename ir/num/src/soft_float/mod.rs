@@ -1,7 +1,7 @@
 //! Arithmetic in any number format, bit for bit.
 //!
 //! The numbers of every format up to binary64 are binary64 numbers, so that
-//! is what they travel as: no conversion stands between two formats, and an
+//! is what they travel as: no conversion is between two formats, and an
 //! operation of one format reads the results of another as they are. What
 //! makes a format is only how an exact result is rounded ([`rounding`]).
 //!
@@ -24,7 +24,7 @@
 //! **Flushing** (`subnormals = false`): a number below the least normal one
 //! becomes a zero with its sign. Results are judged before they are rounded,
 //! which is the cheaper test in hardware; conversions after it. Sums that small
-//! are exact, so only products and quotients can tell the difference.
+//! are exact, so only products and quotients can show the difference.
 //!
 //! **Fixed point** knows neither infinities nor NaN, and only one zero.
 //! Results beyond the range saturate. What would be an infinity saturates

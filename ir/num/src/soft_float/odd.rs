@@ -1,10 +1,10 @@
 //! Binary64 results rounded to odd, then once into the format.
 //!
 //! Rounding to odd takes, of the two neighbours of a result that is not
-//! exact, the one whose last bit is set. That bit then says "and a little
+//! exact, the one whose last bit is set. That bit then states "and a little
 //! more or less", so the second rounding sees on which side of a tie the
 //! exact result lies, as long as the format has two bits less than binary64.
-//! The error-free transformations that tell the error of the first rounding
+//! The error-free transformations that show the error of the first rounding
 //! hold only far from the ends of binary64's range; near them, and for formats
 //! with more bits, [`exact`] computes with integers instead.
 

@@ -4,7 +4,7 @@ use super::exact::ExactNumber;
 use crate::NumberFormat;
 use crate::format::{FixedFormat, Format};
 
-/// The most bits behind the leading one for which binary64 rounded to odd
+/// The most bits after the leading one for which binary64 rounded to odd
 /// carries enough.
 const NARROW: u32 = 50;
 

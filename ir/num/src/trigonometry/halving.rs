@@ -1,4 +1,4 @@
-//! Angles halved before a polynomial, and doubled again behind it.
+//! Angles halved before a polynomial, and doubled again after it.
 //!
 //! `sin 2y = 2 sin y cos y` and `cos 2y = 1 - 2 sin² y` hold without any
 //! comparison, so straight-line code can reduce its range with them: with `K`
@@ -16,9 +16,9 @@ use crate::interval::Interval;
 /// A sine and a cosine of an angle divided by a power of two, doubled back.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Halved {
-    /// Stands for the sine of the small angle.
+    /// Represents the sine of the small angle.
     pub sine: Polynomial,
-    /// Stands for the cosine of the small angle.
+    /// Represents the cosine of the small angle.
     pub cosine: Polynomial,
     /// The number of times the angle is halved.
     pub halvings: u32,

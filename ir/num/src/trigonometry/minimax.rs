@@ -72,7 +72,7 @@ impl Polynomial {
     /// is a number of `format`. Kernels begin with the series' own `1` and
     /// `-1/2`, whose products are exact, to lose nothing for small angles.
     ///
-    /// `None` where nothing can be fitted: no room behind the leading
+    /// `None` where nothing can be fitted: no room after the leading
     /// coefficients, a range of zero or beyond [`LARGEST_RANGE`].
     pub fn minimax_behind(
         of: Circular,
@@ -106,7 +106,7 @@ struct Grid {
     wanted: Vec<Double>,
 }
 
-/// The best coefficients behind some fixed ones; `None` when the algorithm
+/// The best coefficients after some fixed ones; `None` when the algorithm
 /// breaks down.
 fn fit(of: Circular, fixed: &[f64], terms: usize, range: f64) -> Option<Vec<Double>> {
     let range = Double::from(range);

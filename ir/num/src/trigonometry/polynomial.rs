@@ -1,4 +1,4 @@
-//! Polynomials that stand for a sine or a cosine.
+//! Polynomials that represent a sine or a cosine.
 
 use crate::double_double::Double;
 use crate::format::Format;
@@ -69,7 +69,7 @@ pub const LARGEST_RANGE: f64 = 32.0;
 /// Invariant: there is at least one coefficient.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Polynomial {
-    /// The function that it stands for.
+    /// The function that it represents.
     pub of: Circular,
     /// Its coefficients, as they are used.
     pub coefficients: Vec<f64>,

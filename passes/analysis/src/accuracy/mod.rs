@@ -25,11 +25,11 @@
 //! relative or mixed error in any such state; only the absolute and normwise
 //! measures see it. A computed number that
 //! is not finite where the exact one is has an infinite error. States in which
-//! the exact value is itself not finite say nothing and are left out; an
+//! the exact value is itself not finite mean nothing and are left out; an
 //! output without any other state has the error NaN. Inputs are representable
 //! in binary32 ([`States`]), so what is measured is the rounding of the
 //! program, not of its data, unless a narrower format rounds that; literals
-//! that a format cannot hold do count. Values with a format of their own keep
+//! that a format cannot hold do count. Values with their own format keep
 //! it whatever format is asked for.
 
 mod samples;
@@ -382,12 +382,12 @@ enum FormatMemory {
     Binary32(Vec<[f32; LANES]>),
     Binary64(Vec<[f64; LANES]>),
     Soft(FormatArithmetic, Vec<[f64; LANES]>),
-    /// Some values have formats of their own, the others this one.
+    /// Some values have their own formats, the others this one.
     Mixed(Format),
 }
 
-/// True when a function says how its values are computed: in formats of their
-/// own, or with the sines and cosines of a host of its own.
+/// True when a function shows how its values are computed: in formats of their
+/// own, or with the sines and cosines of its own host.
 fn needs_mixed(view: View<'_>) -> bool {
     view.function.formats.is_some() || view.function.metadata(host::KEY).is_some()
 }

@@ -15,7 +15,7 @@ pub struct StateSpread {
 }
 
 impl StateSpread {
-    /// Of something that no state says anything about.
+    /// Of something that no state states anything about.
     pub const NOWHERE: StateSpread = StateSpread {
         median: f64::NAN,
         percentile_99: f64::NAN,

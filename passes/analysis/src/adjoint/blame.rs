@@ -18,12 +18,12 @@ pub struct Blame {
 /// The part of an equation of the user in the error.
 #[derive(Clone, PartialEq, Debug)]
 pub struct EquationBlame {
-    /// Its place; `None` when the function does not say, and operations are
+    /// Its place; `None` when the function does not specify it, and operations are
     /// gathered by name.
     pub place: Option<SourcePlace>,
     /// The symbol it defines; `None` when nothing bears a name.
     pub name: Option<Symbol>,
-    /// Its part of all contributions, 0 to 1. An operation that stands for
+    /// Its part of all contributions, 0 to 1. An operation that represents
     /// several equations counts for each with an equal part.
     pub share: f64,
     /// The number of its operations that lost something.
@@ -42,7 +42,7 @@ impl Blame {
 
     /// Adds the contributions to some outputs of a run, by their places in
     /// [`Function::assignments`]. A run in which one of them is not finite
-    /// says nothing of the share of anything and is refused.
+    /// states nothing of the share of anything and is refused.
     ///
     /// # Panics
     ///

@@ -14,7 +14,7 @@
 //!   error comes from ([`Blame`]).
 //!
 //! Why at points and not over boxes: along a chain of joints enclosures
-//! widen by a constant factor per rotation (the wrapping effect) and say
+//! widen by a constant factor per rotation (the wrapping effect) and state
 //! nothing after a few dozen; a sum of adjoints does not widen. Enclosures of
 //! small windows are in [`super::interval`].
 //!
@@ -92,7 +92,7 @@ pub struct OutputError {
     /// The signed prediction of `actual`.
     pub predicted: f64,
     /// No smaller than the size of `actual`; infinite where nothing can be
-    /// said, as after an overflow or a division by zero.
+    /// stated, as after an overflow or a division by zero.
     pub bound: f64,
 }
 

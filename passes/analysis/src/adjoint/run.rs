@@ -46,7 +46,7 @@ impl<'a> AdjointRun<'a> {
         AdjointRun::beside(tape, computed, |_| format, inputs)
     }
 
-    /// Runs a function in a format, its values in formats of their own where
+    /// Runs a function in a format, its values in their own formats where
     /// it gives them some. The tape is the function's.
     ///
     /// # Panics

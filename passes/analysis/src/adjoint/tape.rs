@@ -1,6 +1,6 @@
 //! The tape: a function as a list of operations over numbered slots.
 //!
-//! Nodes, inputs and constants lie behind one another in one vector of
+//! Nodes, inputs and constants lie after one another in one vector of
 //! *slots*, so that a sweep over the function in either direction fetches an
 //! operand with one index and no branch. A tape depends on the function alone
 //! and serves any number of states.
@@ -27,7 +27,7 @@ pub enum TapeSlot {
     Input(Input),
     /// A literal.
     Constant(Constant),
-    /// The slot behind all others, which absent operands refer to.
+    /// The slot after all others, which absent operands refer to.
     Nothing,
 }
 

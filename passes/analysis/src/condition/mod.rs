@@ -8,7 +8,7 @@
 //! cond = sum over the inputs of |dy/dx x| / |y|,
 //! ```
 //!
-//! says how many times larger than that of the inputs the relative error of
+//! shows how many times larger than that of the inputs the relative error of
 //! the result must be expected to be (Higham, *Accuracy and Stability of
 //! Numerical Algorithms*, 2002, section 1.6). An error of about `cond u` is
 //! that of a hard problem; one far above it is made by the code
@@ -21,8 +21,8 @@
 //! - [`Sensitivities`]: estimated for all outputs at once, by derivatives
 //!   along a few random directions.
 //!
-//! [`spectral`] has the condition number of a symmetric matrix, which says
-//! what solving with it will do to whatever error it has.
+//! [`spectral`] has the condition number of a symmetric matrix, which gives
+//! the factor by which solving with it can increase an error.
 
 mod sensitivity;
 pub mod spectral;

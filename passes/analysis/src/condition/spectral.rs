@@ -5,7 +5,7 @@
 //! matter are bisected by counting signs (Golub and Van Loan, *Matrix
 //! Computations*, 2013, sections 8.3.1 and 8.4.1). Eigenvalues come out with
 //! an absolute error of some rounding errors of the largest, so condition
-//! numbers beyond 10¹⁵ say only that they are that large.
+//! numbers beyond 10¹⁵ state only that they are that large.
 
 use std::iter::once;
 

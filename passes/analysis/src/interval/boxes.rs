@@ -1,8 +1,8 @@
 //! Bounds over boxes: branch and bound on the ranges of a window's leaves.
 //!
-//! One enclosure bounds every operation by itself, at the ranges where it
+//! One enclosure bounds every operation alone, at the ranges where it
 //! loses most. No state is at all of these places at once, and intervals
-//! forget that one leaf stands behind two operands. In small boxes neither
+//! forget that two operands read one leaf. In small boxes neither
 //! matters: the bound of a box tends to the sum over operations of adjoint
 //! times loss at one state. So the box with the largest bound is cut in two
 //! until the bound is near what it is at a state, or the work is spent. The

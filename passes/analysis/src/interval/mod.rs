@@ -9,13 +9,13 @@
 //! holds for every state in the ranges, not only to first order.
 //!
 //! Why only windows: along a chain of rotations enclosures double every two
-//! joints, and after some thousand operations they say nothing. Up to about
+//! joints, and after some thousand operations they mean nothing. Up to about
 //! six joints they are as tight as what specialised tools prove.
 //!
 //! What the leaves can be is known only for inputs with given ranges. Ranges
 //! of other inputs are those that random states are drawn from, and ranges of
 //! inner values are *assumed*: the hull of sampled values, widened by a
-//! margin. Whatever rests on an assumed range says so ([`RangeBasis`]).
+//! margin. Whatever rests on an assumed range states it ([`RangeBasis`]).
 
 mod assumed;
 mod boxes;
@@ -37,7 +37,7 @@ use robovec_num::interval::{Enclosing, Interval};
 use robovec_num::soft_float::FormatArithmetic;
 
 /// The usual number of operations of a window; beyond some thousand the
-/// enclosures widen faster than they tell.
+/// enclosures widen faster than they show.
 pub const USUAL: usize = 1000;
 
 /// The enclosures of a window.
@@ -50,7 +50,7 @@ pub struct WindowEnclosure {
     /// The largest loss of each of them by its own rounding.
     pub local: Vec<f64>,
     /// The error of the window's value at most, if the leaves that are values
-    /// have none; infinite where nothing can be said.
+    /// have none; infinite where nothing can be stated.
     pub error: f64,
 }
 

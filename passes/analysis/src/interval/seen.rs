@@ -1,6 +1,6 @@
 //! Errors that were seen: a window run at states of its ranges.
 //!
-//! A bound tells how large errors can be, not how large they are. What is
+//! A bound shows how large errors can be, not how large they are. What is
 //! found here is the other end: no bound can be lower.
 
 use super::{ConeWindow, GivenData, WindowLeaves};

@@ -15,7 +15,7 @@ pub struct ConeWindow {
     /// The nodes inside, in program order; the last one is the value. None
     /// for a value that is an input or a literal.
     pub nodes: Vec<usize>,
-    /// For every node the places of its operands: leaves first, nodes behind.
+    /// For every node the places of its operands: leaves first, then nodes.
     pub(super) operands: Vec<[usize; 3]>,
 }
 

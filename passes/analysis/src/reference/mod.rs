@@ -5,11 +5,11 @@
 //!
 //! - [`ReferenceEffort::DoubleDouble`]: about 106 bits and no proof; some fifty bits
 //!   to spare over binary64 leave little doubt, and it is the fastest.
-//! - [`ReferenceEffort::Certified`]: double-double with a bound of its own error.
+//! - [`ReferenceEffort::Certified`]: double-double with a bound of its error.
 //!   Outputs whose ball holds a change from one binary64 number to the next
 //!   are computed again in arbitrary precision, with twice the bits until
 //!   one number is left ([Ziv's strategy](precise)). Outputs that are zero by
-//!   an identity, which no precision would ever tell, are recognised in the
+//!   an identity, which no precision would ever show, are recognised in the
 //!   prime field.
 //! - [`ReferenceEffort::Audit`]: everything in arbitrary precision, which shares no
 //!   arithmetic with double-double.
@@ -77,7 +77,7 @@ pub enum ExactEvidence {
     DoubleDouble,
     /// Number of bits, which leave one binary64 number.
     Precise(u32),
-    /// Zero by an identity, or beyond telling from zero.
+    /// Zero by an identity, or not distinguishable from zero.
     Zero,
     /// Not certain: not finite, or the bits that are tried at most were too
     /// few.
@@ -88,7 +88,7 @@ pub enum ExactEvidence {
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ExactOutput {
     /// The value; its upper half is the nearest binary64 number, proved
-    /// unless `kind` says otherwise.
+    /// unless `kind` states otherwise.
     pub value: Double,
     /// The largest distance of the real number from the value; infinite without
     /// a proof.

@@ -1,11 +1,11 @@
-//! Arbitrary precision with a bound of its own error, raised until one
+//! Arbitrary precision with a bound of its error, raised until one
 //! binary64 number is nearest.
 //!
 //! The strategy is Ziv's ("Fast evaluation of elementary mathematical
 //! functions with correctly rounded last bit", 1991), for whole functions:
 //! compute with so many bits and a radius; where the ends of the ball round to
 //! different binary64 numbers, compute again with twice as many. A value that
-//! is still not told from zero with [`MAX_BITS`] bits counts as zero: it is less
+//! is still not distinguished from zero with [`MAX_BITS`] bits counts as zero: it is less
 //! than 2⁻⁹⁰⁰ of the terms that it is the sum of, or zero by an identity that
 //! the prime field does not know.
 //!
@@ -42,7 +42,7 @@ struct PreciseBall {
 
 /// Computes the wanted assignments of a function so precisely that each is
 /// within its bound of one binary64 number. `places` counts them from 0, in
-/// ascending order; `zeros` says of all assignments which are zero by an
+/// ascending order; `zeros` states of all assignments which are zero by an
 /// identity.
 pub(super) fn evaluate(
     function: &Function,

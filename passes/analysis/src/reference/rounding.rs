@@ -5,7 +5,7 @@ use astro_float::{BigFloat, Sign, Word};
 /// Number of the library's words in 64 bits.
 const WORDS: usize = (64 / Word::BITS) as usize;
 
-/// The top 64 bits of a number's mantissa, whether anything stands below
+/// The top 64 bits of a number's mantissa, whether anything is below
 /// them, and the exponent `e` with which the number is the mantissa as a
 /// fraction below one times `2^e`; `None` for zero and what is not a number.
 fn top(number: &BigFloat) -> Option<(u64, bool, i32)> {

@@ -2,12 +2,12 @@
 //! whose operations round up or down by chance.
 //!
 //! Every run has other rounding errors of the same sizes, so the spread of an
-//! output over the runs tells how far rounding to nearest can have brought it
+//! output over the runs shows how far rounding to nearest can have brought it
 //! from the exact value, without knowing that value (Parker, *Monte Carlo
 //! Arithmetic*, 1997; Vignes' CESTAC method takes three runs). It costs
 //! [`SAMPLES`] evaluations for all outputs together, where adjoints cost a
 //! sweep for every few of them, and it sees cancellations and correlations
-//! that a bound adds up in size. It is no bound: it says where an error will
+//! that a bound adds up in size. It is no bound: it shows where an error will
 //! be with a certain probability.
 //!
 //! How sigma is to be read: an operation that rounds by chance has an error
@@ -76,7 +76,7 @@ pub fn supports(format: Format) -> Result<(), Unsupported> {
     Rounder::new(format).map(|_| ())
 }
 
-/// Samples the roundings of a function at one state and gives what they say
+/// Samples the roundings of a function at one state and gives what they state
 /// of every assignment, in order.
 ///
 /// # Errors

@@ -78,7 +78,7 @@ impl Rounder {
         })
     }
 
-    /// Rounds all lanes, each with 32 random bits of its own.
+    /// Rounds all lanes, each with 32 other random bits.
     #[inline]
     pub(super) fn round(&self, exact: [f64; LANES], random: [u32; LANES]) -> [f64; LANES] {
         let [low, high] = self.normal;

@@ -131,7 +131,7 @@ fn batch(writer: &BatchWriter<'_>) -> String {
 }
 
 /// The function that makes runs of states, or states of runs. A full batch
-/// whose elements stand side by side is copied in blocks: a number at a time
+/// whose elements are side by side is copied in blocks: a number at a time
 /// takes a load and a store for each, a block of registers takes one of both
 /// for a row, and shuffles between them.
 fn copy(writer: &BatchWriter<'_>, is_gather: bool) -> String {

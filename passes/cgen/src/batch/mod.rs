@@ -7,9 +7,9 @@
 //!
 //! What decides the speed of such code is where values are, so:
 //!
-//! * operations stand in an order that keeps few values waiting
+//! * operations are in an order that keeps few values waiting
 //!   ([`crate::emit::order`]);
-//! * they stand in functions of bounded length ([`plan`]), since compilers
+//! * they are in functions of bounded length ([`plan`]), since compilers
 //!   take quadratic time for long ones; what crosses from one to the next
 //!   lies in a work array whose words are reused;
 //! * inputs, sines and cosines are read where they are used and never kept;

@@ -59,7 +59,7 @@ pub(super) struct BatchPlan {
     /// Angles of all groups.
     pub(super) angles: u32,
     angle_numbers: HashMap<Operand, u32, FxBuildHasher>,
-    /// Consecutive steps that stand in a function of their own.
+    /// Consecutive steps that are in their own function.
     pub(super) parts: Vec<Vec<CodeStep>>,
     pub(super) items: Vec<BatchItem>,
     /// Values that travel from part to part.
@@ -279,8 +279,8 @@ fn uniform(function: &Function, shared: &[bool]) -> Vec<bool> {
     uniform
 }
 
-/// For each value how many times sines or cosines of computed angles stand
-/// before it, one behind the other.
+/// For each value how many times sines or cosines of computed angles are
+/// before it, one after the other.
 fn stages(function: &Function, uniform: &[bool]) -> Vec<u32> {
     let mut stages: Vec<u32> = Vec::with_capacity(uniform.len());
     for (value, node) in function.values() {

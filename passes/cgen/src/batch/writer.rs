@@ -45,7 +45,7 @@ impl<'a> BatchWriter<'a> {
         self.view.function
     }
 
-    /// A template with the words of every file and some of its own.
+    /// A template with the words of every file and some others.
     pub(super) fn fill(&self, template: &str, own: &[(&str, &dyn Display)]) -> String {
         let vector = self.kernel.vector();
         let width = self.width();
@@ -59,7 +59,7 @@ impl<'a> BatchWriter<'a> {
         fill(template, &[&words, own].concat())
     }
 
-    /// The macro that says how many lanes a vector has; 0 without vectors.
+    /// The macro that shows how many lanes a vector has; 0 without vectors.
     fn width(&self) -> String {
         format!("ROBOVEC_{}", self.kernel.suffix().to_ascii_uppercase())
     }

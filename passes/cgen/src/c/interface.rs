@@ -389,7 +389,7 @@ pub(super) fn result(kind: Option<EquationKind>) -> &'static str {
     }
 }
 
-/// The kind of a function that one bounded C function can stand for.
+/// The kind of a function that one bounded C function can represent.
 fn robotran_kind(function: &Function) -> Result<EquationKind, SignatureError> {
     let name = || function.name.clone();
     if function.metadata("part").is_some() {

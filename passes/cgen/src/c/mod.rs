@@ -6,9 +6,9 @@
 //! project of MBsysC is built with one file exchanged. In both, arrays count
 //! from 1 (`q[1]` is the first element, `q[0]` is never touched).
 //!
-//! Every operation stands in the grouping of the representation, so that the
+//! Every operation is in the grouping of the representation, so that the
 //! result equals the evaluator's bit for bit when the C compiler does not
-//! contract (`-ffp-contract=off`), computes in the type it is told to
+//! contract (`-ffp-contract=off`), computes in the type it is given
 //! (`FLT_EVAL_METHOD` 0, as on every 64-bit processor) and sines are the
 //! library's ([`Sines::Library`]).
 //!
@@ -18,7 +18,7 @@
 //! whose words are reused.
 //!
 //! **Order.** What a processor waits for in straight-line code are values
-//! that have left its registers. Statements stand in an order in which values
+//! that have left its registers. Statements are in an order in which values
 //! are read soon after they are made ([`super::emit::order`]), and each output is written
 //! where its value is known, unless writing it could change an input.
 //!
@@ -87,7 +87,7 @@ pub struct Options {
     pub order: StatementOrder,
     /// Operations per part.
     pub part: u32,
-    /// The function is for the file alone that it stands in (`static`).
+    /// The function is for the file alone that it is in (`static`).
     pub is_local: bool,
 }
 

@@ -26,13 +26,13 @@ pub(super) struct CodePart {
 
 /// The plan of a generated function.
 pub(super) struct CodePlan {
-    /// For each node: whether its operation stands inside the expression of
+    /// For each node: whether its operation is inside the expression of
     /// its only user.
     inlined: Vec<bool>,
     pub(super) parts: Vec<CodePart>,
     /// The number of parts before the sines are computed.
     pub(super) head: usize,
-    /// True when all parts stand in one function.
+    /// True when all parts are in one function.
     pub(super) is_flat: bool,
     pub(super) slots: Slots,
     crossing: Crossing,
@@ -82,7 +82,7 @@ impl CodePlan {
         plan
     }
 
-    /// True when the node's operation stands in its user's expression.
+    /// True when the node's operation is in its user's expression.
     pub(super) fn is_inlined(&self, value: Value) -> bool {
         self.inlined[value.index()]
     }
@@ -103,7 +103,7 @@ impl CodePlan {
     }
 
     /// Finds the values that cross from part to part; none does when all
-    /// stand in one function.
+    /// are in one function.
     fn cross(&self, function: &Function) -> Crossing {
         let parts = if self.is_flat { &[] } else { &*self.parts };
         let traffic: Vec<PartValues> = parts
@@ -153,7 +153,7 @@ impl CodePlan {
     }
 }
 
-/// The operations before the sines, angles last, and those behind them.
+/// The operations before the sines, angles last, and those after them.
 fn apart(
     function: &Function,
     ordered: Vec<CodeStep>,
@@ -213,8 +213,8 @@ fn mark(function: &Function, operand: Operand, marked: &mut [bool]) {
     }
 }
 
-/// Unnamed operations stand inside their user's expression. What outputs are
-/// set to is a variable when outputs stand last, so that it is computed before.
+/// Unnamed operations are inside their user's expression. What outputs are
+/// set to is a variable when outputs are last, so that it is computed before.
 fn inlining(function: &Function, outputs_last: bool) -> Inlining {
     let given = assigned(function);
     Inlining::new(function, |value, node| {

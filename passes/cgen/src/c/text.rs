@@ -147,7 +147,7 @@ impl<'a> PlainWriter<'a> {
         }
     }
 
-    /// A part as a function of its own.
+    /// A part as its own function.
     fn part(&self, text: &mut String, number: usize, part: &CodePart) {
         let mut list = self.interface.inner.clone();
         list.add(&format!("{} *restrict ", self.real.name()), &self.work);

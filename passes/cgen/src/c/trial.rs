@@ -1,8 +1,8 @@
 //! A main program that tries generated C, or compares it with others' C.
 //!
 //! It fills one state, calls every contestant, compares the outputs with
-//! what the evaluator gave at this state, and says how far they are off; its
-//! exit code says whether they agree. With the argument `time` it also
+//! what the evaluator gave at this state, and shows how far they are off; its
+//! exit code shows whether they agree. With the argument `time` it also
 //! measures: processor time of the thread, least of many short windows, the
 //! contestants in turn, so that a loaded machine disturbs all alike. With
 //! `print` it prints the outputs.
@@ -48,7 +48,7 @@ impl TrialState {
 
 /// The text of a main program for functions of one signature: that of `view`
 /// with these options. `contestants` are the names they are linked under;
-/// the first one is what ratios are told against.
+/// ratios are relative to the first one.
 pub fn trial_main(
     view: View<'_>,
     options: &Options,

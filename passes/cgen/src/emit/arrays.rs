@@ -40,8 +40,8 @@ pub(crate) fn rank(shape: Shape) -> usize {
     }
 }
 
-/// An array as a parameter. `rows` is what a matrix is told by: a name with
-/// brackets behind it, or a pointer to rows.
+/// An array as a parameter. `rows` declares a matrix: a name with
+/// brackets after it, or a pointer to rows.
 pub(crate) fn parameter(
     real: Real,
     name: &str,

@@ -2,7 +2,7 @@
 //!
 //! A body is cut into functions of bounded length. What one defines and a
 //! later one reads lies in a work array in between, in a word that is free
-//! again behind the last function that reads it.
+//! again after the last function that reads it.
 
 use robovec_ir::Value;
 use std::ops::Range;
@@ -12,7 +12,7 @@ use std::ops::Range;
 pub(crate) struct PartValues {
     pub(crate) defined: Vec<Value>,
     /// The values it reads, its own and others', in the order in which others'
-    /// shall be loaded; some may stand there more than once.
+    /// shall be loaded; some may be there more than once.
     pub(crate) read: Vec<Value>,
 }
 
@@ -29,7 +29,7 @@ pub(crate) struct Crossing {
 
 impl Crossing {
     /// Gives words to the values, out of so many, that cross between the
-    /// functions. The first `taken` words are in use; `freed` tells which of
+    /// functions. The first `taken` words are in use; `freed` shows which of
     /// them are free when a function begins.
     pub(crate) fn new(
         values: usize,

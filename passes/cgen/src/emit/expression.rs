@@ -4,7 +4,7 @@ use super::Real;
 use robovec_ir::Operation;
 
 /// The binding strength of a text; what binds less tightly than its place asks
-/// for stands in parentheses.
+/// for is in parentheses.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Tightness {
     /// Less than anything: only parentheses hold it.

@@ -15,8 +15,8 @@ pub(crate) const APART: &str = "#if defined(__GNUC__)\n\
 /// taken when the program is loaded (GCC manual, function attribute
 /// `target_clones`): a build for any processor is then nearly as fast as one
 /// for this one. A build for processors that have them needs no clones, and
-/// `-DROBOVEC_CLONES=` does without. Stands behind a header of the library,
-/// which tells whether it can choose.
+/// `-DROBOVEC_CLONES=` does without. Follows a header of the library,
+/// which shows whether it can choose.
 pub(crate) const CLONES: &str = "#if !defined(ROBOVEC_CLONES)\n\
     #if defined(__GNUC__) && __GNUC__ >= 12 && !defined(__clang__) && !defined(__INTEL_COMPILER) \\\n    \
     && defined(__x86_64__) && defined(__GLIBC__) && !defined(__AVX2__)\n\
@@ -29,7 +29,7 @@ pub(crate) fn quoted(text: &str) -> String {
     text.replace("*/", "* /")
 }
 
-/// Lines of a comment that say what the caller must do about calls of the
+/// Lines of a comment that show what the caller must do about calls of the
 /// user's functions.
 pub(crate) fn boundaries(function: &Function) -> String {
     let mut text = String::new();
@@ -67,7 +67,7 @@ impl ParameterList {
         self.list.iter().map(|(_, name)| name.as_str())
     }
 
-    /// The declarations; C says `void` where there are none.
+    /// The declarations; C writes `void` where there are none.
     pub(crate) fn declared(&self) -> String {
         let declarations: Vec<&str> = self.list.iter().map(|(text, _)| text.as_str()).collect();
         if declarations.is_empty() {

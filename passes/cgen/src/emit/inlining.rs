@@ -1,4 +1,4 @@
-//! The operations that stand inside the expression of the only one that reads
+//! The operations that are inside the expression of the only one that reads
 //! them.
 
 use robovec_ir::{Function, Node, Value};
@@ -6,7 +6,7 @@ use robovec_ir::{Function, Node, Value};
 /// Most operations of one expression.
 const LARGEST: u32 = 24;
 
-/// For each value whether it stands inside the expression of its reader.
+/// For each value whether it is inside the expression of its reader.
 pub(crate) struct Inlining {
     /// True for values that have no variable.
     pub(crate) inlined: Vec<bool>,
@@ -15,7 +15,7 @@ pub(crate) struct Inlining {
 }
 
 impl Inlining {
-    /// Puts every value inside its only reader's expression that may stand
+    /// Puts every value inside its only reader's expression that may be
     /// there, as long as the expression stays short.
     pub(crate) fn new(function: &Function, may_stand: impl Fn(Value, &Node) -> bool) -> Inlining {
         let uses = function.use_counts();

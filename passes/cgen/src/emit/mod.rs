@@ -2,20 +2,20 @@
 //!
 //! Plain C ([`super::c`]), C that takes the place of Robotran's, C for batches
 //! ([`super::batch`]) and C with loops ([`super::rolled`]) differ in what
-//! stands where. What a piece of C looks like is decided here, once:
+//! is where. What a piece of C looks like is decided here, once:
 //!
 //! * [`names`]: names that C accepts, each for one thing only;
 //! * [`expression`]: literals, operations and their parentheses;
 //! * [`arrays`]: arrays that count from 1, as parameters and as elements;
 //! * [`frame`]: comments, headers, parameters and definitions of functions;
-//! * [`inlining`]: which operations stand inside the expression of another;
-//! * [`order`]: in which order statements stand;
+//! * [`inlining`]: which operations are inside the expression of another;
+//! * [`order`]: in which order statements are;
 //! * [`crossing`]: how values travel from one function to the next.
 //!
 //! Text that is fixed is a C file beside its writer, with words between `@`
 //! for what a function decides ([`robovec_framework::template`]).
 //!
-//! Invariant: nothing here depends on a target but by an argument that says in
+//! Invariant: nothing here depends on a target but by an argument that states in
 //! what they differ, so that a rule of C is stated once.
 
 pub(super) mod arrays;

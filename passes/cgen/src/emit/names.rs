@@ -26,7 +26,7 @@ pub(crate) struct CNames {
     taken: HashSet<String, FxBuildHasher>,
     /// For names asked for again the number that was tried last.
     numbers: HashMap<String, u32, FxBuildHasher>,
-    /// Stands before what does not begin with a letter.
+    /// Prefix of names that do not begin with a letter.
     first: &'static str,
     /// True when names with [`OWN_PREFIX`] are left to the text itself.
     keeps_prefix: bool,
@@ -38,7 +38,7 @@ impl CNames {
         CNames::without(&ROOT, "v", false)
     }
 
-    /// The names of text that has words of its own, and types and functions
+    /// The names of text that has its own words, and types and functions
     /// that begin with `robovec_`.
     pub(crate) fn beside(words: &[&str]) -> CNames {
         CNames::without(words, "v_", true)

@@ -3,7 +3,7 @@
 //! An address that a statement reads or writes is known for every pass of its
 //! loop. Most often it is affine in the iterations of the loops around; where
 //! a few passes differ, at the ends of a chain, the function that most of them
-//! agree on tells where their values should be put.
+//! agree on shows where their values should be put.
 
 /// `base + factors . iterations`.
 #[derive(Clone, PartialEq, Eq, Debug)]

@@ -6,7 +6,7 @@
 //! make vectors of them; then the loops that compute values, which store them
 //! pass by pass; then all others, which take things as they lie. Where an
 //! address is affine but for a few passes, at the ends of a chain, the few
-//! values move; where it is not affine at all, a table says where to read.
+//! values move; where it is not affine at all, a table shows where to read.
 
 mod places;
 
@@ -45,7 +45,7 @@ pub(super) struct RolledLayout<'a> {
     occupied: Vec<bool>,
     /// For each access the words that it reads instead of the values' own.
     moved: Vec<Map<Operand, u32>>,
-    /// The copies, with the element of the program they stand before.
+    /// The copies, with the element of the program they are before.
     copied: Vec<(usize, Operand, u32)>,
     table_index: HashMap<Vec<u32>, usize, FxBuildHasher>,
     constant_index: HashMap<Vec<u64>, usize, FxBuildHasher>,
@@ -335,7 +335,7 @@ impl<'a> RolledLayout<'a> {
     }
 
     /// The loop of sines and cosines reads its angles, and writes its
-    /// results, one behind the other.
+    /// results, one after the other.
     fn circles(&mut self, resolved: &Resolved) {
         let Some(circles) = self.nest.loops.iter().position(|place| place.circular) else {
             return;

@@ -80,7 +80,7 @@ pub struct RolledSummary {
     pub operations: usize,
     /// Operations of it that loops carry out.
     pub rolled: usize,
-    /// Operations that stand in the code, each once.
+    /// Operations that are in the code, each once.
     pub written: usize,
     /// Loops in the code.
     pub loops: usize,

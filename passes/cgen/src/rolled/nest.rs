@@ -1,8 +1,8 @@
-//! Loops as they stand in the code.
+//! Loops as written in the code.
 //!
 //! One loop of the code has a *visit* for every pass of the loop around it,
 //! and passes in every visit; a *pass* is numbered over all visits. A
-//! *position* is a statement of the code: what it stands for, pass by pass,
+//! *position* is a statement of the code: what it represents, pass by pass,
 //! is a list of statements of the program.
 //!
 //! Visit `k` of a loop belongs to pass `k` of the loop around it.
@@ -22,9 +22,9 @@ pub(super) enum BodyElement {
 /// A statement of the code.
 #[derive(Clone, Debug)]
 pub(super) struct Position {
-    /// The loop it stands in.
+    /// The loop it is in.
     pub(super) owner: Option<usize>,
-    /// The statements it stands for, one per pass.
+    /// The statements it represents, one per pass.
     pub(super) statements: Vec<u32>,
 }
 
@@ -33,7 +33,7 @@ pub(super) struct Position {
 pub(super) struct NestLoop {
     /// The loop around it.
     pub(super) parent: Option<usize>,
-    /// The number of loops it stands in, itself included.
+    /// The number of loops it is in, itself included.
     pub(super) depth: usize,
     /// For each visit its first pass; one more at the end.
     pub(super) starts: Vec<u32>,
@@ -68,7 +68,7 @@ pub(super) struct Nest {
     /// For each value the position that computes it, if a statement does, and
     /// the pass.
     pub(super) producers: Vec<Option<(u32, u32)>>,
-    /// For each position the element of the program it stands in.
+    /// For each position the element of the program it is in.
     pub(super) tops: Vec<usize>,
 }
 
@@ -115,7 +115,7 @@ impl Nest {
         BodyElement::Position(self.positions.len() - 1)
     }
 
-    /// Appends a statement behind everything.
+    /// Appends a statement after everything.
     pub(super) fn append(&mut self, statement: u32) {
         let top = self.items.len();
         let position = self.position(None, top, vec![statement]);
@@ -282,7 +282,7 @@ impl Nest {
     }
 
     /// The pass of a loop around (or of the loop itself) that a pass of a
-    /// loop belongs to; `None` when it does not stand in that loop.
+    /// loop belongs to; `None` when it is not in that loop.
     pub(super) fn enclosing(&self, from: usize, pass: usize, target: usize) -> Option<usize> {
         let (mut number, mut pass) = (from, pass);
         while number != target {

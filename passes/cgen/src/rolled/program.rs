@@ -1,6 +1,6 @@
 //! The rolled program: loops, statements, and where everything is found.
 //!
-//! It stands on its own: [`super::unroll`] runs it, and [`super::text`] writes
+//! It needs nothing else: [`super::unroll`] runs it, and [`super::text`] writes
 //! it, without looking at the function it was made from.
 
 use super::nest::BodyElement;
@@ -120,7 +120,7 @@ pub(super) struct RolledProgram {
     pub(super) carried: Vec<Carried>,
     /// For each loop the variables it carries.
     pub(super) carries: Vec<Vec<usize>>,
-    /// Copies, with the element of the program they stand before; in order.
+    /// Copies, with the element of the program they are before; in order.
     pub(super) copies: Vec<(usize, Copy)>,
     /// Words of the work array.
     pub(super) work: u32,

@@ -103,7 +103,7 @@ const ANGLES: usize = 4;
 
 /// The statements that are the sine and the cosine of an input, in the order
 /// of the inputs, the sine first. They need nothing but the inputs, so they
-/// may stand before everything, where one call computes them all.
+/// may be before everything, where one call computes them all.
 fn circles(statements: &Statements) -> Vec<u32> {
     let mut found: Vec<(Operand, bool, u32)> = Vec::new();
     for (number, statement) in (0u32..).zip(&statements.list) {
@@ -134,7 +134,7 @@ fn circles(statements: &Statements) -> Vec<u32> {
 struct Finder {
     letters: HashMap<Vec<u32>, u32, FxBuildHasher>,
     bodies: HashMap<Vec<u32>, u32, FxBuildHasher>,
-    /// For each letter the statements in one pass of what it stands for.
+    /// For each letter the statements in one pass of what it represents.
     sizes: Vec<usize>,
     runs: Vec<LoopRun>,
 }

@@ -52,7 +52,7 @@ pub(super) struct Resolved {
     pub(super) carried: Vec<Carry>,
 }
 
-/// Resolves all leaves. `parts` says for each element of the program which
+/// Resolves all leaves. `parts` states for each element of the program which
 /// part it belongs to: within one, results are variables.
 pub(super) fn resolve(nest: &Nest, statements: &Statements, parts: &[u32]) -> Resolved {
     let mut resolver = Resolver {
@@ -194,7 +194,7 @@ impl Resolver<'_> {
     }
 }
 
-/// The part of every element of the program: a loop is a part of its own,
+/// The part of every element of the program: a loop is its own part,
 /// statements outside of loops share parts of bounded length.
 pub(super) fn parts(nest: &Nest, statements: &Statements, longest: usize) -> Vec<u32> {
     let mut parts = Vec::with_capacity(nest.items.len());

@@ -227,7 +227,7 @@ impl<'a> RolledWriter<'a> {
     ///
     /// None of them is `restrict`: with it gcc 12 vectorises some loops into
     /// code that stores wrong numbers (seen on a program of 18,764 operations,
-    /// right without optimisation), and independent loops say so themselves.
+    /// right without optimisation), and independent loops state it themselves.
     fn parameters(&self, used: Option<&Used>) -> ParameterList {
         let mut list = ParameterList::default();
         let function = self.function;

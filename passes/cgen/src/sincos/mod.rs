@@ -12,7 +12,7 @@
 //! contracts, and the results are within 1 ulp (measured: 0.79 in both types) for angles up to [`KernelConstants::limit`]. Larger ones, and what
 //! is no number, are found by their bits and left to the library.
 //!
-//! The text stands alone: [`SineKernel::types`] once, then whichever functions
+//! The text needs no other: [`SineKernel::types`] once, then whichever functions
 //! are called. Where the compiler has no vector extensions, or
 //! `ROBOVEC_SCALAR` is defined, a vector is one number and the library
 //! computes.
@@ -53,7 +53,7 @@ impl SineKernel {
         format!("{letter}{}", self.lanes)
     }
 
-    /// The C type of a vector in registers and in arrays of its own.
+    /// The C type of a vector in registers and in its own arrays.
     pub(crate) fn vector(self) -> String {
         format!("robovec_{}", self.suffix())
     }
@@ -74,7 +74,7 @@ impl SineKernel {
         format!("robovec_sincos_runs_{}", self.suffix())
     }
 
-    /// The types: to stand before the functions, once in a file. Needs
+    /// The types: to be written before the functions, once in a file. Needs
     /// nothing; includes `math.h`.
     pub(crate) fn types(self) -> String {
         text::types(self)
@@ -82,7 +82,7 @@ impl SineKernel {
 
     /// `static void robovec_sincos_d8(long count, const double *angles,
     /// double *sines, double *cosines)`: any number of angles that lie one
-    /// behind the other, for scalar code. The arrays need no alignment and
+    /// after the other, for scalar code. The arrays need no alignment and
     /// may not overlap.
     pub(crate) fn arrays(self) -> String {
         text::arrays(self)

@@ -2,13 +2,13 @@
 //!
 //! A stage of an operator takes what its steps take
 //! ([`CoreStep`](crate::rtl::cores::CoreStep)), from the figures of the
-//! device ([`Device`]). What stands between the operators is short and known:
+//! device ([`Device`]). What is between the operators is short and known:
 //! operands come from a block memory, results cross the crossbar into one.
 //! Delays of nets lie between two bounds, so every estimate is a range.
 //!
 //! **Invariant.** A machine on a device has one clock: reports, searches,
 //! studies of robovec's own hardware and projects take it from [`clock`], and
-//! clocks that somebody published are told apart by their origin.
+//! clocks that somebody published are distinguished by their origin.
 
 use super::shape::MachineShape;
 use crate::rtl::cores::{self, OperatorCore, stage_delay};
@@ -29,7 +29,7 @@ pub struct Estimate {
     pub high: f64,
 }
 
-/// The clock that a machine is said to have.
+/// The clock that a machine is stated to have.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct MachineClock {
     /// Of a cycle, MHz.
@@ -92,7 +92,7 @@ pub fn published_clock(machine: &Machine) -> MachineClock {
 
 /// The estimate for a machine's elements: of a cycle, which has several clocks
 /// where memories are shared in time. How good it is, the device's `origin`
-/// says.
+/// states.
 pub fn estimated_clock_mhz(machine: &Machine) -> Estimate {
     // Neither the length of programs nor their words matter.
     estimate_of(&MachineShape::of(machine, 1024, 1024))

@@ -2,7 +2,7 @@
 //! nothing is synthesised.
 //!
 //! The device is a Cyclone V, as in the thesis. [`MachineShape`] settles every size
-//! of a machine, [`parts`] says what each part of it takes, in tables,
+//! of a machine, [`parts`] shows what each part of it takes, in tables,
 //! registers, memory blocks and multiplier blocks.
 //!
 //! **Invariant.** This is the only place with such formulas: searches,

@@ -3,7 +3,7 @@
 //! The formulas follow the Verilog under `hdl/` and what is generated around
 //! it, part by part, so that a change there has one place here. They hold for
 //! any number of elements, format, latency, memory style and size; yosys'
-//! mapping is what they are compared with (`robovec rtl --synthesise`).
+//! mapping is their comparison (`robovec rtl --synthesise`).
 
 use super::ResourceUse;
 use super::interconnect::{Terminals, interconnect};

@@ -26,7 +26,7 @@ pub(super) fn host_sources(hardware: &Hardware) -> Vec<u32> {
 
 /// The legs of every write port: with a full crossbar all sources; else the
 /// one that carries the host's words first, since leg 0 is what an unknown
-/// select, and the 0 of an idle machine, stand for.
+/// select, and the 0 of an idle machine, represent.
 fn legs_of(hardware: &Hardware) -> Vec<Vec<u32>> {
     let sizes = hardware.sizes();
     let ports = sizes.elements * sizes.memories * sizes.write_ports;

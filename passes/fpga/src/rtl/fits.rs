@@ -99,7 +99,7 @@ pub(super) fn of_traffic(traffic: &Traffic<'_>, hardware: &Hardware) -> Hardware
     fit
 }
 
-/// Missing pairs that are named; of the others the number is told.
+/// Missing pairs that are named; of the others the number is reported.
 const MAX_NAMED: usize = 5;
 
 impl HardwareFit {

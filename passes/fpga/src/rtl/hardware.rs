@@ -1,7 +1,7 @@
 //! The description of the hardware: the machine file with every size settled.
 //!
-//! A machine file may leave sizes open, a schedule says how many elements
-//! there are. Hardware is what both come to, and stays when the next program
+//! A machine file may leave sizes open, a schedule shows how many elements
+//! there are. Hardware is the result of both, and stays when the next program
 //! comes: `machine.json` keeps it beside the generated text, and a program
 //! fits when its traffic stays within.
 
@@ -251,7 +251,7 @@ impl Hardware {
         self.machine.memory.style.banks() as u32
     }
 
-    /// The names of an element's memories, behind the element's own.
+    /// The names of an element's memories, after the element's own.
     pub(super) fn memory_suffixes(&self) -> &'static [&'static str] {
         match self.machine.memory.style {
             MemoryStyle::Unified | MemoryStyle::FourPort => &[""],

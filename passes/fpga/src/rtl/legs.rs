@@ -48,7 +48,7 @@ pub(super) fn validate(legs: &[Vec<u32>], sizes: &Sizes) -> Result<(), RtlError>
 ///
 /// While the host writes, every select is 0, so a port that has the source 0
 /// takes that one; the others take as few sources as a greedy choice finds,
-/// since each of them costs a multiplexer of its own.
+/// since each of them costs its own multiplexer.
 pub(super) fn host_legs(legs: &[Vec<u32>], write_ports: u32) -> Vec<Option<u32>> {
     let first: Vec<&Vec<u32>> = legs.iter().step_by(write_ports as usize).collect();
     let mut chosen: Vec<Option<u32>> = first

@@ -1,7 +1,7 @@
 //! Hardware in Verilog.
 //!
 //! What does not depend on the shape of a machine is written by hand under
-//! `hdl/` and travels inside the compiler; here stands what has to be chosen
+//! `hdl/` and travels inside the compiler; here are the parts to be chosen
 //! or generated for one machine: the elements, the crossbar, the top
 //! `robovec_machine`, and the images that it runs. Their frame is Verilog
 //! beside the writers, with words between `@` for what a machine decides.

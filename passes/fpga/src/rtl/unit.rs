@@ -1,4 +1,4 @@
-//! The operators of an element: which cores it has, what tells them apart,
+//! The operators of an element: which cores it has, what distinguishes them,
 //! and whose result is put on the bus.
 
 use super::cores::{self, OperatorCore};

@@ -51,7 +51,7 @@ impl Block {
     }
 }
 
-/// The smallest number of bits that tells `count` things apart.
+/// The smallest number of bits that distinguishes `count` things.
 fn log2(count: u32) -> u32 {
     count.next_power_of_two().trailing_zeros()
 }

@@ -8,7 +8,7 @@
 //!
 //!     cargo test --release -p robovec-fpga --features softfloat --test all rtl_cores:: -- --ignored --nocapture --test-threads 1
 //!
-//! In every run `enable` is low now and then, while other operands stand at
+//! In every run `enable` is low now and then, while other operands are at
 //! the inputs: a result must come exactly as many enabled clocks after its
 //! operands as the operator has stages, and must stay while nothing is
 //! enabled.
@@ -50,7 +50,7 @@ fn devices(core: OperatorCore) -> Vec<&'static Device> {
     }
 }
 
-/// Says loudly that a simulator is missing.
+/// Reports loudly that a simulator is missing.
 fn is_missing(simulator: Simulator) -> bool {
     let missing = !simulator.is_installed();
     if missing {

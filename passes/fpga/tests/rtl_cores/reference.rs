@@ -2,7 +2,7 @@
 //! of any format listed here.
 //!
 //! The simulator's arithmetic must agree with it, words of NaN included, so
-//! that what the simulator says of a machine is what the hardware does; with
+//! that what the simulator states of a machine is what the hardware does; with
 //! the feature `softfloat` Berkeley SoftFloat must as well. Formats without
 //! subnormal numbers have their rule put on top here: small operands count as
 //! zero, and a result is too small when it is so rounded towards zero.

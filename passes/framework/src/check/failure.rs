@@ -54,8 +54,8 @@ pub enum FailureKind {
     },
     /// They differ in numbers.
     Numbers(Values),
-    /// An element of a derivative is not what dual numbers give, which stands
-    /// for the value before.
+    /// An element of a derivative is not what dual numbers give, which are
+    /// given as the value before.
     Derivative(Values),
     /// One divides by what becomes zero where the other is defined.
     Pole(Values),
@@ -67,9 +67,9 @@ pub enum FailureKind {
         reason: String,
     },
     /// They differ by rounding, and the pass claimed to be exact, or values
-    /// have formats of their own.
+    /// have their own formats.
     Bits {
-        /// The format of values that have none of their own.
+        /// The format of values that have none.
         format: &'static str,
         /// The values.
         values: Values,

@@ -9,7 +9,7 @@
 //!     unless their difference vanishes modulo the prime. Sine and cosine are
 //!     points of the circle, on which angles add up, for *real-trig* and
 //!     independent elements otherwise; for *real* the square of a root is what
-//!     stands under it;
+//!     is under it;
 //!   - in double-double within a bound of its error that follows from the
 //!     operations, at states near and far, whole and not, positive and
 //!     negative, and near the constants of both versions. This image decides
@@ -23,7 +23,7 @@
 //!   zero at every point has no value in a field, nor a bound; as IEEE
 //!   arithmetic may still end in a number (`1/(1/0)`), it is compared in
 //!   double-double with a tolerance;
-//! - *exact*, and every function in which values have formats of their own:
+//! - *exact*, and every function in which values have their own formats:
 //!   all outputs are also bit-equal in binary64 and binary32, or in these
 //!   formats, save that zeros of either sign are equal (a minus becomes
 //!   `0 - x`) and that outputs on whose way something was infinite or NaN may
@@ -35,7 +35,7 @@
 //! compared, in the same two images, with dual numbers of the function before
 //! ([`check_derivative`]).
 //!
-//! Beside the verdict stands what the pass did to the rounding error of the
+//! Beside the verdict is the effect of the pass on the rounding error of the
 //! outputs, in binary32 and binary64 against double-double.
 //!
 //! The field check is one-sided: what it rejects differs as a function of

@@ -2,8 +2,8 @@
 //!
 //! A field knows neither which numbers are positive nor where a function is
 //! not defined, and constants may vanish in it. So both versions are also
-//! evaluated over the real numbers, in double-double with a bound of its own
-//! error, at states near and far, whole and not, positive and negative, and
+//! evaluated over the real numbers, in double-double with a bound of
+//! its error, at states near and far, whole and not, positive and negative, and
 //! near the constants of the versions, where roots and quotients change their
 //! sign. Outputs whose bounds do not touch are different numbers.
 

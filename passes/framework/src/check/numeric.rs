@@ -21,7 +21,7 @@ fn places(states: u32) -> impl Iterator<Item = StatePlace> {
 }
 
 /// The first output that is not bit-equal in binary64 or binary32, values
-/// that have formats of their own being in those.
+/// that have their own formats being in those.
 pub(super) fn first_bit_difference(
     pairs: &Pairs<'_>,
     source: &States,

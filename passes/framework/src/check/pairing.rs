@@ -35,13 +35,13 @@ enum Inputs {
     Same,
     /// The version after is made for a scene.
     Scene(SceneInputs),
-    /// The version after holds several instances, of which one is looked at.
+    /// The version after holds several instances, of which one is considered.
     Instance(InstanceInputs),
 }
 
 /// Inputs of several instances of a function.
 struct InstanceInputs {
-    /// The instance looked at, from 1.
+    /// The instance considered, from 1.
     instance: u32,
     /// Their number.
     count: u32,
@@ -393,7 +393,7 @@ pub(super) fn described(view: View<'_>, arrays: &[Array]) -> Vec<(String, Shape)
 }
 
 /// Refuses arrays that are not these, in this order; `otherwise` is what is
-/// said of the first odd one.
+/// reported of the first odd one.
 pub(super) fn same_arrays(
     what: &str,
     wanted: &[(String, Shape)],
@@ -414,7 +414,7 @@ pub(super) fn same_arrays(
     })
 }
 
-/// The sizes of constants that stand under roots, alone or as factors: the
+/// The sizes of constants that are under roots, alone or as factors: the
 /// root of a square is the size of its base only where that is a square.
 fn under_roots(function: &Function) -> Vec<f64> {
     let mut is_factor = vec![false; function.nodes().len()];

@@ -21,7 +21,7 @@ use robovec_num::double_double::{Double, DoubleDouble};
 /// Operations of all evaluations of a check together.
 const WORK: usize = 40_000_000;
 
-/// Lines at most, and places looked at on each before zeros are narrowed down.
+/// Lines at most, and places tested on each before zeros are narrowed down.
 const MAX_LINES: u32 = 6;
 const STEPS: i32 = 32;
 

@@ -32,7 +32,7 @@ pub enum Promise {
         allowed: Allowed,
         /// The states.
         states: States,
-        /// The numbers of the first state and of the one behind the last.
+        /// The numbers of the first state and of the one after the last.
         numbers: [u32; 2],
     },
 }

@@ -90,7 +90,7 @@ impl fmt::Display for StatePlace {
     }
 }
 
-/// The inputs of a state of one of the scales that no array has a say in.
+/// The inputs of a state of one of the scales that no array sets.
 pub(super) fn draw(sizes: &[f64], seed: u64, place: StatePlace, count: usize) -> Vec<f64> {
     let salt = mix(seed ^ mix((place.scale as u64) << 32 | u64::from(place.number)));
     (0..count as u64)

@@ -1,4 +1,4 @@
-//! Stopping a pipeline half way, and telling how far it came.
+//! Stopping a pipeline half way, and reporting how far it came.
 //!
 //! A pipeline is deterministic, so the first `n` passes and rewrites of a run
 //! are the same whatever follows: the state before the pass that went wrong,

@@ -79,7 +79,7 @@ impl<'a> Instruments<'a> {
     }
 
     /// Tests whether what a pass did is measured: it was asked for, or whether
-    /// the function changed decides what is told.
+    /// the function changed decides what is reported.
     pub(super) fn keeps_records(&self) -> bool {
         self.config.records
             || self.config.rounding.is_some()

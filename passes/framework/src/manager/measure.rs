@@ -44,7 +44,7 @@ pub fn usage() -> (f64, f64) {
 }
 
 /// CPU seconds and peak memory of the process: zeros where the system does
-/// not tell.
+/// not show.
 #[cfg(not(unix))]
 pub fn usage() -> (f64, f64) {
     (0.0, 0.0)
@@ -79,7 +79,7 @@ fn hash_outputs(function: &Function, hasher: &mut FxHasher) {
     }
 }
 
-/// A hash of all that a pass can change, to tell whether it did.
+/// A hash of all that a pass can change, to test whether it did.
 pub(super) fn fingerprint(function: &Function) -> u64 {
     // Two hashes in one walk over the nodes: neither waits for the other.
     let (mut computed, mut hasher) = (FxHasher::default(), FxHasher::default());
@@ -130,7 +130,7 @@ pub(super) fn size(function: &Function, machine: &Machine) -> (u64, u32) {
     (operations as u64, longest(&arrivals))
 }
 
-/// Refuses the result of a pass that wrote the function anew and did not say
+/// Refuses the result of a pass that wrote the function anew and did not report
 /// what the number formats of its values have become.
 pub(super) fn check_formats(had: bool, function: &Function) -> Result<(), PassError> {
     if !had || function.formats.is_some() {

@@ -45,7 +45,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use walk::PipelineWalk;
 
-/// Told before each pass: its ordinal, the number of all, its name.
+/// Called before each pass with its ordinal, the number of all, its name.
 pub type Progress<'a> = dyn FnMut(usize, usize, &str) + 'a;
 
 /// The settings with which a pipeline is run.
@@ -136,7 +136,7 @@ pub struct PassRecord {
     /// CPU time in seconds.
     pub cpu_s: f64,
     /// Largest memory of the process so far, in megabytes of 10^6 bytes; 0
-    /// where the system does not tell.
+    /// where the system does not report it.
     pub peak_mb: f64,
     /// Operations after the pass: everything but sines, cosines and copies.
     pub operations: u64,
@@ -409,7 +409,7 @@ impl PipelineRun<'_> {
     }
 
     /// Runs a pass over a function: what it reports, its error, or what it
-    /// panicked with. What a panic leaves half done is not looked at again.
+    /// panicked with. What a panic leaves half done is not considered again.
     fn execute(
         &self,
         pass: &dyn Pass,

@@ -5,11 +5,11 @@ use crate::pipeline::{PassStep, Pipeline, PipelineStep};
 use robovec_ir::{Function, Level, Module};
 use std::ops::Range;
 
-/// A pass stands where it cannot work.
+/// A pass at a place where it cannot work.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("{message}")]
 pub struct PlanError {
-    /// The message that says what is wrong.
+    /// The message that shows what is wrong.
     pub message: String,
     /// The advice to the user.
     pub help: String,

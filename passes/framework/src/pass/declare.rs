@@ -3,8 +3,8 @@
 
 /// Declares a pass: a structure whose fields are its options, and its entry
 /// for the registry. The doc comment is the pass's page in the manual; its
-/// first line is the one-line description. A field that is a number says
-/// behind `=>` what it can be: `pub rounds: u32 = 6 => NumberLimit::whole(0, 64,
+/// first line is the one-line description. A field that is a number gives
+/// after `=>` what it can be: `pub rounds: u32 = 6 => NumberLimit::whole(0, 64,
 /// "every round takes as long as the first")`. Levels, properties and class are
 /// the fields of [`PassInfo`](crate::pass::PassInfo).
 #[macro_export]

@@ -1,6 +1,6 @@
 //! Registry: the passes and presets that a pipeline can name.
 //!
-//! The framework knows passes by their entries only; which there are is said
+//! The framework knows passes by their entries only; which there are is stated
 //! above all of them, in one place.
 
 use super::PassInfo;
@@ -12,7 +12,7 @@ pub struct Preset {
     pub name: &'static str,
     /// One line for people.
     pub summary: &'static str,
-    /// The pipeline it stands for.
+    /// The pipeline it represents.
     pub pipeline: &'static str,
 }
 

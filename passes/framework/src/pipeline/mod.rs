@@ -46,7 +46,7 @@ pub struct PassStep {
     pub span: Range<usize>,
 }
 
-/// Number of times a group is repeated when the pipeline does not say.
+/// Number of times a group is repeated when the pipeline does not specify it.
 pub const DEFAULT_ROUNDS: u32 = 8;
 
 /// Number of times a group can be repeated.

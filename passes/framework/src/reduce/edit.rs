@@ -1,6 +1,6 @@
 //! Making a function smaller.
 //!
-//! An edit says what becomes of each value and which outputs stay; applying
+//! An edit shows what becomes of each value and which outputs stay; applying
 //! it writes the function anew without what nothing needs any more: values,
 //! input arrays, output arrays, user calls. Whether the smaller function
 //! still shows the problem is not asked here.
@@ -73,8 +73,8 @@ impl Edit {
         new
     }
 
-    /// The source that stands for each value: itself, something before it, or
-    /// an input of its own.
+    /// The source that represents each value: itself, something before it, or
+    /// its own input.
     fn resolve(&self, old: &Function) -> Vec<NumberSource> {
         let mut sources: Vec<NumberSource> = Vec::with_capacity(old.nodes().len());
         for (value, node) in old.values() {

@@ -27,7 +27,7 @@ use robovec_ir::{Module, View, print};
 use std::fmt;
 use trial::Case;
 
-/// The work allowed when nobody says: values run through passes.
+/// The work allowed by default: values run through passes.
 pub const WORK: u64 = 4_000_000;
 
 /// The smallest program found, and what goes wrong on it.

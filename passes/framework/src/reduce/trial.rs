@@ -1,4 +1,4 @@
-//! Running steps on a function and saying what went wrong.
+//! Running steps on a function and stating what went wrong.
 
 use crate::manager::{self, Config, Executed, Limit, RunError};
 use crate::pass::Registry;
@@ -50,7 +50,7 @@ pub struct PassProblem {
 
 impl PassProblem {
     /// True when another program shows the same: the same pass fails in the
-    /// same way, and where it says why, for the same reason. Names and
+    /// same way, and where it shows why, for the same reason. Names and
     /// numbers in the reason may differ, as they belong to the program.
     pub(super) fn is_like(&self, other: &PassProblem) -> bool {
         let reasoned = matches!(self.kind, ProblemKind::Refused | ProblemKind::Panicked);

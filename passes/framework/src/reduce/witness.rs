@@ -22,8 +22,8 @@ pub struct Witness {
 /// The number of small states that are tried.
 const STATES: u64 = 64;
 
-/// Looks for whole numbers from −4 to 4 as inputs that tell two versions of a
-/// function apart, in binary64.
+/// Looks for whole numbers from −4 to 4 as inputs at which two versions of a
+/// function differ, in binary64.
 pub(super) fn find(tables: &Tables, before: &Function, after: &Function) -> Option<Witness> {
     (0..STATES).find_map(|state| {
         let inputs: Vec<f64> = (0..before.input_len() as u64)

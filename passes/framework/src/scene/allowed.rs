@@ -1,4 +1,4 @@
-//! The errors that outputs may have: what a scene says of them, or one bound.
+//! The errors that outputs may have: what a scene states of them, or one bound.
 //!
 //! An error that is allowed in parts of an array's largest element would have
 //! to vanish where the whole array does, while rounding errors do not: the
@@ -27,7 +27,7 @@ const SIZE_SEED: u64 = 1;
 const CANCELLED: f64 = 1.0 / (1u64 << 44) as f64;
 
 /// The part of its usual size below which an element counts as passing
-/// through zero, where a relative error says nothing.
+/// through zero, where a relative error means nothing.
 const PASSING_ZERO: f64 = 1e-3;
 
 /// The usual size of every output array: the median of its largest element at

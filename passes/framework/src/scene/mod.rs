@@ -1,7 +1,7 @@
 //! Scenes: what a program is needed for.
 //!
 //! A function of a model answers every question for every parameter and every
-//! state. A scene says which questions are asked: the outputs that are needed
+//! state. A scene shows which questions are asked: the outputs that are needed
 //! and the error each may have, the inputs whose numbers are known when the
 //! program is compiled, the joints that do not move or move as prescribed, how
 //! large the state can be, and how long an evaluation may take. Passes read it
@@ -10,7 +10,7 @@
 //!
 //! A scene is data and belongs to no function: arrays go by name, elements by
 //! their indices from 1 (0 for those an array does not have). What names an
-//! array that a function does not have says nothing about that function, so
+//! array that a function does not have states nothing about that function, so
 //! that one scene serves every formulation.
 //!
 //! **Invariants** (what reads scenes upholds): numbers are finite, the low end
@@ -159,7 +159,7 @@ pub struct Bindings {
 }
 
 impl Bindings {
-    /// Says what an element of an array is, by its indices from 1 (0 for
+    /// Records what an element of an array is, by its indices from 1 (0 for
     /// those it does not have), in SI units.
     pub fn set(&mut self, array: &str, indices: [u32; 2], number: f64) {
         self.elements.insert((array.to_owned(), indices), number);

@@ -36,7 +36,7 @@ pub struct Account {
 pub struct Gone {
     /// The pass with its options.
     pub pass: String,
-    /// The value that took its place, when the pass said so.
+    /// The value that took its place, when the pass reported it.
     pub into: Option<String>,
 }
 
@@ -58,7 +58,7 @@ pub struct DefinitionChange {
     pub after: Moment,
     /// The rules the pass applied to it.
     pub rules: Vec<String>,
-    /// The definition is as it was, but stands for these equations from here
+    /// The definition is as it was, but represents these equations from here
     /// on.
     pub merged: Option<SourceSet>,
 }
@@ -78,10 +78,10 @@ pub struct Moment {
 }
 
 /// Number of values that are followed at most: where an output was set to
-/// another value, both stories are told.
+/// another value, both stories are reported.
 const MAX_FOLLOWED: usize = 8;
 
-/// Tells how an item that was [found](super::find) came to be what it is in
+/// Reports how an item that was [found](super::find) came to be what it is in
 /// the function as the run left it.
 ///
 /// Takes time linear in the function for every pass that changed it.

@@ -1,6 +1,6 @@
 //! The computation of a value as one expression.
 //!
-//! From the atomic level on a definition is one operation, which says little.
+//! From the atomic level on a definition is one operation, which states little.
 //! So the values that belong to the same equation by their names and are used
 //! nowhere else are written out, up to a length that can be read.
 
@@ -140,7 +140,7 @@ impl<'a> ExpressionSketch<'a> {
         self.map.insert(value, copy);
     }
 
-    /// An operand in the sketch; a value that is not written out stands there
+    /// An operand in the sketch; a value that is not written out is there
     /// under its name.
     fn operand(&mut self, operand: Operand) -> Operand {
         if let Some(number) = self.view.function.number(operand) {

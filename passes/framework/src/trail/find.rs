@@ -5,7 +5,7 @@ use robovec_ir::diagnostic::{clip, did_you_mean};
 use robovec_ir::print::print_output;
 use robovec_ir::{Function, Module, Name, Output, Tables, View};
 
-/// Something whose story can be told.
+/// Something whose story can be reported.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum TrackedItem {
     /// The value of a name.

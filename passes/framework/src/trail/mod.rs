@@ -1,13 +1,13 @@
 //! The trail: how every value came to be what it is.
 //!
 //! A value of the last state of a compilation has little to do with the text
-//! of its equation. Two things tell how it came about:
+//! of its equation. Two things show how it came about:
 //!
 //! - its *history* ([`robovec_ir::History`]), the passes that made or changed
 //!   it and the rules these applied, which goes with the function and into
 //!   its text;
 //! - the [`Trail`], every state a pass found with what the pass noted, from
-//!   which [`explain`] tells the story of one value with its expressions.
+//!   which [`explain`] shows the story of one value with its expressions.
 //!
 //! Most of both is found by comparing definitions before and after a pass;
 //! what only the pass itself knows (which rule, from which value), it notes

@@ -12,7 +12,7 @@ pub(super) struct ValueNames {
     /// For every symbol where its names start in `entries`; one more for the
     /// end.
     starts: Vec<u32>,
-    /// Numbers behind the dot, ascending for each symbol, with the values.
+    /// Numbers after the dot, ascending for each symbol, with the values.
     entries: Vec<(u32, Value)>,
 }
 

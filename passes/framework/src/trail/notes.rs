@@ -50,7 +50,7 @@ impl Notes {
     }
 
     /// The value that bears this name after the pass was made from the value
-    /// of that name before it. Needed only where the names do not tell: a
+    /// of that name before it. Needed only where the names do not show: a
     /// value keeps its own history, and `OM16.2` is taken to come from
     /// `OM16`.
     #[inline]

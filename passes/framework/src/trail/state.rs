@@ -1,9 +1,9 @@
 //! A state of a function, indexed by the names of its values.
 //!
-//! Two states are compared by what their definitions say, not by numbers of
+//! Two states are compared by what their definitions state, not by numbers of
 //! nodes, which every pass deals out anew: an operation with its operands,
 //! named operands by their names, inner nodes of an expression by what they
-//! say in turn.
+//! state in turn.
 
 use super::names::ValueNames;
 use hashbrown::HashMap;
@@ -90,7 +90,7 @@ impl DefinitionState {
         }
     }
 
-    /// The origin of a value that this state does not have, as names tell: the
+    /// The origin of a value that this state does not have, as names show: the
     /// value it is named after, or the output, or another value derived from
     /// the same equation.
     pub(super) fn namesake(&self, name: Name, owners: &OutputSymbols) -> Option<DefinitionSubject> {
@@ -132,7 +132,7 @@ impl OutputSymbols {
     }
 }
 
-/// The assignment of an output element; assignments stand in the order of
+/// The assignment of an output element; assignments are in the order of
 /// their elements.
 pub(super) fn assignment_of(function: &Function, output: Output) -> Option<usize> {
     let assignments = &function.assignments;

@@ -4,7 +4,7 @@
 //! By trials, not by proof: the values that have made rules of floating point
 //! fail before (zeros of both signs, the smallest and largest numbers,
 //! subnormals, infinities, NaN) in all combinations that a budget allows, and
-//! numbers at random. A rule that is said to be exact has passed all of them
+//! numbers at random. A rule that is stated to be exact has passed all of them
 //! in both binary formats.
 
 use super::super::rule::Rule;

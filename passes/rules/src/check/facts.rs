@@ -2,7 +2,7 @@
 //! bounds, signs, and what cannot be zero.
 //!
 //! The left side divides by numbers that are not zero and takes roots of
-//! numbers that are not negative; conditions say more. From there bounds go
+//! numbers that are not negative; conditions state more. From there bounds go
 //! up through the operations, and "not zero" goes down to the factors of a
 //! product. Nodes that are multiples of each other, or squares, are found by
 //! their values in prime fields.
@@ -172,7 +172,7 @@ impl<'a> NodeFacts<'a> {
         }
     }
 
-    /// Notes what a node that is not zero says of its operands.
+    /// Notes what a node that is not zero states of its operands.
     fn factors(&mut self, node: usize) {
         if !self.ranges[node].nonzero {
             return;

@@ -5,7 +5,7 @@ use super::super::rule::{Requirement, Rule};
 use super::field::{RuleField, RuleResidue};
 use robovec_ir::Operation;
 
-/// Both sides of a rule behind each other, with the fields to judge it in.
+/// Both sides of a rule after each other, with the fields to judge it in.
 #[derive(Clone, Debug)]
 pub(super) struct Joined<'a> {
     pub(super) rule: &'a Rule,

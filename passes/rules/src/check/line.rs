@@ -6,7 +6,7 @@
 //! `(1 - u², 2u) / (1 + u²)` with a line `u`, turned by some angle: the one
 //! point that it leaves out is then another one in each of several charts, and
 //! with one chart more than there are angles every combination of angles lies
-//! in some chart. Other roots are lines of their own. All that is concluded
+//! in some chart. Other roots are their own lines. All that is concluded
 //! holds more generally than for real angles and roots.
 
 use super::super::pattern::PatternNode;

@@ -13,7 +13,7 @@ pub(super) enum SideValue {
     /// Some operation is not defined for certain: a division by zero, the
     /// root of a negative number.
     Undefined,
-    /// Too close to such a place to tell.
+    /// Too close to such a place to decide.
     Unknown,
 }
 

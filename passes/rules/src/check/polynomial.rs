@@ -10,7 +10,7 @@ use robovec_num::field::Modulus;
 /// The largest degree that is worked with.
 const HIGHEST: usize = 96;
 
-/// A polynomial: coefficients from the constant one up, without zeros behind.
+/// A polynomial: coefficients from the constant one up, without trailing zeros.
 pub(super) type ModularPolynomial = Vec<u64>;
 
 fn trimmed(mut polynomial: ModularPolynomial) -> ModularPolynomial {

@@ -8,7 +8,7 @@
 //! - 2, 3, 5, 7, 11, 13 and 17 divide `p + 1`, so that they are squares
 //!   themselves and play the part of positive numbers, as they should;
 //! - the points of the unit circle form a group of `p + 1` elements, of which
-//!   those of order `r` stand for angles: multiplication by any rational
+//!   those of order `r` represent angles: multiplication by any rational
 //!   number whose denominator `r` does not divide has an inverse there.
 
 use robovec_num::field::is_prime;

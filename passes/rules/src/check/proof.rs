@@ -18,7 +18,7 @@ const STATES: u32 = 64;
 const MAX_TRIED: u32 = 1_024;
 /// With fewer states nothing is proved.
 const FEWEST: u32 = 8;
-/// Real points that tell signs.
+/// Real points that show signs.
 const REALS: usize = 6;
 
 /// The facts established about a rule that is proved.
@@ -240,7 +240,7 @@ fn apart(left: &[ScaledBall], right: &[ScaledBall]) -> f64 {
 const RANDOM: usize = 3_000;
 
 /// Numbers that refute a rule of one direction: the smallest integers at
-/// which the sides differ; if there are none, numbers near those that stand
+/// which the sides differ; if there are none, numbers near those that are
 /// in the rule, and near the zeros of what it divides by and of what is under
 /// its roots.
 fn search(joined: &Joined<'_>) -> Option<Counterexample> {

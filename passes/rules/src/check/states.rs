@@ -1,5 +1,5 @@
 //! Points of the reals at which rules are tried: near and far, whole and
-//! broken, of either sign, at the numbers that stand in the rule and close to
+//! broken, of either sign, at the numbers that are in the rule and close to
 //! them, and where variables are equal or opposite.
 
 use super::super::pattern::{Pattern, PatternNode};
@@ -10,7 +10,7 @@ use robovec_num::random::Random;
 pub(super) struct RulePoints<'a> {
     rule: &'a Rule,
     random: Random,
-    /// The numbers that stand in the rule, without zero.
+    /// The numbers that are in the rule, without zero.
     numbers: Vec<f64>,
 }
 
@@ -69,7 +69,7 @@ impl<'a> RulePoints<'a> {
     }
 }
 
-/// The numbers that stand in patterns, each once, without zero.
+/// The numbers that are in patterns, each once, without zero.
 pub(super) fn numbers(patterns: &[&Pattern]) -> Vec<f64> {
     let nodes = patterns.iter().flat_map(|pattern| &pattern.nodes);
     let mut numbers: Vec<f64> = nodes

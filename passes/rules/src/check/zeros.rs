@@ -10,7 +10,7 @@ use robovec_ir::Operation;
 
 /// Points from which the lines along the axes start.
 const BASES: usize = 4;
-/// Nodes looked at at most.
+/// Nodes considered at most.
 const MAX_NODES: usize = 24;
 /// Lines searched at most.
 const MAX_LINES: usize = 160;
@@ -108,7 +108,7 @@ fn targets(joined: &Joined<'_>) -> Vec<ZeroTarget> {
     targets
 }
 
-/// Numbers between which a node is looked at, in rising order.
+/// Numbers between which a node is considered, in rising order.
 fn grid(joined: &Joined<'_>) -> Vec<f64> {
     let mut grid = vec![0.0];
     let far = (-1_000..=1_000).step_by(50);

@@ -1,4 +1,4 @@
-//! All terms up to a size, told apart by their values.
+//! All terms up to a size, distinguished by their values.
 //!
 //! Terms are built from the smallest ones up, only from representatives: of
 //! terms with equal values at points of two prime fields the first one. Every
@@ -19,7 +19,7 @@ pub struct TermSpace {
     pub operations: u32,
     /// Variables besides an angle.
     pub variables: u32,
-    /// Numbers that occur as they stand.
+    /// Numbers that occur as written.
     pub numbers: Vec<f64>,
     /// True to add sine and cosine of an angle, as one value each.
     pub trigonometric: bool,
@@ -39,7 +39,7 @@ impl Default for TermSpace {
     }
 }
 
-/// Points that tell terms apart: two of each field.
+/// Points that distinguish terms: two of each field.
 pub(super) const POINTS: usize = 4;
 
 /// Selects the fields.
@@ -106,7 +106,7 @@ pub(super) fn enumerate(space: &TermSpace) -> Enumeration {
     }
 }
 
-/// Told of a term that has the value of an earlier one, and of that.
+/// Called with a term that has the value of an earlier one, and of that.
 type OnSame<'a> = &'a mut dyn FnMut(&EnumeratedTerms, EnumeratedTerm, u32);
 
 impl EnumeratedTerms {
@@ -156,7 +156,7 @@ impl EnumeratedTerms {
     }
 
     /// The value of a pattern whose variables are those of the space; its
-    /// angle has the number behind them.
+    /// angle has the number after them.
     pub(super) fn value_of(&self, pattern: &Pattern, variables: u32) -> [u64; POINTS] {
         let value = |field: &RuleField| {
             let inputs = field.inputs(&vec![false; variables as usize + 1]);

@@ -1,6 +1,6 @@
 //! Finding new rules.
 //!
-//! Terms are enumerated and told apart by their values in the prime field
+//! Terms are enumerated and distinguished by their values in the prime field
 //! (the characteristic vectors of Ruler, with a field that decides instead of
 //! samples that suggest); what has equal values and is not the same up to
 //! order and grouping is a candidate. A candidate that the known rules derive

@@ -145,7 +145,7 @@ impl PatternMatch {
     }
 }
 
-/// Most matches at one place that are looked at.
+/// Most matches at one place that are considered.
 const MAX_MATCHES: usize = 64;
 
 /// All ways in which a pattern matches a value, operands in either order.

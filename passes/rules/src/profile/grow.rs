@@ -74,8 +74,8 @@ fn always() -> Vec<Rule> {
 }
 
 /// The pairs among some rules and others that grow exponentially or without
-/// end although none of the two does by itself, in order of the rules.
-/// `progress` is told of pairs done and of all.
+/// end although none of the two does alone, in order of the rules.
+/// `progress` is called with pairs done and all.
 pub fn pairs(
     rules: &[&Rule],
     others: &[&Rule],

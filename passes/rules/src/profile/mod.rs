@@ -20,7 +20,7 @@ use robovec_ir::Machine;
 /// Random points for errors.
 pub const POINTS: usize = 20_000;
 
-/// The profile of a rule by itself.
+/// The profile of a rule alone.
 #[derive(Clone, PartialEq, Debug)]
 pub struct RuleProfile {
     /// Rounding errors of both sides.

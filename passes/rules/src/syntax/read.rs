@@ -273,7 +273,7 @@ impl Importer<'_> {
         self.warnings.push(diagnostic);
     }
 
-    /// A rule from its sides; `None` when that was told to be impossible.
+    /// A rule from its sides; `None` when that was reported as impossible.
     fn rule(&mut self, (all, left, right): (u32, u32, u32), terms: &mut RuleSides) -> Option<Rule> {
         let forest = self.forest;
         let mut sides = Vec::new();

@@ -18,7 +18,7 @@ pub(super) enum PatternProblem {
 #[derive(Default)]
 pub(super) struct RuleSides {
     pub(super) variables: Vec<String>,
-    /// Variables that stood as `(Num a)`: they are numbers.
+    /// Variables written as `(Num a)`: they are numbers.
     pub(super) constants: Vec<u32>,
 }
 

@@ -25,7 +25,7 @@ use schemes::SchemeSet;
 /// Limits and random numbers of a search.
 #[derive(Clone, Copy)]
 pub(super) struct HornerSearch {
-    /// Terms to be looked at.
+    /// Terms to be considered.
     pub(super) work: u64,
     /// Orders of which the factors are taken out.
     pub(super) orders: usize,
@@ -38,7 +38,7 @@ const ROUNDS: u32 = 4;
 
 /// Writes the polynomials of a network anew where that saves operations.
 ///
-/// `network` is what came in, of which nothing has been taken out yet; the
+/// `network` is the input, of which nothing has been taken out yet; the
 /// result has its factors taken out.
 pub(super) fn improve(
     network: &mut FactorNetwork,

@@ -10,7 +10,7 @@
 //! readers, and literals that are no small integers (products of others round).
 //!
 //! **Invariant.** A polynomial has the value of its node, and its variables
-//! stand at lower positions.
+//! are at lower positions.
 
 use super::super::network::{Edge, FactorKind, FactorNetwork};
 use robovec_framework::rewrite_limit::RewriteLimit;

@@ -9,7 +9,7 @@
 //! value at a random point of a field a difference of two prefix sums. Equal
 //! parts, up to their sign, are thus known before they are looked into: a
 //! scheme of many polynomials is counted in time near linear in their terms,
-//! with every part that stands twice, in one or in several, counted once.
+//! with every part that occurs twice, in one or in several, counted once.
 
 use super::polynomials::{NetworkPolynomials, PolynomialTerm};
 use hashbrown::HashMap;
@@ -103,7 +103,7 @@ pub(super) struct SchemeBuffers {
     /// By open part, the exponents taken out so far.
     taken: Vec<Exponents>,
     least: Vec<Exponents>,
-    /// Terms looked at so far: the measure of work.
+    /// Terms considered so far: the measure of work.
     pub(super) work: u64,
 }
 
@@ -300,7 +300,7 @@ struct CommonPowers {
 }
 
 impl Scheme {
-    /// Appends a part whose powers begin at a place, and tells its parent.
+    /// Appends a part whose powers begin at a place, and returns its parent.
     fn push(&mut self, first: u32, rest: SchemeRest, parent: (u32, u8)) -> u32 {
         let number = self.parts.len() as u32;
         let common = (first, self.powers.len() as u32);

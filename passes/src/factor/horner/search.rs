@@ -67,7 +67,7 @@ impl KeptOrders {
 }
 
 /// The most promising orders for a set of polynomials, best first: that of
-/// occurrences, and what is found until `work` terms were looked at.
+/// occurrences, and what is found until `work` terms were considered.
 ///
 /// Every start of annealing has its share of them: what factors save afterwards
 /// is alike for orders that are alike.

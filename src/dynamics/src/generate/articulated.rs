@@ -1,7 +1,7 @@
 //! Articulated bodies: accelerations in a number of operations that grows with
 //! the number of joints alone.
 //!
-//! A joint that is free to move hides part of the inertia behind it. From the
+//! A joint that is free to move hides part of the inertia beyond it. From the
 //! leaves to the base, every joint's share is taken out of the inertia it
 //! carries: `I - U U^T / D` with `U = I s` and `D = s.U`. What is left, the
 //! *articulated* inertia, is a full matrix in its three blocks:
@@ -357,7 +357,7 @@ impl SumBlocks {
         blocks
     }
 
-    /// Adds blocks about an origin that lies `offset` behind. With `H` the
+    /// Adds blocks about an origin that lies `offset` beyond. With `H` the
     /// coupling before and `H' = H + ~d KD` after, the angular block grows by
     /// `~d H'^T - H ~d`.
     fn add_moved(

@@ -1,7 +1,7 @@
 //! The bias force `c`, with composites instead of single bodies.
 //!
-//! Seen from joint i, the bodies behind it move as one rigid body would, plus
-//! what each joint k behind adds to the motion of its own composite. The
+//! Seen from joint i, the bodies beyond it move as one rigid body would, plus
+//! what each joint k beyond adds to the motion of its own composite. The
 //! matrix `BE = ~OA + ~OM ~OM`, which gives the acceleration `AF + BE r` of a
 //! point r, changes at a rotation about axis a only in
 //!
@@ -9,7 +9,7 @@
 //! BE_ab += 2 OM_b qd    BE_ac += 2 OM_c qd    BE_bb, BE_cc -= (2 OM_a - qd) qd
 //! ```
 //!
-//! with `OM` behind the joint. So joint k adds a wrench of ten products to what
+//! with `OM` beyond the joint. So joint k adds a wrench of ten products to what
 //! the joints before it carry (`FW`, `NW`), and `c_i` is one component of a
 //! rigid wrench plus one of that sum. Nothing is computed for each body as
 //! such; fictitious bodies are no special case.
@@ -110,7 +110,7 @@ impl<'a, 'm> Bias<'a, 'm> {
         forces
     }
 
-    /// The base stands still, and what it does not fall with is gravity.
+    /// The base is at rest, and what it does not fall with is gravity.
     pub(super) fn base(&self) -> BiasMotion {
         BiasMotion {
             linear: self.parameters.gravity.map(|component| -component),
@@ -225,7 +225,7 @@ impl<'a, 'm> Bias<'a, 'm> {
         wrench
     }
 
-    /// `c`: the rigid motion of the composite and what the joints behind add,
+    /// `c`: the rigid motion of the composite and what the joints beyond add,
     /// along the axis.
     fn force(
         &self,

@@ -30,7 +30,7 @@ use petgraph::graph::{DiGraph, NodeIndex};
 /// The most rows of a block that directions are written for.
 const DIRECTIONS: usize = 3;
 
-/// Solves `A X = B` for a square matrix whose rows and columns stand in an order
+/// Solves `A X = B` for a square matrix whose rows and columns are in an order
 /// of pivots. A row holds its columns, then those of the right sides. The names
 /// are those of entries, of factors, of inverses, and of the solution before and
 /// after its division. The number of a row without a pivot is an error.

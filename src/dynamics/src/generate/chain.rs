@@ -23,7 +23,7 @@ pub(super) struct ChainJoint {
     pub(super) axis: Vector,
     /// From the frame before to this frame's origin.
     pub(super) lever: Vector,
-    /// The axes of the frame behind the joint.
+    /// The axes of the frame beyond the joint.
     pub(super) axes: Matrix,
 }
 
@@ -39,7 +39,7 @@ struct RotationRun {
 /// A chain of joints from a reference frame to a place on the last joint's
 /// body.
 pub(super) struct Chain {
-    /// The number of the chain, behind its names.
+    /// The number of the chain, after its names.
     number: u32,
     suffix: &'static str,
     pub(super) steps: Vec<ChainJoint>,
@@ -60,7 +60,7 @@ pub(super) struct ChainMotion {
 }
 
 impl Chain {
-    /// The chain over the joints of a path, which starts behind the reference,
+    /// The chain over the joints of a path, which starts after the reference,
     /// to a place given in the frame of the last joint (or of the reference).
     pub(super) fn new(
         equations: &mut Equations,

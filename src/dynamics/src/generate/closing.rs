@@ -9,7 +9,7 @@
 //! qd_v  = -Jv^-1 (Ju qd_u + Jc qd_c)
 //! ```
 //!
-//! Rows that the user computes come on top, with joints of their own that follow
+//! Rows that the user computes come on top, with their own joints that follow
 //! from them ([`super::user_constraints`]).
 //!
 //! A round is straight-line code; how many rounds are needed is for the caller,
@@ -117,7 +117,7 @@ impl<'p, 'm> Closing<'p, 'm> {
     }
 
     /// The solution of `J x + b = 0` for the joints that follow, with their
-    /// numbers; `b` is what the caller makes of each row.
+    /// numbers; `b` is made by the caller for each row.
     pub(super) fn solve(
         &self,
         equations: &mut Equations,

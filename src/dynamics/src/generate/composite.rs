@@ -1,6 +1,6 @@
 //! Composite rigid bodies in body frames: `M` and `c`.
 //!
-//! The bodies behind a joint, frozen, are one body: its *composite*. A unit of
+//! The bodies beyond a joint, frozen, are one body: its *composite*. A unit of
 //! acceleration of joint i takes the wrench `I_i s_i` of its composite, which
 //! is carried to the joints before it; its components along their axes are the
 //! column of `M`. So each pair of joints costs one change of frame, where the
@@ -181,7 +181,7 @@ fn column(
     entries
 }
 
-/// The wrench of a column (the second joint) behind a joint (the first), before
+/// The wrench of a column (the second joint) beyond a joint (the first), before
 /// that joint.
 pub(super) fn carry(
     equations: &mut Equations,

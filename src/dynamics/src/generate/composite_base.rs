@@ -33,7 +33,7 @@ pub(super) fn dynamics(
     MassAndBias { mass, bias }
 }
 
-/// Joints at most this far behind their hub are carried in body frames: the
+/// Joints at most this far beyond their hub are carried in body frames: the
 /// common frame of so few would cost more than it saves.
 const NEAR: usize = 7;
 
@@ -111,7 +111,7 @@ impl<'a, 'm> Frames<'a, 'm> {
         entries
     }
 
-    /// The number of joints from behind the hub to a joint, the joint included.
+    /// The number of joints from beyond the hub to a joint, the joint included.
     fn steps(&self, joint: usize, hub: usize) -> usize {
         let path = self.parameters.model.path(Some(joint));
         path.take_while(|&ancestor| ancestor != hub).count()

@@ -2,8 +2,8 @@
 //! composites in body frames: what a change of joint j does to the force of
 //! joint i costs one change of frame, as an element of `M` does.
 //!
-//! Let joint j change by a little, and look at the bodies behind it from the
-//! frame behind it. They see their base move otherwise: where joint j turns
+//! Let joint j change by a little, and look at the bodies beyond it from the
+//! frame beyond it. They see their base move otherwise: where joint j turns
 //! about `s`, its angular velocity changes by `OM x s`, its angular acceleration
 //! with all centrifugal terms by a column of `BE = ~OA + ~OM ~OM`, and the
 //! acceleration `AF` of the origin by `AF x s`. All of that is known already.
@@ -24,7 +24,7 @@
 //! "Efficient analytical derivatives of rigid-body dynamics using spatial vector
 //! algebra", IEEE RA-L 7 (2022); point accelerations need no velocity of origins.
 //! External forces turn with their bodies. Needs `sin^2 + cos^2 = 1`, which also
-//! says that the derivative of the sine is the cosine.
+//! states that the derivative of the sine is the cosine.
 
 use super::Options;
 use super::algebra::{Scalar, Sum};
@@ -71,7 +71,7 @@ impl ForceDerivatives {
     }
 }
 
-/// Sets the elements of a matrix of joints as outputs; one that is zero stands
+/// Sets the elements of a matrix of joints as outputs; one that is zero is
 /// for all where there are none.
 pub(super) fn output(equations: &mut Equations, array: &str, entries: &[JointEntry]) {
     if entries.is_empty() {
@@ -96,7 +96,7 @@ pub(super) fn inverse(
     output(equations, "Qq_qd", &found.by_velocity);
 }
 
-/// Twice the momentum, and twice the sum of `m v r^T`, of the bodies behind a
+/// Twice the momentum, and twice the sum of `m v r^T`, of the bodies beyond a
 /// joint; velocities are those seen from its origin.
 #[derive(Clone, Copy)]
 struct MovedMoments {

@@ -27,7 +27,7 @@ pub(super) struct QuantityLabel {
     pub(super) component: u8,
     /// Joint, counted from 1.
     pub(super) joint: u32,
-    /// Behind the underscore, counted from 1; 0 for none.
+    /// After the underscore, counted from 1; 0 for none.
     pub(super) column: u32,
 }
 
@@ -505,7 +505,7 @@ impl Equations {
     }
 }
 
-/// One or two indices; 0 stands for none.
+/// One or two indices; 0 represents none.
 fn padded(indices: &[usize]) -> [u32; 2] {
     let mut padded = [0; 2];
     for (place, &index) in padded.iter_mut().zip(indices) {

@@ -142,7 +142,7 @@ pub(super) fn product(
     equations.define(label, sum)
 }
 
-/// Solves `A X = B` for a square matrix whose rows and columns already stand in
+/// Solves `A X = B` for a square matrix whose rows and columns already are in
 /// the order of their pivots. A row holds its columns, then those of the right
 /// sides. The names are those of the triangular factors, of the pivots'
 /// inverses, and of the solution before and after its division. The number of

@@ -96,7 +96,7 @@ pub(super) fn tree(seed: u64, bodies: usize) -> Model {
     model
 }
 
-/// Points stand in the order of their bodies, as in files.
+/// Points are in the order of their bodies, as in files.
 fn sort_points(model: &mut Model) {
     let mut order: Vec<usize> = (0..model.points.len()).collect();
     order.sort_by_key(|&point| model.points[point].body);

@@ -1,4 +1,4 @@
-//! Inertias without what no joint tells from those of the body before: the base
+//! Inertias without what no joint distinguishes from those of the body before: the base
 //! parameters of a model, in numbers.
 //!
 //! A point mass on the axis of a revolute joint moves as one on the body before

@@ -57,7 +57,7 @@ impl Pose {
         origin: ZERO,
     };
 
-    /// The frame behind a joint.
+    /// The frame beyond a joint.
     pub(super) fn behind(
         &self,
         equations: &mut Equations,
@@ -89,7 +89,7 @@ impl Pose {
     }
 }
 
-/// The axes of a frame behind a rotation.
+/// The axes of a frame beyond a rotation.
 pub(super) fn turned(
     equations: &mut Equations,
     name: &'static str,

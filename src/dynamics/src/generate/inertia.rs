@@ -220,7 +220,7 @@ impl SumInertia {
 
 impl Inertia {
     /// The inertias that joints carry: of their own bodies and of all bodies
-    /// behind them, about the joints' origins and in their frames.
+    /// beyond them, about the joints' origins and in their frames.
     pub(super) fn composites(
         equations: &mut Equations,
         parameters: &ModelParameters<'_>,

@@ -317,7 +317,7 @@ impl LinearOutputs<'_> {
     }
 
     /// Velocities are the derivatives of positions. And every array has an
-    /// element, if only a zero: the last one where only its indices tell a
+    /// element, if only a zero: the last one where only its indices show a
     /// reader how large the array is.
     fn constants(&self, function: &mut Function, assignments: &mut Vec<Assignment>) {
         let mut set = |output: u32, operand: Operand| {

@@ -117,7 +117,7 @@ pub struct Options {
     /// with `M qdd + c = Qq + Jac^T Lambda`, those of the loops first; zero for
     /// redundant rows. And the forces `Qc` that move driven joints.
     pub multipliers: bool,
-    /// Rows of constraints that the user computes, in inputs of their own:
+    /// Rows of constraints that the user computes, in their own inputs:
     /// their values `huserc`, their Jacobian `Juserc` by all joints, and what
     /// remains of their second derivative, `jdqduserc`. As many joints that
     /// the model names dependent, beside those of the loops, follow from them.

@@ -6,7 +6,7 @@
 //! (Brent and Kung) with at most `2 n`, or one after another with `n`. What is
 //! combined are blocks of a path that begin at multiples of a power of two,
 //! counted from the root. Such blocks depend on the ancestors alone, so all
-//! branches behind a joint share the blocks before it.
+//! branches beyond a joint share the blocks before it.
 
 /// In which order values along a path are combined.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -156,7 +156,7 @@ impl JointPaths<'_> {
     }
 }
 
-/// Sums of values over the joints behind every joint, itself included. The tree
+/// Sums of values over the joints beyond every joint, itself included. The tree
 /// is cut into chains, each as long as it can be; along a chain the network
 /// adds, and where a chain ends on another its whole sum is added to the value
 /// there. Nothing is ever subtracted. `add` gets the joint whose sum (or part of
@@ -215,7 +215,7 @@ pub(super) fn subtrees<T: Copy>(
 
 /// Chains from the root towards the leaves that cover the tree, in the order
 /// of their first joints. Each continues with the child that has the longest
-/// path behind it.
+/// path beyond it.
 fn chains(parents: &[Option<usize>]) -> Vec<Vec<usize>> {
     let mut heights = vec![1; parents.len()];
     let mut next: Vec<Option<usize>> = vec![None; parents.len()];

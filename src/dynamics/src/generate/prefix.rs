@@ -2,7 +2,7 @@
 //!
 //! In one common frame every recursion from joint to joint is a sum or a
 //! product over the path, and what joints carry is a sum over the joints
-//! behind; a network ([`super::network`]) combines them in any depth between
+//! beyond; a network ([`super::network`]) combines them in any depth between
 //! logarithmic and linear. With `z_i` the axis of joint i, `D_i` the lever to
 //! its origin, both in the axes of the reference, and h the joint before it:
 //!
@@ -13,7 +13,7 @@
 //! ```
 //!
 //! Every body gives a force, a torque, a mass, a first moment and moments of
-//! inertia about the reference's origin; their sums over the bodies behind a
+//! inertia about the reference's origin; their sums over the bodies beyond a
 //! joint give `c_i = z.N + v.F` with `v_i = PO_i x z_i`, the wrench of its
 //! column, and `M_ij = z_j.n_i + v_j.f_i`.
 //!
@@ -72,7 +72,7 @@ struct CompositeLoad {
     inertia: Inertia,
 }
 
-/// The motion of the frames behind the joints, in the axes of the reference.
+/// The motion of the frames beyond the joints, in the axes of the reference.
 struct Motions {
     poses: Vec<Pose>,
     motions: Vec<BiasMotion>,
@@ -154,7 +154,7 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
     }
 
     /// The parents of the joints that networks combine; joints of stems and
-    /// hubs stand alone.
+    /// hubs are alone.
     fn forest(&self) -> Vec<Option<usize>> {
         (0..self.behind.len())
             .map(|joint| {
@@ -180,7 +180,7 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
         motions
     }
 
-    /// Poses and motions behind all joints.
+    /// Poses and motions beyond all joints.
     fn motions(&mut self, stem: &[BiasMotion]) -> Motions {
         let parameters = self.parameters;
         let forest = self.forest();
@@ -440,7 +440,7 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
         }
     }
 
-    /// Sums over the bodies behind every joint; stems and hubs keep their own.
+    /// Sums over the bodies beyond every joint; stems and hubs keep their own.
     fn sums(&mut self, loads: &[CompositeLoad]) -> Vec<CompositeLoad> {
         let parameters = self.parameters;
         // A hub takes what the joints behind it carry: the same frame.

@@ -4,7 +4,7 @@
 //! With accelerations known, `M qdd + c = Qq + Qc + J^T lambda` holds joint by
 //! joint. Those of dependent joints give the multipliers of the loops,
 //! `Jv^T lambda = Mv qdd + c_v - Qq_v`, and those of driven joints the forces
-//! `Qc` that move them as they are told to.
+//! `Qc` that move them as prescribed.
 
 use super::GenerateError;
 use super::algebra::{Scalar, Sum};

@@ -218,7 +218,7 @@ pub fn independent_joints(model: &Model, options: &Options) -> Result<Vec<usize>
     Ok(JointRoles::new(model, options)?.independent())
 }
 
-/// The rows of the constraints, from 0, that say what others say.
+/// The rows of the constraints, from 0, that repeat others.
 ///
 /// # Errors
 ///
@@ -230,7 +230,7 @@ pub fn redundant_rows(model: &Model) -> Result<Vec<usize>, GenerateError> {
 }
 
 /// The cut, from 0, of each row of the constraints. The equations leave out
-/// rows that no joint changes; how many a cut keeps is seen when it stands
+/// rows that no joint changes; how many a cut keeps is seen when it is
 /// alone.
 ///
 /// # Errors

@@ -10,7 +10,7 @@
 //!
 //! `M` is eliminated once, in the order that keeps a tree's zeros, and solved for
 //! every column: an inverse that is multiplied would take no fewer operations for
-//! a chain and more for a tree. Driven joints move as they are told: they have
+//! a chain and more for a tree. Driven joints move as prescribed: they have
 //! columns, and their own accelerations change by nothing. Loops are not closed
 //! here.
 

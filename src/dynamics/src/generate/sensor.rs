@@ -86,7 +86,7 @@ pub(super) fn chain(
 }
 
 /// Writes one sensor of the model (number from 0). As in Robotran, the points
-/// of external forces follow behind the sensors.
+/// of external forces follow the sensors.
 pub(super) fn sensor(
     equations: &mut Equations,
     parameters: &ModelParameters<'_>,

@@ -34,7 +34,7 @@ impl ClosingLimits {
         }
     }
 
-    /// The rounds looked at so far.
+    /// The rounds considered so far.
     pub fn rounds(&self) -> u32 {
         self.rounds
     }
@@ -225,7 +225,7 @@ impl LoopClosure<'_> {
 
     /// Moves the joints of some natures, as little as possible, until the
     /// loops are closed: steps of least squares (Levenberg's method). Unlike
-    /// Newton's it does not mind rows that say the same.
+    /// Newton's it does not mind equal rows.
     fn assemble(&self, state: &mut MotionState, natures: &[Nature]) -> Result<(), StateError> {
         let movable: Vec<usize> = (0..self.model.joints.len())
             .filter(|&joint| natures.contains(&self.model.joints[joint].nature))

@@ -28,7 +28,7 @@ pub struct EvaluatedOutputs<'a> {
 
 impl CompiledFunction {
     /// Finds the inputs of a function in its model. The function is evaluated
-    /// in the numbers of `format`; `name` is what errors call it.
+    /// in the numbers of `format`; errors call it `name`.
     ///
     /// # Errors
     ///

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// Reason why a model cannot be brought into a state, or its equations say
+/// Reason why a model cannot be brought into a state, or its equations mean
 /// nothing there.
 #[derive(Clone, PartialEq, Debug, Error)]
 pub enum StateError {

@@ -4,7 +4,7 @@
 use super::energy::{CartesianVector, dot};
 use serde::Deserialize;
 
-/// The velocity around which friction turns over when a law does not say, m/s
+/// The velocity around which friction turns over when a law does not specify it, m/s
 /// or rad/s.
 pub const SLIP_VELOCITY: f64 = 0.01;
 

@@ -9,7 +9,7 @@ use std::array::from_fn;
 pub(super) type CartesianVector = [f64; 3];
 type Rotation = [CartesianVector; 3];
 
-/// The motion of the frame behind a joint.
+/// The motion of the frame beyond a joint.
 #[derive(Clone, Copy)]
 struct JointFrame {
     /// Columns are the frame's axes in the base frame.

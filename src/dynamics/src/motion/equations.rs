@@ -38,7 +38,7 @@ pub struct EquationSetting<'a> {
     /// links stay those of the model.
     pub scene: Option<(&'a Scene, &'a Options)>,
     /// A program that gives some of the outputs of the equations of motion in
-    /// numbers of its own; the others stay as they are.
+    /// separate numbers; the others stay as they are.
     pub program: Option<(&'a Module, Format)>,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Newton's method on the reduced equations `T^T (c - Q) = 0` at rest, with their
 //! derivative `K` ([`super::linearise`]). Steps are halved until the residual is
-//! smaller. Coordinates that nothing holds (a car may stand anywhere along the
+//! smaller. Coordinates that nothing holds (a car may be anywhere along the
 //! road) keep their value, as long as no force asks for another one.
 
 use super::MotionError;

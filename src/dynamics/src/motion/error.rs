@@ -14,7 +14,7 @@ pub enum MotionError {
     /// A pass over the equations failed.
     #[error("the passes failed: {0}")]
     Passes(String),
-    /// A state cannot be reached, or the equations say nothing there.
+    /// A state cannot be reached, or the equations mean nothing there.
     #[error(transparent)]
     State(#[from] StateError),
     /// Forces cannot move a joint in a determined way.
@@ -38,7 +38,7 @@ pub enum MotionError {
     DeadPoint {
         /// Name of the joint with the smallest pivot.
         joint: String,
-        /// Name of the cut of the row it stands in.
+        /// Name of the cut of the row it is in.
         cut: String,
         /// The pivot, as a fraction of the smallest one of the best choice.
         pivot: f64,

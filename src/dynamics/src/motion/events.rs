@@ -1,9 +1,9 @@
 //! Events of a run: quantities that pass a value, and contacts that open or
 //! close.
 //!
-//! Signs at both ends of a step tell that something was passed; where the rate
+//! Signs at both ends of a step show that something was passed; where the rate
 //! of a quantity turns round between them, a cubic through values and rates
-//! tells whether the value was passed twice. The time is then found by steps
+//! shows whether the value was passed twice. The time is then found by steps
 //! of other lengths from the same start, so that it is as exact as the
 //! integrator.
 
@@ -227,7 +227,7 @@ impl EventBracket {
     }
 
     /// True when the time is known to `tolerance`, or as well as numbers can
-    /// tell.
+    /// show.
     pub(super) fn is_narrow(&self, tolerance: f64) -> bool {
         let middle = 0.5 * (self.from + self.to);
         self.to - self.from <= tolerance || middle <= self.from || middle >= self.to

@@ -112,7 +112,7 @@ impl<'m> FreeMotion<'m> {
         })
     }
 
-    /// Integrates from an initial state and tells how far energy and momenta
+    /// Integrates from an initial state and returns how far energy and momenta
     /// have moved; not a number when the motion does not stay finite.
     pub fn drift<A: Arithmetic, S: Arithmetic>(
         &self,

@@ -3,7 +3,7 @@
 //! `loop_positions` is one round of Newton's method and `loop_velocities` what
 //! follows from it, both for dependent joints that are fixed when they are
 //! generated. So there is nothing to exchange near a dead point: a run that
-//! cannot be closed there ends, and says which joint is undetermined.
+//! cannot be closed there ends, and reports which joint is undetermined.
 
 use super::MotionError;
 

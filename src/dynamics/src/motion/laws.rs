@@ -1,11 +1,11 @@
 //! Laws of forces and driven motions, as a user gives them beside a model.
 //!
-//! A model holds no forces: what moves it besides gravity is told by a small
+//! A model holds no forces: what moves it besides gravity is in a small
 //! TOML file.
 //!
 //! ```toml
 //! [[joint]]
-//! name = "knee"        # or "*": every joint without an entry of its own; in
+//! name = "knee"        # or "*": every joint without an entry; in
 //!                      # place of damping and friction that a robot's file has
 //! stiffness = 200.0    # N/m or N m/rad
 //! damping = 2.0        # N s/m or N m s/rad
@@ -87,7 +87,7 @@ const SLIP: NumberLimit = NumberLimit::real(
 );
 
 /// The limits of the numbers of laws: name, limit, and what it is when the
-/// file does not say.
+/// file does not specify it.
 pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
     ("stiffness", LAW, "0"),
     ("damping", LAW, "0"),
@@ -148,7 +148,7 @@ pub struct Support {
     pub frequency: f64,
     /// Its phase, rad.
     pub phase: f64,
-    /// Of the point with a plane; a section of its own in a file.
+    /// Of the point with a plane; its own section in a file.
     #[serde(skip)]
     pub contact: Contact,
 }
@@ -286,7 +286,7 @@ impl Laws {
     }
 
     /// The laws with everything that they move at rest in its mean: what a
-    /// model stands still under.
+    /// model is at rest under.
     pub fn standing(mut self) -> Laws {
         for law in &mut self.forces {
             law.amplitude = [0.0; 3];

@@ -4,10 +4,10 @@ use super::{MotionSample, SimulationRun};
 use robovec_model::Model;
 use robovec_present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
 
-/// More curves than this cannot be told apart.
+/// More curves than this cannot be distinguished.
 const CURVES: usize = 10;
 
-/// As many have colours of their own; the others are dashed.
+/// As many have their own colours; the others are dashed.
 const COLOURS: usize = 7;
 
 /// A quantity over the samples of a run, with its name.

@@ -1,4 +1,4 @@
-//! A run in time: steps, samples and what they say of the whole.
+//! A run in time: steps, samples and what they show of the whole.
 
 use super::events::{EventBracket, EventRecord, EventWatch, Signal};
 use super::integrate::{dormand_prince, growth, runge_kutta};
@@ -122,7 +122,7 @@ pub fn mean_position(runs: &[SimulationRun], joint: usize) -> f64 {
     positions().sum::<f64>() / positions().count() as f64
 }
 
-/// Integrates a system from an initial state. `progress` is told the time
+/// Integrates a system from an initial state. `progress` receives the time
 /// after every step.
 ///
 /// # Errors
@@ -433,7 +433,7 @@ impl Integrator<'_, '_, '_> {
     }
 }
 
-/// The work that forces did, behind positions and velocities.
+/// The work that forces did, after positions and velocities.
 fn work_of(packed: &[f64]) -> f64 {
     *packed.last().expect("packed states end with the work")
 }

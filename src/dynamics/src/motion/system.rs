@@ -249,7 +249,7 @@ impl<'m> MultibodySystem<'m> {
     /// # Errors
     ///
     /// [`MotionError::DeadPoint`] where fixed ones have gone past it: there
-    /// the others follow in two ways, and nothing tells which.
+    /// the others follow in two ways, and nothing shows which.
     pub(super) fn renew(&mut self, state: &MotionState) -> Result<(), MotionError> {
         let constraints = self.equations.constraints();
         if constraints.rows() == 0 {

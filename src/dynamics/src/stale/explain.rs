@@ -71,7 +71,7 @@ fn describe_all<'a>(model: &Model, elements: impl Iterator<Item = &'a ArrayEleme
     }
 }
 
-/// Says why a function is not the model's.
+/// Reports why a function is not the model's.
 pub(super) fn reasons(
     model: &Model,
     equations: &Module,

@@ -1,5 +1,5 @@
 //! The text of the functions that MBsysC calls: calls in the order of MBsysC,
-//! and Newton's method. The C stands in files of its own beside this one, with
+//! and Newton's method. The C is in separate files beside this one, with
 //! names between `@` for what a model decides.
 
 use super::{StepFunction, StepPlan};

@@ -17,8 +17,8 @@
 //!
 //! **What is asked for at run time.** Which joints depend is decided when the
 //! equations are made. The project decides it too, when it starts; should the
-//! two differ, the function says so and fails, since its result would be that
-//! of another system. It fails as well where numbers say that masses and
+//! two differ, the function reports it and fails, since its result would be that
+//! of another system. It fails as well where numbers show that masses and
 //! constraints determine no motion.
 
 pub mod accuracy;
@@ -123,7 +123,7 @@ pub struct StepStyle<'a> {
 /// The C of steps, one file each that needs no other one, so that a project
 /// builds what it built before; from their functions ([`generate_parts`], with any passes
 /// run over them): names and texts of the files. What closes loops computes in
-/// binary64 whatever the style says.
+/// binary64 whatever the style.
 ///
 /// # Errors
 ///

@@ -50,7 +50,7 @@ impl HardwareSimulator {
         HardwareSimulator::VerilatorVerilog,
     ];
 
-    /// The programs it takes, with the argument that makes them tell their
+    /// The programs it takes, with the argument that makes them print their
     /// version.
     fn programs(self) -> &'static [(&'static str, &'static str)] {
         match self {
@@ -122,7 +122,7 @@ pub enum CheckFailure {
 /// Result of a check that passed.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Checked {
-    /// The lines that say PASS, one per window.
+    /// The lines that print PASS, one per window.
     pub verdicts: Vec<String>,
     /// The time it took, building included.
     pub time: Duration,
@@ -161,7 +161,7 @@ pub fn check(
     })
 }
 
-/// A bench has passed when every way in says so and nothing says otherwise.
+/// A bench has passed when every way in states it and nothing states otherwise.
 fn judge(output: &FinishedProcess, doors: usize) -> Result<Vec<String>, CheckFailure> {
     let said = output.text();
     let is = |word: &'static str| move |line: &&str| line.starts_with(word);

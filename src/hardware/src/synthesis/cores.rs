@@ -37,7 +37,7 @@ pub struct Delays {
     pub first: u32,
     /// From register to register.
     pub inner: u32,
-    /// With a register before every operand and behind the result.
+    /// With a register before every operand and after the result.
     pub enclosed: u32,
 }
 

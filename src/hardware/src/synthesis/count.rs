@@ -1,6 +1,6 @@
 //! Resources of the device that a netlist takes, module by module.
 //!
-//! Every primitive counts as the part of the device that it stands for: a
+//! Every primitive counts as the part of the device that it represents: a
 //! look-up table of up to six inputs, one bit of a carry chain and an
 //! inverter are one adaptive look-up table (ALUT) each; yosys' cell of an
 //! MLAB is one bit wide, and those of a module that share their read and

@@ -59,8 +59,8 @@ pub(super) const LOOK_UP_READ: [u32; 5] = [487, 475, 382, 284, 96];
 /// Set-up times of a memory in logic.
 pub(super) const LOOK_UP_SETUP: [(&str, u32); 3] = [("A1ADDR", 86), ("A1DATA", 86), ("A1EN", 86)];
 
-/// Clock to output of a register, which is what drives a port that a
-/// register outside is assumed behind.
+/// Clock to output of a register, which drives a port that a
+/// register outside is assumed to read.
 pub(super) const REGISTER: u32 = 731;
 
 /// The module of a memory with two ports that both read and write.

@@ -37,7 +37,7 @@ pub enum SynthesisError {
     Failed {
         /// The program.
         program: String,
-        /// The end of what it said.
+        /// The end of its output.
         message: String,
     },
     /// Memories that would have become registers.

@@ -20,7 +20,7 @@ pub(super) struct Primitive<'a> {
     pub(super) cell: &'a NetlistCell,
     /// Its name in its module.
     pub(super) name: &'a str,
-    /// The instance it stands in, an index into [`Flat::instances`].
+    /// The instance it is in, an index into [`Flat::instances`].
     pub(super) instance: u32,
     /// Nets of its ports, in order of their names.
     pub(super) connections: Vec<(&'a str, Vec<Net>)>,
@@ -75,7 +75,7 @@ impl Classes {
         net
     }
 
-    /// The lower number stands for both, so a constant stays one.
+    /// The lower number represents both, so a constant stays one.
     fn join(&mut self, left: u32, right: u32) {
         let (left, right) = (self.find(left), self.find(right));
         let (low, high) = (left.min(right), left.max(right));

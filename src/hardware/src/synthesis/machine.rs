@@ -1,7 +1,7 @@
 //! A whole machine, as `robovec rtl` writes it: mapped part by part.
 //!
 //! The modules of the parts stay closed, so that equal ones are mapped once
-//! and every part has counts of its own; what is inside a part is opened and
+//! and every part has its own counts; what is inside a part is opened and
 //! mapped as one. Initial contents are left out: they change no count, and
 //! without them the elements are more alike.
 

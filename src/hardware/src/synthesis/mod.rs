@@ -5,9 +5,9 @@
 //! to look-up tables, registers, memory blocks and multipliers
 //! ([`tool`], [`script`]), the netlist is counted module by module
 //! ([`count`]), and its longest path found with published delays
-//! ([`timing`]). Formulas for the same figures without any tool stand in
-//! [`robovec_fpga::hardware`]; the mapping is what they are
-//! checked against. On an ECP5 open tools also place and route ([`place`]).
+//! ([`timing`]). Formulas for the same figures without any tool are in
+//! [`robovec_fpga::hardware`], to be compared with the
+//! mapping. On an ECP5 open tools also place and route ([`place`]).
 
 pub mod cores;
 pub mod count;

@@ -1,4 +1,4 @@
-//! The netlist that yosys' `write_json` writes, as it stands there.
+//! The netlist that yosys' `write_json` writes, as written there.
 //!
 //! Only what counting and timing need is read: modules, their ports, and
 //! their cells with what they connect. A *bit* is a number that is unique

@@ -63,7 +63,7 @@ impl RoutedMachine {
 ///
 /// # Errors
 ///
-/// Fails when a tool is missing, refuses the design, or says what cannot be
+/// Fails when a tool is missing, refuses the design, or shows what cannot be
 /// read.
 pub fn place_and_route(
     yosys: &Yosys,

@@ -18,7 +18,7 @@ const STATES: u32 = 1024;
 ///
 /// # Errors
 ///
-/// See [`Unmeasurable`]: what is measured by itself has none.
+/// See [`Unmeasurable`]: what is measured alone has none.
 pub fn operator_error(core: OperatorCore, format: Format) -> Result<ErrorAccount, Unmeasurable> {
     let value = match core {
         OperatorCore::Add => "m[1] + m[2]",

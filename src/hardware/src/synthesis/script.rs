@@ -1,6 +1,6 @@
 //! The script that yosys runs.
 //!
-//! `synth_intel_alm` runs in two parts. Between them stand the memories that
+//! `synth_intel_alm` runs in two parts. Between them are the memories that
 //! no block took: the rest of the mapping would turn their words into
 //! registers one by one, which takes minutes and makes every figure
 //! meaningless, so the script writes their names and stops. A memory without
@@ -23,7 +23,7 @@ pub struct SynthesisDesign {
     /// Other files that the Verilog reads: initial contents of memories.
     pub others: Vec<(String, String)>,
     /// Modules that are mapped by themselves. Equal ones are then mapped once,
-    /// and can be told apart in the netlist; all else is opened.
+    /// and can be distinguished in the netlist; all else is opened.
     pub kept: Vec<String>,
 }
 

@@ -38,7 +38,7 @@ pub struct PathSelection {
     /// Those that end at a register or memory.
     pub to_registers: bool,
     /// Those that end at an output, as if a register without set-up time
-    /// stood there, one net away.
+    /// were there, one net away.
     pub to_outputs: bool,
 }
 
@@ -51,7 +51,7 @@ impl PathSelection {
         to_outputs: false,
     };
 
-    /// The design between registers: one before every input, one behind
+    /// The design between registers: one before every input, one after
     /// every output.
     pub const ENCLOSED: PathSelection = PathSelection {
         from_registers: true,
@@ -68,7 +68,7 @@ pub struct PathCell {
     pub kind: String,
     /// Its name with the instances above it, parts separated by dots.
     pub name: String,
-    /// The module it stands in, as the source names it.
+    /// The module it is in, as the source names it.
     pub module: String,
     /// The time at its output, or where the path ends, ps after the clock.
     pub at: u32,
@@ -109,7 +109,7 @@ struct Arrival {
     before: Net,
 }
 
-/// Stands for an input of the top in place of a primitive.
+/// Represents an input of the top in place of a primitive.
 const INPUT: u32 = u32::MAX;
 
 impl<'a> NetlistTiming<'a> {
@@ -276,7 +276,7 @@ impl<'a> NetlistTiming<'a> {
         steps
     }
 
-    /// A primitive, or an output numbered behind them, as a step.
+    /// A primitive, or an output numbered after them, as a step.
     fn step(&self, index: u32, at: u32) -> PathCell {
         let index = index as usize;
         let Some(primitive) = self.flat.primitives.get(index) else {
@@ -402,7 +402,7 @@ mod tests {
     use super::*;
 
     /// Two registers with a look-up table in an instance between them, and
-    /// an adder of two bits behind the second.
+    /// an adder of two bits after the second.
     const SMALL: &str = r#"{"modules": {
         "leaf": {"ports": {"a": {"direction": "input", "bits": [2]},
                            "y": {"direction": "output", "bits": [3]}},

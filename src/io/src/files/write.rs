@@ -43,7 +43,7 @@ pub fn make_folder(path: &Path) -> io::Result<()> {
 /// What is there and is no ordinary file (a device such as `/dev/null`, a
 /// pipe) is written into as the content is made: taking its name would remove
 /// it. A symbolic link is followed. A file that has other names (hard links)
-/// or another owner, or stands in a folder where no other file can be made, is
+/// or another owner, or is in a folder where no other file can be made, is
 /// written into as well, but only when the content is complete.
 ///
 /// # Errors

@@ -1,11 +1,11 @@
 //! Programs of the user's that robovec runs: compilers, simulators of
 //! hardware, yosys, Python, and what the compilers made.
 //!
-//! None of them is trusted to end or to say little.
-//! **Invariant.** A run ends: after its time, or behind the last byte it may
+//! None of them is trusted to end or to print little.
+//! **Invariant.** A run ends: after its time, or after the last byte it may
 //! print, it is killed with everything it started. On Unix it also ends when
 //! robovec does, however that comes about, because a small watcher
-//! (`watch`), started right behind the program, waits for it.
+//! (`watch`), started right after the program, waits for it.
 
 mod watch;
 
@@ -47,11 +47,11 @@ pub fn set_limits(limits: ProcessLimits) {
 /// Time between two looks at a program.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// Time in which the output must end behind the program itself: what it left
+/// Time in which the output must end after the program itself: what it left
 /// running holds it open.
 const GRACE: Duration = Duration::from_secs(2);
 
-/// Reason why a program did not do its work. What it says itself is in
+/// Reason why a program did not do its work. What it states itself is in
 /// [`FinishedProcess`].
 #[derive(Debug, thiserror::Error)]
 pub enum ToolError {
@@ -81,7 +81,7 @@ pub enum ToolError {
     },
 }
 
-/// A run that ended by itself.
+/// A run that ended without being stopped.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct FinishedProcess {
     /// Exit status.

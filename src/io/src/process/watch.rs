@@ -1,6 +1,6 @@
 //! Death of a tool when robovec dies.
 //!
-//! A tool runs in a process group of its own, so that all of it can be
+//! A tool runs in its own process group, so that all of it can be
 //! killed; so the terminal's interrupt, which reaches robovec's group, does
 //! not reach it. A shell beside it waits for the end of a pipe that only
 //! robovec holds open. The system closes the pipe when robovec ends without a

@@ -6,7 +6,7 @@ use robovec_ir::diagnostic::{clip, did_you_mean};
 use roxmltree::Node;
 use std::ops::Range;
 
-/// The children of an element, told apart by name.
+/// The children of an element, distinguished by name.
 pub(super) struct ElementFields<'a> {
     /// The element itself.
     pub(super) node: Node<'a, 'a>,

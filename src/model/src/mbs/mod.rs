@@ -9,7 +9,7 @@
 //!
 //! **Invariants.** A model that is returned upholds
 //! [`Model::check`](super::Model::check); a file with any error returns none.
-//! What the reader passes over without being told to gets a warning: an
+//! What the reader passes over without being asked to gets a warning: an
 //! element spelt wrong would otherwise be a parameter that silently stays zero.
 
 mod bodies;
@@ -33,7 +33,7 @@ use std::fmt;
 pub use write::{unsayable, write_mbs};
 
 /// The limits of a model: name, limit, and what it is when the model does not
-/// say.
+/// state.
 pub const FIELDS: &[(&str, NumberLimit, &str)] =
     &[("joint", JOINTS, ""), ("any number", xml::NUMBER, "0")];
 
@@ -110,7 +110,7 @@ impl fmt::Display for ModelError {
 impl std::error::Error for ModelError {}
 
 /// Reads a `.mbs` file. The name serves messages, and names a model that has
-/// no name of its own.
+/// no name.
 ///
 /// # Errors
 ///

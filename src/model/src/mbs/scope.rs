@@ -33,7 +33,7 @@ pub(super) struct ModelScope {
 impl ModelScope {
     /// The anchor that the children `bodyname` and `pointname` of an element
     /// name; `None`, with an error among the messages, when there is none.
-    /// `owner` is what messages call the element.
+    /// Messages call the element `owner`.
     pub(super) fn anchor(
         &self,
         fields: &ElementFields<'_>,

@@ -6,7 +6,7 @@ use crate::{Anchor, Asks, Body, CutKind, Joint, Link, Model, Nature, Sensor};
 /// A model as compact `.mbs` text: no drawings, and nothing that is zero or
 /// false. [`read_mbs`](super::read_mbs) reads an equal model back, provided
 /// that names are not empty and hold neither line breaks nor blanks at their
-/// ends, and that the model is one that such files can say ([`unsayable`]).
+/// ends, and that the model is one that such files can state ([`unsayable`]).
 pub fn write_mbs(model: &Model) -> String {
     let mut writer = ModelWriter {
         text: "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned(),

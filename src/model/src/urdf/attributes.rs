@@ -38,7 +38,7 @@ pub(super) fn children<'a, const N: usize>(
 }
 
 /// Extensions of simulators are many, so only what looks like a mistake is
-/// told.
+/// reported.
 pub(super) fn remark_unknown(child: Node<'_, '_>, known: &[&str], messages: &mut Messages) {
     let name = child.tag_name().name();
     if let Some(near) = did_you_mean(name, known.iter().copied()) {

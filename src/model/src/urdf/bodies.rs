@@ -16,20 +16,20 @@ use robovec_num::limits::Amount;
 use robovec_robotran::conventions::JOINTS;
 use std::ops::Range;
 
-/// A model, and where the name of each body stands.
+/// A model, and where the name of each body is.
 pub(super) struct BuiltRobot {
     pub(super) model: Model,
     pub(super) places: Vec<Range<usize>>,
 }
 
-/// Place where a link is: on which body, and how it stands there.
+/// Place where a link is: on which body, and how it is there.
 #[derive(Clone, Copy)]
 struct LinkPlace {
     body: Option<usize>,
     pose: FramePose,
 }
 
-/// The joints of a free body: the names behind its own, and the kinds.
+/// The joints of a free body: the names after its own, and the kinds.
 const FREE: [(&str, JointKind); 6] = [
     ("x", JointKind::Prismatic(Axis::X)),
     ("y", JointKind::Prismatic(Axis::Y)),

@@ -78,7 +78,7 @@ pub(super) fn resolve(
     all
 }
 
-/// Whom a joint follows, as the file says it.
+/// Whom a joint follows, as the file states it.
 fn direct(
     robot: &RobotElements,
     joint: usize,

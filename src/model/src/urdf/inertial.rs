@@ -6,7 +6,7 @@ use crate::xml::{Messages, place};
 use roxmltree::Node;
 use std::ops::Range;
 
-/// Inertia of a link, in a frame of its own.
+/// Inertia of a link, in its own frame.
 pub(super) struct LinkInertial {
     pub(super) mass: f64,
     /// Of the frame of the centre of mass in the link's.

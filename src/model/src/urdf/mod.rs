@@ -1,7 +1,7 @@
 //! The reader of URDF, the XML in which robots are exchanged.
 //!
 //! A file passes through [`super::xml`] (bytes to a tree of elements),
-//! [`elements`] and [`attributes`] (what the elements say, with their places),
+//! [`elements`] and [`attributes`] (what the elements state, with their places),
 //! [`tree`] (links and joints in the order from the base), [`frames`] (which
 //! frame each moving body gets) and [`bodies`] (the model). Drawings, materials,
 //! collisions and whatever simulators add are passed over.
@@ -31,7 +31,7 @@ use robovec_ir::diagnostic::Report;
 /// Base of a robot.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum RobotBase {
-    /// The first link stands still, as the format has it.
+    /// The first link is at rest, as the format has it.
     #[default]
     Fixed,
     /// The first link moves freely, by six joints: three translations, then
@@ -68,7 +68,7 @@ const KIND: xml::DocumentKind = xml::DocumentKind {
 };
 
 /// Reads a URDF file. The name serves messages, and names a robot that has no
-/// name of its own.
+/// other name.
 ///
 /// # Errors
 ///

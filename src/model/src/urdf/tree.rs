@@ -9,7 +9,7 @@ use robovec_robotran::conventions::JOINTS;
 pub(super) struct RobotOrder {
     /// The link that hangs on nothing.
     pub(super) root: usize,
-    /// The joints such that each stands behind the one its parent hangs on: a
+    /// The joints such that each is after the one its parent hangs on: a
     /// branch as a whole before the next one, in the order of the file.
     pub(super) joints: Vec<usize>,
 }
@@ -106,7 +106,7 @@ fn root(
     }
 }
 
-/// Tells of a joint on a cycle, when some joints were not reached.
+/// Reports a joint on a cycle, when some joints were not reached.
 fn on_a_cycle(
     robot: &RobotElements,
     parents: &[Option<usize>],

@@ -68,7 +68,7 @@ impl Messages {
     }
 
     /// Adds a warning about what is read but is in no equation. Only a command
-    /// that makes equations has reason to tell it.
+    /// that makes equations has reason to show it.
     pub(crate) fn leave_out(
         &mut self,
         range: Range<usize>,

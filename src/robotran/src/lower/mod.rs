@@ -29,7 +29,7 @@ use std::ops::Range;
 /// this is refused.
 const LARGEST_REPETITION: u64 = 200_000_000;
 
-/// Outputs without which a file says nothing.
+/// Outputs without which a file means nothing.
 const REQUIRED_OUTPUTS: [&str; 7] = ["M", "c", "Qq", "h", "Jac", "Jdqd", "qdd"];
 
 /// Statements that become one function.
@@ -196,8 +196,8 @@ impl Lowering<'_, '_> {
         }
     }
 
-    /// The kind of file: what its name says (Python's `mbs_gensensor_*.py`
-    /// holds a function `sensor`), else what the function's name says.
+    /// The kind of file: what its name states (Python's `mbs_gensensor_*.py`
+    /// holds a function `sensor`), else what the function's name states.
     fn kind(&self, function: &str) -> String {
         let from_file = file_stem(self.file_name)
             .strip_prefix("mbs_")

@@ -16,7 +16,7 @@ use robovec_ir::Symbol;
 use robovec_ir::diagnostic::{Diagnostic, Label};
 
 impl Lowering<'_, '_> {
-    /// Lowers the parts; says which arrays they write.
+    /// Lowers the parts; returns which arrays they write.
     pub(super) fn parts(
         &mut self,
         block: &FunctionBlock,

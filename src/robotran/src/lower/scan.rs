@@ -46,7 +46,7 @@ struct Scanner<'a> {
 }
 
 /// Scans the statements of a function. In a `part` of a function the calls
-/// may stand in another part.
+/// may be in another part.
 pub(super) fn scan(
     syntax: &SyntaxTree,
     storage: &Storage,

@@ -1,8 +1,8 @@
 //! The arrays of a function: their extents, and one number for every element.
 //!
 //! In C and Python `s->frc`, the parameter `frc` and a local alias are the
-//! same memory, so one array stands for all of them. In Matlab `frc = s.frc`
-//! is a copy: `s.frc` is an array of its own that keeps its first values.
+//! same memory, so one array represents all of them. In Matlab `frc = s.frc`
+//! is a copy: `s.frc` is its own array that keeps its first values.
 
 mod aliases;
 mod initials;
@@ -49,7 +49,7 @@ pub(super) struct StoredArray {
     /// Rows and columns that hold something from the start, where `initial`
     /// is zero.
     pub(super) held: (u32, u32),
-    /// False for an array that nothing says where its numbers come from.
+    /// False for an array that nothing shows where its numbers come from.
     pub(super) known: bool,
 }
 

@@ -20,8 +20,8 @@ impl Cutter<'_> {
         number.parse().ok().filter(|_| decimal)
     }
 
-    /// A `return`: nothing behind it in the function is reached. Within a case
-    /// it would also skip what stands behind all cases.
+    /// A `return`: nothing after it in the function is reached. Within a case
+    /// it would also skip what is after all cases.
     pub(super) fn give_back(&mut self, span: SourceSpan) {
         let innermost = self.stack.last().map(|open| open.meaning);
         match innermost.map(|place| &self.stack[place].block) {

@@ -22,7 +22,7 @@ pub(super) enum Region {
     Common,
     /// In these cases of `switch(isens)`.
     Cases(Vec<u32>),
-    /// In the `else` behind conditions on these cases: in all others.
+    /// In the `else` after conditions on these cases: in all others.
     Others(Vec<u32>),
     /// In a loop or a condition, whose head this is.
     Control(SourceSpan),
@@ -93,7 +93,7 @@ enum BlockKind {
         filled: bool,
     },
     SensorCase(u32),
-    /// The `else` behind the conditions on these cases.
+    /// The `else` after the conditions on these cases.
     Others(Vec<u32>),
     Control(SourceSpan),
     Dead,

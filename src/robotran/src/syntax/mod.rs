@@ -1,7 +1,7 @@
 //! A file as the grammar sees it: a flat arena of expression nodes and a flat
 //! list of statements.
 //!
-//! Invariant: the nodes of an expression stand in one run of the arena, every
+//! Invariant: the nodes of an expression are in one run of the arena, every
 //! operand before its user. Lowering is therefore one loop over the run.
 
 mod builder;
@@ -19,7 +19,7 @@ use robovec_ir::{Operation, Symbol};
 pub(super) struct SyntaxNode {
     pub(super) operands: [SyntaxLeaf; 2],
     pub(super) operation: Operation,
-    /// It stands in parentheses.
+    /// It is in parentheses.
     pub(super) grouped: bool,
     /// In Python: how many bits it may have as a whole number; 0 for a float.
     pub(super) whole_bits: u8,
@@ -31,7 +31,7 @@ impl SyntaxNode {
     }
 }
 
-/// A statement and where it stands.
+/// A statement and where it is.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SyntaxStatement {
     pub(super) kind: StatementKind,

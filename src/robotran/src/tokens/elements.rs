@@ -125,7 +125,7 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
     }
 
     /// Tests whether a second index is written in the current lexeme
-    /// (`a[1][2]`, `a(1,2)`): tells a written 0 from an absent index.
+    /// (`a[1][2]`, `a(1,2)`): distinguishes a written 0 from an absent index.
     fn has_second_index(&self) -> bool {
         let slice = self.lexer.slice().as_bytes();
         slice.contains(&b',') || slice.iter().filter(|&&byte| byte == b'[').count() > 1

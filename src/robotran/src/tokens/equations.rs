@@ -5,7 +5,7 @@
 //! here, with two stacks and a look at each lexeme, for a fraction of what
 //! the tables of the grammar take. Whatever else a statement is, and whatever
 //! is wrong with it, is left to the grammar, from the statement's start: it
-//! alone says what a file may hold and what messages there are.
+//! alone shows what a file may hold and what messages there are.
 //!
 //! **Invariant.** What is read here is read as `grammar.lalrpop` reads it: the
 //! same calls of the builder in the same order.
@@ -27,7 +27,7 @@ enum OpenOperator {
     Binary(Operation),
     /// A minus before a whole product.
     NegatedProduct,
-    /// A minus before a factor behind `*` or `/`.
+    /// A minus before a factor after `*` or `/`.
     NegatedFactor,
     /// A parenthesis.
     Group,
@@ -91,7 +91,7 @@ impl ExpressionStacks {
         Ok(())
     }
 
-    /// Takes in an operator behind an operand.
+    /// Takes in an operator after an operand.
     fn binary(
         &mut self,
         operation: Operation,
@@ -258,7 +258,7 @@ impl<'s, L: Surface<'s>> TokenStream<'s, '_, L> {
         }
     }
 
-    /// Reads what stands behind an operand: closing parentheses and the next
+    /// Reads what is after an operand: closing parentheses and the next
     /// operator, or the end of the statement; then returns where the lexeme
     /// before ends.
     fn operator(
@@ -326,7 +326,7 @@ impl<'s, L: Surface<'s>> TokenStream<'s, '_, L> {
         })
     }
 
-    /// A minus behind a parenthesis, which may be the sign of a number.
+    /// A minus after a parenthesis, which may be the sign of a number.
     fn minus_behind_parenthesis(&mut self) -> Result<RobotranToken, NotPlain> {
         self.recent[0] = Some((0, RobotranToken::Open, 0));
         Ok(self.minus()?)
@@ -369,7 +369,7 @@ mod tests {
         told(&builder, &symbols, &errors)
     }
 
-    /// Behind an error only messages are of use.
+    /// After an error only messages are of use.
     fn told(
         builder: &SyntaxBuilder,
         symbols: &Symbols,

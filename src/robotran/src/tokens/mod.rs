@@ -1,6 +1,6 @@
 //! From lexemes to the tokens of the grammar.
 //!
-//! What happens here is what a grammar says badly: keywords that only one
+//! Here is what a grammar states badly: keywords that only one
 //! language has, line ends that end a statement or not, conditions (never
 //! computed by a straight-line function, so they travel as text), and what
 //! the preprocessor makes of a word.
@@ -30,7 +30,7 @@ pub(super) type SpannedToken = (u32, RobotranToken, u32);
 pub(super) trait TokenSource: Iterator<Item = Result<SpannedToken, LexicalError>> {
     /// The token given last and the one before it.
     fn recent(&self) -> [Option<SpannedToken>; 2];
-    /// Goes on behind the end of the statement that could not be read.
+    /// Goes on after the end of the statement that could not be read.
     fn skip_statement(&mut self);
 }
 

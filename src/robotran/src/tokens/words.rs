@@ -129,7 +129,7 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
         }
     }
 
-    /// Takes in the condition behind `if` or `while`.
+    /// Takes in the condition after `if` or `while`.
     pub(super) fn condition(
         &mut self,
         token: RobotranToken,

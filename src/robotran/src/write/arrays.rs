@@ -164,7 +164,7 @@ impl FileArray {
     }
 
     /// True for a member of the data structure that the function begins by
-    /// giving a name of its own.
+    /// giving its own name.
     pub(super) fn has_alias(&self, language: Language) -> bool {
         let coordinates = matches!(self.name.as_str(), "q" | "qd" | "qdd");
         self.role == ArrayRole::Data

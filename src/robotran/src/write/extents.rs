@@ -1,4 +1,4 @@
-//! Extents that the reader would not find out by itself.
+//! Extents that the reader would not find out alone.
 //!
 //! Robotran's files do not declare their arrays: the reader knows those with
 //! an element per joint and takes the others to end where their use ends. An
@@ -13,7 +13,7 @@ use rustc_hash::FxBuildHasher;
 use std::fmt::Write;
 
 /// The entry of the header, `dpt(3,12) h(4)`; `None` when nothing needs to be
-/// said.
+/// stated.
 pub(super) fn line(functions: &[&Function], arrays: &FileArrays, joints: u32) -> Option<String> {
     let forces = forces(functions);
     let mut line = String::new();

@@ -15,11 +15,11 @@
 //!
 //! **Memory.** In C and Python the `frc` given and the `frc` given back are
 //! one array, and so are the coordinates of `accelred`. All definitions
-//! therefore stand before the first output, and what a later output reads is
+//! therefore are before the first output, and what a later output reads is
 //! kept first ([`plan`]).
 //!
 //! **Names.** One identifier for every language ([`names`]); an operator
-//! ends a line that grows too long ([`text`]); parentheses stand where the
+//! ends a line that grows too long ([`text`]); parentheses are where the
 //! order of evaluation needs them and nowhere else ([`expression`]).
 //!
 //! Everything is linear in the size of the function, and nothing recurses.
@@ -53,7 +53,7 @@ use rustc_hash::FxBuildHasher;
 #[derive(Clone, Default, Debug)]
 pub struct WriteOptions {
     /// The model's name, for file names and headers; by default what the
-    /// functions' metadata say, else `model`.
+    /// functions' metadata have it, else `model`.
     pub model: Option<String>,
     /// Set also the elements of outputs that the function leaves alone, to 0.
     /// Reading such a file gives a function with more outputs.

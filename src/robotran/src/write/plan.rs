@@ -1,9 +1,9 @@
 //! Order of the statements.
 //!
 //! Definitions keep their order, so that reading the file gives the nodes in
-//! the order they had. A call of a user function stands before the first
-//! definition that reads its result, behind what fills its arguments; outputs
-//! stand at the end. Where an output overwrites an element that a later
+//! the order they had. A call of a user function is before the first
+//! definition that reads its result, after what fills its arguments; outputs
+//! are at the end. Where an output overwrites an element that a later
 //! output still reads (`frc` is given and given back under one name), the
 //! given number is kept in a temporary first.
 
@@ -27,7 +27,7 @@ pub(super) enum WrittenStatement {
     Call(usize),
 }
 
-/// The statements of a function, in order. `shared` says whether an output
+/// The statements of a function, in order. `shared` is true if an output
 /// and an input of one name are one memory, as in C and Python.
 pub(super) fn plan(
     function: &Function,

@@ -101,7 +101,7 @@ impl FileText {
         }
     }
 
-    /// An operator, behind which the line may be broken.
+    /// An operator, after which the line may be broken.
     pub(super) fn operator(&mut self, text: &str) {
         self.push(text);
         self.breakable = self.out.len();
@@ -139,7 +139,7 @@ impl FileText {
         self.push(if indices.is_empty() { "" } else { close });
     }
 
-    /// A number as Robotran writes it, in parentheses; a sign stands inside
+    /// A number as Robotran writes it, in parentheses; a sign is inside
     /// them, where the reader takes it as part of the number.
     pub(super) fn number(&mut self, number: f64) {
         let text = format!("({number:?})");

@@ -187,7 +187,7 @@ impl<'t> Parser<'t> {
         Ok(limb[0] as u32)
     }
 
-    /// `END` as a word of its own; hexadecimal digits follow it otherwise.
+    /// `END` as its own word; hexadecimal digits follow it otherwise.
     fn at_end_keyword(&self) -> bool {
         let rest = &self.text[self.at..];
         let letters = rest.len() >= 3 && rest[..3].eq_ignore_ascii_case(b"end");

@@ -34,12 +34,12 @@ use std::sync::Arc;
 pub struct PassRunRecord {
     /// The function's name.
     pub function: String,
-    /// The pass as it stands in the pipeline, options included.
+    /// The pass as written in the pipeline, options included.
     pub name: String,
     /// Processor time, in seconds.
     pub cpu_s: f64,
     /// The largest memory of the process so far, in MB; absent where the
-    /// system does not tell.
+    /// system does not report it.
     pub peak_mb: Option<f64>,
     /// Operations after the pass, minus signs included, sine and cosine not.
     pub operations: usize,
@@ -158,7 +158,7 @@ pub struct FunctionReport {
 }
 
 impl ModuleReport {
-    /// Measures and counts everything a report tells about a module after the
+    /// Measures and counts everything a report shows about a module after the
     /// recorded passes were run on it for a machine.
     pub fn collect(
         module: &Module,
@@ -179,7 +179,7 @@ impl ModuleReport {
         }
     }
 
-    /// The report as JSON, indented, with a line end behind it.
+    /// The report as JSON, indented, with a line end after it.
     pub fn to_json(&self) -> String {
         json_text(self)
     }

@@ -11,7 +11,7 @@ use serde::Serialize;
 /// One run of a pass.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct PassReport {
-    /// The pass as it stands in the pipeline.
+    /// The pass as written in the pipeline.
     pub name: String,
     /// Processor time, in seconds.
     pub cpu_s: f64,

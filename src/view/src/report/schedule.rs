@@ -11,7 +11,7 @@ use serde::{Serialize, Serializer};
 pub struct ScheduleReport {
     /// The machine's name.
     pub machine: String,
-    /// Hash of the machine's content; absent when the schedule does not say.
+    /// Hash of the machine's content; absent when the schedule does not specify it.
     pub machine_hash: Option<String>,
     /// Its number format: `binary32`, `binary64`, or a name as
     /// `float(8,10)`; absent as `time_us` is.

@@ -190,7 +190,7 @@ impl<const E: usize, const M: usize> Pair<E, M> {
         }
     }
 
-    /// Any binary64 number, or one near the middle behind a number.
+    /// Any binary64 number, or one near the middle after a number.
     fn about(&self, random: &mut Random, word: u64) -> f64 {
         let bits = random.bits();
         if bits & 1 == 0 {

@@ -9,7 +9,7 @@ fn word(format: NumberFormat, negative: bool, exponent: u64, mantissa: u64) -> u
 }
 
 /// Zeros, ends of the subnormal and normal ranges, ones and their
-/// neighbours, ties, infinities, NaN; of both signs. The `few` most telling
+/// neighbours, ties, infinities, NaN; of both signs. The `few` most useful
 /// ones or all.
 pub(super) fn special(format: NumberFormat, few: bool) -> Vec<u64> {
     let mantissa = format.mantissa;

@@ -33,7 +33,7 @@ pub(super) fn is_small<const E: usize, const M: usize>(word: u64) -> bool {
     word >> M & ((1 << E) - 1) == 0
 }
 
-/// The word, or the zero that stands for it where there are no subnormal
+/// The word, or the zero that represents it where there are no subnormal
 /// numbers.
 pub(super) fn flushed<const E: usize, const M: usize>(word: u64) -> u64 {
     if is_small::<E, M>(word) {

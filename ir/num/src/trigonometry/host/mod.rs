@@ -33,7 +33,7 @@ pub enum Implementation {
     Polynomial {
         /// The largest power of the angle.
         order: u32,
-        /// Bits behind the point.
+        /// Bits after the point.
         bits: u32,
     },
     /// A table of sines and cosines, and polynomials for the rest of the
@@ -43,7 +43,7 @@ pub enum Implementation {
         entries: u32,
         /// The largest power of the rest of the angle.
         degree: u32,
-        /// Bits behind the point.
+        /// Bits after the point.
         bits: u32,
     },
     /// Rotations by angles whose tangents are powers of two (Volder 1959):
@@ -51,19 +51,19 @@ pub enum Implementation {
     Cordic {
         /// Rotations.
         iterations: u32,
-        /// Bits behind the point.
+        /// Bits after the point.
         bits: u32,
     },
 }
 
 impl Implementation {
-    /// Bits behind the point, at least and at most: every result is then a
+    /// Bits after the point, at least and at most: every result is then a
     /// binary64 number.
     pub const BITS: std::ops::RangeInclusive<u32> = 8..=50;
     /// The largest table.
     pub const MAX_ENTRIES: u32 = 1 << 16;
 
-    /// Bits behind the point.
+    /// Bits after the point.
     pub fn bits(self) -> u32 {
         match self {
             Implementation::Polynomial { bits, .. }

@@ -4,7 +4,7 @@
 //! the fraction of the angle times `4/π`. For an angle of thousands of turns
 //! the fraction needs many more digits of `4/π` than a number has; so the
 //! product is formed in full (Payne and Hanek 1983), from the 53 bits of the
-//! angle and 192 bits of `4/π` behind the point. Its fraction is right to
+//! angle and 192 bits of `4/π` after the point. Its fraction is right to
 //! 2^-62 for every angle below [`LARGEST`]: the wheel of a train that has run
 //! for years, or an accumulated yaw, is reduced as exactly as 1 radian.
 
@@ -132,7 +132,7 @@ mod tests {
     use crate::double_double::{Double, DoubleDouble};
     use crate::random::{mix, unit};
 
-    /// The sine of the angle that a reduction stands for.
+    /// The sine of the angle that a reduction represents.
     fn sine(reduced: Reduced) -> Double {
         let fraction = Double::from(reduced.fraction as f64);
         let rest = Double::from((reduced.fraction as i64 - fraction.high as i64) as f64);

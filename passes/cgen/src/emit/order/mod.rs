@@ -6,7 +6,7 @@
 //! * that of the function ([`program`]);
 //! * a walk from each output down to what it needs ([`depth_first`]), which
 //!   makes the operand that needs most registers first (Sethi and Ullman,
-//!   1970): values stand close to where they are read, and what is shared
+//!   1970): values are close to where they are read, and what is shared
 //!   where it is read first;
 //! * that of a model of the registers ([`by_registers`]).
 //!
@@ -50,7 +50,7 @@ pub(crate) fn program(function: &Function, computed: &[bool]) -> Vec<CodeStep> {
     definitions.chain(outputs.map(CodeStep::Assign)).collect()
 }
 
-/// The values that are marked in `computed`, each once and behind what it
+/// The values that are marked in `computed`, each once and after what it
 /// needs, and all assignments. With `outputs_last` no output is written before
 /// everything is computed.
 ///

@@ -13,11 +13,11 @@ use super::{CodeStep, DepthWalk, Ties, follows_operands};
 use robovec_ir::{Function, Operand, OperandKind, Value};
 use std::collections::BTreeSet;
 
-/// Ready readers of one register that are looked at; those that come first
+/// Ready readers of one register that are considered; those that come first
 /// in the walk.
 const READERS: usize = 8;
 
-/// Readers of a result that are looked at to see what it makes ready.
+/// Readers of a result that are considered to see what it makes ready.
 const FOLLOWERS: usize = 16;
 
 /// The cost of a read of a value outside the registers, against the other
@@ -28,8 +28,8 @@ const KILL: i64 = 30;
 /// The worth of each operation that only waited for this one.
 const ENABLE: i64 = 10;
 
-/// All values that are marked in `computed`, each once and behind its
-/// operands, and all assignments, each right behind its value. Operands that
+/// All values that are marked in `computed`, each once and after its
+/// operands, and all assignments, each right after its value. Operands that
 /// are not marked are in memory from the start.
 pub(crate) fn by_registers(
     function: &Function,
@@ -58,7 +58,7 @@ pub(crate) fn by_registers(
 }
 
 /// The values as a walk from the last outputs finds them, the operand with
-/// the longest chain behind it first.
+/// the longest chain after it first.
 fn walk(function: &Function, computed: &[bool]) -> Vec<Value> {
     let mut depths = vec![0u32; function.nodes().len()];
     for (value, node) in function.values() {

@@ -5,11 +5,11 @@
 //! several states one after the other, reads the outputs back, and watches
 //! the buses meanwhile: every result of every operation is compared with the
 //! one of the cycle-accurate simulator, in its cycle and on its element. So a
-//! fault is told where it happens first, by the name of the operation and the
+//! fault is reported where it happens first, by the name of the operation and the
 //! equation it comes from, and not only by a wrong output.
 //!
 //! The benches themselves are written by hand (`hdl/bench/`, in plain Verilog
-//! and in C++ for Verilator) and read what stands here as data:
+//! and in C++ for Verilator) and read what is here as data:
 //!
 //! | file | content |
 //! |---|---|
@@ -105,7 +105,7 @@ pub enum BenchError {
     /// Runs that do not belong to the program.
     #[error("the runs are not of this program: {0}")]
     Runs(String),
-    /// More than a bench's files can say.
+    /// More than a bench's files can state.
     #[error("{0}, more than a bench holds")]
     TooLarge(String),
 }
@@ -282,7 +282,7 @@ const MAX_CLOCKS: u64 = 2_000_000_000;
 type Size = (&'static str, &'static str, u64);
 
 /// Names of functions are identifiers; what is not is left out of texts that
-/// stand between quotes.
+/// are between quotes.
 fn quotable(name: &str) -> String {
     let good = |c: &char| c.is_ascii_alphanumeric() || *c == '_';
     name.chars().filter(good).collect()

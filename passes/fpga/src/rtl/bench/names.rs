@@ -6,9 +6,9 @@ use robovec_ir::print::print_definition;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// Places of an operation's equations that are told.
+/// Places of an operation's equations that are reported.
 const MAX_PLACES: usize = 4;
-/// Characters of a definition that are told; the bench in Verilog reads lines
+/// Characters of a definition that are reported; the bench in Verilog reads lines
 /// of 500.
 const MAX_CHARACTERS: usize = 280;
 

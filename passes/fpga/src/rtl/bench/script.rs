@@ -112,7 +112,7 @@ impl ScriptWriter<'_> {
         self.command(READ, note, address, data);
     }
 
-    /// Makes sure that it is the right machine, and says what is loaded.
+    /// Makes sure that it is the right machine, and shows what is loaded.
     fn registers(&mut self) -> Result<(), BenchError> {
         let window = self.window;
         let hash = |text: &str| {

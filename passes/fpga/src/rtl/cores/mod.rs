@@ -1,12 +1,12 @@
 //! The floating-point operators of `hdl/cores`, and where to cut them.
 //!
 //! An operator is one Verilog module for every latency: between its steps
-//! stand cuts, any of which may hold a register. Which of them do is chosen
+//! are cuts, any of which may hold a register. Which of them do is chosen
 //! here, so that the slowest step between two registers is as quick as
 //! possible, from a model of the delay of every step ([`steps`]).
 //!
 //! **Invariant.** The last cut, at the result, always holds a register: a
-//! result crosses the machine's interconnect in a cycle of its own.
+//! result crosses the machine's interconnect in its own cycle.
 
 mod steps;
 
@@ -110,7 +110,7 @@ impl OperatorCore {
 pub struct Cuts {
     /// Bit `i` is set when cut `i` holds a register.
     pub mask: u64,
-    /// Registers behind the result.
+    /// Registers after the result.
     pub extra: u32,
 }
 
@@ -155,7 +155,7 @@ fn behind_memory(core: OperatorCore, format: NumberFormat, device: &Device) -> V
     steps
 }
 
-/// The delay of a stage that begins behind step `first - 1` and ends at the
+/// The delay of a stage that begins after step `first - 1` and ends at the
 /// cut of step `last`, in picoseconds.
 fn delay(steps: &[CoreStep], first: usize, last: usize) -> u32 {
     stage_delay(&steps[first..=last])

@@ -12,7 +12,7 @@ use super::OperatorCore;
 use robovec_ir::machine::Device;
 use robovec_num::NumberFormat;
 
-/// A step of an operator: what stands between two neighbouring cuts.
+/// A step of an operator: what is between two neighbouring cuts.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct CoreStep {
     /// The delay of all its logic, in picoseconds.

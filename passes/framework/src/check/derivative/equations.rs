@@ -25,7 +25,7 @@ pub(super) struct DerivativeEquation {
     pub(super) before: Vec<(Factor, usize)>,
     /// Assignments after, with their factors.
     pub(super) after: Vec<(Factor, usize)>,
-    /// The output element after that stands for the equation.
+    /// The output element after that represents the equation.
     pub(super) element: u32,
     /// For every column the output element after, where an equation has more
     /// than one.

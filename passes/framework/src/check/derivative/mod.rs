@@ -301,7 +301,7 @@ impl<'a> DerivativeCheck<'a> {
         None
     }
 
-    /// Tests whether an output that stands on the right of an equation is no
+    /// Tests whether an output that is on the right of an equation is no
     /// number where the derivative that it should be is one, of a size that
     /// binary64 holds.
     fn is_lost(

@@ -41,9 +41,9 @@ pub struct MiningSpace {
 /// The outcome of mining.
 #[derive(Clone, PartialEq, Debug)]
 pub struct MinedRules {
-    /// Windows looked at.
+    /// Windows considered.
     pub windows: usize,
-    /// False when a value had more windows than are looked at.
+    /// False when a value had more windows than are considered.
     pub all_windows: bool,
     /// Different shapes of windows that could be rewritten with a gain.
     pub shapes: usize,
@@ -58,7 +58,7 @@ const LATE_WINDOW: usize = 5;
 /// Operations that a right side may have more, to be earlier.
 const GROWTH: i64 = 2;
 
-/// Times at which the leaves of one shape come that are looked at.
+/// Times at which the leaves of one shape come that are considered.
 const PROFILES: usize = 4;
 
 /// Places below which a shape is of no interest.
@@ -89,7 +89,7 @@ struct MinedShape {
 }
 
 /// Mines rules from functions at the atomic level and ranks them by their gain
-/// on others. `progress` is told of shapes and candidates done and of all.
+/// on others. `progress` is called with shapes and candidates done and all.
 pub fn mine(
     space: MiningSpace,
     known: &RuleSet,
@@ -226,7 +226,7 @@ impl Gathered {
         }
     }
 
-    /// The shapes that are looked at, and whether to make them earlier: those
+    /// The shapes that are considered, and whether to make them earlier: those
     /// with most operations that would go, then those at most late places.
     fn chosen(&self, most: usize) -> Vec<(usize, bool)> {
         let mut chosen = Vec::new();
@@ -270,7 +270,7 @@ fn bytes(pattern: &Pattern) -> Vec<u8> {
 }
 
 /// Tests whether some leaf could be there once instead of twice: an operand
-/// that stands in a window again, a number, or sine and cosine of one angle.
+/// that is in a window again, a number, or sine and cosine of one angle.
 fn has_repeated_leaf(function: &Function, window: &[Value]) -> bool {
     let mut leaves: Vec<Operand> = Vec::with_capacity(window.len() + 1);
     for &value in window {

@@ -1,4 +1,4 @@
-//! Shapes: windows without the names of what they stand on.
+//! Shapes: windows without the names of what they are on.
 //!
 //! Two windows have one shape when they differ in the order of operands of
 //! sums and products and in what their leaves are, equal leaves of the one
@@ -9,14 +9,14 @@
 use super::super::super::pattern::{Pattern, PatternNode};
 use robovec_ir::{Function, Operand, OperandKind, Operation, Value};
 
-/// Variables of a shape, at most; the angle has the number behind them.
+/// Variables of a shape, at most; the angle has the number after them.
 pub(super) const VARIABLES: u32 = 9;
 
-/// Nodes of the tree of a window, at most; shared values stand in it more
+/// Nodes of the tree of a window, at most; shared values are in it more
 /// than once.
 const LARGEST_TREE: usize = 40;
 
-/// Numbers that are told apart; any other one could be another one elsewhere
+/// Numbers that are distinguished; any other one could be another one elsewhere
 /// and counts as a value.
 const NUMBERS: [f64; 4] = [-1.0, 0.0, 1.0, 2.0];
 

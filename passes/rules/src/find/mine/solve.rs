@@ -5,7 +5,7 @@
 //! ends meet: a small term is taken off the wanted value in all four ways in
 //! which an operation can hold it, until what remains is the value of an
 //! enumerated term. So every right side is found whose parts, but for the
-//! smallest ones, stand as one chain of operations on enumerated terms.
+//! smallest ones, are one chain of operations on enumerated terms.
 
 use super::super::super::pattern::{Pattern, PatternNode};
 use super::super::enumerate::{EnumeratedTerms, POINTS, TermSpace};

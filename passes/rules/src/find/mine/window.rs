@@ -16,7 +16,7 @@ pub(super) fn belongs(operation: Operation) -> bool {
 
 /// All windows of a root with two to `largest` operations, each once, as far
 /// as operations other than the root are `eligible`. The root comes first.
-/// False when there were more than are looked at.
+/// False when there were more than are considered.
 pub(super) fn each(
     function: &Function,
     root: Value,

@@ -59,8 +59,8 @@ pub(super) struct Shared<'a, 't> {
 /// has as many nodes.
 const LATER: u32 = 1 << 29;
 
-/// The expressions of plain outputs. They are resolved where they stand in the
-/// file but appended behind all definitions, where the representation wants
+/// The expressions of plain outputs. They are resolved where they are in the
+/// file but appended after all definitions, where the representation wants
 /// them.
 #[derive(Default, Debug)]
 pub(super) struct Later {

@@ -112,7 +112,7 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
         self.elements[slot as usize] = value;
     }
 
-    /// Appends the expressions that stand behind all definitions, in order of
+    /// Appends the expressions that are after all definitions, in order of
     /// the outputs they give.
     fn append_trees(&mut self) {
         let Later { nodes, mut trees } = std::mem::take(&mut self.later);

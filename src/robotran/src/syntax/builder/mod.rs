@@ -1,6 +1,6 @@
 //! Builder that the actions of the grammar write to.
 //!
-//! Invariant: whatever stands behind the lengths in `complete` belongs to the
+//! Invariant: whatever is after the lengths in `complete` belongs to the
 //! statement that is being read, and goes with it when it cannot be read.
 
 mod blocks;
@@ -37,7 +37,7 @@ pub(crate) struct SyntaxBuilder {
     pub(crate) extents_from_zero: bool,
     /// Whose whole numbers the literals are.
     pub(crate) arithmetic: IntegerArithmetic,
-    /// Lengths of the arenas behind the last complete statement.
+    /// Lengths of the arenas after the last complete statement.
     complete: [usize; 5],
     /// Beginning of the statements of the current chained assignment.
     chain: usize,
@@ -55,7 +55,7 @@ pub(crate) struct SyntaxBuilder {
     value_rows: Vec<(u32, Vec<(u32, Literal)>)>,
     /// Arrays among the declarators of a statement of C.
     declares_array: bool,
-    /// Rows of matrices that have names of their own in C
+    /// Rows of matrices that have their own names in C
     /// (`double *dpt1 = s->dpt[1];`): the matrix and the row.
     rows: HashMap<RobotranName, RobotranElement, FxBuildHasher>,
     /// Names that are whole numbers in Python, with their bits.
@@ -118,7 +118,7 @@ impl SyntaxBuilder {
         });
     }
 
-    /// Adds a statement that is complete as it stands.
+    /// Adds a statement that is complete as it is.
     pub(crate) fn simple(&mut self, kind: StatementKind, start: u32, end: u32) {
         self.statement(kind, start, end);
         self.finish();
