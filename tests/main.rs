@@ -67,4 +67,5 @@ mod trigonometry;
 mod vendors;
 mod view;
 mod whole_step;
+mod words;
 mod write;
