@@ -1,7 +1,7 @@
 //! `robovec optimise`: the best program for a target.
 
 mod given;
-mod told;
+mod report;
 
 use super::flags::{EFFORT, SEED, states, whole};
 use super::shares::ShareArguments;
@@ -82,7 +82,7 @@ pub(super) struct OptimiseArguments {
 
 pub(super) fn run(arguments: &OptimiseArguments) -> Result<String, CommandFailure> {
     let folder = arguments.output.as_deref();
-    output::refuse_foreign(folder, &[told::PROGRAM, told::START], Replace::Results)?;
+    output::refuse_foreign(folder, &[report::PROGRAM, report::START], Replace::Results)?;
     let pool = super::threads(arguments.jobs)?;
     let mut given = given::given(arguments)?;
     if arguments.class == VariantClass::Real {
@@ -142,7 +142,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<String, CommandFailur
     let found = pool.install(|| optimise(&given.starts, &question, &told));
     bar.finish_and_clear();
     let found = found.map_err(failure)?;
-    told::tell(arguments, &given, &question, &found)
+    report::report(arguments, &given, &question, &found)
 }
 
 /// The word for no compiler.

@@ -52,6 +52,18 @@ pub fn front<const N: usize>(points: &[[f64; N]], ties: EqualPoints) -> Vec<usiz
     kept
 }
 
+/// Items that no other one beats in two finite criteria, by the first
+/// criterion; of equal ones the first.
+pub fn steps<T: Copy>(items: impl IntoIterator<Item = (T, [f64; 2])>) -> Vec<T> {
+    let is_finite = |criteria: &[f64; 2]| criteria.iter().all(|number| number.is_finite());
+    let items = items
+        .into_iter()
+        .filter(|(_, criteria)| is_finite(criteria));
+    let (items, criteria): (Vec<T>, Vec<[f64; 2]>) = items.unzip();
+    let kept = front(&criteria, EqualPoints::First).into_iter();
+    kept.map(|place| items[place]).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -70,6 +82,13 @@ mod tests {
         found.sort_unstable();
         expected.sort_unstable();
         assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn steps_are_finite_and_ordered() {
+        let items = [('a', [2.0, 1.0]), ('b', [1.0, 3.0]), ('c', [1.5, 4.0])];
+        let endless = [('d', [0.0, f64::INFINITY]), ('e', [f64::NAN, 0.0])];
+        assert_eq!(steps(items.into_iter().chain(endless)), ['b', 'a']);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::confirm::Confirmation;
 use super::{FitCandidate, FitOutcome, FitTask, SineTreatment};
 use crate::captions;
 use crate::front::STEPS;
-use crate::pareto::{self, EqualPoints};
+use crate::pareto;
 use robovec_error::yardstick::account::ERROR_HEADS;
 use robovec_num::trigonometry::host::TrigonometricUnit;
 use robovec_present::number::{exponential, or_nothing, share_percent};
@@ -276,13 +276,11 @@ pub fn figure(task: &FitTask<'_>, outcome: &FitOutcome) -> Figure {
         };
         let all = 0..outcome.candidates.len();
         let good = |index: &usize| outcome.chosen.is_none() || outcome.candidates[*index].meets;
-        let good: Vec<usize> = all.clone().filter(good).collect();
-        let plane: Vec<[f64; 2]> = good
-            .iter()
-            .map(|&index| [mark(index).x, mark(index).y])
-            .collect();
-        let front = pareto::front(&plane, EqualPoints::First).into_iter();
-        let front = front.map(|place| mark(good[place]));
+        let plane = all.clone().filter(good).map(|index| {
+            let mark = mark(index);
+            (index, [mark.x, mark.y])
+        });
+        let front = pareto::steps(plane).into_iter().map(mark);
         let mut curves = vec![Curve::new(
             "front",
             Paint::Distinct(0),

@@ -2,7 +2,7 @@
 
 use super::measure::FrontPoint;
 use super::{Front, FrontVerdict};
-use crate::pareto::{self, EqualPoints};
+use crate::pareto;
 use robovec_error::yardstick::account::{measure_text, random_states};
 use robovec_fpga::hardware;
 use robovec_present::number::{exponential, share_percent};
@@ -47,12 +47,8 @@ impl Front {
     /// Points that no other beats in cycles and worst error, the fastest
     /// first, each pair of figures once.
     pub(super) fn steps(&self, place: usize) -> Vec<usize> {
-        let points: Vec<[f64; 2]> = (0..self.points.len())
-            .map(|index| self.plane(index, place))
-            .collect();
-        let mut front = pareto::front(&points, EqualPoints::First);
-        front.retain(|&index| points[index].iter().all(|number| number.is_finite()));
-        front
+        let points = 0..self.points.len();
+        pareto::steps(points.map(|index| (index, self.plane(index, place))))
     }
 
     /// The comparison with the thesis for a number of elements.

@@ -187,10 +187,14 @@ impl Exploration for Front {
         let mut rows = compared.clone();
         rows.extend(thinned(&steps, SHOWN - rows.len()));
         rows.sort_by_key(|&index| (self.points[index].cycles[place], index));
-        let mark = |index: &usize| match () {
-            () if *index == thesis => "thesis",
-            () if Some(*index) == best => "ours",
-            () => "",
+        let mark = |index: &usize| {
+            if *index == thesis {
+                "thesis"
+            } else if Some(*index) == best {
+                "ours"
+            } else {
+                ""
+            }
         };
         let point = |index: &usize| &self.points[*index];
         let [_, worst] = ERROR_HEADS;

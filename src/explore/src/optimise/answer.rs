@@ -2,7 +2,7 @@
 //! proved.
 
 use super::{OptimisationPoint, OptimisationQuestion, OptimisationTarget, Optimised};
-use crate::pareto::{EqualPoints, front};
+use crate::pareto;
 use robovec_error::yardstick::account::measure_text;
 use robovec_fpga::hardware;
 use robovec_ir::Machine;
@@ -200,12 +200,11 @@ impl Optimised {
 
     /// Points that no other beats in speed and worst error, the fastest first.
     pub(super) fn front(&self, measure: SpeedMeasure) -> Vec<usize> {
-        let measured: Vec<(usize, [f64; 2])> = (self.points.iter().enumerate())
-            .filter_map(|(index, point)| Some((index, [measure.of(point)?, point.errors?[1]])))
-            .collect();
-        let criteria: Vec<[f64; 2]> = measured.iter().map(|(_, criteria)| *criteria).collect();
-        let kept = front(&criteria, EqualPoints::First).into_iter();
-        kept.map(|place| measured[place].0).collect()
+        let points = self.points.iter().enumerate();
+        pareto::steps(
+            points
+                .filter_map(|(index, point)| Some((index, [measure.of(point)?, point.errors?[1]]))),
+        )
     }
 }
 
@@ -261,16 +260,9 @@ fn others(found: &Optimised, measure: SpeedMeasure) -> Vec<String> {
     let front = found.front(measure);
     let speed = |point: &OptimisationPoint| measure.of(point).expect("the front is measured");
     let worst = |point: &OptimisationPoint| point.errors.map_or(f64::INFINITY, |errors| errors[1]);
-    let (unit, name) = (measure.unit(), |point: &OptimisationPoint| {
-        point.name.clone()
-    });
     let text = |point: &OptimisationPoint| {
-        let error = exponential(worst(point));
-        format!(
-            "{} {unit} at {error} ({})",
-            measure.text(speed(point)),
-            name(point)
-        )
+        let (speed, error) = (measure.text(speed(point)), exponential(worst(point)));
+        format!("{speed} {} at {error} ({})", measure.unit(), point.name)
     };
     let points = || {
         let points = front.iter().map(|&index| &found.points[index]);

@@ -42,7 +42,7 @@ pub(super) fn point(
     let function = view(&atomic).function;
     let errors = yardstick.errors(view(&atomic), measure::format(question))?;
     let mut point = OptimisationPoint {
-        name: AS_IT_CAME.to_owned(),
+        name: "as it came".to_owned(),
         operations: Counts::of(function).operations,
         path: critical_path(function, question.machine).asap_cycle,
         errors: Some([errors.normwise.median, errors.normwise.worst]),
@@ -72,9 +72,6 @@ pub(super) fn point(
     }
     Ok(point)
 }
-
-/// The name of the input among programs.
-pub(super) const AS_IT_CAME: &str = "as it came";
 
 /// The user's own C file, else the equations as Robotran writes them in C,
 /// compiled and timed; where that is no function of Robotran's or too long for

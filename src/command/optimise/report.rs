@@ -28,7 +28,7 @@ use std::io;
 use std::path::Path;
 
 /// Writes the program that was found, and reports it.
-pub(super) fn tell(
+pub(super) fn report(
     arguments: &OptimiseArguments,
     given: &GivenStarts,
     question: &OptimisationQuestion<'_>,
@@ -151,6 +151,13 @@ fn results(found: &Optimised, texts: &OptimisationPage<'_>) -> Vec<(String, Stri
     files
 }
 
+/// True for a file beside the page, not of the hardware, in the language of the
+/// input.
+fn is_in_its_language(name: &str, input: &Path) -> bool {
+    let extension = Path::new(name).extension();
+    !name.contains('/') && extension.is_some() && extension == input.extension()
+}
+
 /// Names and texts of the code before and after: in the language that came in,
 /// else as robovec's text.
 fn code(
@@ -162,7 +169,7 @@ fn code(
     let input = Path::new(&arguments.input);
     let own = files
         .iter()
-        .find(|(name, _)| Path::new(name).extension() == input.extension());
+        .find(|(name, _)| is_in_its_language(name, input));
     if let (Some(own), Ok(bytes)) = (own, std::fs::read(input)) {
         let before = String::from_utf8_lossy(&bytes).into_owned();
         let name = format!("Input: {}", input.display());
@@ -222,10 +229,9 @@ fn uses(
             uses.push((label, name(part)));
         }
     }
-    let in_place = files.iter().map(|(name, _)| Path::new(name)).find(|path| {
-        let extension = path.extension();
-        extension == input.extension() && extension.is_some_and(|text| text != "rvir")
-    });
+    let mut names = files.iter().map(|(name, _)| name);
+    let in_place = names.find(|name| *name != PROGRAM && is_in_its_language(name, input));
+    let in_place = in_place.map(Path::new);
     let code = files.iter().find(|(name, _)| name.ends_with(".c"));
     let is_batch = arguments.target == OptimisationTarget::Batch;
     uses.push((
