@@ -1,10 +1,12 @@
 //! Bounds, predictions and sampled deviations against the errors of all
-//! models that ship.
+//! models that ship; and bounds for all states by norms of vectors.
 
 use robovec::generate::{Formulation, GenerationRequest, Options, generate};
 use robovec::model::mbs::read_mbs;
 use robovec::robotran::FunctionKind;
 use robovec_analysis::adjoint::{AdjointRun, OutputError, Tape};
+use robovec_analysis::interval::{GivenData, input_ranges};
+use robovec_analysis::norms::norm_bounds;
 use robovec_analysis::stochastic::stochastic;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Function, View};
@@ -17,6 +19,8 @@ struct ErrorsFound {
     overestimates: Vec<f64>,
     /// Errors of the prediction, relative to the bound.
     misses: Vec<f64>,
+    /// Bound of all states over the largest error of a function's outputs.
+    proofs: Vec<f64>,
     /// Outputs beyond three sigma, and all.
     beyond: usize,
     sampled: usize,
@@ -65,6 +69,10 @@ fn measure(path: &Path, largest: usize, states: u32, most: usize, found: &mut Er
 fn measure_function(view: View<'_>, states: u32, most: usize, found: &mut ErrorsFound) {
     let tape = Tape::new(view.function);
     let source = States::new(11);
+    let ranges = input_ranges(view, &source);
+    let ranges: Vec<_> = ranges.iter().map(|range| range.range).collect();
+    let proved = norm_bounds(&tape, &ranges, Format::BINARY32, GivenData::Held);
+    let mut largest: f64 = 0.0;
     for state in 0..states {
         let inputs = source.draw(view, state);
         let run = AdjointRun::of(view.function, &tape, Format::BINARY32, &inputs);
@@ -73,12 +81,29 @@ fn measure_function(view: View<'_>, states: u32, most: usize, found: &mut Errors
         for (error, &output) in run.outputs(&outputs).iter().zip(&outputs) {
             judge(view.function, error, output, found);
         }
+        for slot in 0..tape.slots() {
+            let error = run.errors()[slot].abs();
+            assert!(
+                error <= proved.error[slot],
+                "{}, slot {slot}",
+                view.function.name
+            );
+        }
+        let slots = (0..tape.outputs()).map(|output| tape.output_slot(output));
+        largest = slots
+            .map(|slot| run.errors()[slot].abs())
+            .fold(largest, f64::max);
         let sampled = stochastic(&tape, Format::BINARY32, &inputs, 5).expect("f32 is narrow");
         for (output, sampled) in sampled.iter().enumerate() {
             let error = run.errors()[tape.output_slot(output)].abs();
             found.beyond += usize::from(error > 3.0 * sampled.sigma);
             found.sampled += 1;
         }
+    }
+    let slots = (0..tape.outputs()).map(|output| tape.output_slot(output));
+    let bound = slots.map(|slot| proved.error[slot]).fold(0.0, f64::max);
+    if largest > 0.0 {
+        found.proofs.push(bound / largest);
     }
 }
 
@@ -105,10 +130,11 @@ fn median(numbers: &mut [f64]) -> f64 {
 /// Conditions of the acceptance.
 fn accept(mut found: ErrorsFound) {
     let overestimate = median(&mut found.overestimates);
+    let proof = median(&mut found.proofs);
     let worst_miss = found.misses.iter().copied().fold(0.0, f64::max);
     let share = found.beyond as f64 / found.sampled as f64;
     eprintln!(
-        "{} errors: overestimate {overestimate:.1} in the median, worst miss {worst_miss:.1e} of \
+        "{} errors: overestimate {overestimate:.1} in the median, of all states {proof:.0}, worst miss {worst_miss:.1e} of \
          the bound; {} of {} outputs beyond three sigma, {:.3} %",
         found.overestimates.len(),
         found.beyond,
@@ -116,6 +142,7 @@ fn accept(mut found: ErrorsFound) {
         100.0 * share,
     );
     assert!(overestimate <= 200.0);
+    assert!(proof <= 1e5);
     assert!(worst_miss <= 1e-6);
     assert!(share <= 0.001);
 }

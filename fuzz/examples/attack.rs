@@ -22,11 +22,12 @@ use std::process::ExitCode;
 
 type Body = fn(&[u8]);
 
-const BODIES: [(&str, Body); 25] = [
+const BODIES: [(&str, Body); 26] = [
     (
         "bounds_hold_over_boxes",
         robovec_fuzz::bounds_hold_over_boxes,
     ),
+    ("norms_hold", robovec_fuzz::norms_hold),
     ("check_catches_mutants", robovec_fuzz::check_catches_mutants),
     ("domains_are_compared", robovec_fuzz::domains_are_compared),
     ("derivatives_hold", robovec_fuzz::derivatives_hold),

@@ -15,7 +15,7 @@ use robovec_ir::{Format, View};
 #[command(next_help_heading = "With --blame and --prove")]
 pub(super) struct AttributionArguments {
     /// Estimates for every output; by default bound, predict and, where the
-    /// format is narrow enough, stochastic; with --prove bound and interval
+    /// format is narrow enough, stochastic; with --prove proof
     #[arg(
         long,
         value_name = "LIST",
@@ -42,13 +42,13 @@ pub(super) struct AttributionArguments {
     #[arg(long, default_value_t = 2000, requires = "attribution",
           add = whole(1, 1_000_000, "all operations of the window are enclosed in every box"))]
     boxes: u32,
-    /// Kind of inputs and literals for the method interval: numbers of the
-    /// format, or real numbers that are rounded first
+    /// Kind of inputs and literals for the methods proof and interval: real numbers
+    /// that are rounded first, or numbers of the format
     #[arg(
         long,
         value_name = "WHAT",
         value_enum,
-        default_value = "held",
+        default_value = "real",
         requires = "attribution"
     )]
     data: GivenWord,
@@ -71,7 +71,7 @@ const BLAME: [ErrorMethod; 3] = [
 ];
 
 /// Methods of `--prove`.
-const PROVE: [ErrorMethod; 2] = [ErrorMethod::Bound, ErrorMethod::Interval];
+const PROVE: [ErrorMethod; 1] = [ErrorMethod::Proof];
 
 /// Maximum cost of differentiating all outputs, in values times outputs; where
 /// it would be more, matrices are left out unless they are asked for.

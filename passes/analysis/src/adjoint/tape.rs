@@ -148,11 +148,30 @@ impl Tape {
     ///
     /// Panics when there is not one number per input element.
     pub fn evaluate<A: Arithmetic>(&self, arithmetic: &A, inputs: &[f64]) -> Vec<A::Number> {
-        assert_eq!(inputs.len(), self.inputs, "one number per input element");
+        let inputs = inputs.iter().map(|&number| arithmetic.literal(number));
+        self.evaluate_numbers(arithmetic, inputs)
+    }
+
+    /// The number in every slot, given those of the inputs.
+    ///
+    /// # Panics
+    ///
+    /// Panics when there is not one number per input element.
+    pub fn evaluate_numbers<A: Arithmetic>(
+        &self,
+        arithmetic: &A,
+        inputs: impl Iterator<Item = A::Number>,
+    ) -> Vec<A::Number> {
         let mut slots = Vec::with_capacity(self.slots());
         slots.resize(self.nodes(), arithmetic.literal(0.0));
-        let leaves = inputs.iter().chain(&self.constants).chain(&[0.0]);
-        slots.extend(leaves.map(|&number| arithmetic.literal(number)));
+        slots.extend(inputs);
+        assert_eq!(
+            slots.len(),
+            self.nodes() + self.inputs,
+            "one number per input element"
+        );
+        let constants = self.constants.iter().chain(&[0.0]);
+        slots.extend(constants.map(|&number| arithmetic.literal(number)));
         for (node, (&operation, operands)) in self.operations.iter().zip(&self.operands).enumerate()
         {
             let operands = operands.map(|operand| slots[operand as usize]);

@@ -41,6 +41,28 @@ pub struct LeafRange {
     pub knowledge: RangeBasis,
 }
 
+/// The range of every input element of a function, as the states know it.
+pub fn input_ranges(view: View<'_>, states: &States) -> Vec<LeafRange> {
+    let mut inputs = Vec::with_capacity(view.function.input_len());
+    for array in view.function.inputs() {
+        let name = view.tables.symbols.text(array.name);
+        for offset in 0..array.shape.len() as u32 {
+            let (indices, _) = array.shape.indices(offset);
+            let given = states.ranges().get(name, indices).is_some();
+            let [low, high] = states.bounds(name, array, offset);
+            inputs.push(LeafRange {
+                range: Interval::new(low, high),
+                knowledge: if given {
+                    RangeBasis::Given
+                } else {
+                    RangeBasis::Drawn
+                },
+            });
+        }
+    }
+    inputs
+}
+
 /// The ranges of all leaves that windows of a function can have.
 #[derive(Clone, Debug)]
 pub struct Leaves<'a> {
@@ -54,23 +76,7 @@ impl<'a> Leaves<'a> {
     /// The ranges of a function's inputs as the states know them, and of its
     /// nodes from so many of these states.
     pub fn new(view: View<'_>, tape: &'a Tape, states: &States, samples: u32) -> Leaves<'a> {
-        let mut inputs = Vec::with_capacity(tape.inputs());
-        for array in view.function.inputs() {
-            let name = view.tables.symbols.text(array.name);
-            for offset in 0..array.shape.len() as u32 {
-                let (indices, _) = array.shape.indices(offset);
-                let given = states.ranges().get(name, indices).is_some();
-                let [low, high] = states.bounds(name, array, offset);
-                inputs.push(LeafRange {
-                    range: Interval::new(low, high),
-                    knowledge: if given {
-                        RangeBasis::Given
-                    } else {
-                        RangeBasis::Drawn
-                    },
-                });
-            }
-        }
+        let inputs = input_ranges(view, states);
         let empty = Interval {
             low: f64::INFINITY,
             high: f64::NEG_INFINITY,

@@ -6,7 +6,7 @@ use robovec_num::interval::Interval;
 
 /// The range after rounding, and the largest distance it moves a number, for
 /// operands that are numbers of the format.
-pub(super) fn rounded(
+pub(crate) fn rounded(
     operation: Operation,
     operands: [Interval; 3],
     range: Interval,
@@ -22,8 +22,8 @@ pub(super) fn rounded(
         Exactness::Never => ends,
     };
     let host = match operation.is_trigonometric() {
-        // The host's function is that of binary64, within four places.
-        true => 4.0 * f64::EPSILON * range.magnitude(),
+        // The host's function is that of binary64, within one unit in the last place.
+        true => f64::EPSILON * range.magnitude(),
         false => 0.0,
     };
     (range.widened(ends + host), ends + host)

@@ -25,8 +25,10 @@ mod seen;
 mod tests;
 mod window;
 
-pub use assumed::{LeafRange, Leaves, MARGIN, RangeBasis};
+pub use assumed::{LeafRange, Leaves, MARGIN, RangeBasis, input_ranges};
 pub use boxes::{SubdividedEnclosure, subdivide};
+pub(crate) use loss::rounded;
+pub(crate) use seen::between;
 pub use seen::largest_seen;
 pub use window::ConeWindow;
 
@@ -130,10 +132,20 @@ pub struct WindowLeaves {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum WindowLeafKind {
+pub(crate) enum WindowLeafKind {
     Input,
     Literal,
     Inner,
+}
+
+impl From<TapeSlot> for WindowLeafKind {
+    fn from(slot: TapeSlot) -> WindowLeafKind {
+        match slot {
+            TapeSlot::Input(_) => WindowLeafKind::Input,
+            TapeSlot::Constant(_) | TapeSlot::Nothing => WindowLeafKind::Literal,
+            TapeSlot::Value(_) => WindowLeafKind::Inner,
+        }
+    }
 }
 
 impl WindowLeaves {
@@ -146,11 +158,8 @@ impl WindowLeaves {
         leaves: &Leaves<'_>,
     ) -> WindowLeaves {
         let known = window.leaves.iter().map(|&slot| leaves.of(slot));
-        let kinds = window.leaves.iter().map(|&slot| match tape.slot(slot) {
-            TapeSlot::Input(_) => WindowLeafKind::Input,
-            TapeSlot::Constant(_) | TapeSlot::Nothing => WindowLeafKind::Literal,
-            TapeSlot::Value(_) => WindowLeafKind::Inner,
-        });
+        let kinds = window.leaves.iter();
+        let kinds = kinds.map(|&slot| WindowLeafKind::from(tape.slot(slot)));
         let weakest = known.clone().map(|leaf| leaf.knowledge).max();
         WindowLeaves {
             format,
@@ -184,30 +193,40 @@ impl WindowLeaves {
     /// Exact value of a leaf that lies in a range, its value as the format
     /// holds it, and the most that it loses on the way.
     fn given(&self, leaf: usize, range: Interval) -> (Interval, Interval, f64) {
-        let arithmetic = || FormatArithmetic::new(self.format);
-        match (self.kinds[leaf], self.data) {
-            (WindowLeafKind::Inner, _) | (WindowLeafKind::Input, GivenData::Held) => {
-                (range, range, 0.0)
+        given(self.kinds[leaf], self.data, self.format, range)
+    }
+}
+
+/// Exact value of a leaf that lies in a range, its value as the format holds
+/// it, and the most that it loses on the way.
+pub(crate) fn given(
+    kind: WindowLeafKind,
+    data: GivenData,
+    format: Format,
+    range: Interval,
+) -> (Interval, Interval, f64) {
+    match (kind, data) {
+        (WindowLeafKind::Inner, _) | (WindowLeafKind::Input, GivenData::Held) => {
+            (range, range, 0.0)
+        }
+        (WindowLeafKind::Input, GivenData::Real) => {
+            let lost = half_ulp(format, range.low).max(half_ulp(format, range.high));
+            if lost.is_finite() {
+                (range, range.widened(lost), lost)
+            } else {
+                (range, Interval::WHOLE, lost)
             }
-            (WindowLeafKind::Input, GivenData::Real) => {
-                let lost = half_ulp(self.format, range.low).max(half_ulp(self.format, range.high));
-                if lost.is_finite() {
-                    (range, range.widened(lost), lost)
-                } else {
-                    (range, Interval::WHOLE, lost)
+        }
+        // A literal is rounded once and for all.
+        (WindowLeafKind::Literal, data) => {
+            let held = Interval::point(FormatArithmetic::new(format).convert(range.low));
+            let exact = match data {
+                GivenData::Real if !is_decimal(range.low) => {
+                    range.widened(half_ulp(Format::BINARY64, range.low))
                 }
-            }
-            // A literal is rounded once and for all.
-            (WindowLeafKind::Literal, data) => {
-                let held = Interval::point(arithmetic().convert(range.low));
-                let exact = match data {
-                    GivenData::Real if !is_decimal(range.low) => {
-                        range.widened(half_ulp(Format::BINARY64, range.low))
-                    }
-                    GivenData::Held | GivenData::Real => range,
-                };
-                (exact, held, (held - exact).magnitude())
-            }
+                GivenData::Held | GivenData::Real => range,
+            };
+            (exact, held, (held - exact).magnitude())
         }
     }
 }
@@ -271,7 +290,7 @@ pub fn enclose(
 }
 
 /// One operation on enclosures; a product with itself is a square.
-fn operate(operation: Operation, places: &[usize; 3], values: &[Interval]) -> Interval {
+pub(crate) fn operate(operation: Operation, places: &[usize; 3], values: &[Interval]) -> Interval {
     assert!(
         !values.is_empty(),
         "a node reads a leaf or a node before it"

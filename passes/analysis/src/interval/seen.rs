@@ -5,6 +5,7 @@
 
 use super::{ConeWindow, GivenData, WindowLeaves};
 use crate::adjoint::{Tape, half_ulp};
+use robovec_ir::Format;
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
 use robovec_num::interval::Interval;
@@ -42,7 +43,7 @@ pub fn largest_seen(
             let held = arithmetic.convert(number);
             exact.push(match (leaves.is_literal(leaf), real) {
                 (true, _) => Double::from(number),
-                (false, true) => between(number, *range, other, leaves),
+                (false, true) => between(leaves.format, number, *range, other),
                 (false, false) if range.contains(held) => Double::from(held),
                 // Numbers of the format may lie outside of a narrow range.
                 (false, false) => Double::from(f64::NAN),
@@ -66,10 +67,10 @@ pub fn largest_seen(
 }
 
 /// A real number that binary64 rounds to this one, inside the range.
-fn between(number: f64, range: Interval, place: f64, leaves: &WindowLeaves) -> Double {
+pub(crate) fn between(format: Format, number: f64, range: Interval, place: f64) -> Double {
     let inner = range.low < number && number < range.high;
-    let half = half_ulp(robovec_ir::Format::BINARY64, number);
-    if !inner || leaves.format != robovec_ir::Format::BINARY64 {
+    let half = half_ulp(Format::BINARY64, number);
+    if !inner || format != Format::BINARY64 {
         return Double::from(number);
     }
     // Less than half a unit, so that it is not rounded to a neighbour.

@@ -8,11 +8,13 @@
 //! ([`ErrorTable`]). The methods are in [`robovec_analysis`].
 
 mod heat;
+mod proof;
 mod table;
 mod value;
 mod view;
 
 pub use heat::{Heat, HotEquation, HotInput, MAX_EQUATIONS, blame};
+pub use proof::ProofRow;
 pub use table::{ErrorMethod, ErrorSettings, ErrorTable, IntervalRow, OutputRow};
 pub use value::explain;
 pub use view::{csv, json, text};

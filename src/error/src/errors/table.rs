@@ -1,6 +1,7 @@
 //! Every output's error at one state, by several methods.
 
 use super::heat::{Heat, blame_of};
+use super::proof::{ProofRow, prove};
 use robovec_analysis::adjoint::{AdjointRun, Tape};
 use robovec_analysis::interval::{
     Alarm, ConeWindow, GivenData, Leaves, WindowLeaves, integer_bits, largest_seen, subdivide,
@@ -27,6 +28,9 @@ const RUN: usize = 1 << 23;
 /// A way to say something of an error.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, clap::ValueEnum)]
 pub enum ErrorMethod {
+    /// Ranges and errors proved for all states over the whole function, beside the largest error
+    /// that a directed search finds
+    Proof,
     /// The sum of what every operation can lose, weighted by adjoints
     Bound,
     /// The sum of what every operation lost, with signs
@@ -79,6 +83,8 @@ pub struct ErrorTable {
     /// run, relative to its exact value: bounds are of first order, and what
     /// they leave out grows with this.
     pub weakest_divisor: f64,
+    /// States of the search beside the proofs.
+    pub searched: usize,
     /// One row per output asked for.
     pub outputs: Vec<OutputRow>,
     /// Place where the errors come from.
@@ -105,7 +111,9 @@ pub struct OutputRow {
     pub bound: Option<f64>,
     /// The standard deviation under random rounding.
     pub sigma: Option<f64>,
-    /// Bounds for all states.
+    /// Bounds for all states, over the whole function.
+    pub proof: Option<ProofRow>,
+    /// Bounds for all states, over a window.
     pub interval: Option<IntervalRow>,
 }
 
@@ -189,6 +197,14 @@ impl ErrorTable {
                 row.interval = Some(interval(&tape, &window, settings, &leaves));
             }
         }
+        let mut searched = 0;
+        if asked(ErrorMethod::Proof) {
+            let (proofs, tried) = prove(view, &tape, settings);
+            searched = tried;
+            for (row, proof) in rows.iter_mut().zip(proofs) {
+                row.proof = Some(proof);
+            }
+        }
         let states = settings.state..settings.state.saturating_add(settings.blamed);
         let (count, outputs) = (states.len() as u32, settings.outputs.len());
         let (format, all) = (settings.format, &settings.outputs);
@@ -200,6 +216,7 @@ impl ErrorTable {
             seed: settings.states.seed(),
             state: settings.state,
             weakest_divisor: weakest_divisor(&run),
+            searched,
             outputs: rows,
             heat: Heat::new(view, &tape, format, &blame, about, settings.most_equations),
         })
@@ -235,11 +252,12 @@ fn row(view: View<'_>, run: &AdjointRun<'_>, output: usize, exact: ExactOutput) 
         predicted: None,
         bound: None,
         sigma: None,
+        proof: None,
         interval: None,
     }
 }
 
-fn interval(
+pub(super) fn interval(
     tape: &Tape,
     window: &ConeWindow,
     settings: &ErrorSettings,

@@ -1,6 +1,7 @@
 //! Errors as text, JSON and CSV.
 
 use super::heat::{Heat, HotEquation};
+use super::proof::{ProofRow, proof_text};
 use super::table::{ErrorTable, IntervalRow, OutputRow};
 use robovec_ir::diagnostic::counted;
 use robovec_present::json::json_text;
@@ -10,7 +11,7 @@ use robovec_present::{columns, text_lines};
 use std::fmt::Write;
 
 /// The rows of a table for a person; the others are counted.
-const MAX_ROWS: usize = 40;
+pub(super) const MAX_ROWS: usize = 40;
 
 /// The relative error of a divisor from which on bounds of first order say
 /// little: what they leave out is that part of them and more.
@@ -41,14 +42,23 @@ const BAR: f64 = 24.0;
 /// The table for a person: the outputs with the largest errors relative to
 /// their exact values, in their order, and the heat.
 pub fn text(errors: &ErrorTable) -> String {
-    let mut text = format!(
-        "{}: errors in {} at state {} of seed {}\n",
+    let proofs = proof_text(errors);
+    let first = errors.outputs.first();
+    let has = |pick: fn(&OutputRow) -> bool| first.is_some_and(pick);
+    if has(|row| row.proof.is_some() && row.bound.is_none() && row.interval.is_none()) {
+        return proofs;
+    }
+    let mut text = proofs;
+    if !text.is_empty() {
+        text.push('\n');
+    }
+    let _ = writeln!(
+        text,
+        "{}: errors in {} at state {} of seed {}",
         errors.function, errors.format, errors.state, errors.seed
     );
     let shown = worst(&errors.outputs);
     let mut head = "output | >exact | >error".to_owned();
-    let first = errors.outputs.first();
-    let has = |pick: fn(&OutputRow) -> bool| first.is_some_and(pick);
     let columns = [
         has(|row| row.predicted.is_some()),
         has(|row| row.bound.is_some()),
@@ -245,6 +255,9 @@ pub fn csv(tables: &[ErrorTable]) -> String {
     fn of<'a>(row: &Row<'a>) -> Option<&'a IntervalRow> {
         row.1.interval.as_ref()
     }
+    fn proof<'a>(row: &Row<'a>) -> Option<&'a ProofRow> {
+        row.1.proof.as_ref()
+    }
     let columns = columns! { Row<'_>;
         "function", [Hidden, All], |row| row.0.function.as_str();
         "output", [Hidden, All], |row| row.1.name.as_str();
@@ -266,6 +279,10 @@ pub fn csv(tables: &[ErrorTable]) -> String {
         "seen", [Hidden, All], move |row| of(row).map(|found| found.seen);
         "states", [Hidden, All], move |row| of(row).map(|found| found.states);
         "boxes", [Hidden, All], move |row| of(row).map(|found| found.boxes);
+        "proved_low", [Hidden, All], move |row| proof(row).map(|found| found.low);
+        "proved_high", [Hidden, All], move |row| proof(row).map(|found| found.high);
+        "proved_error", [Hidden, All], move |row| proof(row).map(|found| found.error);
+        "found_error", [Hidden, All], move |row| proof(row).map(|found| found.found);
         "certified", [Hidden, All], |row| row.1.certified.to_string();
     };
     columns.table("", "", "", &rows).to_csv()
