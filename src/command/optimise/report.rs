@@ -38,7 +38,8 @@ pub(super) fn report(
     let commands = commands(arguments, given, found);
     let subject = subject(arguments, found);
     let mut lines = answer.lines();
-    lines.extend(left_out(given));
+    let of_page = [lines.clone(), left_out(given, REASON)].concat();
+    lines.extend(left_out(given, 0));
     let (last, rest) = match &arguments.output {
         None => {
             let again = "run again with '-o FOLDER', which writes it".to_owned();
@@ -49,7 +50,7 @@ pub(super) fn report(
             files.extend(in_its_language(arguments, found)?);
             // The page lies in the folder; the terminal does not.
             let in_folder = uses(arguments, Path::new(""), &files);
-            let in_folder = [lines.clone(), in_folder].concat();
+            let in_folder = [of_page, in_folder].concat();
             let last = uses(arguments, folder, &files);
             files.push(("commands.txt".to_owned(), commands.clone()));
             if !is_input(arguments, found) {
@@ -75,16 +76,20 @@ pub(super) fn report(
             )
         }
     };
-    let folded = labelled(&lines).lines().count() + last.len();
-    if folded > SCREEN - FRAME - LEAST_ROWS - 2 {
-        // The table has the other choices as well.
-        lines.retain(|(label, _)| *label != answer::OTHERS);
+    let title = headed(&subject, &answer.headline());
+    // Commands are copied: they are not folded.
+    let last: String = (last.iter())
+        .map(|(label, text)| format!("{label:<LABELS$}{text}\n"))
+        .collect();
+    // The table has the other choices as well, and the page everything.
+    for label in [answer::OTHERS, answer::SCHEDULE, LEFT_OUT] {
+        let parts = [&title, &labelled(&lines), &last];
+        let height: usize = parts.iter().map(|part| part.lines().count()).sum();
+        if height > SCREEN - FRAME - LEAST_ROWS {
+            lines.retain(|(other, _)| *other != label);
+        }
     }
-    let mut head = headed(&subject, &answer.headline()) + &labelled(&lines);
-    for (label, text) in last {
-        // Commands are copied: they are not folded.
-        let _ = writeln!(head, "{label:<LABELS$}{text}");
-    }
+    let head = title + &labelled(&lines) + &last;
     let rows = SCREEN.saturating_sub(head.lines().count() + FRAME);
     let table = text::front_table(found, answer.measure, rows);
     let mut text = format!("{head}\n{table}\n{}{rest}\n", text::numbers(found));
@@ -117,6 +122,8 @@ fn subject(arguments: &OptimiseArguments, found: &Optimised) -> String {
 
 /// Maximum number of lines of the report.
 const SCREEN: usize = 20;
+/// Maximum number of characters of a line, where paths allow it.
+const WIDTH: usize = 80;
 /// Lines of it around the rows of the table: its head, and blank ones.
 const FRAME: usize = 6;
 /// Minimum number of rows: the input and the program.
@@ -127,15 +134,30 @@ const LABELS: usize = "worst error  ".len();
 /// Maximum number of characters of a reason.
 const REASON: usize = 120;
 
-/// Formulations of the model that take no part, and why the first does not.
-fn left_out(given: &GivenStarts) -> Option<(&'static str, String)> {
-    let (_, reason) = given.left.first()?;
+/// Label of formulations that take no part.
+const LEFT_OUT: &str = "left out";
+
+/// Maximum number of characters of a reason on the terminal.
+const SHORT_REASON: usize = 34;
+
+/// Formulations of the model that take no part, and why the first does not: in
+/// so many characters, or for 0 in a part of a line.
+fn left_out(given: &GivenStarts, reason: usize) -> Vec<(&'static str, String)> {
+    let Some((_, why)) = given.left.first() else {
+        return Vec::new();
+    };
     let names: Vec<&str> = given.left.iter().map(|(name, _)| name.as_str()).collect();
     let names = match names.as_slice() {
         [name] => (*name).to_owned(),
         names => counted(names.len(), "formulation"),
     };
-    Some(("left out", format!("{names}: {}", cut(reason, REASON))))
+    let text = if reason == 0 {
+        let first = why.split(':').next().unwrap_or(why);
+        format!("{names}: {} (more with '-v')", cut(first, SHORT_REASON))
+    } else {
+        format!("{names}: {}", cut(why, reason))
+    };
+    vec![(LEFT_OUT, text)]
 }
 
 /// Files about what was tried.
@@ -247,7 +269,13 @@ fn uses(
                 } else {
                     place
                 };
-                format!("cp {} {}", name(&own.to_string_lossy()), here.display())
+                let (own, here) = (name(&own.to_string_lossy()), here.display().to_string());
+                let width = LABELS + "cp  ".len() + own.chars().count() + here.chars().count();
+                if width > WIDTH {
+                    format!("cp {own} \\\n{:LABELS$}  {here}", "")
+                } else {
+                    format!("cp {own} {here}")
+                }
             }
             (None, Some((code, _))) if arguments.target != OptimisationTarget::Fpga => name(code),
             (None, _) => name(PROGRAM),

@@ -12,6 +12,9 @@ use serde::Serialize;
 /// Label of the line with other choices.
 pub const OTHERS: &str = "or choose";
 
+/// Label of the schedule beside its bound.
+pub const SCHEDULE: &str = "schedule";
+
 /// Quantity by which programs are compared.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -138,7 +141,7 @@ impl OptimisationAnswer {
             ),
         ));
         lines.push(("proved", self.proof.clone()));
-        lines.extend(self.schedule.clone().map(|text| ("schedule", text)));
+        lines.extend(self.schedule.clone().map(|text| (SCHEDULE, text)));
         if !self.others.is_empty() {
             lines.push((OTHERS, self.others.join("; ")));
         }
