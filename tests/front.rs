@@ -365,7 +365,7 @@ fn fixed_point_that_overflows_is_told() {
         untried.contains("in fixed point: numbers reach 2^40 over the ranges"),
         "{untried}"
     );
-    assert!(untried.contains("13 bits behind the point"), "{untried}");
+    assert!(untried.contains("13 bits after the point"), "{untried}");
     assert!(
         told.contains("in fixed point: numbers reach 2^40"),
         "{told}"
@@ -440,7 +440,7 @@ fn words_that_an_exploration_does_not_take_are_refused() {
         (
             &["serial-1", "--adders=1", "--angle=1"],
             "--angle: not for an exploration of designs of machines",
-            "for programs, leave '--plan' and the axes of machines out",
+            "for programs, leave '--plan' and the options of machines out",
         ),
         (
             &["--plan=thesis", "-o=out", "--seed=2"],
@@ -449,7 +449,7 @@ fn words_that_an_exploration_does_not_take_are_refused() {
         ),
         (
             &["--plan=thesis", "-o=out", "--ratio=1"],
-            "--designs and axes of machines: not for an exploration of a plan",
+            "--designs and options of machines: not for an exploration of a plan",
             "add '--designs'",
         ),
         (

@@ -108,7 +108,7 @@ fn what_the_model_has_not_is_not_empty_without_a_word() {
     }
     let output = robovec(&["gen", path(&arm), "--function", "all"]);
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    let named = "nothing for cons_hJ, cons_jdqd, link, extforces, sensor";
+    let named = "no equations for cons_hJ, cons_jdqd, link, extforces, sensor";
     assert!(
         output.status.success() && message.contains(named),
         "{message}"

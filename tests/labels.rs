@@ -95,7 +95,7 @@ const RUNS: &[LabelledRun] = &[
         device: "ecp5",
         page: "explore.html",
         words: &["1 design on ECP5 LFE5UM-85F, 1 on the front"],
-        absent: &["The dashed line", "The steps join"],
+        absent: &["The dashed line", "The steps connect"],
         points: Some(SWEEP),
     },
     LabelledRun {
@@ -103,7 +103,7 @@ const RUNS: &[LabelledRun] = &[
                   3-3,6-4 --memories unified --buffers 16 --instances 1,4 -o OUT",
         device: "cyclone",
         page: "explore.html",
-        words: &["8 designs on Cyclone V 5CSEBA6U23I7", "The steps join"],
+        words: &["8 designs on Cyclone V 5CSEBA6U23I7", "The steps connect"],
         absent: &["The dashed line"],
         points: Some(SWEEP),
     },

@@ -138,7 +138,7 @@ fn a_circle_through_a_large_function_is_shown_in_part() {
     }
     text.push_str("  M = %x0\n}\n");
     let shown = refused(&text);
-    assert!(shown.contains("go in a circle"), "{shown}");
+    assert!(shown.contains("form a circle"), "{shown}");
     assert!(shown.contains("99994 more"), "{shown}");
 }
 

@@ -136,8 +136,8 @@ fn execute(module: &mut Module, text: &str, seed: u64) -> std::result::Result<()
     }
 }
 
-/// Compares every element of a Jacobian with differences of two sizes: what
-/// they differ by among themselves is what they can be wrong by.
+/// Compares every element of a Jacobian with difference quotients of two step
+/// sizes; the tolerance is the distance between the two quotients.
 fn compare(before: &Module, after: &Module, seed: u64) {
     let (old, new) = (&before.functions[0], &after.functions[0]);
     let view = View {

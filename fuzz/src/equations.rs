@@ -1,11 +1,10 @@
 //! Random equations that look like Robotran's.
 //!
-//! What makes passes fail is rarely a random term; it is what real equations
-//! are full of: values used many times, wide sums of products, sums whose
-//! terms are all negative, the same term twice, `x - x`, `0*x`, parentheses in
-//! parentheses, equations that repeat others with their operands exchanged.
-//! The bytes decide everything, so a fuzzer can steer and a failure can be
-//! replayed.
+//! Random terms rarely make a pass fail; patterns of real equations do: values
+//! used many times, wide sums of products, sums whose terms are all negative,
+//! the same term twice, `x - x`, `0*x`, parentheses in parentheses, equations
+//! that repeat others with their operands exchanged. The bytes decide
+//! everything, so a fuzzer can steer and a failure can be replayed.
 
 use crate::hostile;
 use arbitrary::{Result, Unstructured};

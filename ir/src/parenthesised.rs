@@ -117,7 +117,7 @@ pub fn read(text: &str) -> Result<Forest<'_>, Diagnostic> {
             Err(()) if text[span.clone()].starts_with('"') => {
                 return Err(error(span, "this text has no closing '\"'"));
             }
-            Err(()) => return Err(error(span, "this character has no place here")),
+            Err(()) => return Err(error(span, "this character is not allowed here")),
             Ok(TreeToken::Open) => {
                 open.push((span, Vec::new()));
                 continue;

@@ -166,7 +166,7 @@ impl Pass for Codegen {
                         "'%{value}' is computed as {format}, and the {code} computes in {}",
                         self.number.name()
                     );
-                    let help = "give values their formats for a machine only";
+                    let help = "set formats of values only for a machine";
                     return Err(PassError::new(message).help(help));
                 }
                 let files: Vec<(String, String)> = match self.target {
@@ -186,7 +186,7 @@ impl Pass for Codegen {
                         let ranges = context.scene.map_or(&none, |scene| &scene.ranges);
                         let name = format!("{}.fpcore", view.function.name);
                         let text = fpcore(view, self.number, ranges).ok_or_else(|| {
-                            PassError::new("the cores of all outputs repeat too much of each other")
+                            PassError::new("the cores of all outputs together are too large, because they repeat shared operations")
                                 .help("keep the outputs that are needed: a scene and 'specialise'")
                         })?;
                         vec![(name, text)]

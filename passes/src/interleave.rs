@@ -4,9 +4,9 @@
 //! A schedule of a single program waits for its longest chain: on 16 + 16
 //! elements most issue slots stay empty. Independent instances share the
 //! elements, not the chain. They are one function with one schedule, so list
-//! scheduling is fair to all of them already: operations of equal urgency
-//! of all instances are side by side in its order, and what falls behind
-//! becomes more urgent.
+//! scheduling is fair to all of them already: operations of equal urgency of
+//! all instances are side by side in its order, and operations that are late
+//! become more urgent.
 
 use hashbrown::HashMap;
 use robovec_framework::declare_pass;
@@ -197,8 +197,9 @@ impl<'a> Copier<'a> {
             None => Ok(()),
             Some(pair) => {
                 let name = self.tables.symbols.text(pair[0]);
-                let message = format!("the shared input '{name}' bears the name of an instance's");
-                Err(PassError::new(message).help("share it under another name, or not at all"))
+                let message =
+                    format!("the shared input '{name}' has the name of an input of an instance");
+                Err(PassError::new(message).help("rename it, or do not share it"))
             }
         }
     }

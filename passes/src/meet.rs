@@ -179,14 +179,16 @@ impl Meet {
                 .map_err(|error| PassError::new(error.to_string()))?;
             for step in pipeline.passes() {
                 if step.info.name == Meet::INFO.name {
-                    return Err(PassError::new("moves do not meet within moves"));
+                    return Err(PassError::new("a move cannot contain the pass 'meet'"));
                 }
                 let pass = (step.info.build)(&step.options)
                     .map_err(|error| PassError::new(format!("{step}: {error}")))?;
                 let class = pass.class(step.info.class);
                 if class > allowed {
-                    let message =
-                        format!("'{step}' is {}, which moves may not be here", class.name());
+                    let message = format!(
+                        "'{step}' has the class {}, which is not allowed here",
+                        class.name()
+                    );
                     let error = PassError::new(message);
                     return Err(match class {
                         NumericClass::RealTrig => error.help("allow it with class=real-trig"),
@@ -220,7 +222,7 @@ fn made(moves: &[Pipeline], function: &Function, context: &mut Context<'_>) -> V
                 continue;
             }
         };
-        let remark = format!("'{pipeline}' is left out: {reason}");
+        let remark = format!("the move the move '{pipeline}' is left out: {reason}");
         context.remarks.push(remark);
     }
     variants

@@ -41,7 +41,7 @@ impl Pass for Swap {
         } else {
             context
                 .remarks
-                .push("nothing gained, left as it was".to_owned());
+                .push("unchanged, because nothing was gained".to_owned());
         }
         context.statistics.push((
             "cycles taken off the longest path",

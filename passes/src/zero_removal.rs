@@ -52,7 +52,7 @@ impl Pass for ZeroRemoval {
         } else {
             context
                 .remarks
-                .push("nothing gained, left as it was".to_owned());
+                .push("unchanged, because nothing was gained".to_owned());
         }
         let after = minuses(function);
         context

@@ -49,7 +49,7 @@ fn mistakes_are_named_and_placed() {
     assert!(message("fixpoint{max=0}(cse)").contains("an integer from 1 to 1000 is"));
     assert!(message("fixpoint{max}(cse)").contains("needs a value"));
     assert!(message("").contains("empty"));
-    assert!(message("cse;dce").contains("no place in a pipeline"));
+    assert!(message("cse;dce").contains("not allowed in a pipeline"));
     assert!(message("$fpgo").contains("did you mean '$fpga'?"));
 }
 

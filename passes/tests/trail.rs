@@ -119,7 +119,7 @@ fn a_wrong_name_gets_advice() {
     };
     assert_eq!(help("%C2"), "did you mean '%C1'?");
     assert_eq!(help("M[3]"), "did you mean 'M[1]'?");
-    assert_eq!(help("q[1]"), "'q' is an input: it comes from outside");
+    assert_eq!(help("q[1]"), "'q' is an input and has no history");
     assert!(help("%whatever").starts_with("write a value as"));
 }
 

@@ -47,17 +47,18 @@ pub(crate) struct OptimiserArguments {
     #[arg(long, value_name = "NAME")]
     pub(crate) function: Option<String>,
 
-    /// Machine compiled for: a name of '--list-machines' or a .toml file; by default the scene's,
-    /// or thesis
+    /// Machine to compile for: a name of '--list-machines' or a .toml file; by
+    /// default the scene's, or thesis
     #[arg(long, add = ArgValueCandidates::new(machine_candidates))]
     pub(crate) machine: Option<String>,
 
-    /// Scene that the functions are needed for (.scene.toml): passes and
-    /// measurements use its bounds, ranges and needs
+    /// Scene (.scene.toml) that describes the use of the functions: passes and
+    /// measurements use its values, ranges and outputs
     #[arg(long, value_name = "FILE")]
     pub(crate) scene: Option<PathBuf>,
 
-    /// Rewriting rules to use beside those that ship: a .rules file, or a name of 'robovec rules list'
+    /// Additional rewriting rules: a .rules file, or a name of 'robovec rules
+    /// list'
     #[arg(long, value_name = "FILE")]
     pub(crate) rules: Vec<String>,
 
@@ -108,16 +109,18 @@ pub(crate) struct OptimiserArguments {
           require_equals = true, action = clap::ArgAction::Set)]
     pub(crate) verify_each: bool,
 
-    /// Check after every pass, at N random points, that it kept the function
+    /// After every pass, check at N random points that the function is
+    /// unchanged
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "4",
           require_equals = true, add = whole(1, 1_000_000, "every pass is checked at every point"))]
     pub(crate) check_each: Option<u32>,
 
-    /// Run only the first P passes, of the last one only the first N rewrites, and report it
+    /// Run only the first P passes, with only the first N rewrites of the last
+    /// one, and print what was run
     #[arg(long, value_name = "P[:N]")]
     pub(crate) bisect_limit: Option<Limit>,
 
-    /// File for the function before a pass that goes wrong, with the command
+    /// File for the input of a pass that fails, with the command
     #[arg(long, value_name = "FILE")]
     pub(crate) reproducer: Option<PathBuf>,
 
@@ -125,13 +128,14 @@ pub(crate) struct OptimiserArguments {
     #[arg(long)]
     pub(crate) run_reproducer: bool,
 
-    /// Find the rewrite and the smallest program for a pass that goes wrong;
-    /// checks every pass
+    /// When a pass fails, find the rewrite that causes it and the smallest
+    /// program that shows it; checks every pass
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "reduced.rvir",
           require_equals = true)]
     pub(crate) auto_reduce: Option<PathBuf>,
 
-    /// Most work of --auto-reduce: values of programs tried, times passes
+    /// Maximum work of --auto-reduce: values of the programs tried, times
+    /// passes
     #[arg(long, value_name = "N", default_value_t = robovec_framework::reduce::WORK,
           add = whole(0, 1_000_000_000_000, "every step of the search runs passes over a program"))]
     pub(crate) reduce_work: u64,
@@ -200,9 +204,9 @@ pub(crate) enum InputLanguage {
 /// Way in which a table is printed.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum TableFormat {
-    /// For a person
+    /// A table of text
     Table,
-    /// For a program
+    /// JSON
     Json,
 }
 

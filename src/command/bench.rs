@@ -16,15 +16,17 @@ use robovec_ir::{Module, View};
 use robovec_model::Model;
 use std::path::{Path, PathBuf};
 
-/// Times Robotran's file, robovec's C and other libraries on this computer, results compared first
+/// Compare the results and times of Robotran's file, robovec's C and other
+/// libraries on this computer
 #[derive(Args, Debug)]
 pub(super) struct BenchArguments {
     /// Files of equations, models (.mbs, .urdf) or built-in models (serial-23, bogie)
     #[arg(required_unless_present = "robots")]
     pub(super) subjects: Vec<String>,
-    /// All functions of robots (.urdf) in one table: C for one state and for many, in f64 and f32,
-    /// and cycles on an array, beside Pinocchio, CasADi and MuJoCo; without files, of the robots
-    /// that ship
+    /// Print one table of all functions of robots (.urdf): C for one state and
+    /// for many, in f64 and f32, cycles on an array, and the times of
+    /// Pinocchio, CasADi and MuJoCo; without files, of the robots that ship
+    /// with robovec
     #[arg(long, conflicts_with_all = ["model", "forces"])]
     pub(super) robots: bool,
     /// Model (.mbs, .urdf) that a file of equations comes from
@@ -34,19 +36,20 @@ pub(super) struct BenchArguments {
     #[arg(long, value_name = "NAME",
           value_parser = PossibleValuesParser::new(BenchTask::ALL.map(BenchTask::name)))]
     pub(super) function: Option<String>,
-    /// Forces and torques on the bodies of a model, drawn like other inputs, instead of none
+    /// Apply random forces and torques to the bodies of a model, instead of
+    /// none
     #[arg(long)]
     forces: bool,
-    /// C compilers, each with its own row; by default the better of gcc and clang, where
-    /// both are installed, for every program
+    /// C compilers, with a row for each; by default the faster of gcc and clang
+    /// is shown for every program
     #[arg(long, value_delimiter = ',')]
     compilers: Vec<String>,
-    /// Peers that take part where they are installed; 'none' for nothing
+    /// Other libraries to time, where they are installed; 'none' for none
     #[arg(long, value_delimiter = ',', default_values = peers::NAMES,
           value_parser = PossibleValuesParser::new(["none"].into_iter().chain(peers::NAMES)))]
     peers: Vec<String>,
-    /// Operations up to which a function is compiled in one piece, as Robotran's is; ten times as
-    /// many in pieces
+    /// Maximum number of operations of a function that is compiled in one
+    /// piece, as Robotran's is; in pieces ten times as many
     #[arg(long, default_value_t = 60_000, value_name = "OPERATIONS",
           add = whole(0, 100_000_000, "no function has more operations"))]
     pub(super) largest: usize,
@@ -57,18 +60,18 @@ pub(super) struct BenchArguments {
     /// Seed of the states
     #[arg(long, default_value_t = 1, add = SEED)]
     seed: u64,
-    /// Rounds in which everybody runs once
+    /// Number of rounds, in each of which every program runs once
     #[arg(long, default_value_t = 5,
-          add = whole(1, 100, "everybody runs in every round"))]
+          add = whole(1, 100, "every program runs in every round"))]
     rounds: u32,
-    /// Time of everybody in a round, ms
+    /// Time of each program in a round, ms
     #[arg(long, default_value_t = 200,
-          add = whole(1, 1000, "a round takes so long for everybody"))]
+          add = whole(1, 1000, "every program takes this time in every round"))]
     milliseconds: u32,
-    /// Flags with which all C is compiled, instead of those that suit each kind
+    /// Flags for all C programs, instead of separate ones for each kind
     #[arg(long, allow_hyphen_values = true)]
     flags: Option<String>,
-    /// Folder that keeps the programs, and bench.json
+    /// Folder for the programs and bench.json
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
 }
@@ -326,7 +329,7 @@ fn compilers(arguments: &BenchArguments) -> Result<Vec<Compiler>, CommandFailure
     } else {
         compilers.map(|command| Compiler::find(command)).collect()
     };
-    let note = "'--compilers' names the compilers that take part".to_owned();
+    let note = "'--compilers' names the compilers to use".to_owned();
     found.map_err(|reason: String| CommandFailure::advised(reason, vec![note]))
 }
 
@@ -385,7 +388,7 @@ fn in_one_piece(operations: usize) -> String {
 /// is not.
 const PIECES: usize = 10;
 
-/// The C of the equations as they are, which takes no part.
+/// The C of the equations as they are, which is left out.
 fn not_compiled(question: &BenchQuestion<'_>, why: String) -> Contestant {
     own::refused(question, ContestantFamily::Equations, "C of them", why)
 }

@@ -28,9 +28,9 @@ use std::path::PathBuf;
 /// Arguments of `check`.
 #[derive(Args, Debug)]
 pub(super) struct CheckArguments {
-    /// The one file
+    /// First file
     before: PathBuf,
-    /// The other file
+    /// Second file
     after: PathBuf,
     /// Random points, or states
     #[arg(long, default_value_t = 8, add = whole(1, 1_000_000, "both functions are evaluated at every point"))]
@@ -49,11 +49,12 @@ pub(super) struct CheckArguments {
     /// An older word for `--class real-trig`
     #[arg(long, hide = true, conflicts_with_all = ["exact", "class"])]
     circle: bool,
-    /// Compare over all arrays and elements of either file; what one of them
-    /// does not set is zero there, or what the caller gave (frc, trq)
+    /// Compare all arrays and elements of both files; an element that a file
+    /// does not set counts as zero, or as the caller's value (frc, trq)
     #[arg(long)]
     align: bool,
-    /// Take as zero what is zero in this model (.mbs); implies --align
+    /// Set the parameters to zero that are zero in this model (.mbs); implies
+    /// --align
     #[arg(long, value_name = "FILE", conflicts_with = "model")]
     zeros: Option<PathBuf>,
     /// Compare in 64-bit floats, with the parameters of this model (.mbs)

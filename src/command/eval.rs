@@ -31,9 +31,9 @@ enum FormatName {
 pub(super) struct EvalArguments {
     /// Robotran file, robovec text, or model (.mbs, .urdf)
     file: PathBuf,
-    /// Number of random states, with the scales of what the inputs mean; or a
-    /// file of lines `name[indices] number`, in which a line `state` starts the
-    /// next state
+    /// Number of random states, in ranges that suit the inputs (angles, masses,
+    /// ...); or a file of lines `name[indices] number`, in which a line `state`
+    /// starts the next state
     #[arg(long, required_unless_present = "random", value_parser = given_states)]
     states: Option<GivenStates>,
     /// The same as --states N
@@ -43,15 +43,15 @@ pub(super) struct EvalArguments {
     /// Seed of the random states
     #[arg(long, default_value_t = 1, add = SEED)]
     seed: u64,
-    /// Model (.mbs, .urdf) that parameters are taken from where states do not give
-    /// them; a model as FILE is its own
+    /// Model (.mbs, .urdf) for the parameters that the states do not give; by
+    /// default FILE, if it is a model
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Functions, separated by commas; by default all of a file of equations,
     /// and dirdyna of a model
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     function: Vec<String>,
-    /// Recursion that a model's equations come from
+    /// Recursion that generates a model's equations
     #[arg(long, default_value = "recursive",
           value_parser = generation::formulations())]
     formulation: String,
@@ -65,7 +65,7 @@ pub(super) struct EvalArguments {
     /// Write JSON instead of lines
     #[arg(long, conflicts_with_all = ["csv", "hexadecimal"])]
     json: bool,
-    /// Write a table with commas instead of lines
+    /// Write CSV instead of lines
     #[arg(long, conflicts_with = "hexadecimal")]
     csv: bool,
     /// Write floats in hexadecimal, as C's `%a`

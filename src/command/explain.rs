@@ -47,8 +47,8 @@ pub(crate) fn explain(
     match (&account.now, &account.gone) {
         (_, Some(gone)) => {
             let into = match &gone.into {
-                Some(into) => format!("it is computed as {into}"),
-                None => "nothing is left of it under its name".to_owned(),
+                Some(into) => format!("it is now computed as {into}"),
+                None => "no value of this name is left".to_owned(),
             };
             let _ = writeln!(text, "{}\n  removes it: {into}", gone.pass);
         }
@@ -165,7 +165,11 @@ fn print_change(change: &DefinitionChange, input: &ReadEquations, text: &mut Str
     match before {
         Some(before) if before.text == after.text => {
             let _ = writeln!(text, "  {}", after.text);
-            let _ = writeln!(text, "    the same, in other steps\n   {}", timing(after));
+            let _ = writeln!(
+                text,
+                "    the same value, computed in other steps\n   {}",
+                timing(after)
+            );
         }
         Some(before) => {
             let _ = writeln!(text, "- {}\n   {}", before.text, timing(before));

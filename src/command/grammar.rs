@@ -35,37 +35,37 @@ const WORDS: [GrammarWord; 20] = [
     word(
         "function",
         Some("NAME"),
-        "a function of a file that has several, or what is made of a model (`dirdyna` without a word); names with commas where several are taken",
+        "a function of a file that has several, or the function to generate from a model (by default `dirdyna`); names separated by commas where several are allowed",
     ),
     word(
         "formulation",
         Some("NAME"),
-        "the recursion that a model's equations come from ([generate.md](generate.md))",
+        "the recursion that generates a model's equations ([generate.md](generate.md))",
     ),
     word(
         "model",
         Some("FILE"),
-        "the model that equations come from: its numbers, its joints",
+        "the model that the equations come from, with its parameters and joints",
     ),
     word(
         "passes",
         Some("PIPELINE"),
-        "passes that run first ([passes.md](passes.md)); `@FILE` reads them from a file",
+        "passes to run first ([passes.md](passes.md)); `@FILE` reads them from a file",
     ),
     word(
         "machine",
         Some("MACHINE"),
-        "the machine compiled for: a name of `robovec-opt --list-machines`, or a `.toml` file",
+        "the machine to compile for: a name of `robovec-opt --list-machines`, or a `.toml` file",
     ),
     word(
         "scene",
         Some("FILE"),
-        "the scene that functions are needed for ([scenes.md](scenes.md))",
+        "the scene that describes the use of the functions ([scenes.md](scenes.md))",
     ),
     word(
         "rules",
         Some("FILE"),
-        "rewriting rules beside those that ship ([rules.md](rules.md))",
+        "additional rewriting rules ([rules.md](rules.md))",
     ),
     word(
         "laws",
@@ -75,28 +75,28 @@ const WORDS: [GrammarWord; 20] = [
     word(
         "number",
         Some("FORMAT"),
-        "what is computed in: `f32`, `float(8,17)`, `fixed(12,19)` … ([formats.md](formats.md)); `float` or `double` for C",
+        "the number format of the computation: `f32`, `float(8,17)`, `fixed(12,19)` … ([formats.md](formats.md)); `float` or `double` for C",
     ),
-    word("language", Some("LANGUAGE"), "the language that is written"),
+    word("language", Some("LANGUAGE"), "the language to write"),
     word(
         "input-language",
         Some("LANGUAGE"),
-        "the language that is read, where name and text leave it open",
+        "the language to read, if name and content of the file do not show it",
     ),
     word(
         "states",
         Some("STATES"),
-        "random states that are measured at, a number; `eval` also takes a file of states",
+        "the number of random states; `eval` also takes a file of states",
     ),
     word(
         "seed",
         Some("SEED"),
-        "where all random points and states come from; the same seed gives the same bytes",
+        "the seed of all random points and states; the same seed gives the same bytes",
     ),
     word(
         "jobs",
         Some("N"),
-        "threads; as many as there are processors without a word",
+        "the number of threads; by default the number of processors",
     ),
     word(
         "resume",
@@ -108,12 +108,16 @@ const WORDS: [GrammarWord; 20] = [
         Some("K/N"),
         "only this share of the work, for several workers on one folder ([below](#in-shares))",
     ),
-    word("json", None, "results for programs, in place of text"),
-    word("csv", None, "results as a table, in place of text"),
+    word("json", None, "write the results as JSON instead of text"),
+    word(
+        "csv",
+        None,
+        "write the results as a CSV table instead of text",
+    ),
     word(
         "quiet",
         None,
-        "`-q`: neither progress nor remarks; warnings and errors are always printed",
+        "`-q`: print neither progress nor remarks; warnings and errors are always printed",
     ),
     word(
         "verbose",
@@ -128,13 +132,13 @@ pub(super) const GROUPS: [(&str, &[&str]); 5] = [
         "Get the best program",
         &["optimise", "explore", "view", "bench"],
     ),
-    ("From models to equations", &["model", "gen", "sim"]),
+    ("Use models", &["model", "gen", "sim"]),
     (
-        "Are they right, and how exact",
+        "Check correctness and accuracy",
         &["eval", "check", "error", "stress"],
     ),
-    ("Only what is needed, on which hardware", &["fit", "rtl"]),
-    ("Research on rewriting", &["rules"]),
+    ("Meet requirements and build hardware", &["fit", "rtl"]),
+    ("Study rewriting rules", &["rules"]),
 ];
 
 /// Examples of every command, as they are typed in the root of the repository.
@@ -253,8 +257,8 @@ pub(super) fn apply(command: Command) -> Command {
     });
     command.help_template(format!(
         "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n{groups}\nOptions:\n{{options}}\n\n\
-         'robovec COMMAND --help' describes a command, with examples; docs/commands.md of the words \
-         that mean the same in all.\n"
+         'robovec COMMAND --help' describes a command, with examples; docs/commands.md describes the \
+         options that commands share.\n"
     ))
 }
 
@@ -331,7 +335,7 @@ pub fn manual() -> String {
         "# The commands\n\n`robovec-opt` compiles; `robovec` does the rest. A subject is a file of \
          equations (Robotran's C, Matlab or Python, `.rvir`, `.fpcore`), a model (`.mbs`, `.urdf`) \
          or the name of a model that is built in (`bogie`, `serial-23`), for every command that \
-         takes one.\n\n## Words that mean one thing everywhere\n\n| word | meaning |\n|---|---|\n",
+         takes one.\n\n## Options with the same meaning in all commands\n\n| option | meaning |\n|---|---|\n",
     );
     for GrammarWord {
         long,

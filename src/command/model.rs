@@ -30,8 +30,8 @@ pub(super) struct ModelArguments {
     /// Seed of the parameters
     #[arg(long, add = SEED)]
     seed: Option<u64>,
-    /// File for the model as compact .mbs text; of a family also without -o,
-    /// to the standard output
+    /// File for the model as compact .mbs text; a model of a family is written
+    /// to the standard output by default
     #[arg(short, long, value_name = "PATH")]
     output: Option<PathBuf>,
     /// Check whether these files of equations still belong to the model; exit

@@ -25,13 +25,18 @@ pub(super) fn refuse_wrong(path: &Path, is_text: bool) -> Result<(), CommandFail
             "robovec's text goes into a file whose name ends in .rvir".to_owned(),
             advice.to_owned(),
         ];
-        let message = format!("the result is robovec's text, and {path} is no name for it");
+        let message = format!(
+            "the result is robovec's text, which cannot be written to a file with the name {path}"
+        );
         return Err(CommandFailure::advised(message, notes));
     }
     if !is_text && end == "rvir" {
         return Err(CommandFailure::advised(
-            format!("the result is generated code, and {path} is a name for robovec's text"),
-            vec!["name it for its language, for example x.c, or leave 'codegen' out".to_owned()],
+            format!("the result is generated code, but the name {path} is for robovec's text"),
+            vec![
+                "give it the ending of its language, for example x.c, or leave 'codegen' out"
+                    .to_owned(),
+            ],
         ));
     }
     Ok(())

@@ -113,7 +113,7 @@ fn robots(arguments: &BenchArguments) -> Result<Vec<(String, Model)>, CommandFai
         let (name, model) = subjects::named_model(subject)?;
         let Some(model) = model else {
             return Err(CommandFailure::plain(format!(
-                "{subject} is no model: --robots takes .urdf and .mbs files"
+                "{subject} is not a model: --robots takes .urdf and .mbs files"
             )));
         };
         robots.push((name, model));

@@ -12,8 +12,9 @@ pub(super) struct ShareArguments {
     /// Use the results that an earlier run left in the folder
     #[arg(long, requires = "output")]
     resume: bool,
-    /// Only this share of the work, as 2/8: results are kept in the folder, and those of an earlier
-    /// run used; a last run with --resume and without a share writes the tables
+    /// Do only share K of N of the work, such as 2/8, and keep the results in
+    /// the folder; a last run with --resume and without --shard writes the
+    /// tables
     #[arg(long, value_name = "K/N", requires = "output")]
     pub(super) shard: Option<WorkShare>,
 }

@@ -11,19 +11,20 @@ use robovec_stress::{CaseClass, Findings, StressCase, StressError};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// Measure hard cases, judge whose fault the errors are, and try cures
+/// Measure cases that are hard for floating point, find the cause of each
+/// error, and try cures
 #[derive(Args, Debug)]
 pub(super) struct StressArguments {
-    /// Only this case; more than one may be given
+    /// Case to measure; repeat the option for several
     #[arg(long, value_name = "NAME")]
     case: Vec<String>,
-    /// Only the cases of this class
+    /// Class whose cases are measured
     #[arg(long, value_name = "NAME", value_parser = classes())]
     class: Option<String>,
     /// List the cases, without measuring
     #[arg(long)]
     list: bool,
-    /// Only verdicts, no cures
+    /// Print only verdicts, without cures
     #[arg(long)]
     verdicts: bool,
     /// Folder for stress.csv, stress.json and stress.html
@@ -80,7 +81,7 @@ pub(super) fn run(arguments: &StressArguments) -> Result<String, CommandFailure>
     }
     output::write_stdout(|stdout| stdout.write_all(text.as_bytes()))?;
     Err(CommandFailure::advised(
-        "the hard cases are not what they were".to_owned(),
+        "some hard cases have changed".to_owned(),
         complaints,
     ))
 }
@@ -125,7 +126,7 @@ fn chosen(arguments: &StressArguments) -> Result<Vec<StressCase>, CommandFailure
         cases.retain(|case| case.class.name() == class);
     }
     if cases.is_empty() {
-        let message = "no case has these names and is of this class".to_owned();
+        let message = "no case of this class has one of these names".to_owned();
         return Err(CommandFailure::plain(message));
     }
     Ok(cases)

@@ -15,7 +15,7 @@ pub(crate) struct TellingArguments {
     /// Print no progress, no remarks and no summary of a compilation
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     pub(crate) quiet: bool,
-    /// Print progress every two seconds and, in the end, how long it took
+    /// Print progress every two seconds, and the time taken at the end
     #[arg(short, long, global = true)]
     pub(crate) verbose: bool,
 }

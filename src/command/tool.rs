@@ -26,7 +26,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// Evaluates, simulates and compares equations of multibody systems.
+/// Optimises, checks, simulates and measures the equations of multibody
+/// systems.
 #[derive(Parser, Debug)]
 #[command(name = "robovec", version)]
 struct ToolArguments {
@@ -37,10 +38,9 @@ struct ToolArguments {
     /// Replace files that robovec did not write
     #[arg(long, global = true)]
     force: bool,
-    /// Time after which a compiler, a simulator of hardware, yosys or a program
-    /// they made is stopped, s
+    /// Time limit for each compiler, simulator, yosys and compiled program, s
     #[arg(long, global = true, value_name = "SECONDS", default_value_t = 1800,
-          add = whole(1, MAX_SECONDS, "a tool that takes longer than a day has gone astray"))]
+          add = whole(1, MAX_SECONDS, "a tool that takes longer than a day does not end"))]
     tool_seconds: u64,
 }
 
@@ -52,8 +52,8 @@ struct RobotArguments {
     #[arg(long, global = true, value_name = "fixed|floating", value_enum,
           default_value_t = BaseChoice::Fixed, hide_possible_values = true)]
     base: BaseChoice,
-    /// Largest distance from a right angle at which an angle of a robot is
-    /// taken as one, rad
+    /// Angles of a robot within this distance of a right angle are taken as
+    /// right angles, rad
     #[arg(long, global = true, value_name = "RADIANS", default_value_t = 0.0,
           add = real(0.0, 1e-3, "the robot would be another one"))]
     right_angles: f64,
@@ -78,7 +78,7 @@ pub(super) const TIME_ADVICE: &str = "'--tool-seconds' gives tools more time or 
 #[derive(Subcommand, Debug)]
 enum ToolCommand {
     Bench(BenchArguments),
-    /// Compare the functions of two files as functions
+    /// Test whether two files compute the same functions
     Check(CheckArguments),
     /// Print the script that makes a shell complete command lines
     #[command(hide = true)]

@@ -19,8 +19,8 @@ use std::fmt::Write;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Show a compilation as a page for the browser: every pass side by side, where
-/// values come from, the longest path, the schedule, errors
+/// Write a page for the browser that shows a compilation: passes side by side,
+/// the origin of values, the longest path, the schedule, errors
 #[derive(Args, Debug)]
 pub(super) struct ViewArguments {
     /// File of equations, or model (.mbs, .urdf)
@@ -40,16 +40,18 @@ pub(super) struct ViewArguments {
     /// Only this function; of a model, the one to generate
     #[arg(long, value_name = "NAME")]
     function: Option<String>,
-    /// Machine compiled for: a name or a .toml file; by default the scene's, or thesis
+    /// Machine to compile for: a name or a .toml file; by default the scene's,
+    /// or thesis
     #[arg(long)]
     machine: Option<String>,
-    /// Scene (.scene.toml) that the functions are needed for
+    /// Scene (.scene.toml) that describes the use of the functions
     #[arg(long, value_name = "FILE")]
     scene: Option<PathBuf>,
-    /// Rewriting rules to use beside those that ship
+    /// Additional rewriting rules
     #[arg(long, value_name = "FILE")]
     rules: Vec<String>,
-    /// Check after every pass, at N random points, that it kept the function
+    /// After every pass, check at N random points that the function is
+    /// unchanged
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "4",
           require_equals = true, add = whole(1, 1_000_000, "every pass is checked at every point"))]
     check_each: Option<u32>,
@@ -59,7 +61,8 @@ pub(super) struct ViewArguments {
     /// Also write the dataflow graph of the last state, for Graphviz
     #[arg(long, value_name = "FILE")]
     dot: Option<PathBuf>,
-    /// Of the graph only what a value (%OM16) or an output (M[1,2]) is made from
+    /// Limit the graph to the operations that a value (%OM16) or an output
+    /// (M[1,2]) depends on
     #[arg(long, value_name = "VALUE", requires = "dot")]
     value: Option<String>,
     /// Also write the time of the passes and the schedule as trace events (JSON), for Perfetto

@@ -165,7 +165,7 @@ fn take_parameters(
                     input_name(view, input),
                     clip(&model.name)
                 );
-                let note = "is this the model of these equations?";
+                let note = "check that this is the model of these equations";
                 return Err(vec![
                     Diagnostic::error().with_message(message).with_note(note),
                 ]);

@@ -309,7 +309,7 @@ fn equilibria_and_small_motions_are_those_of_the_reference() {
         let model = read_mbs(name, &bytes).expect("an example").model;
         let text = std::fs::read_to_string(root.join(format!("laws/{name}.toml")));
         let laws = Laws::parse(&model, &text.expect("an example"));
-        let laws = laws.expect("an example").standing();
+        let laws = laws.expect("an example").at_rest();
         let setting = EquationSetting::default();
         let (mut system, initial) =
             MultibodySystem::new(&model, laws, &setting).expect("it starts");

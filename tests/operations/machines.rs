@@ -37,7 +37,7 @@ fn a_copy_of_a_machine_with_its_name_is_another_machine() {
         let message = refused(&opt_in(folder.path(), &arguments));
         assert!(message.contains("placed.rvir:"), "{message}");
         assert!(message.contains("hash"), "{message}");
-        assert!(message.contains("place the program anew"), "{message}");
+        assert!(message.contains("place the program again"), "{message}");
         said(&opt_in(
             folder.path(),
             &[&arguments[..], &["--machine", "copy.toml"]].concat(),
@@ -90,7 +90,10 @@ fn text_without_a_hash_stands_for_the_machine_of_its_name() {
     assert!(message.contains("not 'fused'"), "{message}");
     for (wrong, expected) in [
         ("(hash \"75dc\")", "sixteen hexadecimal digits"),
-        ("(name \"75dc667cc87998a4\")", "nothing a machine has"),
+        (
+            "(name \"75dc667cc87998a4\")",
+            "is not a memory or processing element",
+        ),
         ("(hash 75)", "not expected"),
     ] {
         let broken = format!("{} {wrong}{}", &text[..start], &text[end..]);

@@ -55,7 +55,7 @@ fn losses_are_laws_of_the_joints() {
         let message = stderr(&output);
         assert!(output.status.success(), "{command}: {message}");
         assert!(
-            message.contains("'hinge' among them, are in no equation"),
+            message.contains("including 'hinge', are in no equation"),
             "{command}: {message}"
         );
         assert!(message.contains("'robovec sim'"), "{command}: {message}");

@@ -66,16 +66,16 @@ impl MachineMismatch {
     pub fn advice(&self) -> String {
         match self {
             MachineMismatch::Name { own, .. } => format!(
-                "choose that machine ('--machine {own}', or its file), or place the program anew \
-                 for this one"
+                "choose that machine ('--machine {own}', or its file), or place the program \
+                 again for this one"
             ),
             MachineMismatch::Content { own, other, .. } if own == other => format!(
                 "the file of '{own}' was changed, or there are several of this name: give the one \
-                 the program was placed for, or place the program anew"
+                 the program was placed for, or place the program again"
             ),
             MachineMismatch::Content { .. } => {
                 "give the file of the machine the program was placed for, or place the program \
-                 anew for this one"
+                 again for this one"
                     .to_owned()
             }
         }

@@ -50,7 +50,7 @@ impl ModuleBuilder<'_> {
         let slot = match cycle {
             None if is_host => None,
             Some(cycle) if is_host => {
-                self.error(cycle, "what the host evaluates has no cycle");
+                self.error(cycle, "a value of the host has no cycle");
                 None
             }
             None => {

@@ -326,7 +326,7 @@ impl ModuleBuilder<'_> {
         if let Some((_, home)) = self.attributes.home {
             self.error(
                 home,
-                "only an output has a place where it stays; results are written",
+                "only an output has a final place; values of operations are written with 'write'",
             );
         }
         self.set_sources();

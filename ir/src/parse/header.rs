@@ -75,7 +75,7 @@ impl ModuleBuilder<'_> {
         if self.open.head.is_none() {
             self.error(
                 Span::new(start, start + 1),
-                "this brace ends nothing: no function is open",
+                "this brace closes nothing: no function is open",
             );
         }
         self.close_function();
@@ -233,7 +233,10 @@ impl ModuleBuilder<'_> {
     /// `(hash "2f1c…")` of a schedule.
     pub(super) fn machine_hash(&mut self, word: Span, hash: Span) {
         if self.slice(word) != "hash" {
-            let message = format!("'{}' is nothing a machine has", clip(self.slice(word)));
+            let message = format!(
+                "'{}' is not a memory or processing element of a machine",
+                clip(self.slice(word))
+            );
             self.advise(word, message, "write '(hash \"…\")', or leave it out");
             return;
         }

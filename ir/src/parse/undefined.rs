@@ -235,7 +235,7 @@ impl ModuleBuilder<'_> {
                 .iter()
                 .take(MAX_SHOWN - 1)
                 .map(|&value| also(self.open.name_span(value, self.text), "in the circle"));
-            error(span, "these definitions go in a circle")
+            error(span, "these definitions form a circle")
                 .with_labels_iter(labels)
                 .with_note(way.join(" needs "))
         };

@@ -19,7 +19,7 @@ pub(super) fn check(collector: &mut ViolationCollector<'_>) {
     }
     for format in formats.table() {
         if !format.is_possible() {
-            let message = || format!("nothing can be computed in the format {format}");
+            let message = || format!("no operation can be computed in the format {format}");
             collector.add(ViolationSubject::Function, message);
         }
     }

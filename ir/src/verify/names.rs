@@ -21,7 +21,7 @@ pub(super) fn check(collector: &mut ViolationCollector<'_>) {
             continue;
         }
         let Some(borne) = borne.get_mut(name.base.index()) else {
-            collector.value(value, || "bears a name that is not in the table".to_owned());
+            collector.value(value, || "has a name that is not in the table".to_owned());
             continue;
         };
         let bit = 1u64.unbounded_shl(name.suffix);
@@ -29,13 +29,11 @@ pub(super) fn check(collector: &mut ViolationCollector<'_>) {
         *borne |= bit;
         if !symbols.is_base(name.base) {
             collector.value(value, || {
-                "bears a name that is no word, or reads as derived from another".to_owned()
+                "has a name that is not a word, or that looks derived from another".to_owned()
             });
         }
         if name.suffix > Name::MAX_NUMBER {
-            collector.value(value, || {
-                format!("bears a number above {}", Name::MAX_NUMBER)
-            });
+            collector.value(value, || format!("has a number above {}", Name::MAX_NUMBER));
         }
     }
     // Two names are equal, or some number is larger.

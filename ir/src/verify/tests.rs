@@ -83,17 +83,13 @@ fn names_must_be_different_words() {
     });
     assert_eq!(messages, ["%x is defined twice"]);
     let messages = after(ATOMIC, |f| f.node_mut(Value(1)).name.base = Symbol(99));
-    assert_eq!(messages, ["node 1 bears a name that is not in the table"]);
+    assert_eq!(messages, ["node 1 has a name that is not in the table"]);
     let messages = after(ATOMIC, |f| f.node_mut(Value(1)).name.suffix = 1_000_000_000);
     assert_eq!(messages.len(), 1);
     let mut module = parsed(ATOMIC);
     let derived = module.tables.symbols.intern("x.1");
     module.functions[0].node_mut(Value(1)).name = Name::plain(derived);
-    assert!(
-        verify(view(&module))[0]
-            .message
-            .contains("reads as derived")
-    );
+    assert!(verify(view(&module))[0].message.contains("looks derived"));
 }
 
 #[test]

@@ -91,7 +91,7 @@ pub enum DifferentiationError {
         kind: &'static str,
     },
     /// An array of the derivative would bear the name of another.
-    #[error("the array '{0}' of the derivative bears the name of another array")]
+    #[error("the array '{0}' of the derivative has the name of another array")]
     Taken(String),
     /// The arrays have more elements than a function can have.
     #[error("the derivative has {needed} {kind} elements, and a function has at most {most}")]

@@ -242,7 +242,7 @@ impl<'text> RuleBuilder<'text> {
 
     pub(super) fn variable(&mut self, word: &str, span: Range<usize>) -> Action<'text> {
         if CALLS.iter().any(|(name, _)| *name == word) {
-            let message = format!("'{word}' needs its operand in parentheses: {word}(a)");
+            let message = format!("write the operand of '{word}' in parentheses: {word}(a)");
             return Err(self.error(span, message).into());
         }
         let variables = &mut self.draft.variables;

@@ -1,4 +1,4 @@
-//! Rules of rewriting as data.
+//! Rewriting rules as data.
 //!
 //! A rule states that what looks like its left side may become its right side.
 //! Rules live in files (`rules/*.rules`) that are read at run time, so that

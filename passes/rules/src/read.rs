@@ -88,7 +88,7 @@ impl RuleReader<'_> {
             let message = if self.text[span.clone()].starts_with('"') {
                 "this text has no closing '\"' on its line"
             } else {
-                "this character has no place in a file of rules"
+                "this character is not allowed in a file of rules"
             };
             self.builder.error(span.clone(), message);
         }

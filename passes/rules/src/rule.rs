@@ -112,8 +112,8 @@ impl Rule {
         }
     }
 
-    /// The rule and, when it goes both ways, its reverse as a rule of its
-    /// own, named with `.back`. None of them goes both ways.
+    /// The rule and, when it goes both ways, its reverse as a separate rule,
+    /// whose name ends in `.back`. Each of the two goes one way only.
     pub fn directed(&self) -> Vec<Rule> {
         let forward = Rule {
             both_ways: false,

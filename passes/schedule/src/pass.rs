@@ -180,8 +180,8 @@ pub fn explain(error: &PlaceError, function: &Function, context: &Context<'_>) -
         PlaceError::ComputedAngle { value, .. } => about(value)
             .help("pass the angle as an input, and let the caller compute it".to_owned()),
         PlaceError::MemoryTooSmall { .. } => PassError::new(error.to_string()).help(
-            "use more processing elements (n_add, n_multi), which spread the words over more \
-             memories, or a machine with larger ones",
+            "use more processing elements (n_add, n_multi), which distribute the words over more \
+             memories, or a machine with larger memories",
         ),
         PlaceError::NoWritePorts { .. } | PlaceError::TooLong { .. } => {
             PassError::new(error.to_string())

@@ -111,11 +111,11 @@ declare_pass! {
     destroys: [Timed, Shared, ZeroFree],
 }
 
-/// The seed of all states the pass looks at.
+/// The seed of all states that the pass measures.
 pub(crate) const SEED: u64 = 0x5eed_acc0;
 
-/// The number of the first state that is measured; earlier ones are looked
-/// at.
+/// The number of the first state at which the result is measured; earlier
+/// states are for the search.
 const FIRST_MEASURED: u32 = 1000;
 
 /// The number of the first state at which the version that was chosen is

@@ -312,8 +312,8 @@ impl AxisSearch<'_> {
     }
 
     /// Tests whether a joint agrees with all pairs before it, the nearest
-    /// first, on what they feel of a coordinate: of its own where it slides,
-    /// and of those of joints between the two.
+    /// first, on the effect of coordinates: the joint's own one where it
+    /// slides, and those of joints between the two.
     fn slides_agree(&self, joint: usize, before: &[usize], compared: &mut usize) -> bool {
         let JointAxis::Prismatic(along) = self.axis(joint) else {
             return true;

@@ -2,10 +2,10 @@
 //! loads, from composite bodies, over any ring.
 //!
 //! Seen from a joint, the bodies beyond it move as one rigid body would, plus
-//! what every joint k beyond adds to the motion of its own composite. With
-//! `BE = ~OA + ~OM ~OM` (Robotran's names, ~ the matrix of the cross product)
-//! a point r of a frame has the acceleration `AF + BE r`, and a composite of
-//! mass m, first moment h and moments J needs
+//! the motion that every joint k beyond adds to its own composite. With `BE =
+//! ~OA + ~OM ~OM` (Robotran's names, ~ the matrix of the cross product) a point
+//! r of a frame has the acceleration `AF + BE r`, and a composite of mass m,
+//! first moment h and moments J needs
 //!
 //! ```text
 //! force  = m AF + BE h        torque = h x AF + J OA + OM x J OM
@@ -18,9 +18,9 @@
 //! ```
 //!
 //! with OM beyond the joint, so that joint k adds a wrench of ten products to
-//! what the joints before it carry. Nothing is computed for each body as such.
-//! Whether that takes fewer operations than body by body depends on the tree:
-//! who writes the equations has to compare.
+//! what the joints before it carry. Nothing is computed body by body. Whether
+//! that takes fewer operations than the recursion over bodies depends on the
+//! tree: the caller has to compare both.
 
 use super::bodies::{
     CompositeInertia, JointAxis, RingMatrix, RingVector, Stand, UnitWrench, cross,

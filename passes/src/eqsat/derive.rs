@@ -43,7 +43,7 @@ pub enum Derivation {
 pub struct DerivationEffort {
     /// Nodes in the graph of equal terms.
     pub nodes: usize,
-    /// Rounds of all rules.
+    /// Maximum number of rounds in which all rules are applied.
     pub iterations: u32,
 }
 

@@ -2,9 +2,9 @@
 //!
 //! `1.0/0.01` is computed once, in double-double, and rounded to binary64,
 //! whatever it was made of: the machine then rounds one number instead of
-//! several. As in [`crate::specialise`], whose account of known numbers this
-//! uses, a *witness* in which they are still expressions is what the semantic
-//! check proves.
+//! several. As in [`crate::specialise`], whose table of known numbers this
+//! uses, the semantic check proves a *witness* in which they are still
+//! expressions.
 
 use crate::specialise::constants::{Known, KnownNumbers};
 use crate::specialise::slice::SliceSignature;

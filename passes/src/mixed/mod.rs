@@ -69,7 +69,7 @@ declare_pass! {
         /// The largest error of an output, relative to the largest element of
         /// its array.
         pub error: Bound = Bound(1e-6) => NumberLimit::real(
-            1e-30, 1e3, "no number format keeps a smaller error, and no larger one is of use"),
+            1e-30, 1e3, "no number format has a smaller error, and a larger one is useless"),
         /// The widest format.
         pub wide: Format = Format::BINARY64,
         /// The narrowest format.

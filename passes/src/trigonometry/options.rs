@@ -10,7 +10,7 @@ option_words! {
     pub enum CircularMethod {
         /// Left as they are: true sines and cosines.
         True = "true",
-        /// The series of Taylor, cut off.
+        /// Taylor series.
         Taylor = "taylor",
         /// Polynomials of the smallest error on the range.
         Minimax = "minimax",

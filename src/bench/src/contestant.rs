@@ -76,7 +76,7 @@ pub struct RunTime {
 /// The name of the file of results.
 pub(super) const RESULTS: &str = "results.bin";
 
-/// The file that tells what a program was made of.
+/// The file with a hash of what a program was made from.
 const MADE_OF: &str = "program.hash";
 
 impl Contestant {
@@ -121,7 +121,7 @@ impl Contestant {
     ///
     /// # Errors
     ///
-    /// What the compiler or the program says.
+    /// The message of the compiler or the program.
     pub fn time(&self, folder: &Path, milliseconds: u32) -> Result<f64, String> {
         self.write(folder).map_err(|error| error.to_string())?;
         self.build(folder)?;

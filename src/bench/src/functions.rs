@@ -148,9 +148,9 @@ impl<'a> ReferenceResults<'a> {
         self.states.len()
     }
 
-    /// The largest difference of some results, relative to the largest
-    /// element of its array in its state, and where it is. What a contestant
-    /// does not set is zero, or stands in the other half of a matrix.
+    /// The largest difference of some results, relative to the largest element
+    /// of its array in its state, and where it is. An element that a contestant
+    /// does not set is zero, or is in the other half of a matrix.
     pub(super) fn difference(
         &self,
         keys: &[OutputKey],

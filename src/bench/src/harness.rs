@@ -66,7 +66,7 @@ pub(super) enum Parameter {
 }
 
 /// The file that declares `MbsData` for the arrays of a function: the inputs,
-/// and outputs that have no parameter of their own.
+/// and the outputs without a parameter.
 pub(super) fn data_header(view: View<'_>) -> String {
     let mut text = String::from(
         "#ifndef ROBOVEC_BENCH_MBS_DATA_H\n#define ROBOVEC_BENCH_MBS_DATA_H\ntypedef struct {\n",
@@ -90,7 +90,7 @@ pub(super) fn data_header(view: View<'_>) -> String {
 
 /// A function that a main program calls.
 pub(super) struct Callee<'a> {
-    /// The equations it stands for.
+    /// The equations that it computes.
     pub(super) view: View<'a>,
     /// The type it computes in.
     pub(super) real: Real,

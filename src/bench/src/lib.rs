@@ -1,11 +1,11 @@
 //! Speed of the same function in the hands of others.
 //!
-//! A bench takes the equations of a function, or the model they come from,
-//! and times in one run: Robotran's file as it is, the C that robovec writes
-//! for it, and, where they are installed, what else a user could call for the
-//! same function of the same model. Every contestant is a program
-//! of its own that reads states from a file, writes its results to another and
-//! prints its least time; results are compared before times are shown.
+//! A bench takes the equations of a function, or the model they come from, and
+//! times in one run: Robotran's file as it is, the C that robovec writes for
+//! it, and, where they are installed, what else a user could call for the same
+//! function of the same model. Every contestant is a separate program that
+//! reads states from a file, writes its results to another and prints its least
+//! time; results are compared before times are shown.
 //!
 //! States differ in positions, velocities, accelerations, forces of joints and
 //! loads; parameters are the model's, or drawn once. Contestants run one after the other in rounds,
@@ -104,7 +104,7 @@ impl BenchOutcome {
     }
 }
 
-/// Told of what happens next.
+/// Called with a line of text before each step.
 pub type BenchProgress<'a> = &'a mut dyn FnMut(&str);
 
 /// Builds all contestants, compares their results, and times them in rounds

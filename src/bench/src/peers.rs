@@ -47,8 +47,8 @@ struct PeerQuestion<'a> {
     task: BenchTask,
 }
 
-/// The peers of some names, for a task of a model; `too_long` says why a peer
-/// that prints one function is not compiled.
+/// The peers of some names, for a task of a model; `too_long` is the reason why
+/// a peer that prints one function is not compiled.
 pub fn peers(
     question: &BenchQuestion<'_>,
     model: &Model,
@@ -101,9 +101,9 @@ pub fn peers(
     list
 }
 
-/// Reason why some peers do not take part. MuJoCo's are quotients of
-/// differences.
-const NO_DERIVATIVES: &str = "it has no derivatives of its own";
+/// Reason why some peers do not take part. MuJoCo's derivatives are difference
+/// quotients.
+const NO_DERIVATIVES: &str = "it has no function for derivatives";
 
 /// Titles of the peers in the table, in the order of their names.
 const TITLES: [&str; 5] = [

@@ -21,7 +21,7 @@ use std::path::Path;
 /// Flags of the comparison.
 pub const FLAGS: &str = "-O3 -march=native";
 
-/// Robotran's C file, with what stands beside it.
+/// Robotran's C file, with the files beside it.
 pub fn file(question: &BenchQuestion<'_>, compiler: &Compiler, path: &Path) -> Contestant {
     let text = match std::fs::read(path) {
         Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),

@@ -7,7 +7,7 @@ use robovec_present::number::{exponential, or_dash};
 use std::fmt::Write;
 
 /// The outcomes as an aligned table, the fastest of a group last; errors are
-/// those at states, which are told in words.
+/// those at `states`, described in words.
 ///
 /// The ratio is against Robotran's file, or the first contestant that ran.
 pub fn text(title: &str, states: &str, outcomes: &[BenchOutcome]) -> String {

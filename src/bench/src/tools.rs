@@ -8,7 +8,7 @@ use std::path::Path;
 pub struct Compiler {
     /// Command that calls it.
     pub command: String,
-    /// The first line of what it says of itself.
+    /// The first line of its version text.
     pub version: String,
 }
 
@@ -17,7 +17,7 @@ impl Compiler {
     ///
     /// # Errors
     ///
-    /// What it says, or why it does not.
+    /// Its message, or the reason why it does not run.
     pub fn find(command: &str) -> Result<Compiler, String> {
         let run = ProgramCall::version(command, "--version").run();
         let text = told(command, &run.map_err(|error| error.to_string())?)?;
@@ -101,7 +101,7 @@ fn seconds(text: &str) -> Option<f64> {
 ///
 /// # Errors
 ///
-/// That it does not run, or what it says when it fails.
+/// The reason why it does not run, or its message when it fails.
 pub(super) fn output(place: &Path, command: &str, arguments: &[String]) -> Result<String, String> {
     let call = ProgramCall::new(command).folder(place).arguments(arguments);
     told(command, &call.run().map_err(|error| error.to_string())?)

@@ -1,5 +1,5 @@
 //! A model as peers read it: a tree of joints in plain text
-//! (`benches/peers/peer.h` tells the format).
+//! (`benches/peers/peer.h` describes the format).
 
 use robovec_model::Model;
 use std::fmt::Write;

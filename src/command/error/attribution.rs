@@ -14,8 +14,8 @@ use robovec_ir::{Format, View};
 #[derive(Args, Debug)]
 #[command(next_help_heading = "With --blame and --prove")]
 pub(super) struct AttributionArguments {
-    /// Estimates for every output; by default bound, predict and, where the
-    /// format is narrow enough, stochastic; with --prove proof
+    /// Methods to estimate the error of every output; by default bound, predict
+    /// and, where the format is narrow enough, stochastic; with --prove proof
     #[arg(
         long,
         value_name = "LIST",
@@ -28,17 +28,17 @@ pub(super) struct AttributionArguments {
     #[arg(long, default_value_t = 0, requires = "attribution",
           add = whole(0, 1_000_000_000, "states are drawn by their number"))]
     state: u32,
-    /// Operations of a window, for the method interval
+    /// Number of operations in a window, for the method interval
     #[arg(long, default_value_t = 1000, requires = "attribution",
           add = whole(1, 100_000, "intervals over more operations are useless"))]
     window: u32,
-    /// States from which ranges inside a function are assumed, for the method
-    /// interval
+    /// Number of states from which the ranges of intermediate values are
+    /// estimated, for the method interval
     #[arg(long, default_value_t = 32, requires = "attribution",
           add = whole(1, 10_000, "the function is evaluated at every state, and all values are kept"))]
     samples: u32,
-    /// Enclosures of a window at most, for the method interval: boxes into
-    /// which ranges are cut
+    /// Maximum number of boxes into which the ranges of a window are cut, for
+    /// the method interval
     #[arg(long, default_value_t = 2000, requires = "attribution",
           add = whole(1, 1_000_000, "all operations of the window are enclosed in every box"))]
     boxes: u32,

@@ -28,7 +28,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// Measure the rounding errors of every output, prove bounds, or find the
-/// equations and passes they come from
+/// equations and passes that cause them
 #[derive(Args, Debug)]
 #[command(group = ArgGroup::new("attribution").args(["blame", "prove"]).multiple(true))]
 pub(super) struct ErrorArguments {
@@ -38,14 +38,15 @@ pub(super) struct ErrorArguments {
     /// Attribute the errors of one state to source equations
     #[arg(long, conflicts_with = "series")]
     blame: bool,
-    /// Prove bounds: of one state, and for all states in the ranges of the inputs
+    /// Prove bounds of the errors: at one state, and for all states in the
+    /// ranges of the inputs
     #[arg(long, conflicts_with = "series")]
     prove: bool,
-    /// Measure series of sines and cosines in place of exact ones
+    /// Measure the errors of series for sines and cosines
     #[arg(long, conflicts_with_all = ["scene", "outputs"])]
     series: bool,
-    /// Passes that run first; without another question the errors after every one of them are
-    /// measured too
+    /// Passes to run first; without --blame, --prove or --series the errors
+    /// after every pass are measured too
     #[arg(long, value_name = "PIPELINE")]
     passes: Option<String>,
     /// Language of the files, if their names do not show it
@@ -54,7 +55,7 @@ pub(super) struct ErrorArguments {
     /// Only this function; of a model, the one to generate
     #[arg(long, value_name = "NAME")]
     function: Option<String>,
-    /// Machine compiled for, whose cycles the longest path is counted in
+    /// Machine to compile for; the longest path is counted in its cycles
     #[arg(long, default_value = "thesis")]
     machine: String,
     /// Number formats, separated by commas; by default f32,f64, and with --blame, --prove or
@@ -68,8 +69,8 @@ pub(super) struct ErrorArguments {
     /// Scene (.scene.toml) whose ranges states are drawn from
     #[arg(long)]
     scene: Option<PathBuf>,
-    /// Random states; by default the more the smaller the function is, 1 with --blame or --prove,
-    /// 100 with --series
+    /// Number of random states; by default more for smaller functions, 1 with
+    /// --blame or --prove, 100 with --series
     #[arg(long, add = states(1, 1_000_000))]
     states: Option<u32>,
     /// Seed of the states

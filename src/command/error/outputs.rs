@@ -20,8 +20,8 @@ use std::fmt::Write;
 /// Options of the measurement of every output.
 #[derive(Args, Debug)]
 pub(super) struct MeasureArguments {
-    /// Reference of the outputs: double-double, certified (proved to the last
-    /// bit of binary64), audit (all in arbitrary precision)
+    /// Arithmetic of the exact results: double-double, certified (proved to the
+    /// last bit of binary64), audit (all in arbitrary precision)
     #[arg(long, value_name = "EFFORT", conflicts_with_all = ["attribution", "series"],
           default_value_t = ReferenceEffort::Certified)]
     reference: ReferenceEffort,

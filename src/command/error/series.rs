@@ -16,7 +16,7 @@ use robovec_present::json::json_text;
 /// Choice of polynomials.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
 enum SeriesChoice {
-    /// The series of Taylor, cut off
+    /// Taylor series
     Taylor,
     /// Fitted to the range
     Minimax,
@@ -31,10 +31,11 @@ pub(super) struct SeriesArguments {
           requires = "series",
           add = whole(1, MAX_ORDER as u64, "coefficients of higher powers are below the rounding of binary64"))]
     orders: Vec<u32>,
-    /// Ranges of the joints: they move between minus and plus each, rad
+    /// Ranges of the joints: they move between minus and plus each of these
+    /// angles, rad
     #[arg(long, value_name = "ANGLES", value_delimiter = ',', requires = "series",
           default_value = "0.01,0.1,0.5,1",
-          add = real(1e-12, LARGEST_RANGE, "no series reaches larger angles"))]
+          add = real(1e-12, LARGEST_RANGE, "no series is accurate for larger angles"))]
     angles: Vec<f64>,
     /// Polynomials
     #[arg(long, value_enum, requires = "series", default_value_t = SeriesChoice::Taylor)]

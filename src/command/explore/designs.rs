@@ -14,7 +14,8 @@ use std::collections::BTreeSet;
 /// Axes of machines, and what designs are compared by.
 #[derive(Args, Debug)]
 pub(super) struct DesignArguments {
-    /// Explore designs of machines; any axis of machines does as well
+    /// Explore designs of machines; implied by the other options of this
+    /// section
     #[arg(long)]
     designs: bool,
     /// Numbers of adders
@@ -25,7 +26,7 @@ pub(super) struct DesignArguments {
     #[arg(long, value_delimiter = ',', default_value = "1,2,4,8,16",
           add = whole(1, 1024, "a program is placed for every number of elements"))]
     multipliers: Vec<u32>,
-    /// The largest quotient of the numbers of adders and multipliers
+    /// Largest ratio between the numbers of adders and multipliers
     #[arg(long, default_value_t = 2,
           add = whole(1, 1024, "there are at most as many elements of a kind"))]
     ratio: u32,

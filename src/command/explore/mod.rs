@@ -23,27 +23,31 @@ use robovec_robotran::FunctionKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Compare programs (speed against error), designs of machines (resources against time), or what a
-/// plan asks for: every combination measured, and what no other one beats
+/// Compare programs (speed against error) or machines (resources against time),
+/// or run a plan: measure every combination and list the best
 #[derive(Args, Debug)]
 pub(super) struct ExploreArguments {
-    /// Files of equations, models (.mbs, .urdf) or built-in models (serial-23, bogie); in the place
-    /// of those of a plan, or some of its models by name
+    /// Files of equations, models (.mbs, .urdf) or built-in models (serial-23,
+    /// bogie); with --plan they replace the models of the plan, or select some
+    /// by name
     #[arg(required_unless_present = "plan")]
     subjects: Vec<String>,
     /// Function of the models; dirdyna by default
     #[arg(long)]
     function: Option<String>,
-    /// Machine compiled for: a name or a .toml file; by default thesis, or solver for equations
-    /// that divide. A plan takes several in place of those it names, `couples` for those of Table 1.3
+    /// Machine to compile for: a name or a .toml file; by default solver for
+    /// equations that divide and thesis for others. With --plan several
+    /// machines are allowed and replace those of the plan; `couples` means
+    /// those of Table 1.3
     #[arg(long, value_delimiter = ',')]
     machine: Vec<String>,
     /// Numbers of elements per kind; by default 4,16,64, or those of the plan
     #[arg(long, value_delimiter = ',', value_name = "NUMBERS", add = super::flags::FlagLimit(ELEMENTS))]
     elements: Vec<u32>,
-    /// Pipelines, an option for each: of the plan, by name, or others, as in robovec-opt. A design
-    /// takes the one with the shortest schedule; by default those that 'robovec optimise' finds for
-    /// the fewest elements, the most and between
+    /// Pipeline, as in robovec-opt or by its name in the plan; repeat the
+    /// option for several. Each design uses the pipeline with the shortest
+    /// schedule. By default the pipelines that 'robovec optimise' finds are
+    /// used
     #[arg(long)]
     passes: Vec<String>,
     /// Random states; by default the more the smaller the function is
@@ -61,7 +65,7 @@ pub(super) struct ExploreArguments {
     output: Option<PathBuf>,
     #[command(flatten)]
     shares: ShareArguments,
-    /// Threads; as many as there are processors by default
+    /// Number of threads; by default the number of processors
     #[arg(long, add = whole(1, 1024, "every thread takes memory"))]
     jobs: Option<u32>,
     /// Positions q of programs are drawn from -ANGLE to ANGLE (rad, m); 0.1 by default
@@ -70,7 +74,8 @@ pub(super) struct ExploreArguments {
     angle: Option<f64>,
     #[command(flatten, next_help_heading = "Designs of machines")]
     designs: Option<DesignArguments>,
-    /// Plan of models, pipelines and machines: a .toml file, or `thesis`, which redoes the thesis
+    /// Plan of models, pipelines and machines: a .toml file, or `thesis` for
+    /// the study of the thesis
     #[arg(long, help_heading = "Plans", value_name = "FILE", requires = "output")]
     plan: Option<String>,
     /// Leave functions with more operations than this out of --cpu; 200000 by default
@@ -93,7 +98,7 @@ impl ExplorationKind {
     /// Its name, and the words that ask for it.
     fn texts(self) -> [&'static str; 2] {
         match self {
-            Programs => ["programs", "leave '--plan' and the axes of machines out"],
+            Programs => ["programs", "leave '--plan' and the options of machines out"],
             Designs => ["designs of machines", "add '--designs'"],
             Plan => ["a plan", "add '--plan'"],
         }
@@ -122,7 +127,7 @@ impl ExploreArguments {
             (!self.passes.is_empty(), "--passes", &[Designs, Plan]),
             (
                 self.designs.is_some(),
-                "--designs and axes of machines",
+                "--designs and options of machines",
                 &[Designs],
             ),
             (self.cpu_limit.is_some(), "--cpu-limit", &[Plan]),

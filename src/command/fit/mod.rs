@@ -36,35 +36,36 @@ pub(super) struct FitArguments {
     /// Check the scene and print its joints, outputs, inputs and the gain of each, without a search
     #[arg(long, conflicts_with_all = ["reduce", "output"])]
     explain: bool,
-    /// Find the joints, bodies, forces and terms that the scene, with its section [motion], need
-    /// not model, instead of a program
+    /// Instead of a program, find the joints, bodies, forces and terms that the
+    /// scene does not need; the scene must have a section [motion]
     #[arg(long)]
     reduce: bool,
     /// Machine whose elements, memories and clock are used; by default the scene's, else thesis, or solver
     /// for equations that divide
     #[arg(long)]
     machine: Option<String>,
-    /// Only these formulations; by default the scene's, or all that may be the best
+    /// Formulations to try; by default the scene's, or all that may be the best
     #[arg(long, conflicts_with_all = SEARCHLESS, value_delimiter = ',', value_parser = super::generation::formulations())]
     formulation: Vec<String>,
     /// Place where sines and cosines are computed; by default as in the
     /// scene, or on the host
     #[arg(long, conflicts_with_all = SEARCHLESS, value_enum)]
     trigonometry: Option<Where>,
-    /// Measure of the cheapest
+    /// Cost to minimise
     #[arg(long, conflicts_with_all = SEARCHLESS, value_enum, default_value_t)]
     cost: Cost,
-    /// Random states of the scene; by default the more the smaller the function is
+    /// Number of random states of the scene; by default more for smaller
+    /// functions
     #[arg(long, conflicts_with_all = SEARCHLESS, default_value_t = 0, hide_default_value = true,
           add = states(0, 100_000))]
     states: u32,
     /// Seed of the states
     #[arg(long, conflicts_with_all = SEARCHLESS, default_value_t = 1, add = SEED)]
     seed: u64,
-    /// Number of times the usual number of states a choice is tried with before
-    /// it is believed
+    /// Multiple of the usual number of states at which a choice is tested
+    /// before it is accepted
     #[arg(long, conflicts_with_all = SEARCHLESS, default_value_t = 1,
-          add = whole(1, 16, "the time grows with it, and the share of states established hardly"))]
+          add = whole(1, 16, "the time grows with it, but the guaranteed share of states hardly"))]
     effort: u32,
     /// Folder for the choice (program.rvir, machine.toml) and fit.html, fit.csv, fit.json, fit.svg;
     /// with --reduce for the reduced scene, its model and laws, the report and the motions
@@ -77,7 +78,7 @@ pub(super) struct FitArguments {
 enum Where {
     /// Before the run
     Host,
-    /// Before the run, by a unit that errs: a polynomial, a table or CORDIC
+    /// Before the run, by a unit with an error: a polynomial, a table or CORDIC
     Unit,
     /// By the elements, as series
     Elements,
@@ -86,11 +87,12 @@ enum Where {
 /// Measure of the cheapest.
 #[derive(ValueEnum, Clone, Copy, Default, Debug)]
 enum Cost {
-    /// The share of the device that the machine takes, in one format that floats
+    /// The share of the device that the machine takes, with one floating-point
+    /// format
     #[default]
     Device,
-    /// The cells of the arithmetic, for custom hardware: fixed point and
-    /// formats of single values may be chosen
+    /// The cells of the arithmetic, for custom hardware: fixed point, or a
+    /// format for each value, may be chosen
     Cells,
 }
 
@@ -166,10 +168,10 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
     // What was found is told all the same, but a script must not go on with it.
     output::write_stdout(|stdout| stdout.write_all(text.as_bytes()))?;
     let message = match outcome.chosen {
-        None => "nothing meets the scene",
+        None => "no program meets the scene",
         Some(_) => "the choice did not hold cycle by cycle",
     };
-    let advice = "allow a larger error, a later deadline, or a machine with more to offer";
+    let advice = "allow a larger error or a later deadline, or choose a machine with more elements";
     Err(CommandFailure::advised(message, vec![advice.to_owned()]))
 }
 

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Files of Robotran")]
 pub(super) struct FileArguments {
-    /// Language of Robotran's to write files in, instead of robovec's text
+    /// Language of the files to write, instead of robovec's text
     #[arg(long, value_enum)]
     pub(super) language: Option<OutputLanguage>,
     /// Name of the model, in file names and headers; by default the input's
@@ -28,19 +28,18 @@ pub(super) struct FileArguments {
         requires = "language"
     )]
     model: Option<String>,
-    /// Set also the output elements that are zero whatever the state
+    /// Also set output elements that are always zero
     #[arg(long, requires = "language")]
     zeros: bool,
-    /// C in functions of bounded length, fast to compile and to run; it does
-    /// not read back
+    /// Write C in functions of limited length, fast to compile and to run;
+    /// robovec cannot read this C back
     #[arg(long, requires = "language")]
     bounded: bool,
-    /// With --bounded: a main program that tries each function, and a header
-    /// to compile it without MBsysC
+    /// With --bounded: also write a main program that tests each function, and
+    /// a header to compile it without MBsysC
     #[arg(long, requires = "bounded")]
     test_main: bool,
-    /// With --test-main: functions to compare and time against, by the names
-    /// they are linked under
+    /// With --test-main: linked functions to compare with and to time, by name
     #[arg(
         long,
         value_name = "NAMES",
@@ -51,7 +50,8 @@ pub(super) struct FileArguments {
     /// With --bounded or --whole-step: compute in this type; loops are closed in binary64
     #[arg(long, value_enum, default_value = "double", requires = "drop_in")]
     pub(super) number: CFloat,
-    /// Generator whose names C bears; by default the one a file was written for, 8.1 of a model
+    /// Version of Robotran's generator whose names the C uses; by default that
+    /// of the file, and 8.1 for a model
     #[arg(long, value_enum)]
     pub(super) generation: Option<GenerationName>,
 }

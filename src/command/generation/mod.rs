@@ -27,8 +27,8 @@ use robovec_robotran::FunctionKind;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Generate the equations of a model, or write those of files, in robovec's text or Robotran's
-/// languages
+/// Generate the equations of a model, or convert files of equations: robovec's
+/// text, C, Matlab or Python
 #[derive(Args, Debug)]
 #[command(group = ArgGroup::new("drop_in").args(["bounded", "whole_step"]).multiple(true))]
 pub(super) struct GenArguments {
@@ -37,17 +37,18 @@ pub(super) struct GenArguments {
     subjects: Vec<PathBuf>,
     #[arg(long, value_name = "NAMES", value_delimiter = ',', help = function_help())]
     function: Vec<String>,
-    /// Write C that does the whole step of MBsysC: driven joints, closing of loops, forces,
-    /// accelerations (--function accelred, the default here), or forces of actuators
-    /// (--function invdynared); unless set otherwise in the formulation with the fewest
-    /// operations, after the preset $cpu
+    /// Write C for the whole step of MBsysC: driven joints, closure of loops,
+    /// forces, and accelerations (--function accelred, the default here) or
+    /// forces of actuators (--function invdynared). By default the formulation
+    /// is the one with the fewest operations, and the pipeline is the preset
+    /// $cpu
     #[arg(long, requires = "output", conflicts_with_all = ["language", "bounded"])]
     whole_step: bool,
     /// Recursion the equations come from; all but recursive need sin^2 + cos^2 = 1 [default:
     /// recursive]
     #[arg(long, value_parser = formulations_or_fewest())]
     formulation: Option<String>,
-    /// Write what children carry before a body's own terms
+    /// Write the terms of child bodies before a body's own terms
     #[arg(long)]
     child_first: bool,
     /// Keep parameters that are zero in the model
@@ -59,7 +60,8 @@ pub(super) struct GenArguments {
     /// Leave out external forces and torques
     #[arg(long)]
     no_forces: bool,
-    /// Keep every sum in the order of the recursion, a leading minus included
+    /// Keep every sum in the order of the recursion, even where it then starts
+    /// with a minus
     #[arg(long)]
     leading_signs: bool,
     /// Multiply products out as Robotran prints them
@@ -68,11 +70,13 @@ pub(super) struct GenArguments {
     /// Do not use that sin^2 + cos^2 = 1
     #[arg(long)]
     any_angles: bool,
-    /// Give the multipliers of constraints beside accelerations, and the forces of driven joints
+    /// Also compute the multipliers of the constraints and the forces of driven
+    /// joints
     #[arg(long)]
     multipliers: bool,
-    /// Rows of constraints that the user computes (user_cons_hJ, user_cons_jdqd); as many joints
-    /// that the model names dependent, beside those of the loops, follow from them
+    /// Number of constraint rows that the user computes (user_cons_hJ,
+    /// user_cons_jdqd); they determine as many dependent joints of the model,
+    /// in addition to those of the loops
     #[arg(long, value_name = "ROWS", default_value_t = 0,
           add = whole(0, 32, "each is eliminated with all joints"))]
     user_constraints: usize,
@@ -82,8 +86,9 @@ pub(super) struct GenArguments {
     /// Passes that run over the equations, e.g. atomise,cse,dce
     #[arg(long, value_name = "PIPELINE")]
     passes: Option<String>,
-    /// File to write instead of the standard output; with --language folder, by default the
-    /// current one, with --whole-step folder
+    /// File to write instead of the standard output; with --language or
+    /// --whole-step, folder to write files to (with --language by default the
+    /// current one)
     #[arg(short, long, value_name = "PATH")]
     output: Option<PathBuf>,
     // Last, since its heading holds for all that follow.
@@ -147,8 +152,8 @@ impl GenArguments {
 fn function_help() -> String {
     let names = FunctionKind::ALL.map(FunctionKind::name).join(", ");
     format!(
-        "Functions, separated by commas: of a file by default all, of a model dirdyna; 'all' is \
-         every one but those of the whole step [of a model: all, {names}]"
+        "Functions, separated by commas; by default all of a file, and dirdyna of a model; 'all' \
+         means all except those of the whole step [of a model: all, {names}]"
     )
 }
 
@@ -269,8 +274,8 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
 fn text(arguments: &GenArguments, pipeline: &Pipeline) -> Result<String, CommandFailure> {
     let [path] = &arguments.subjects[..] else {
         return Err(CommandFailure::advised(
-            "robovec's text is written of one subject at a time",
-            vec!["several are written as files of Robotran: --language c".to_owned()],
+            "robovec's text can be written for one subject at a time",
+            vec!["to write several, choose a language of Robotran: --language c".to_owned()],
         ));
     };
     if let Some(file) = &arguments.output {
@@ -337,8 +342,8 @@ fn of_model(path: &Path, arguments: &GenArguments) -> Result<Module, CommandFail
     if let (Some(kind), Some(OutputLanguage::C)) = (whole, arguments.files.language) {
         let _ = writeln!(
             telling::remarks(),
-            "remark: {name} takes forces as given and loops as closed, and MBsysC asks more of \
-             mbs_{name}; --whole-step writes all of it",
+            "remark: {name} takes forces as given and loops as closed, but MBsysC needs more \
+             from mbs_{name}; --whole-step writes all of it",
             name = kind.name()
         );
     }
@@ -361,7 +366,7 @@ fn of_model(path: &Path, arguments: &GenArguments) -> Result<Module, CommandFail
         let names: Vec<&str> = empty.iter().map(|kind| kind.name()).collect();
         let _ = writeln!(
             telling::remarks(),
-            "remark: the model has nothing for {}",
+            "remark: the model has no equations for {}",
             names.join(", ")
         );
     }

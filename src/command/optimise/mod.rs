@@ -21,7 +21,8 @@ use robovec_ir::diagnostic::counted;
 use robovec_passes::optimise::VariantClass;
 use std::path::PathBuf;
 
-/// Finds the best program for a target, proves it and writes it ready to use
+/// Find the best program for a target, prove it equal to the input and write it
+/// ready to use
 #[derive(Args, Clone, Debug)]
 pub(super) struct OptimiseArguments {
     /// Robotran file, robovec text, model (.mbs, .urdf), scene (.scene.toml) or built-in model (serial-23)
@@ -40,31 +41,34 @@ pub(super) struct OptimiseArguments {
     /// Function of a model, or of a file with several
     #[arg(long)]
     function: Option<String>,
-    /// Machine compiled for, a name or a .toml file; by default the scene's, else thesis, or solver
-    /// for what divides
+    /// Machine to compile for: a name or a .toml file; by default the scene's,
+    /// else solver for equations that divide and thesis for others
     #[arg(long)]
     machine: Option<String>,
-    /// Adders and multipliers each; by default as in the machine
+    /// Number of adders, and of multipliers; by default as in the machine
     #[arg(long, value_name = "N", add = whole(1, 4096, "a machine has elements of every kind"))]
     elements: Option<u32>,
-    /// Scene that the function is needed for
+    /// Scene that describes the use of the function
     #[arg(long, value_name = "FILE")]
     scene: Option<PathBuf>,
-    /// Class of equality: over the reals alone (real), or also by sin^2 + cos^2
-    /// = 1 (real-trig)
+    /// Meaning of equal: the same real number (real), or the same where sin^2 +
+    /// cos^2 = 1 (real-trig)
     #[arg(long, default_value = "real-trig", value_name = "CLASS",
           value_parser = VariantClass::parse)]
     class: VariantClass,
-    /// Effort of the search; more is never worse and takes as many times longer
+    /// Effort of the search; twice the effort takes twice the time, and the
+    /// result is never worse
     #[arg(long, default_value_t = 4, value_name = "N", add = EFFORT)]
     effort: u32,
-    /// Random states that errors are measured at; by default the more the smaller the function is
+    /// Number of random states for the errors; by default more for smaller
+    /// functions
     #[arg(long, default_value_t = 0, hide_default_value = true, add = states(0, 100_000))]
     states: u32,
     /// Seed of the states
     #[arg(long, default_value_t = 1, add = SEED)]
     seed: u64,
-    /// C compiler that times programs; 'none' for none: operations decide
+    /// C compiler for the programs that are timed; with 'none' nothing is
+    /// timed, and the program with the fewest operations wins
     #[arg(long, default_value = "cc", value_name = "COMMAND")]
     compiler: String,
     /// Its flags
@@ -75,7 +79,7 @@ pub(super) struct OptimiseArguments {
     output: Option<PathBuf>,
     #[command(flatten)]
     shares: ShareArguments,
-    /// Threads; as many as there are processors by default
+    /// Number of threads; by default the number of processors
     #[arg(long, value_name = "N", add = whole(1, 1024, "every thread takes memory"))]
     jobs: Option<u32>,
 }

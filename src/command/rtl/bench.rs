@@ -13,13 +13,14 @@ use std::path::Path;
 /// Arguments of the benches.
 #[derive(Args, Debug)]
 pub(super) struct RtlBenchArguments {
-    /// Build the benches and run them with this simulator
+    /// Build the test benches and run them with this simulator
     #[arg(long, value_enum, value_name = "TOOL")]
     check: Option<SimulatorChoice>,
-    /// Ways into the machine that are checked; by default all that the simulator can take
+    /// Interfaces of the machine to test; by default all that the simulator
+    /// supports
     #[arg(long, value_enum, value_name = "WAYS", value_delimiter = ',')]
     through: Vec<DoorChoice>,
-    /// States the benches run the program on, one after the other
+    /// Number of states on which the test benches run the program
     #[arg(long, value_name = "COUNT", default_value_t = 3, add = whole(1, 1000, "benches hold all states, and run the program on each"))]
     runs: u32,
     /// Seed of the random states
@@ -56,7 +57,7 @@ enum DoorChoice {
     Avalon,
     /// AXI4-Lite
     Axi4lite,
-    /// The host bus, the images being there from configuration on (iverilog)
+    /// The host bus, with the images loaded by the configuration (iverilog)
     Configured,
 }
 
@@ -148,7 +149,7 @@ pub(super) fn checked(
     }
     if doors.contains(&Door::Configured) && !is_configured {
         return Err(CommandFailure::advised(
-            "hardware that is there was not configured with these images",
+            "existing hardware was not configured with these images",
             vec!["check how they are loaded: --through bus,avalon,axi4lite".to_owned()],
         ));
     }

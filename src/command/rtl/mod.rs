@@ -31,8 +31,8 @@ use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Write hardware in Verilog and the images it runs, test whether a program fits hardware, run
-/// images cycle by cycle, or map operators
+/// Write hardware in Verilog and its memory images, check whether a program
+/// fits existing hardware, simulate images, or map operators
 #[derive(Args, Debug)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub(super) struct RtlCommand {
@@ -68,21 +68,22 @@ struct RtlArguments {
     /// Only this function of the input
     #[arg(long, value_name = "NAME")]
     function: Option<String>,
-    /// Passes to run before, as in robovec-opt; the last one is 'place'
+    /// Passes to run first, as in robovec-opt; the last one must be 'place'
     #[arg(long, value_name = "PIPELINE")]
     passes: Option<String>,
-    /// Hardware that is there (its folder, or its machine.json): check whether the program fits,
-    /// and with '-o' write its images only
+    /// Existing hardware (its folder, or its machine.json): check whether the
+    /// program fits, and with '-o' write only its images
     #[arg(long, value_name = "HARDWARE", conflicts_with_all = ["machine", "crossbar"])]
     fits: Option<PathBuf>,
     #[command(flatten)]
     bench: RtlBenchArguments,
-    /// Map the hardware to a Cyclone V with yosys: what it takes beside the formulas and the
-    /// thesis, and how fast it is
+    /// Map the hardware to a Cyclone V with yosys, and compare its resources
+    /// and speed with the formulas and the thesis
     #[arg(long, conflicts_with = "fits")]
     synthesise: bool,
-    /// Place and route the hardware of a machine on an ECP5 with yosys and nextpnr, once for every
-    /// one of these seeds: the clock it reaches beside the estimate, in minutes
+    /// Place and route the hardware on an ECP5 with yosys and nextpnr, once for
+    /// each of these seeds, and compare the clock with the estimate; takes
+    /// minutes
     #[arg(long, conflicts_with = "fits", value_name = "SEEDS", value_delimiter = ',',
           num_args = 0..=1, default_missing_value = "1,2,3",
           add = whole(0, 1_000_000, "a seed only distinguishes placements"))]

@@ -28,14 +28,13 @@ pub(super) struct RuleBenchArguments {
     /// Equations or models (.mbs, .urdf) to try the rules on
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
-    /// Rules beside those that ship: a .rules file; false ones are reported and
-    /// left out
+    /// Additional rules: a .rules file; false rules are reported and left out
     #[arg(long, value_name = "FILE")]
     rules: Vec<String>,
     /// Only the rules named by --rules
     #[arg(long, requires = "rules")]
     only: bool,
-    /// Passes before the rules are used
+    /// Passes to run before the rules are used
     #[arg(long, default_value = "atomise,zero-removal,balance,cse,dce")]
     before: String,
     /// Passes that use the rules
@@ -307,9 +306,9 @@ fn why_worse(row: &RuleRow, all: Rewritten) -> Option<String> {
     let forms = |limits: WindowLimits| limits.forms / limits.windows.max(1);
     let room = |limits: WindowLimits| share(limits.out_of_nodes, limits.windows);
     let why = match room(with).total_cmp(&room(without)) {
-        std::cmp::Ordering::Greater => "it takes the room of others in the graphs",
+        std::cmp::Ordering::Greater => "it takes the place of other forms in the graphs",
         _ if with.out_of_iterations > without.out_of_iterations => {
-            "with it the rounds of rules end sooner"
+            "with it fewer rounds of rules are possible"
         }
         _ => {
             "no limit makes the difference: windows are rewritten one after the other, and a gain in \

@@ -29,32 +29,32 @@ pub(super) struct FindArguments {
     /// windows of a few operations that occur more than once
     #[arg(long, value_name = "FILE")]
     from: Vec<String>,
-    /// Passes before rules are looked for and ranked: what is found gains
-    /// beyond them
+    /// Passes to run before the search and the ranking; gains are in addition
+    /// to theirs
     #[arg(
         long,
         value_name = "PASSES",
         default_value = "atomise,zero-removal,balance,cse,dce"
     )]
     before: String,
-    /// With '--from', operations of a window, at most
+    /// With '--from': maximum number of operations of a window
     #[arg(long, value_name = "N", default_value_t = 6,
           add = whole(2, 8, "windows of a value grow in number by a factor of three with every operation"))]
     window: usize,
-    /// With '--from', shapes that right sides are looked for: so many to save
-    /// operations and so many to shorten chains
+    /// With '--from': number of shapes for which right sides are searched, once
+    /// to save operations and once to shorten chains
     #[arg(long, value_name = "N", default_value_t = 500,
           add = whole(1, 1_000_000, "some hundred thousand values are looked up for each"))]
     shapes: usize,
-    /// With '--from', values looked up for one shape, at most
+    /// With '--from': maximum number of values tried for one shape
     #[arg(long, value_name = "N", default_value_t = 500_000,
           add = whole(1, 1_000_000_000, "ten million take a second"))]
     values: usize,
-    /// Operations of a term, at most
+    /// Maximum number of operations of a term
     #[arg(long, value_name = "N", default_value_t = 4,
           add = whole(1, 6, "terms grow in number by a factor of some hundred with every operation"))]
     operations: u32,
-    /// Variables of a term
+    /// Number of variables of a term
     #[arg(long, value_name = "N", default_value_t = 3,
           add = whole(1, 5, "terms grow in number with every variable"))]
     variables: u32,
@@ -62,14 +62,15 @@ pub(super) struct FindArguments {
     #[arg(long = "constants", alias = "numbers", value_name = "NUMBERS", value_delimiter = ',',
           allow_hyphen_values = true, add = NUMBER)]
     numbers: Vec<f64>,
-    /// Add sine and cosine of an angle, which lie on the circle
+    /// Add the sine and cosine of an angle to the terms
     #[arg(long)]
     trigonometric: bool,
-    /// Terms tried at most
+    /// Maximum number of terms tried
     #[arg(long, value_name = "N", default_value_t = 200_000,
           add = whole(1, 5_000_000, "all terms are kept and compared"))]
     terms: u32,
-    /// Rules that are known, beside those that ship: a file, or a name of 'robovec rules list'
+    /// Known rules, in addition to those that ship: a file, or a name of
+    /// 'robovec rules list'
     #[arg(long, value_name = "FILE")]
     rules: Vec<String>,
     /// Take only the rules that '--rules' names as known

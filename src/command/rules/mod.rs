@@ -15,7 +15,7 @@ pub(crate) use read::sound;
 use super::CommandFailure;
 use clap::{Args, Subcommand};
 
-/// A bench for rules of rewriting
+/// Check, measure and find rewriting rules
 #[derive(Args, Debug)]
 pub(super) struct RulesArguments {
     #[command(subcommand)]
@@ -24,23 +24,24 @@ pub(super) struct RulesArguments {
 
 #[derive(Subcommand, Debug)]
 enum RulesCommand {
-    /// Print which rule earns how many cycles and operations on equations
+    /// Measure how many cycles and operations each rule saves on equations
     Bench(bench::RuleBenchArguments),
-    /// Prove or refute rules, and print what they do to numbers
+    /// Prove or refute rules, and print their effect on rounding
     Check(check::RuleCheckArguments),
     /// Write rules in the syntax of another tool
     Export(exchange::ExportArguments),
-    /// Find new rules and rank them by what they would gain
+    /// Find new rules and rank them by their gain
     Find(find::FindArguments),
     /// Read rules of another tool, and print their classes
     Import(exchange::ImportArguments),
     /// List rules with their reasons
     List(list::ListArguments),
-    /// Print what rules do to errors, cycles, operations and graphs
+    /// Print the effect of rules on errors, cycles, operations and graphs
     Profile(profile::ProfileArguments),
-    /// Print by which rules a value came about
+    /// Print the rules that made a value
     Why(why::WhyArguments),
-    /// Print how rules lead from one term to another, or why they do not
+    /// Print how rules lead from one term to another, or why they do not get
+    /// there
     WhyNot(why_not::WhyNotArguments),
 }
 

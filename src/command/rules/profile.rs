@@ -22,8 +22,8 @@ pub(super) struct ProfileArguments {
     #[arg(long, value_name = "N", default_value_t = POINTS as u32,
           add = whole(1, 10_000_000, "every rule is evaluated at every point"))]
     points: u32,
-    /// Also find the pairs of rules that make a graph grow exponentially:
-    /// each of the rules with each other, and with those that ship
+    /// Also find pairs of rules that make a graph grow exponentially, among
+    /// these rules and between these and those that ship
     #[arg(long)]
     pairs: bool,
     /// Write the profiles as JSON

@@ -22,10 +22,10 @@ pub(super) struct WhyArguments {
     value: String,
     /// Equations or a model (.mbs, .urdf)
     input: PathBuf,
-    /// Rules beside those that ship: a .rules file
+    /// Additional rules: a .rules file
     #[arg(long, value_name = "FILE")]
     rules: Vec<String>,
-    /// Passes before the rules are used
+    /// Passes to run before the rules are used
     #[arg(long, default_value = "atomise,zero-removal,balance,cse,dce")]
     before: String,
     /// Passes that use the rules
@@ -34,7 +34,7 @@ pub(super) struct WhyArguments {
     /// Machine whose cycles count: a name or a .toml file
     #[arg(long, default_value = "thesis")]
     machine: String,
-    /// Nodes in the graph of equal terms
+    /// Maximum number of nodes in the graph of equal terms
     #[arg(long, value_name = "N", default_value_t = 20_000,
           add = whole(10, 2_000_000, "the graph keeps them all"))]
     nodes: u32,

@@ -20,20 +20,20 @@ pub(super) struct WhyNotArguments {
     /// The term to reach: `(a + b)*x`
     #[arg(allow_hyphen_values = true)]
     right: String,
-    /// Rules beside those that ship: a .rules file
+    /// Additional rules: a .rules file
     #[arg(long, value_name = "FILE")]
     rules: Vec<String>,
     /// Only the rules named by --rules
     #[arg(long, requires = "rules")]
     only: bool,
-    /// Use the rules about the circle too
+    /// Also use the rules for sine and cosine
     #[arg(long)]
     trig: bool,
-    /// Nodes in the graph of equal terms
+    /// Maximum number of nodes in the graph of equal terms
     #[arg(long, value_name = "N", default_value_t = 20_000,
           add = whole(10, 2_000_000, "the graph keeps them all"))]
     nodes: u32,
-    /// Rounds of all rules
+    /// Maximum number of rounds in which all rules are applied
     #[arg(long, value_name = "N", default_value_t = 10,
           add = whole(1, 100, "every round matches each rule against the whole graph"))]
     iterations: u32,
@@ -96,7 +96,7 @@ fn answer(rule: &Rule, found: &Derivation, is_proved: bool, effort: DerivationEf
             let equal = if is_proved {
                 "The terms are equal"
             } else {
-                "Nothing refutes that the terms are equal"
+                "No counterexample to the equality of the terms was found"
             };
             let reason = if *complete {
                 format!(

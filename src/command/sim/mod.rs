@@ -35,10 +35,10 @@ enum IntegratorChoice {
     Dopri,
 }
 
-/// Way in which loops are kept closed.
+/// Method that keeps loops closed.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
 enum KeepingChoice {
-    /// Dependent joints are put onto the constraints in every evaluation
+    /// Dependent joints are computed from the constraints in every evaluation
     Project,
     /// All joints are integrated; accelerations of dependent ones pull them
     /// back
@@ -117,9 +117,9 @@ struct SimArguments {
     step: f64,
     /// Tolerance of dopri per step, absolute and relative
     #[arg(long, value_name = "NUMBER", default_value_t = 1e-8,
-          add = real(1e-15, 1.0, "binary64 has no digits beyond, and beyond 1 nothing is right"))]
+          add = real(1e-15, 1.0, "binary64 has no more digits, and a tolerance above 1 is useless"))]
     tolerance: f64,
-    /// Steps after which the run is given up
+    /// Maximum number of steps, after which the run stops with an error
     #[arg(long, value_name = "N", default_value_t = 10_000_000,
           add = whole(1, 1_000_000_000, "every step evaluates the model several times"))]
     max_steps: u64,
@@ -140,24 +140,24 @@ struct SimArguments {
     /// loop_velocities, accelred)
     #[arg(long)]
     whole_step: bool,
-    /// Way in which loops are kept closed
+    /// Method that keeps loops closed
     #[arg(long, value_enum, default_value_t = KeepingChoice::Project)]
     loops: KeepingChoice,
     /// Rate at which --loops=baumgarte pulls loops closed, 1/s
     #[arg(long, value_name = "RATE", default_value_t = 20.0,
-          add = real(1e-6, 1e6, "a faster pull is a stiff spring to the integrator"))]
+          add = real(1e-6, 1e6, "a faster correction is a stiff spring for the integrator"))]
     baumgarte_rate: f64,
     /// Precision of the times of events, s
     #[arg(long, value_name = "SECONDS", default_value_t = EVENT_TOLERANCE,
-          add = real(1e-15, 1.0, "times have no digits beyond in binary64"))]
+          add = real(1e-15, 1.0, "times have no more digits in binary64"))]
     event_tolerance: f64,
-    /// CSV file of the events that happened
+    /// CSV file to write the events to
     #[arg(long, value_name = "FILE")]
     events: Option<PathBuf>,
-    /// Pipeline run over the equations before they are evaluated
+    /// Pipeline to run on the equations before they are evaluated
     #[arg(long, value_name = "PIPELINE")]
     passes: Option<String>,
-    /// Machine that the passes compile for
+    /// Machine to compile for
     #[arg(long, default_value = "thesis")]
     machine: String,
     /// CSV file to write instead of the standard output
@@ -391,8 +391,9 @@ fn near_dead_point(system: &MultibodySystem<'_>) -> String {
     match system.weak_since() {
         None => String::new(),
         Some(time) => format!(
-            "warning: from {time:?} s on the joints that the generated functions move hardly \
-             determine the loops: near a dead point digits are lost, and the partition is fixed\n"
+            "warning: from {time:?} s on the loops hardly determine the joints that the \
+             generated functions \
+             compute: near a dead point digits are lost, and the partition is fixed\n"
         ),
     }
 }

@@ -45,7 +45,7 @@ pub(super) struct ModalArguments {
 /// Runs `robovec sim equilibrium`: the text for the standard output.
 pub(super) fn equilibrium(arguments: &EquilibriumArguments) -> Result<String, CommandFailure> {
     let (model, laws) = arguments.subject.read()?;
-    let found = rest(&model, laws.standing()).map_err(failure)?;
+    let found = rest(&model, laws.at_rest()).map_err(failure)?;
     if let Some(path) = &arguments.output {
         write(path, &equilibrium_json(&model, &found))?;
     }
@@ -60,7 +60,7 @@ fn rest(model: &Model, laws: Laws) -> Result<Equilibrium, MotionError> {
 /// Runs `robovec sim modal`: the text for the standard output.
 pub(super) fn modal(arguments: &ModalArguments) -> Result<String, CommandFailure> {
     let (model, laws) = arguments.standing.subject.read()?;
-    let (motions, found) = around(&model, laws.standing(), arguments.at).map_err(failure)?;
+    let (motions, found) = around(&model, laws.at_rest(), arguments.at).map_err(failure)?;
     if let Some(path) = &arguments.standing.output {
         write(path, &modal_json(&model, &motions, &found))?;
     }

@@ -85,7 +85,8 @@ impl ProcessorTimes {
 ///
 /// # Errors
 ///
-/// Why there is no time: no compiler, what it says, or another result.
+/// The reason why there is no time: no compiler, its message, or a wrong
+/// result.
 pub fn contest(regular: View<'_>, shorter: View<'_>) -> Result<ProcessorTimes, String> {
     let folder = TemporaryFolder::new().map_err(|error| format!("no temporary folder: {error}"))?;
     let compiler = Compiler::find("cc")?;
@@ -161,7 +162,7 @@ pub(crate) fn question<'a>(view: View<'a>, states: &'a States) -> BenchQuestion<
 ///
 /// # Errors
 ///
-/// Why there is no time: no compiler, or what it says.
+/// The reason why there is no time: no compiler, or its message.
 pub fn compile_and_run(view: View<'_>, real: Real) -> Result<f64, String> {
     let folder = TemporaryFolder::new().map_err(|error| format!("no temporary folder: {error}"))?;
     let compiler = Compiler::find("cc")?;

@@ -32,7 +32,7 @@ impl PointKey {
     }
 
     /// Adds a module as passes see it: its text, and the order in which its
-    /// symbols were first met, of which the text says nothing.
+    /// symbols were first met, which the text does not keep.
     pub fn with_module(mut self, module: &Module) -> PointKey {
         let symbols = &module.tables.symbols;
         for number in 0..symbols.len() {
@@ -77,9 +77,9 @@ impl Write for PointKey {
     }
 }
 
-/// The build of robovec that runs: its version and the bytes of the program,
-/// so that points of a changed compiler are not taken for its own. Where the program
-/// cannot be read nobody knows which it is, and points cannot be told apart.
+/// The key of the running build of robovec: its version and a digest of its
+/// program file, so that points of another build are not used. An error where
+/// the program file cannot be read.
 pub(crate) fn build_key() -> io::Result<PointKey> {
     let program = std::env::current_exe().and_then(fs::read)?;
     let key = PointKey::new().with(env!("CARGO_PKG_VERSION"));

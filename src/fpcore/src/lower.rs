@@ -204,7 +204,7 @@ impl<'text> CoreLowering<'_, 'text, '_> {
             CoreLiteral::Long(number) => {
                 let diagnostic = error(
                     self.forest.get(tree).span.clone(),
-                    format!("binary64 holds no more of this number than {number:e}"),
+                    format!("the nearest number of binary64 is {number:e}"),
                 );
                 let warning = robovec_ir::diagnostic::Diagnostic::warning()
                     .with_message(diagnostic.message)
@@ -325,12 +325,12 @@ impl<'text> CoreLowering<'_, 'text, '_> {
     fn refuse(&mut self, tree: u32, name: &str) {
         const OURS: [&str; 8] = ["+", "-", "*", "/", "sqrt", "sin", "cos", "fma"];
         let reason = match name {
-            _ if OURS.contains(&name) => format!("'{name}' does not take so many operands"),
+            _ if OURS.contains(&name) => format!("'{name}' does not take this number of operands"),
             "if" | "<" | "<=" | ">" | ">=" | "==" | "!=" | "and" | "or" | "not" => {
-                format!("'{name}' decides what is computed, and straight-line code does not")
+                format!("'{name}' is a branch, and only code without branches can be compiled")
             }
             "while" | "while*" | "for" | "for*" | "tensor" | "tensor*" => {
-                format!("'{name}' repeats, and straight-line code does not")
+                format!("'{name}' is a loop, and only code without loops can be compiled")
             }
             "let" | "let*" => format!("'{name}' takes bindings and one expression"),
             "array" | "ref" | "dim" | "size" => format!("'{name}': only numbers are read"),

@@ -51,7 +51,7 @@ pub(super) fn ranges(
         match found.get(name.as_str()).copied() {
             Some([low, high]) if low > high => {
                 let span = forest.get(condition).span.clone();
-                let message = format!("no number '{name}' satisfies this");
+                let message = format!("no value of '{name}' satisfies this");
                 problems.errors.push(error(span, message));
             }
             Some([low, high]) if low.is_finite() && high.is_finite() => {

@@ -301,10 +301,7 @@ pub fn machine(name: &str) -> Result<Machine, Report> {
 fn utf8(name: &str, bytes: Vec<u8>) -> Result<String, String> {
     let text = String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
-        format!(
-            "{name} is not UTF-8 text: byte {} does not belong",
-            valid + 1
-        )
+        format!("{name} is not UTF-8 text: byte {} is not valid", valid + 1)
     })?;
     Ok(robovec_robotran::with_line_feeds(text.into()).into_owned())
 }

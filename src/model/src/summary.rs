@@ -194,8 +194,8 @@ fn placements(model: &Model) -> String {
     if let Some(most) = small.iter().copied().reduce(f64::max) {
         let _ = writeln!(
             text,
-            "{} of these turns are at most {most:.1e} rad: angles of the file are nearly right, and \
-             --right-angles takes them as right",
+            "{} of these turns are at most {most:.1e} rad: angles of the file are nearly right \
+             angles, and --right-angles makes them exact",
             small.len()
         );
     }

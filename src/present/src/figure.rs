@@ -125,7 +125,7 @@ impl PlotAxis {
 
     /// The axis, extended to show a range.
     pub fn showing(mut self, from: f64, to: f64) -> PlotAxis {
-        debug_assert!(from <= to, "a range ends behind its start");
+        debug_assert!(from <= to, "the end of a range is not before its start");
         (self.from, self.to) = (Some(from), Some(to));
         self
     }
@@ -177,8 +177,8 @@ impl Curve {
 /// Colour and marker of a curve.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Paint {
-    /// One of a set of colours easy to tell apart, each with a marker of its
-    /// own.
+    /// One of a set of colours that are easy to distinguish, each with its own
+    /// marker.
     Distinct(usize),
     /// A place, and the number of places, in a sequence from dark to light.
     Ordered(usize, usize),

@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 
-/// Indented, with a line end behind it.
+/// Indented JSON that ends with a line end.
 pub fn json_text(value: &(impl Serialize + ?Sized)) -> String {
     let mut text = serde_json::to_string_pretty(value).expect("results are plain data");
     text.push('\n');

@@ -35,7 +35,7 @@ pub fn scientific(number: f64) -> String {
     }
 }
 
-/// A number of units of rounding: two decimals while they say something.
+/// A number of units of rounding, with two decimals where it is small.
 pub fn units(number: f64) -> String {
     match number {
         number if number < 10.0 => format!("{number:.2}"),

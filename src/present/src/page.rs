@@ -60,8 +60,8 @@ impl PointsPage<'_> {
     }
 }
 
-/// Fills the places `{{name}}` of a template; what is filled in is not looked
-/// at again.
+/// Fills the places `{{name}}` of a template; places in the inserted text are
+/// not filled.
 ///
 /// # Panics
 ///

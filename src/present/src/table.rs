@@ -25,7 +25,7 @@ pub struct DataTable {
 /// A cell.
 #[derive(Clone, PartialEq, Debug)]
 pub enum DataCell {
-    /// Nothing to tell.
+    /// An empty cell.
     Empty,
     /// A whole number.
     Count(u64),

@@ -44,7 +44,7 @@ pub(super) fn aligned(heads: &[(&str, bool)], rows: &[Vec<String>]) -> String {
 }
 
 /// As [`text_table`], without blanks at the ends of its lines, and with a line
-/// end behind the last.
+/// end after the last.
 pub fn text_lines(head: &str, rows: &[Vec<String>]) -> String {
     indented("", &text_table(head, rows))
 }
@@ -109,7 +109,7 @@ pub fn distinct<'t>(texts: impl Iterator<Item = &'t str>) -> String {
     known.join(", ")
 }
 
-/// The lines of a text behind an indentation, without blanks at their ends.
+/// The lines of a text, indented, without blanks at their ends.
 pub fn indented(indentation: &str, text: &str) -> String {
     let lines = text.lines();
     lines

@@ -14,7 +14,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Diagnostic> {
     if bytes.len() > LARGEST_FILE {
         return Err(Diagnostic::error()
             .with_message("the file is larger than 1 GiB")
-            .with_note("no generated file comes near this; check that it is the right one"));
+            .with_note("no generated file is this large; check that it is the right one"));
     }
     // Compilers of C take control characters in comments; elsewhere the lexer
     // refuses them.

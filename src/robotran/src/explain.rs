@@ -80,13 +80,13 @@ fn misfit(
         ),
         (Some(RobotranToken::Name(_)), RobotranToken::Open | RobotranToken::BracketOpen) => (
             "a call or an index that is not a plain number".to_owned(),
-            "in an expression only sin, cos and sqrt may be called, and indices are numbers",
-            "a user function is alone on the right side (`F = user_LinkForces(...)`)",
+            "in an expression only sin, cos and sqrt may be called, and indices must be plain numbers",
+            "a user function must be alone on the right side (`F = user_LinkForces(...)`)",
         ),
         (_, RobotranToken::Equals) => (
             "`=` after something that cannot be assigned to".to_owned(),
-            "its left side is a name or an array element",
-            "look for a missing end of the statement before",
+            "its left side must be a name or an array element",
+            "check that the statement before ends correctly",
         ),
         (_, RobotranToken::Other) => (
             format!("`{found}` is not understood"),

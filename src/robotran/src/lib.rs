@@ -166,7 +166,7 @@ pub fn read(name: &str, bytes: &[u8], language: Option<Language>) -> Result<Read
     })?;
     let Some(language) = language.or_else(|| decode::detect(name, &text)) else {
         let error = Diagnostic::error()
-            .with_message("the language of the file is not apparent")
+            .with_message("the language of the file cannot be recognised")
             .with_note("name the file .c, .m or .py, or force the language");
         return Err(fail(&text, vec![error]));
     };

@@ -186,7 +186,7 @@ impl Preprocessor {
             }
             "pragma" if changes_numbers(rest) => {
                 return Err((
-                    "this line makes the compiler compute in another way",
+                    "this line changes how the compiler computes",
                     "remove it: robovec rounds every operation",
                 ));
             }

@@ -97,7 +97,7 @@ pub enum LoadError {
         allowed: u32,
     },
     /// The fields of an instruction word make no sense.
-    #[error("the instruction word of {element} is ill laid out: {problem}")]
+    #[error("the layout of the instruction word of {element} is wrong: {problem}")]
     Layout {
         /// The element.
         element: String,

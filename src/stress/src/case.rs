@@ -18,10 +18,7 @@ impl CaseClass {
     /// All classes, in the order of reports. The first is the baseline of the
     /// others.
     pub const ALL: [CaseClass; 14] = [
-        class(
-            "base",
-            "nothing in particular: what the others are compared with",
-        ),
+        class("base", "ordinary models, for comparison with the others"),
         class(
             "chain",
             "long chains, whose mass matrix loses its small eigenvalues",
@@ -32,7 +29,7 @@ impl CaseClass {
         ),
         class(
             "swamped",
-            "velocity and gravity terms that swamp what inertia does",
+            "velocity and gravity terms that are much larger than inertia terms",
         ),
         class("scale", "sizes at the ends of the range of a format"),
         class("pose", "poses near a singular one"),
@@ -123,7 +120,7 @@ pub(super) trait StressSubject: Send + Sync {
         false
     }
 
-    /// True when values can have formats of their own: the program is one
+    /// True when each value can have its own format: the program is one
     /// function, whose errors the pass `mixed` can weigh.
     fn mixes(&self) -> bool {
         false

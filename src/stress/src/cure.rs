@@ -217,7 +217,7 @@ impl Attempts<'_> {
     }
 
     /// Tries every program with every mantissa from the narrowest on, and in
-    /// fixed point with every number of bits behind the point, until its error
+    /// fixed point with every number of bits after the point, until its error
     /// is small enough or it costs more than what is known to do.
     fn exhaust(&mut self, exponent: u32, goal: f64) -> Result<(), StressError> {
         for program in self.programs() {

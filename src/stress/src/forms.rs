@@ -9,8 +9,8 @@ pub(super) struct TextForm<N> {
     /// A module of one function in the text form.
     pub(super) text: String,
     pub(super) numbers: N,
-    /// True when the numbers are others than those of the case: what the host
-    /// made of its own.
+    /// True when the numbers are not those of the case but were prepared by the
+    /// host.
     pub(super) prepared: bool,
 }
 

@@ -1,14 +1,15 @@
 //! Hard cases: models and equations that are known to break floating point,
 //! measured, judged, and cured.
 //!
-//! A [`StressCase`] is built, computed in binary32 as it comes and compared with a
-//! reference in double-double numbers. Beside its error stand the condition of
-//! the problem and the error that rounding the data once would make; from
-//! these follows the [`StressVerdict`], whose fault the error is. Then candidates
-//! for cures are tried (other recursions, passes, coordinates, units, formats
-//! of all values or of each, refinement, compensated sums, steps, loops kept
-//! closed), and the cheapest that comes close to binary64 is
-//! told. The constructions are described in `docs/stress.md`.
+//! A [`StressCase`] is built, computed in binary32 as it comes and compared
+//! with a reference in double-double numbers. The error is compared with the
+//! condition of the problem and with the error that rounding the data once
+//! would make; from these follows the [`StressVerdict`], the cause of the
+//! error. Then candidates for cures are tried (other recursions, passes,
+//! coordinates, units, formats of all values or of each, refinement,
+//! compensated sums, steps, loops kept closed), and the cheapest that comes
+//! close to binary64 is reported. The constructions are described in
+//! `docs/stress.md`.
 //!
 //! **Invariant.** Nothing depends on clocks, threads or the order of work.
 

@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// Models with closed loops.
 pub(super) struct LoopsSubject {
     closed: Vec<Closed>,
-    /// Closes the loops as well, from what the independent joints say.
+    /// Closes the loops as well, from the positions of the independent joints.
     whole: bool,
 }
 
@@ -213,8 +213,7 @@ impl StressSubject for LoopsSubject {
 /// Joints of models of which every program is tried in every format.
 const SMALL: usize = 8;
 
-/// Eigenvalues smaller than this, relative to the largest, belong to rows that
-/// say what others say.
+/// Relative size of an eigenvalue below which its row is redundant.
 const REDUNDANT: f64 = 1e-13;
 
 impl StressBench for LoopsBench<'_> {
@@ -268,8 +267,8 @@ impl<'a> PreparedLoop<'a> {
         })
     }
 
-    /// The exact accelerations. A whole step says with its independent joints
-    /// where the loop is, so that each partition has its own.
+    /// The exact accelerations. In a whole step the independent joints decide
+    /// the position of the loop, so each partition has its own reference.
     fn exact(&self, treatment: &ProgramTreatment) -> Result<Vec<Double>, StressError> {
         if !self.subject.whole || treatment.independent.is_empty() {
             return Ok(self.exact.clone());

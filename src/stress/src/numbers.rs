@@ -85,7 +85,7 @@ impl Work for Evaluation<'_> {
 }
 
 /// A number rounded once to a format, subnormal or infinite where the format
-/// says so.
+/// requires it.
 pub(super) fn rounded(number: f64, format: Format) -> f64 {
     match format {
         Format::BINARY64 => number,

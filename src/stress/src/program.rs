@@ -27,8 +27,8 @@ pub(super) struct ProgramRecipe<'a> {
     pub(super) passes: &'a str,
     /// Only the outputs of this array.
     pub(super) only: Option<&'a str>,
-    /// A format for every value, by the error that outputs may have and the
-    /// states that are looked at.
+    /// A format for every value: the allowed error of outputs and the states at
+    /// which it is tested.
     pub(super) mixed: Option<(f64, &'a [MotionState])>,
 }
 
@@ -294,7 +294,7 @@ pub(super) fn largest(function: &Function, inputs: &[Vec<f64>]) -> f64 {
     numbers.fold(0.0, |most, number| number.abs().max(most))
 }
 
-/// The flattened outputs of a function whose values have formats of their own.
+/// The flattened outputs of a function in which each value has its own format.
 pub(super) fn evaluate_mixture(function: &Function, inputs: &[f64]) -> Vec<Double> {
     let mut flat = vec![Double::from(0.0); function.output_len()];
     let results = evaluate_mixed(function, Format::BINARY64, inputs);

@@ -140,7 +140,7 @@ impl StressSubject for StepsSubject {
     }
 }
 
-/// A run: what is watched at its samples, with the state behind.
+/// A function integrated over time steps from one state.
 struct FormRun<'a> {
     function: &'a Function,
     /// The state at the start, then the parameters.

@@ -66,7 +66,7 @@ pub struct ProgramTreatment {
     /// Format of forces (`c`, `Qq`, residuals), where it is not that of masses.
     pub forces: Option<Format>,
     /// Steps of iterative refinement of accelerations: each solves again, with
-    /// the same factor of `M`, for what the inverse dynamics say is missing.
+    /// the same factor of `M`, for the residual of the inverse dynamics.
     pub refinements: u32,
     /// Compute in units that bring the model's numbers to the order of one.
     pub units: bool,
@@ -77,8 +77,8 @@ pub struct ProgramTreatment {
     pub state: Option<Format>,
     /// The integrator's step, s.
     pub step: Option<f64>,
-    /// The highest power of the angle in the series that stand for sine and
-    /// cosine; true functions where there is none.
+    /// The highest power of the angle in the series for sine and cosine;
+    /// without it, the true functions.
     pub series: Option<u32>,
 }
 

@@ -1,11 +1,11 @@
 //! Arithmetic in any number format, bit for bit.
 //!
-//! The numbers of every format up to binary64 are binary64 numbers, so that
-//! is what they travel as: no conversion is between two formats, and an
-//! operation of one format reads the results of another as they are. What
-//! makes a format is only how an exact result is rounded ([`rounding`]).
+//! The numbers of every format up to binary64 are binary64 numbers and are
+//! stored as such: formats need no conversion, and an operation of one format
+//! reads the results of another as they are. Formats differ only in how an
+//! exact result is rounded ([`rounding`]).
 //!
-//! Three ways lead to that one rounding, the quickest that is right is taken:
+//! An operation is rounded once, in the fastest of these ways that is correct:
 //!
 //! - the hardware's own operation, for binary32 and binary64;
 //! - the hardware's binary64 operation, rounded a second time: harmless for

@@ -37,7 +37,9 @@ fn formats_can_be_computed_in() {
     });
     assert_eq!(
         messages,
-        [format!("nothing can be computed in the format {format}")]
+        [format!(
+            "no operation can be computed in the format {format}"
+        )]
     );
 }
 

@@ -386,8 +386,8 @@ enum FormatMemory {
     Mixed(Format),
 }
 
-/// True when a function shows how its values are computed: in formats of their
-/// own, or with the sines and cosines of its own host.
+/// True when a function fixes how its values are computed: each in its own
+/// format, or with sines and cosines of the host.
 fn needs_mixed(view: View<'_>) -> bool {
     view.function.formats.is_some() || view.function.metadata(host::KEY).is_some()
 }

@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum SignatureError {
     /// The function is of no kind that Robotran writes.
-    #[error("'{0}' is of no kind that Robotran writes (dirdyna, invdyna, cons_hJ, …)")]
+    #[error("'{0}' is not a function that Robotran writes (dirdyna, invdyna, cons_hJ, …)")]
     Kind(String),
     /// The function is one case of a file of sensors.
     #[error("'{0}' is one of the sensors of a file, which are written together")]
@@ -33,11 +33,11 @@ pub enum SignatureError {
     },
     /// The function's project has another signature for it.
     #[error(
-        "generator 6.6 gives '{0}' the accelerations of independent joints to fill, and these equations know no partition of joints"
+        "generator 6.6 gives '{0}' the accelerations of independent joints to fill, but these equations have no partition of joints"
     )]
     OldStatus(String),
     /// An array cannot bear its name in C.
-    #[error("the array '{array}' of '{function}' has a name that C does not take: rename it")]
+    #[error("the array '{array}' of '{function}' has a name that is not allowed in C: rename it")]
     ArrayName {
         /// The function.
         function: String,
@@ -46,7 +46,7 @@ pub enum SignatureError {
     },
     /// An output is a single number.
     #[error(
-        "the output '{output}' of '{function}' is a single number; Robotran's functions give back arrays only"
+        "the output '{output}' of '{function}' is a single number; Robotran's functions return arrays only"
     )]
     ScalarOutput {
         /// The function.

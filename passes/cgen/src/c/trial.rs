@@ -8,8 +8,8 @@
 //! `print` it prints the outputs.
 //!
 //! **Distance.** An output is off by its difference relative to the largest
-//! expected number of its array: elements that nearly cancel have no digits
-//! of their own to agree in.
+//! expected number of its array: elements that nearly cancel have no correct
+//! digits to compare.
 
 use super::interface::result;
 use super::{Options, Real, Signature};

@@ -194,9 +194,9 @@ impl Nest {
         }
     }
 
-    /// Finds out whether the passes of an innermost loop are independent,
-    /// and turns them round if they then write outputs upwards, which is what
-    /// compilers make vectors of.
+    /// Tests whether the passes of an innermost loop are independent, and
+    /// reverses them if outputs are then written in ascending order, which
+    /// compilers can vectorise.
     fn direct(&mut self, function: &Function, statements: &Statements, number: usize) {
         let body = self.loops[number].body.clone();
         let mut positions = Vec::new();

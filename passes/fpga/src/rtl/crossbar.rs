@@ -24,9 +24,9 @@ pub(super) fn host_sources(hardware: &Hardware) -> Vec<u32> {
     }
 }
 
-/// The legs of every write port: with a full crossbar all sources; else the
-/// one that carries the host's words first, since leg 0 is what an unknown
-/// select, and the 0 of an idle machine, represent.
+/// The legs of every write port: all sources with a full crossbar; else the leg
+/// that carries the host's words comes first, since an unknown select, and the
+/// 0 of an idle machine, mean leg 0.
 fn legs_of(hardware: &Hardware) -> Vec<Vec<u32>> {
     let sizes = hardware.sizes();
     let ports = sizes.elements * sizes.memories * sizes.write_ports;

@@ -29,7 +29,7 @@ pub enum RtlError {
     },
     /// A memory nothing can be written into, a buffer nothing can be read
     /// from.
-    #[error("the machine file gives {what} no {ports} ports")]
+    #[error("the machine file declares no {ports} ports for {what}")]
     NoPorts {
         /// Memory or buffer.
         what: &'static str,
@@ -48,7 +48,7 @@ pub enum RtlError {
         reasons: Vec<String>,
     },
     /// A description of hardware that cannot be read.
-    #[error("this is no description of hardware: {0}")]
+    #[error("this is not a description of hardware: {0}")]
     Description(String),
     /// The files could not be written.
     #[error("the hardware could not be written: {0}")]

@@ -267,8 +267,8 @@ impl fmt::Display for Failure {
                 after,
             } => write!(
                 formatter,
-                "{} is another function: {} before and {} after modulo {prime}, although no state \
-                 was found at which its numbers differ",
+                "{} is another function: {} before and {} after modulo {prime}, although no \
+                 state with different numbers was found",
                 self.name,
                 ResidueText(*before),
                 ResidueText(*after)
@@ -293,15 +293,15 @@ impl fmt::Display for Failure {
             )?,
             FailureKind::Promise(values) => write!(
                 formatter,
-                "{} is further from what it was than was promised: {values}, {:.1e} apart where \
-                 {:.1e} is allowed",
+                "{} has changed more than the pass promised: {values}, by {:.1e} where {:.1e} is \
+                 allowed",
                 self.name,
                 (values.after - values.before).abs(),
                 values.allowed
             )?,
             FailureKind::Bits { format, values } => write!(
                 formatter,
-                "{} is rounded otherwise in {format}: {values}",
+                "{} is rounded differently in {format}: {values}",
                 self.name
             )?,
         }

@@ -1,6 +1,6 @@
 //! The semantic check between two versions of a function.
 //!
-//! What a pass claims by its [`NumericClass`] is tested, not believed:
+//! The claim that a pass makes by its [`NumericClass`] is tested:
 //!
 //! - every class but *approximating*: all outputs are equal
 //!   - at random points of two prime fields whose primes are drawn from the
@@ -8,8 +8,8 @@
 //!     differ agree at a random point with probability at most `degree / p`,
 //!     unless their difference vanishes modulo the prime. Sine and cosine are
 //!     points of the circle, on which angles add up, for *real-trig* and
-//!     independent elements otherwise; for *real* the square of a root is what
-//!     is under it;
+//!     independent elements otherwise; for *real* the square of a root is its
+//!     radicand;
 //!   - in double-double within a bound of its error that follows from the
 //!     operations, at states near and far, whole and not, positive and
 //!     negative, and near the constants of both versions. This image decides
@@ -23,11 +23,11 @@
 //!   zero at every point has no value in a field, nor a bound; as IEEE
 //!   arithmetic may still end in a number (`1/(1/0)`), it is compared in
 //!   double-double with a tolerance;
-//! - *exact*, and every function in which values have their own formats:
-//!   all outputs are also bit-equal in binary64 and binary32, or in these
-//!   formats, save that zeros of either sign are equal (a minus becomes
-//!   `0 - x`) and that outputs on whose way something was infinite or NaN may
-//!   become anything (`0*x` becomes `0`);
+//! - *exact*, and every function in which values have their own formats: all
+//!   outputs are also bit-equal in binary64 and binary32, or in these formats,
+//!   except that zeros of either sign are equal (a minus becomes `0 - x`) and
+//!   that outputs with an infinite or NaN intermediate value may become
+//!   anything (`0*x` becomes `0`);
 //! - *approximating*: what the pass promised ([`Promise`]) holds, and the
 //!   distance between the versions is measured in double-double.
 //!
@@ -295,8 +295,8 @@ fn judge_rounding(
     verdict.moved = Some(part);
     match output {
         Some(output) if part > LARGEST_MOVE => Err(format!(
-            "rounding constants to binary64 moves {} by {part:.1e} of the largest element of its \
-             array, where {LARGEST_MOVE:.1e} is allowed",
+            "rounding constants to binary64 changes {} by {part:.1e} of the largest element of \
+             its array, but only {LARGEST_MOVE:.1e} is allowed",
             print_output(after, output)
         )),
         _ => Ok(()),

@@ -141,7 +141,7 @@ impl<'a> Pairs<'a> {
             }
         }
         if let Some((name, _)) = sets.keys().next() {
-            let reason = format!("something of {name} is set, and was not before");
+            let reason = format!("elements of {name} are set that were not set before");
             return Err(Unpaired {
                 output: None,
                 reason,
@@ -392,8 +392,8 @@ pub(super) fn described(view: View<'_>, arrays: &[Array]) -> Vec<(String, Shape)
         .collect()
 }
 
-/// Refuses arrays that are not these, in this order; `otherwise` is what is
-/// reported of the first odd one.
+/// Refuses arrays that are not these, in this order. `otherwise` completes the
+/// message about the first array that differs.
 pub(super) fn same_arrays(
     what: &str,
     wanted: &[(String, Shape)],

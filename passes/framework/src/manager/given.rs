@@ -60,7 +60,7 @@ pub fn check_schedules(module: &Module, machine: &Machine) -> Result<(), RunErro
         let found = verify_placement(view, machine).into_iter();
         let violations: Vec<String> = found.map(|violation| violation.message).collect();
         if !violations.is_empty() {
-            let help = "correct the text, or place the program anew: -passes=place";
+            let help = "correct the text, or place the program again: -passes=place";
             return Err(given(violations, help.to_owned()));
         }
     }

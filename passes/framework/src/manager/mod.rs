@@ -202,7 +202,7 @@ pub enum RunError {
     },
     /// The verifier refuses what a pass made: a mistake in the pass.
     #[error(
-        "{pass}, function '{function}': the result is not well formed; this is a mistake in the pass\n{}",
+        "{pass}, function '{function}': the result is not valid; this is a mistake in the pass\n{}",
         violations.join("\n")
     )]
     Verify {

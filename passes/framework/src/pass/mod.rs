@@ -68,8 +68,8 @@ pub struct Context<'a> {
     pub registry: &'static Registry,
     /// The rules that rewriting may use.
     pub rules: &'a RuleSet,
-    /// Scene that the function is needed for (ranges, tolerances, deadline),
-    /// when the user gave one.
+    /// Scene that describes the use of the function (ranges, tolerances,
+    /// deadline), when the user gave one.
     pub scene: Option<&'a Scene>,
     /// Left by a pass that rounds constants: the same function with the
     /// constants still computed from exact ones. The semantic check proves that

@@ -101,7 +101,7 @@ impl PipelineBuilder {
         let Err(error) = result else { return };
         match error {
             ParseError::User { error: span } => {
-                self.error(span, "this character has no place in a pipeline");
+                self.error(span, "this character is not allowed in a pipeline");
             }
             ParseError::UnrecognizedToken {
                 token: (start, _, end),
@@ -118,7 +118,7 @@ impl PipelineBuilder {
             ParseError::InvalidToken { location } => {
                 self.error(
                     location..location,
-                    "this character has no place in a pipeline",
+                    "this character is not allowed in a pipeline",
                 );
             }
             ParseError::ExtraToken {

@@ -1,14 +1,14 @@
-//! From a pipeline that goes wrong to the smallest program and the single
-//! rewrite that show it.
+//! Reduction of a failing pipeline to the smallest program and the single
+//! rewrite that still fail.
 //!
-//! Three steps, each of which only narrows what the one before has found: the
-//! first pass whose result is refused (by itself, by a panic, by the verifier
-//! or by the semantic check); the smallest program on which that pass goes
-//! wrong in the same way; in it, the one rewrite without which it does not.
+//! Three steps, each of which narrows the result of the one before: the first
+//! pass that fails (with its own error, a panic, a refusal by the verifier or
+//! by the semantic check); the smallest program on which that pass fails in the
+//! same way; in it, the one rewrite without which it does not fail.
 //!
-//! Invariants: nothing is believed, every step is run again on what it found;
-//! the work is bounded by a number of values run through passes, so that the
-//! same input gives the same bytes on a slow machine and on a fast one.
+//! Invariants: every step is run again on its result, to confirm it; the work
+//! is bounded by a number of values run through passes, so that the same input
+//! gives the same bytes on a slow machine and on a fast one.
 
 mod edit;
 mod locate;
@@ -175,19 +175,19 @@ impl fmt::Display for Reduction {
         let pass = pass.expect("the pipeline ends with the pass that fails");
         writeln!(
             formatter,
-            "pass {} of the run, {pass}, goes wrong on function '{}' of {} values",
+            "pass {} of the run, {pass}, fails on function '{}' with {} values",
             self.ordinal, self.function, self.size_before
         )?;
         match &self.rewrite {
             Some(rewrite) => writeln!(formatter, "  {rewrite}")?,
             None => writeln!(
                 formatter,
-                "  no single rewrite: the pass goes wrong before it asks for one, or asks for none"
+                "  no single rewrite: the pass fails before its first rewrite, or does not report rewrites"
             )?,
         }
         let values: usize = self.program.functions.iter().map(|f| f.nodes().len()).sum();
         let exhausted = if self.effort.exhausted {
-            "; the work allowed was used up, a smaller one may exist"
+            "; the limit of work was reached, and a smaller one may exist"
         } else {
             ""
         };

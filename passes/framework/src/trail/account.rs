@@ -66,7 +66,8 @@ pub struct DefinitionChange {
 /// A definition in one state of its function.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Moment {
-    /// The definition, the values of its own equation written out in it.
+    /// The definition, in which the intermediate values of the same equation
+    /// are written out.
     pub text: String,
     /// Time at which its result is available at the earliest, in cycles.
     pub arrival: u32,

@@ -100,7 +100,7 @@ fn advice(module: &Module, trail: &Trail, text: &str) -> String {
     let near = did_you_mean(text, candidates()).or_else(|| did_you_mean(&with_sign, candidates()));
     match near {
         _ if module.functions.iter().any(is_input) => {
-            format!("'{array}' is an input: it comes from outside")
+            format!("'{array}' is an input and has no history")
         }
         Some(near) => format!("did you mean '{near}'?"),
         None => "write a value as %OM16 or %OM16.1, an output element as M[1,2]".to_owned(),

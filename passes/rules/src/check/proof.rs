@@ -81,7 +81,7 @@ impl fmt::Display for Doubt {
                      {operand}"
                 );
             }
-            Doubt::Bits => "in floating point the sides have no bits in common",
+            Doubt::Bits => "in floating point no result of the two sides has equal bits",
         })
     }
 }

@@ -15,7 +15,7 @@ use robovec_num::field::Modulus;
 /// The terms that are tried.
 #[derive(Clone, PartialEq, Debug)]
 pub struct TermSpace {
-    /// Operations of a term, at most.
+    /// Maximum number of operations of a term.
     pub operations: u32,
     /// Variables besides an angle.
     pub variables: u32,
@@ -23,7 +23,7 @@ pub struct TermSpace {
     pub numbers: Vec<f64>,
     /// True to add sine and cosine of an angle, as one value each.
     pub trigonometric: bool,
-    /// Terms tried at most.
+    /// Maximum number of terms tried.
     pub budget: usize,
 }
 

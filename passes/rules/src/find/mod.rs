@@ -74,9 +74,9 @@ pub struct RuleSearch {
     pub found: Vec<Found>,
 }
 
-/// Searches a space of terms for rules that `known` does not derive, and
-/// ranks them by their gain on functions at the atomic level. `progress` is
-/// told of candidates done and of all.
+/// Searches a space of terms for rules that `known` does not derive, and ranks
+/// them by their gain on functions at the atomic level. `progress` receives the
+/// number of candidates done and the number of all.
 pub fn find(
     space: &TermSpace,
     known: &RuleSet,

@@ -6,8 +6,9 @@ use super::super::rule::Rule;
 use robovec_analysis::critical_path::{Weights, arrivals, longest, tails};
 use robovec_ir::{Function, Machine, Operand, OperandKind, Operation, Value};
 
-/// The gain of a rule on some functions, taken alone and at each place by
-/// itself: an indication, since gains at one place change the next.
+/// The gain of a rule on some functions, applied without other rules and at one
+/// place at a time: an estimate, since a rewrite at one place changes the gain
+/// at the next.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
 pub struct RuleGain {
     /// Cycles by which values on a longest chain would be earlier than by any

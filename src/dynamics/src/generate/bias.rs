@@ -1,9 +1,9 @@
 //! The bias force `c`, with composites instead of single bodies.
 //!
 //! Seen from joint i, the bodies beyond it move as one rigid body would, plus
-//! what each joint k beyond adds to the motion of its own composite. The
-//! matrix `BE = ~OA + ~OM ~OM`, which gives the acceleration `AF + BE r` of a
-//! point r, changes at a rotation about axis a only in
+//! the motion that each joint k beyond adds to its own composite. The matrix
+//! `BE = ~OA + ~OM ~OM`, which gives the acceleration `AF + BE r` of a point r,
+//! changes at a rotation about axis a only in
 //!
 //! ```text
 //! BE_ab += 2 OM_b qd    BE_ac += 2 OM_c qd    BE_bb, BE_cc -= (2 OM_a - qd) qd
@@ -11,8 +11,8 @@
 //!
 //! with `OM` beyond the joint. So joint k adds a wrench of ten products to what
 //! the joints before it carry (`FW`, `NW`), and `c_i` is one component of a
-//! rigid wrench plus one of that sum. Nothing is computed for each body as
-//! such; fictitious bodies are no special case.
+//! rigid wrench plus one of that sum. Nothing is computed body by body, and
+//! fictitious bodies are no special case.
 
 use super::algebra::{Scalar, Sum, given};
 use super::equations::{Equations, QuantityLabel};

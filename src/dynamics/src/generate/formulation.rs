@@ -15,7 +15,7 @@ use robovec_model::{Model, Nature};
 /// A recursion.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum Formulation {
-    /// Recursive Newton-Euler, column by column: what Robotran prints.
+    /// Recursive Newton-Euler, column by column, as in Robotran.
     #[default]
     Recursive,
     /// Composite rigid bodies in body frames: the fewest operations for short
@@ -98,7 +98,7 @@ impl Formulation {
                 "composite bodies, long columns in one frame: fewest operations for long chains"
             }
             Formulation::Articulated => {
-                "articulated bodies, accelred of trees: as many operations as joints, with division"
+                "articulated bodies, accelred of trees: operations proportional to the number of joints, with divisions"
             }
             Formulation::Prefix { network, origin } => match (network, origin) {
                 (PrefixNetwork::Serial, MomentOrigin::Body) => {

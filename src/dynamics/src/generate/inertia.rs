@@ -219,8 +219,8 @@ impl SumInertia {
 }
 
 impl Inertia {
-    /// The inertias that joints carry: of their own bodies and of all bodies
-    /// beyond them, about the joints' origins and in their frames.
+    /// The inertias of the bodies that every joint carries: its own body and
+    /// all bodies beyond it, about the joint's origin and in its frame.
     pub(super) fn composites(
         equations: &mut Equations,
         parameters: &ModelParameters<'_>,

@@ -205,7 +205,7 @@ pub enum GenerateError {
         possible: String,
     },
     /// The formulation knows no constraints.
-    #[error("the formulation '{formulation}' knows no constraints; these do: {possible}")]
+    #[error("the formulation '{formulation}' does not support constraints; these do: {possible}")]
     NoLoops {
         /// The name of the formulation.
         formulation: &'static str,

@@ -10,8 +10,8 @@
 //! Mr qdd_u = f_u - Muv b + B^T (f_v - Mvv b),    f = Qq - c - M_c qdd_c
 //! ```
 //!
-//! Rows `A qdd_u + g = 0` that the user computes are satisfied by multipliers
-//! of their own, `(A Mr^-1 A^T) mu = -g - A Mr^-1 f_r`: their Jacobian is not
+//! Rows `A qdd_u + g = 0` that the user computes are satisfied by separate
+//! multipliers, `(A Mr^-1 A^T) mu = -g - A Mr^-1 f_r`: their Jacobian is not
 //! known before, and this matrix is positive definite whatever it is.
 //!
 //! The accelerations of driven joints c are inputs. Positions and velocities

@@ -51,7 +51,8 @@ pub(super) struct ReducedRows {
 
 impl ReducedRows {
     /// Eliminates the joints of loops from rows. `columns` are the joints of
-    /// `x`; `given` is what a row holds beside them and the joints of loops.
+    /// `x`; `given` is the part of a row that depends neither on them nor on
+    /// the joints of loops.
     pub(super) fn new(
         equations: &mut Equations,
         names: [&'static str; 2],

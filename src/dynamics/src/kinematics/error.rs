@@ -39,8 +39,8 @@ impl StateError {
     pub fn advice(&self) -> Option<&'static str> {
         match self {
             StateError::OpenLoop { .. } => Some(
-                "correct the initial positions or the points of the cut; a loop that is \
-                 lost on the way has reached a dead point",
+                "correct the initial positions or the points of the cut; a loop that opens \
+                 during the run has reached a dead point",
             ),
             StateError::NotFinite { .. } => {
                 Some("take a smaller step, or the adaptive integrator; laws may be too stiff")

@@ -37,7 +37,7 @@ const RANK: f64 = 1e-12;
 
 impl MultibodySystem<'_> {
     /// The equilibrium near a state; the laws move nothing
-    /// ([`Laws::standing`](super::Laws::standing)).
+    /// ([`Laws::at_rest`](super::Laws::at_rest)).
     ///
     /// # Errors
     ///

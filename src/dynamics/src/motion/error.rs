@@ -31,8 +31,8 @@ pub enum MotionError {
     /// The generated functions of the whole step cannot close a loop with the
     /// joints they move, or have gone past the point where they could.
     #[error(
-        "at {time:?} s the generated functions have reached a dead point of the cut '{cut}': of \
-         the joints that they move the loops determine '{joint}' least (its pivot is {pivot:.1e} \
+        "at {time:?} s the generated functions have reached a dead point of the cut '{cut}': the \
+         joint that the loops determine least is '{joint}' (its pivot is {pivot:.1e} \
          of that of the best choice), and the ends stay {gap:.1e} apart"
     )]
     DeadPoint {
@@ -92,8 +92,8 @@ impl MotionError {
     pub fn advice(&self) -> Option<&'static str> {
         match self {
             MotionError::Singular { .. } => Some(
-                "give the bodies beyond it mass and inertia, or make one of two \
-                 joints that do the same driven",
+                "give the bodies beyond it mass and inertia; if two joints have the same effect, \
+                 make one of them driven",
             ),
             MotionError::DeadPoint { .. } => Some(
                 "which joints depend is fixed when the functions are generated: make that joint \
@@ -104,9 +104,9 @@ impl MotionError {
             MotionError::StepTooSmall { .. } => {
                 Some("loosen the tolerance, or soften the laws of forces")
             }
-            MotionError::Still(_) => {
-                Some("give it a start elsewhere (start = { NAME = … }) or a law that moves it")
-            }
+            MotionError::Still(_) => Some(
+                "give it another initial position (start = { NAME = … }) or a law that moves it",
+            ),
             MotionError::NoEquilibrium { free: Some(_) } => {
                 Some("give the joint a spring (--laws) or hold it (--hold)")
             }

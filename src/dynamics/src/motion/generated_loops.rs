@@ -11,7 +11,7 @@ use crate::kinematics::linear::largest;
 use crate::kinematics::{ClosingLimits, CompiledFunction, LoopConstraints, MotionState, Partition};
 use robovec_model::{Model, Nature};
 
-/// Way in which loops are kept closed in a run.
+/// Method that keeps loops closed in a run.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub enum LoopKeeping {
     /// Positions and velocities of dependent joints are put onto the

@@ -70,20 +70,20 @@ use toml::Spanned;
 const LAW: NumberLimit = NumberLimit::real(
     -1e15,
     1e15,
-    "motions that stiff have no digits left in binary64",
+    "binary64 has no digits left for such stiff motions",
 );
 
 /// Amounts of friction: it takes energy and gives none.
 const FRICTION: NumberLimit = NumberLimit::real(
     0.0,
     1e15,
-    "motions that stiff have no digits left in binary64, and friction gives no energy",
+    "binary64 has no digits left for such stiff motions, and friction gives no energy",
 );
 /// Velocities around which friction turns over.
 const SLIP: NumberLimit = NumberLimit::real(
     1e-9,
     1e6,
-    "friction that turns over faster is a jump to an integrator",
+    "friction that changes sign faster is a jump for an integrator",
 );
 
 /// The limits of the numbers of laws: name, limit, and what it is when the
@@ -285,9 +285,9 @@ impl Laws {
         }
     }
 
-    /// The laws with everything that they move at rest in its mean: what a
-    /// model is at rest under.
-    pub fn standing(mut self) -> Laws {
+    /// The laws with all places and joints that they move fixed at their means,
+    /// as for an equilibrium.
+    pub fn at_rest(mut self) -> Laws {
         for law in &mut self.forces {
             law.amplitude = [0.0; 3];
         }
@@ -363,7 +363,7 @@ impl Laws {
                 format!("the joint '{}' is not driven", clip(&joint.name))
             } else if !joint.has_velocity || !joint.has_acceleration {
                 format!(
-                    "the equations of '{}' take it as held: the model gives its velocity no symbol",
+                    "the equations of '{}' keep it at rest: the model gives its velocity no symbol",
                     clip(&joint.name)
                 )
             } else {

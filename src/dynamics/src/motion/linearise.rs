@@ -59,7 +59,7 @@ struct LinearisedState<'s> {
 impl MultibodySystem<'_> {
     /// Small motions around a state whose loops are closed, at accelerations
     /// `qdd` of the state, under laws that move nothing
-    /// ([`Laws::standing`](super::Laws::standing)).
+    /// ([`Laws::at_rest`](super::Laws::at_rest)).
     ///
     /// # Errors
     ///

@@ -1,10 +1,9 @@
 //! Effect of every pass of a pipeline on the rounding errors of programs.
 //!
-//! [`measure`] runs a pipeline over a module and keeps, for every function
-//! and pass, size, path and the distribution of the errors in binary32;
-//! [`view`] shows them as text, table and figure. How errors are measured and
-//! when one counts as worse is said in
-//! [`robovec_analysis::rounding`].
+//! [`measure`] runs a pipeline over a module and keeps, for every function and
+//! pass, size, path and the distribution of the errors in binary32; [`view`]
+//! shows them as text, table and figure. [`robovec_analysis::rounding`]
+//! describes how errors are measured and when one counts as worse.
 
 pub mod outputs;
 mod view;
@@ -58,9 +57,9 @@ pub struct Options<'a> {
     pub scene: Option<&'a Scene>,
 }
 
-/// Runs a pipeline over all functions of a module and measures the errors
-/// after every pass. A module of one function is named after it, others have
-/// the function's name behind it.
+/// Runs a pipeline over all functions of a module and measures the errors after
+/// every pass. The only function of a module is named after the module; with
+/// several functions, the function's name is added.
 ///
 /// # Errors
 ///

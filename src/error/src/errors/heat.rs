@@ -31,7 +31,7 @@ pub struct Heat {
     /// To how many outputs of each state errors were traced: those with the
     /// largest errors, relative to the largest element of their array.
     pub outputs: usize,
-    /// In how many of the states nothing could be said, as after an overflow.
+    /// Number of states without a result, such as after an overflow.
     pub refused: u32,
     /// The hottest equations.
     pub equations: Vec<HotEquation>,

@@ -1,11 +1,11 @@
 //! Origin and size of rounding errors.
 //!
-//! Measuring tells how large errors are ([`crate::accuracy`]); this tells
-//! what they are made of: the [`Heat`] of source equations, and for every
-//! output at one state the error it has, the error predicted from what every
-//! operation lost, a bound, the standard deviation under random rounding, and
-//! what a window of operations before it can lose in any state
-//! ([`ErrorTable`]). The methods are in [`robovec_analysis`].
+//! [`crate::accuracy`] measures how large errors are; this crate finds their
+//! causes: the [`Heat`] of source equations, and for every output at one state
+//! its error, the error predicted from the loss of every operation, a bound,
+//! the standard deviation under random rounding, and the greatest loss, over
+//! all states, in a window of operations before it ([`ErrorTable`]). The
+//! methods are in [`robovec_analysis`].
 
 mod heat;
 mod proof;

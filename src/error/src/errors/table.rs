@@ -25,19 +25,22 @@ const STATES: usize = 4096;
 /// The most states of all windows, times operations and leaves.
 const RUN: usize = 1 << 23;
 
-/// A way to say something of an error.
+/// A method to estimate or bound an error.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, clap::ValueEnum)]
 pub enum ErrorMethod {
-    /// Ranges and errors proved for all states over the whole function, beside the largest error
-    /// that a directed search finds
+    /// Ranges and errors proved for all states over the whole function, and the largest error that
+    /// a directed search finds
     Proof,
-    /// The sum of what every operation can lose, weighted by adjoints
+    /// The sum of the largest possible rounding errors of all operations,
+    /// weighted by adjoints
     Bound,
-    /// The sum of what every operation lost, with signs
+    /// The sum of the actual rounding errors of all operations, with signs
     Predict,
-    /// The standard deviation under rounding up or down by chance
+    /// The standard deviation when every operation is rounded up or down at
+    /// random
     Stochastic,
-    /// Ranges and errors for all states, over the operations closest before
+    /// Ranges and errors for all states, over the last operations before the
+    /// output
     Interval,
 }
 
@@ -223,7 +226,7 @@ impl ErrorTable {
     }
 }
 
-/// The largest relative error of what is divided by, or stands under a root.
+/// The largest relative error of a divisor or a radicand.
 fn weakest_divisor(run: &AdjointRun<'_>) -> f64 {
     let tape = run.tape();
     let divisors = (0..tape.nodes()).filter_map(|node| {

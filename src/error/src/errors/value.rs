@@ -14,8 +14,8 @@ use std::fmt::Write;
 const MOST: usize = 5;
 
 /// Effect of rounding on a value or an output: its error in the first state,
-/// its bound, the part of its own operation, and its share in the errors of the
-/// outputs; `None` when the function has no such value.
+/// its bound, the part that its operation adds, and its share in the errors of
+/// the outputs; `None` when the function has no such value.
 pub fn explain(
     view: View<'_>,
     item: TrackedItem,
@@ -54,7 +54,7 @@ pub fn explain(
             let (lost, most) = (run.local_errors()[slot], run.local_bounds()[slot]);
             let _ = writeln!(
                 text,
-                "    its own operation lost {}, and can lose {}",
+                "    its last operation adds {}, and at most {}",
                 small(lost),
                 small(most)
             );

@@ -13,8 +13,8 @@ use std::fmt::Write;
 /// The rows of a table for a person; the others are counted.
 pub(super) const MAX_ROWS: usize = 40;
 
-/// The relative error of a divisor from which on bounds of first order say
-/// little: what they leave out is that part of them and more.
+/// The relative error of a divisor above which bounds of first order are
+/// unreliable: the terms they leave out are at least that fraction of them.
 const WEAK: f64 = 0.01;
 
 /// Reliability of the bounds of a run.
@@ -23,18 +23,18 @@ fn first_order(weakest_divisor: f64) -> String {
         return "bound: at this state, to first order\n".to_owned();
     }
     format!(
-        "bound: not to be relied on, a divisor or root is off by {} of itself at this state, and \
+        "bound: not reliable, a divisor or root has a relative error of {} at this state, and \
          bounds are of first order\n",
         percent(weakest_divisor.min(1.0))
     )
 }
 
 /// Meaning of the columns of windows.
-const ESTABLISHED: &str = "window loses: proved for all states in the ranges, but where they are \
-     assumed; seen: the largest error at random states in them\n";
+const ESTABLISHED: &str = "window loses: proved for all states in the ranges, unless the ranges \
+     are assumed; seen: the largest error at random states in them\n";
 
 /// The meaning of a mark before an exact value.
-const ESTIMATE: &str = "~: an estimate, which is not certified\n";
+const ESTIMATE: &str = "~: an estimate, not certified\n";
 
 /// Characters of a full bar.
 const BAR: f64 = 24.0;
@@ -224,7 +224,7 @@ fn equation_row(equation: &HotEquation, hottest: f64) -> Vec<String> {
     ]
 }
 
-/// Place where an equation stands.
+/// Place of an equation in its file.
 pub(super) fn place(equation: &HotEquation) -> String {
     match (&equation.file, equation.line, equation.column) {
         (Some(file), Some(line), Some(column)) => format!("{file}:{line}:{column}"),

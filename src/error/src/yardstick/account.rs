@@ -1,10 +1,10 @@
-//! Error and cost in the words that every command uses.
+//! Error and cost in the form that every command prints.
 //!
-//! An error is told the same way wherever it stands beside a speed: the
-//! median and the worst over all arrays and states, in parts of the largest
-//! element of the array, with the number format, the states and the reference
-//! named. Relative errors of elements are for reports of errors alone: what is
-//! zero by cancellation would dominate them here.
+//! An error beside a speed is always printed in the same way: the median and
+//! the worst over all arrays and states, relative to the largest element of the
+//! array, with the number format, the states and the reference named. Relative
+//! errors of elements are for reports of errors alone: what is zero by
+//! cancellation would dominate them here.
 
 use super::{ErrorSpread, Unmeasurable, Yardstick};
 use robovec_ir::diagnostic::counted;
@@ -43,8 +43,8 @@ pub fn measure_text(states: &str) -> String {
 }
 
 impl ErrorAccount {
-    /// Measures a program in a format; `states` tells where those of the
-    /// yardstick come from.
+    /// Measures a program in a format; `states` names the origin of the
+    /// yardstick's states.
     ///
     /// # Errors
     ///

@@ -3,9 +3,9 @@
 //!
 //! Programs made from one another keep the names of their arrays, but a
 //! specialised one has lost inputs and outputs, one with series has other
-//! sines, one of another formulation other equations. Names are therefore
-//! what ties a program to its yardstick, and what is measured is everything
-//! at once: model, series and rounding. [`account`] tells it in words.
+//! sines, one of another formulation other equations. Programs are therefore
+//! matched with their yardstick by names, and the measured error includes
+//! everything at once: model, series and rounding. [`account`] prints it.
 
 pub mod account;
 
@@ -36,14 +36,14 @@ pub struct Yardstick {
     places: BTreeMap<String, usize>,
     /// Numbers of all input elements, state by state.
     states: Vec<Vec<f64>>,
-    /// The exact results, state by state; where each output stands in them.
+    /// The exact results, state by state, and the place of each output in them.
     outputs: BTreeMap<String, usize>,
     exact: Vec<Vec<Double>>,
     /// The names of the output arrays.
     arrays: Vec<String>,
 }
 
-/// Place where an output of a program stands in the exact results.
+/// Place of an output of a program in the exact results.
 #[derive(Clone, Copy)]
 struct ExactPlace {
     /// Its place; `None` for an element that the exact function leaves out
@@ -271,7 +271,7 @@ impl Yardstick {
         Ok(self.exact.iter().zip(results).map(share).collect())
     }
 
-    /// Place where the outputs of a program stand in the exact results.
+    /// Places of the outputs of a program in the exact results.
     fn rows(&self, view: View<'_>) -> Result<Vec<ExactPlace>, Unmeasurable> {
         let row = |output: Output| {
             let name = print_output(view, output);

@@ -34,7 +34,7 @@ fn cost(task: &FitTask<'_>, candidate: &FitCandidate) -> f64 {
 /// The cost of the choice beside that of binary32, in one line.
 pub(super) fn headline(task: &FitTask<'_>, outcome: &FitOutcome) -> String {
     let Some(chosen) = outcome.chosen.map(|chosen| &outcome.candidates[chosen]) else {
-        return "nothing meets this scene".to_owned();
+        return "no program meets this scene".to_owned();
     };
     let text = |candidate: &FitCandidate| match task.cost {
         CostMeasure::Device => share_percent(candidate.share),
@@ -46,7 +46,7 @@ pub(super) fn headline(task: &FitTask<'_>, outcome: &FitOutcome) -> String {
     };
     let own = text(chosen);
     let Some(plain) = baseline(task, outcome).map(|plain| &outcome.candidates[plain]) else {
-        return format!("{own} {unit}; nothing in binary32 meets the scene");
+        return format!("{own} {unit}; no program in binary32 meets the scene");
     };
     let ratio = cost(task, plain) / cost(task, chosen);
     if ratio < 1.005 {
@@ -172,7 +172,7 @@ fn allowed(task: &FitTask<'_>, used: f64) -> String {
     }
 }
 
-/// Reason why nothing meets the scene: what comes nearest.
+/// Reason why no program meets the scene: what comes nearest.
 fn refusal(task: &FitTask<'_>, outcome: &FitOutcome) -> Vec<Line> {
     let candidates = || outcome.candidates.iter();
     let fastest = candidates().min_by_key(|candidate| candidate.cycles);

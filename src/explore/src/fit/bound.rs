@@ -1,10 +1,10 @@
 //! Proof about a choice for every state in the ranges.
 //!
-//! Trying says nothing of states in between. Enclosures over boxes do
+//! Trials leave the states in between open. Enclosures over boxes cover them
 //! ([`robovec_analysis::interval`]): where the bound of an output's rounding
-//! error is within the least that the scene ever allows, no state breaks it.
-//! They are tight for small programs only; a bound that is too large proves
-//! nothing, neither way.
+//! error is within the smallest error that the scene allows, no state exceeds
+//! it. They are tight for small programs only; a bound that is too large
+//! neither proves nor refutes.
 
 use super::{FitProgram, FitTask, SineTreatment};
 use crate::program::view;
@@ -16,8 +16,8 @@ use robovec_framework::scene::Allowed;
 use robovec_ir::Format;
 use serde::Serialize;
 
-/// The largest program that is bounded, operations: enclosures of larger ones
-/// have no end, or say nothing.
+/// Maximum number of operations of a program that is bounded: enclosures of
+/// larger ones take too long or are too wide.
 const LARGEST: usize = 1000;
 
 /// Enclosures of all outputs, times operations and leaves: some seconds.

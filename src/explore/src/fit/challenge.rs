@@ -42,7 +42,7 @@ const CHUNK: usize = 256;
 /// States that breed.
 const PARENTS: usize = 64;
 
-/// States that are told of a choice that did not hold.
+/// Maximum number of failing states that are returned for a choice.
 const TOLD: usize = 16;
 
 /// Result of trying a choice.
@@ -81,8 +81,8 @@ impl Challenge {
 type JudgedState = (f64, Vec<f64>);
 
 /// Tries a program in a format; ends at the first batch in which an error is
-/// larger than allowed. `number` tells one attempt from the next: each draws
-/// other states.
+/// larger than allowed. `number` is the number of the attempt: each attempt
+/// draws other states.
 pub(super) fn challenge(
     task: &FitTask<'_>,
     (program, format): (&FitProgram, Format),
@@ -168,8 +168,8 @@ fn keep_worst(states: &mut Vec<JudgedState>) {
 
 /// Way in which states are bred.
 struct Breed {
-    /// The range of every input; `None` for inputs that nothing is said of,
-    /// which keep to what is drawn.
+    /// The range of every input; `None` for inputs without one, which keep the
+    /// values that are drawn.
     ranges: Vec<Option<[f64; 2]>>,
     /// The array of every input.
     arrays: Vec<usize>,

@@ -1,10 +1,9 @@
-//! Trying a choice on the machine itself.
+//! Trial of a choice on the machine itself.
 //!
-//! The search has looked at the evaluator and at formulas for machines. What
-//! it chose is placed, written as memory images and run cycle by cycle by the
-//! simulator, which knows nothing of the placer, at the worst states that were
-//! found: its results must be the evaluator's bit for bit, and within the
-//! tolerances.
+//! The search used the evaluator and formulas for machines. The chosen program
+//! is placed, written as memory images and run cycle by cycle by the simulator,
+//! which shares no code with the placer, at the worst states that were found:
+//! its results must be the evaluator's bit for bit, and within the tolerances.
 
 use super::{Challenge, FitCandidate, FitError, FitProgram, FitTask, format};
 use crate::placing::{placed, with_fused};
@@ -33,7 +32,7 @@ pub struct Confirmation {
     /// Reason why there is no simulation, or what went wrong in it.
     pub remark: String,
     /// No machine runs it: it was chosen by the cells of its arithmetic, and
-    /// its values have formats of their own.
+    /// each value has its own format.
     pub is_for_other_hardware: bool,
 }
 
@@ -46,14 +45,14 @@ impl Confirmation {
 
 /// A program ready for the machine: placed, in its format.
 pub struct Ready {
-    /// The function, alone in its module: placed, or atomic where its values
-    /// have formats of their own.
+    /// The function, alone in its module: placed, or atomic where each value
+    /// has its own format.
     pub module: Module,
     /// The machine with its elements and format.
     pub machine: Machine,
 }
 
-/// Places a candidate; a program whose values have formats of their own stays
+/// Places a candidate; a program in which each value has its own format stays
 /// as it is.
 ///
 /// # Errors

@@ -10,7 +10,7 @@ use robovec_ir::evaluate::evaluate_nodes;
 use robovec_num::arithmetic::Binary64;
 use robovec_num::{FixedFormat, NumberFormat};
 
-/// Mantissas that are looked at.
+/// Smallest and largest number of mantissa bits that are tried.
 const NARROWEST: u32 = 4;
 pub(super) const WIDEST: u32 = 52;
 
@@ -120,7 +120,7 @@ impl FormatQuestion<'_> {
         }
         let used = self.validated(format(most))?.used();
         Ok(Err(format!(
-            "{reach}, which leaves {most} bits behind the point, with which an error is \
+            "{reach}, which leaves {most} bits after the point; the error is then \
              {used:.1e} times what is allowed"
         )))
     }
@@ -240,8 +240,8 @@ pub(super) fn largest_exponent(
     Ok(largest.max(1.0).log2().ceil() as i32)
 }
 
-/// Powers of two that the largest number of other states may exceed those of
-/// the states looked at.
+/// Margin for other states: the power of two by which their largest number may
+/// exceed that of the tested states.
 const MARGIN: i32 = 2;
 
 /// The fewest bits of exponent whose largest number is above `2^exponent`,

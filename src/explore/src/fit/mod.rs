@@ -1,10 +1,10 @@
-//! The cheapest program and machine that a scene can do with.
+//! The cheapest program and machine that meet a scene.
 //!
-//! A scene says which outputs are needed, how exact (tolerances) and how soon
+//! A scene states which outputs are needed, how exact (tolerances) and how soon
 //! (a deadline). Many things can be chosen: the formulation of the equations,
 //! the passes, how sines and cosines are computed, the number format, the
-//! number of elements. They are chosen in this order, each against the
-//! scene's own tolerances and deadline, by measurement:
+//! number of elements. They are chosen in this order, each against the scene's
+//! own tolerances and deadline, by measurement:
 //!
 //! 1. programs ([`variants`]): every formulation specialised to the scene,
 //!    with the equations as short or as few as the passes make them;
@@ -137,7 +137,7 @@ pub struct FitProgram {
     /// search: that of series and other approximations, next to which
     /// binary64's own rounding is nothing.
     pub model_share: f64,
-    /// The formats of its values, where they have formats of their own.
+    /// The formats of its values, where each has its own.
     pub mixture: Option<ValueMixture>,
     /// Reason why the scene rules it out: it is measured all the same.
     pub excluded: Option<String>,
@@ -234,7 +234,7 @@ impl From<Unmeasurable> for FitError {
 ///
 /// # Errors
 ///
-/// See [`FitError`]. That nothing meets the scene is no error: the outcome
+/// See [`FitError`]. That no program meets the scene is no error: the outcome
 /// then has no chosen candidate, and its front shows what is possible.
 pub fn fit(task: &FitTask<'_>, progress: ExplorationProgress<'_>) -> Result<FitOutcome, FitError> {
     let mut search = FitSearch::new(task, progress)?;

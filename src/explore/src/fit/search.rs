@@ -163,9 +163,8 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         Ok(())
     }
 
-    /// Tests whether something can be said of what is measured alone: a scene
-    /// that limits errors over time only says nothing of what is not tried
-    /// there.
+    /// Tests whether a single evaluation can be judged: a scene that only
+    /// limits errors over time judges a program by a run alone.
     fn judges(&self) -> bool {
         let mut needs = self.task.scene.outputs.iter();
         self.task.cost == CostMeasure::Cells || needs.any(|need| need.tolerance.is_some())
@@ -195,7 +194,7 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         Ok(())
     }
 
-    /// Gives the values of the leading programs formats of their own.
+    /// Gives each value of the leading programs its own format.
     fn mixed(&mut self, progress: ExplorationProgress<'_>) -> Result<(), FitError> {
         if !self.judges() {
             return Ok(());
@@ -397,7 +396,7 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         }
         let mut candidates = Vec::new();
         for (mut unit, measured) in units::units(&self.question(program), format, 1.0)? {
-            unit.excluded = Some("the host's library costs the machine as little".to_owned());
+            unit.excluded = Some("the host's library costs the machine just as little".to_owned());
             let mut sizes = self.sizes[index].iter();
             let Some(size) = sizes.find(|size| size.elements == elements).cloned() else {
                 continue;
@@ -418,7 +417,7 @@ fn floats(format: Format) -> bool {
     matches!(format, Format::Float(_))
 }
 
-/// Bits behind the leading one, or behind the point.
+/// Number of bits after the leading one, or after the point.
 fn bits(format: Format) -> u32 {
     match format {
         Format::Float(float) => float.mantissa,
@@ -448,7 +447,7 @@ fn remark(task: &FitTask<'_>, program: &FitProgram, format: Format) -> String {
     match task.cost {
         CostMeasure::Cells => String::new(),
         CostMeasure::Device if program.mixture.is_some() => {
-            format!("elements compute in one format: a machine for it is one in {format}")
+            format!("all elements compute in one format, for this program in {format}")
         }
         CostMeasure::Device if !floats(format) && floats(task.machine.number) => {
             "there are no Verilog cores for fixed point".to_owned()

@@ -19,7 +19,7 @@ pub enum SinePlace {
     /// Before the run, exactly but for one rounding.
     #[default]
     Host,
-    /// Before the run, by a unit with an error of its own.
+    /// Before the run, by a unit that adds an error.
     Unit,
     /// By the elements, as series.
     Elements,
@@ -109,7 +109,7 @@ pub(super) fn write(
 }
 
 /// The program with the fewest operations whose sines and cosines a host would
-/// compute, to tell what that would be worth.
+/// compute, to show the gain of a host.
 fn shortest_with_sines(programs: &[FitProgram]) -> Option<FitProgram> {
     let with_sines = programs.iter().filter(|program| program.has_sines());
     let shortest = with_sines.min_by_key(|program| program.module.functions[0].nodes().len());

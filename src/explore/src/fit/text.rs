@@ -94,7 +94,7 @@ fn short_table(outcome: &FitOutcome) -> String {
     list.text(&shown)
 }
 
-/// Standing of a candidate in the search.
+/// Result of the search for a candidate, in words.
 fn standing(outcome: &FitOutcome, index: usize) -> &'static str {
     match (
         outcome.chosen == Some(index),
@@ -151,8 +151,7 @@ fn units(outcome: &FitOutcome) -> String {
             continue;
         };
         if text.is_empty() {
-            text +=
-                "\nUnits for sines and cosines before the run that do at the states measured at\n";
+            text += "\nUnits for sines and cosines before the run that meet the tolerances at the measured states\n";
         }
         let cost = unit.cost();
         let _ = writeln!(
@@ -206,7 +205,7 @@ fn excluded(outcome: &FitOutcome) -> String {
         let rows: Vec<usize> = best.into_values().collect();
         let _ = write!(
             text,
-            "\nWithin the tolerances at the states it was measured at, but not to be chosen\n{}",
+            "\nWithin the tolerances at the measured states, but not allowed as a choice\n{}",
             columns.text(&rows)
         );
     }

@@ -12,11 +12,11 @@ use robovec_ir::Format;
 use robovec_num::trigonometry::host::{Implementation, TrigonometricUnit};
 use std::sync::Arc;
 
-/// Bits behind the point of a unit beyond those of the significand of the
-/// format that its results are rounded to.
+/// Guard bits of a unit: bits after the point, beyond those of the significand
+/// of the format that its results are rounded to.
 const GUARDS: [u32; 3] = [1, 4, 8];
 
-/// Orders of polynomials, and of those behind a table.
+/// Orders of polynomials, and of those that follow a table.
 const ORDERS: [u32; 7] = [1, 3, 5, 7, 9, 11, 13];
 const DEGREES: [u32; 4] = [1, 2, 3, 5];
 
@@ -111,7 +111,7 @@ fn unit(
     Ok(meets(&measured, part).then_some((program, (format, measured))))
 }
 
-/// The pass that says it.
+/// The pass that inserts the unit.
 fn pass(implementation: Implementation) -> String {
     let options = match implementation {
         Implementation::Polynomial { order, bits } => {

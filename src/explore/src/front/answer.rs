@@ -91,17 +91,17 @@ impl Front {
     /// The gain in one line.
     pub(super) fn gain_text(&self) -> String {
         let Some(answer) = self.headlined() else {
-            return "no choice of the thesis fits the machine".to_owned();
+            return "no choice of the thesis fits on the machine".to_owned();
         };
         let count = self.elements[answer.place];
         let before = self.cycles(answer.thesis, answer.place);
         let Some(best) = answer.best else {
-            return format!("nothing is better than the thesis' {before} cycles");
+            return format!("no choice is better than the thesis' {before} cycles");
         };
         let after = self.cycles(best, answer.place);
         let gain = match answer.gain(self) {
             gain if gain > 1.005 => format!("{gain:.2} times faster than the thesis"),
-            _ => "no faster than the thesis, but better".to_owned(),
+            _ => "not faster than the thesis, but more exact or smaller".to_owned(),
         };
         format!("{gain}: {before} -> {after} cycles, {count}+{count} elements")
     }

@@ -86,8 +86,9 @@ pub struct FrontVerdict {
     pub in_its_format: Option<usize>,
 }
 
-/// Measures all choices for a function, or those of a share; those that are kept are
-/// found, and the others kept. Each choice is told before it is measured.
+/// Measures all choices for a function, or those of a share; results kept from
+/// earlier runs are read, new ones are kept. Each choice is reported to
+/// `progress` before it is measured.
 ///
 /// # Errors
 ///
@@ -196,9 +197,9 @@ fn keys(
     choices.iter().map(of).collect()
 }
 
-/// Leaves out formulations that read what the function does not, with the
-/// reason: one may read a length that the result does not depend on, of which the
-/// states say nothing.
+/// Leaves out formulations that read inputs which the function does not have,
+/// with the reason: one may read a length that the result does not depend on,
+/// and the states hold no value for it.
 fn leave_out(
     yardstick: &Yardstick,
     others: &mut Vec<(Formulation, Module)>,

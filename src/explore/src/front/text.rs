@@ -17,7 +17,7 @@ use robovec_present::{
 };
 use std::fmt::Write;
 
-/// Standing of a point with a number of elements: on the front, beaten, or not
+/// State of a point with a number of elements: on the front, dominated, or not
 /// possible.
 fn standing(front: &Front, index: usize, elements: usize, undominated: &[usize]) -> String {
     if front.points[index].cycles[elements].is_none() {
@@ -272,7 +272,7 @@ impl Exploration for Front {
 }
 
 /// Caption of the front where it has steps.
-pub(crate) const STEPS: &str = "The steps join those that no other beats in both.";
+pub(crate) const STEPS: &str = "The steps connect the points that no other beats in both.";
 
 /// Maximum number of rows on the terminal.
 const SHOWN: usize = 10;

@@ -59,8 +59,8 @@ impl SceneTable {
         self.table.insert(key.to_owned(), Value::String(text));
     }
 
-    /// Gives the file its motion back: with laws of its own, with what is left
-    /// of the error allowed, and with the starts of joints that still move.
+    /// Restores the motion of the file: with its own laws, the rest of the
+    /// allowed error, and the initial values of joints that still move.
     pub(super) fn set_motion(&mut self, laws: &str, error: f64) {
         let mut motion = self.motion.clone();
         motion.insert("laws".to_owned(), Value::String(laws.to_owned()));
@@ -78,7 +78,7 @@ impl SceneTable {
         section.as_table_mut().expect("sections are tables")
     }
 
-    /// Locks a joint and takes back what was said of its motion.
+    /// Locks a joint and removes the entries about its motion.
     pub(super) fn lock(&mut self, model: &Model, joint: usize, position: f64) {
         let name = model.joints[joint].name.clone();
         for array in ["q", "qd", "qdd"] {
@@ -128,7 +128,7 @@ impl SceneTable {
         bound.insert(array.to_owned(), Value::Float(0.0));
     }
 
-    /// Takes back what was said of elements by these words.
+    /// Removes the entries about elements that these words name.
     fn forget(&mut self, array: &str, words: &[&str]) {
         for section in ["bind", "range"] {
             let Some(Value::Table(section)) = self.table.get_mut(section) else {

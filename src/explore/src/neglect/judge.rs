@@ -89,7 +89,7 @@ pub(super) struct NeglectJudge<'a> {
 }
 
 impl NeglectJudge<'_> {
-    /// A scene with things left out, beside what its file says.
+    /// The scene of the file, with further things left out.
     ///
     /// # Errors
     ///

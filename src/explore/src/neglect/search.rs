@@ -36,9 +36,11 @@ pub struct NeglectTask<'a> {
     pub text: &'a str,
     /// Place where the files that it names are looked for.
     pub folder: &'a Path,
-    /// The laws of its forces; for the model with joints held as it says.
+    /// The laws of its forces, for the model with the joints held that the
+    /// scene holds.
     pub laws: Laws,
-    /// Passes compile for it, and speed and cost are told of it.
+    /// The machine that passes compile for, and whose speed and cost are
+    /// reported.
     pub machine: &'a Machine,
 }
 
@@ -130,7 +132,7 @@ struct NeglectSearch<'a> {
     model: &'a Model,
 }
 
-/// Finds what a scene need not model. `progress` is told what is done.
+/// Finds what a scene need not model. `progress` receives each step.
 ///
 /// # Errors
 ///
@@ -280,9 +282,10 @@ impl NeglectSearch<'_> {
         finding
     }
 
-    /// Leaves things out together: those that save something alone first, then, as
-    /// long as there are any, those that save something now that others are left
-    /// out (the last joint across a plane, the mass behind a locked joint).
+    /// Leaves things out together: those that save something alone first, then,
+    /// as long as there are any, those that save something now that others are
+    /// left out (the last joint across a plane, the mass beyond a locked
+    /// joint).
     fn together(&self, tried: &mut [(Omission, NeglectFinding)]) -> Vec<Omission> {
         let harm = |finding: &NeglectFinding| finding.alone.clone().unwrap_or(f64::INFINITY);
         // What does too much alone is not tried with others; what could not be

@@ -114,7 +114,7 @@ fn verdict(findings: &NeglectFindings, allowed: f64) -> Vec<(&'static str, Strin
     let reduced = findings.figures.last();
     let reduced = reduced.expect("the reduced scene was measured");
     let excess = if reduced.motion > allowed {
-        "; what the scene itself leaves out exceeds the error it allows"
+        "; the parts that the scene itself leaves out exceed the allowed error"
     } else {
         ""
     };
@@ -148,7 +148,7 @@ fn verdict(findings: &NeglectFindings, allowed: f64) -> Vec<(&'static str, Strin
     let integration = exponential(findings.integration);
     lines.push((
         "integrator",
-        format!("adds {integration}; what holds for these motions need not hold for others"),
+        format!("adds {integration}; other motions may need more"),
     ));
     lines
 }

@@ -108,7 +108,7 @@ impl OptimisationAnswer {
         let before = self.measure.text(before);
         let gain = match (ratio, self.measure) {
             (ratio, measure) if (ratio - 1.0).abs() < measure.noise() => "no faster".to_owned(),
-            (ratio, _) if ratio < 1.0 => "slower than the input, which is best kept".to_owned(),
+            (ratio, _) if ratio < 1.0 => "slower than the input; keep the input".to_owned(),
             (ratio, SpeedMeasure::Operations) => format!("{} times shorter", times(ratio)),
             (ratio, _) => format!("{} times faster", times(ratio)),
         };

@@ -1,5 +1,4 @@
-//! Programs made on all cores, each from a module of its own, and remembered
-//! on disk.
+//! Programs made on all cores, each from a separate module, and kept on disk.
 
 use super::start::{OptimisationStart, PreparedStarts};
 use super::{OptimisationError, OptimisationQuestion};
@@ -34,8 +33,8 @@ pub(super) struct MadeProgram {
     /// Key of its start and passes; `None` where nothing is kept.
     key: Option<PointKey>,
     /// The passes from its start on, where it was read from disk: passes may
-    /// go another way from there, since texts do not tell in which order
-    /// symbols were first met.
+    /// decide differently from there, since a text does not keep the order in
+    /// which symbols were first met.
     read: Option<String>,
 }
 
@@ -287,8 +286,8 @@ impl ProgramMaker for ParallelMaker<'_> {
     }
 }
 
-/// Does pieces of work on all cores, beginning with those of a share; what came
-/// of each stands under its number.
+/// Does pieces of work on all cores, beginning with those of a share; the
+/// results have the order of the pieces.
 fn own_first<T: Send>(
     share: WorkShare,
     order: &[usize],

@@ -46,9 +46,9 @@ use std::sync::Arc;
 pub enum OptimisationTarget {
     /// The shortest schedule on the machine; memory images and HDL
     Fpga,
-    /// The least time of one evaluation in C, in the place of Robotran's file
+    /// The shortest time of one evaluation in C; the C file replaces Robotran's
     Cpu,
-    /// The least time per state of C that evaluates several at once
+    /// The shortest time per state in C that evaluates several states at once
     Batch,
 }
 
@@ -69,7 +69,7 @@ pub struct OptimisationQuestion<'a> {
     pub target: OptimisationTarget,
     /// The machine: with the numbers of elements that are wanted.
     pub machine: &'a Machine,
-    /// Scene that the function is needed for.
+    /// Scene that describes the use of the function.
     pub scene: Option<&'a Scene>,
     /// Numeric class of programs.
     pub class: VariantClass,
@@ -166,7 +166,9 @@ pub enum OptimisationError {
     Timing(String),
     /// The program that was taken is not what was asked for: a mistake in a
     /// pass.
-    #[error("the best program is not the function that came in; this is a mistake in a pass\n{0}")]
+    #[error(
+        "the best program does not compute the function of the input; this is a mistake in a pass\n{0}"
+    )]
     Proof(String),
 }
 

@@ -227,8 +227,8 @@ fn contestant(
     single(&plan)
 }
 
-/// C that takes the place of Robotran's file; of a function that is none of
-/// Robotran's, with arrays of its own.
+/// C that replaces Robotran's file; for a function that Robotran does not have,
+/// C with its own arrays.
 pub(super) fn single(plan: &own::ContestantPlan<'_>) -> Contestant {
     let in_place = robotran::drop_in(plan);
     match in_place.missing {

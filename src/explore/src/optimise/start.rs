@@ -168,13 +168,13 @@ fn same_function(given: &Module, mut module: Module) -> Result<(Module, bool), S
         POINTS,
     );
     if !verdict.holds() {
-        return Err(format!("the model's equations are others: {verdict}"));
+        return Err(format!("the model's equations are different: {verdict}"));
     }
     let known: BTreeSet<String> = input_names(view(given)).into_iter().collect();
     let reads = input_names(view(&module));
     if let Some(other) = reads.iter().find(|name| !known.contains(*name)) {
         return Err(format!(
-            "the model's equations read '{other}', which the input has not"
+            "the model's equations read '{other}', which the input does not have"
         ));
     }
     let is_changed = with_outputs(given, &mut module)?;
@@ -256,8 +256,7 @@ pub struct PreparedStarts {
     prelude: &'static str,
     /// One for each start.
     pub modules: Vec<Arc<Module>>,
-    /// The starts themselves, in which nothing was touched; the first is what
-    /// came in.
+    /// The starts themselves, unchanged; the first is the input.
     pub starts: Vec<Arc<Module>>,
 }
 

@@ -164,8 +164,8 @@ impl SceneArrays {
         self.indices(name, *shape, None, indices)
     }
 
-    /// The indices of a pattern; names of joints stand for their numbers
-    /// wherever an extent is the number of joints.
+    /// The indices of a pattern; a joint's name means its number wherever an
+    /// extent is the number of joints.
     fn indices(
         &self,
         name: &str,
@@ -261,7 +261,7 @@ fn split(text: &str) -> Result<(&str, Option<&str>), WordProblem> {
     Ok((name.trim(), Some(indices.ok_or(message.to_owned())?)))
 }
 
-/// Joints by name; a body stands for its last joint, which moves it.
+/// Joints by name; the name of a body means its last joint, which moves it.
 fn joint_names(model: &Model) -> Vec<(String, u32)> {
     let mut names: Vec<(String, u32)> = Vec::new();
     for (index, joint) in model.joints.iter().enumerate() {

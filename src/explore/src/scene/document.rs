@@ -19,14 +19,14 @@ pub(super) type DocumentValue<'t> = Spanned<DeValue<'t>>;
 /// The most messages about one file.
 const MAX_PROBLEMS: usize = 20;
 
-/// Message and advice about a word that cannot stand where it does.
+/// Message and advice about a word that is not allowed at its place.
 pub(super) struct WordProblem {
     pub(super) message: String,
     pub(super) notes: Vec<String>,
 }
 
 impl WordProblem {
-    /// A word that is none of those that can stand there.
+    /// A word that is none of those allowed at its place.
     pub(super) fn unknown(what: &str, word: &str, known: &[&str]) -> WordProblem {
         let near = did_you_mean(word, known.iter().copied());
         let near = near.map(|near| format!("did you mean '{near}'?"));
@@ -55,7 +55,7 @@ pub(super) struct DocumentProblems {
 }
 
 impl DocumentProblems {
-    /// Says that something is wrong at a place.
+    /// Adds an error at a place.
     pub(super) fn add(&mut self, span: DocumentRange, message: impl Into<String>) {
         self.advise(span, message, None);
     }
@@ -98,7 +98,7 @@ impl DocumentProblems {
         );
     }
 
-    /// A word that is none of those that can stand there.
+    /// A word that is none of those allowed at its place.
     pub(super) fn unknown(&mut self, span: DocumentRange, what: &str, word: &str, known: &[&str]) {
         let problem = WordProblem::unknown(what, word, known);
         self.take::<()>(&span, Err(problem));

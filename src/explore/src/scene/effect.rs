@@ -34,7 +34,7 @@ pub struct SceneEffect {
     pub normwise: ErrorSpread,
 }
 
-/// Reason why nothing could be told.
+/// Reason why no effect could be measured.
 #[derive(Debug, Error)]
 pub enum EffectError {
     /// The equations could not be made.
@@ -124,7 +124,7 @@ fn effect(
     Ok(effect)
 }
 
-/// Every function of a module in one of its own.
+/// Every function of a module in a separate module.
 fn alone(module: &Module) -> Vec<Module> {
     let functions = module.functions.iter();
     let one = |function: &Function| Module {

@@ -14,7 +14,7 @@ use robovec_ir::Shape;
 use robovec_model::Model;
 use toml::de::DeValue;
 
-/// Reads all that a scene says of inputs.
+/// Reader of all entries of a scene about inputs.
 pub(super) struct InputReader<'r> {
     pub(super) arrays: &'r SceneArrays,
     pub(super) model: Option<&'r Model>,
@@ -54,8 +54,8 @@ impl InputReader<'_> {
         held
     }
 
-    /// Positions lie within the limits of the model's joints, where the scene
-    /// says nothing else of them.
+    /// Limits positions to the ranges of the model's joints, except where the
+    /// scene gives another range or value.
     fn limits(&mut self) {
         let joints = self.model.map_or(&[][..], |model| &model.joints);
         for (joint, number) in joints.iter().zip(1..) {
@@ -290,7 +290,7 @@ impl InputReader<'_> {
         match (text.as_ref(), self.model) {
             ("initial", Some(model)) => Some(model.joints[joint as usize - 1].initial[0]),
             ("initial", None) => {
-                let message = "there is no model that tells the initial position";
+                let message = "there is no model that gives the initial position";
                 self.problems.refuse(value.span(), message)
             }
             (other, _) => {

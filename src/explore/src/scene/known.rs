@@ -64,7 +64,7 @@ pub(super) struct ElementStatements {
 const MAX_ELEMENTS: usize = 1_000_000;
 
 impl ElementStatements {
-    /// Says something of the elements a pattern means.
+    /// Records a fact about the elements that a pattern names.
     pub(super) fn say(
         &mut self,
         shape: Shape,
@@ -89,8 +89,8 @@ impl ElementStatements {
         }
     }
 
-    /// Says something of one element; false when it contradicts what was
-    /// said.
+    /// Records a fact about one element; false when it contradicts an earlier
+    /// one.
     pub(super) fn element(
         &mut self,
         array: &str,
@@ -113,14 +113,14 @@ impl ElementStatements {
         let name = name(array, indices);
         if rank == before.rank {
             let other = Some((before.span.clone(), "here"));
-            let message = format!("of '{name}' something is said already");
+            let message = format!("'{name}' is already bound or has a range");
             problems.point(span.clone(), message, None, other);
             return false;
         }
         if rank == Rank::Joint && before.rank >= Rank::Part {
             let other = Some((span.clone(), "the joint is locked here"));
             let message =
-                format!("'{name}' belongs to a locked joint: nothing else can be said of it");
+                format!("'{name}' belongs to a locked joint: it cannot be bound or have a range");
             let note = "leave it out, or do not lock the joint".to_owned();
             problems.point(before.span.clone(), message, Some(note), other);
             return false;
@@ -131,7 +131,7 @@ impl ElementStatements {
         true
     }
 
-    /// All elements something other than by the model is said of, in order.
+    /// All elements with a fact that does not come from the model, in order.
     pub(super) fn said(&self) -> impl Iterator<Item = (&str, [u32; 2], ElementKnowledge)> + '_ {
         let words = self.elements.iter();
         let own = words.filter(|(_, word)| word.rank > Rank::Model);

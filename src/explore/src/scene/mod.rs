@@ -47,7 +47,7 @@ const ERROR: NumberLimit = NumberLimit::real(
 const SCALE: NumberLimit = NumberLimit::real(
     1e-30,
     1e30,
-    "a smaller scale vanishes with what it is there for, and no output is larger",
+    "a smaller scale has no effect, and no output is larger",
 );
 
 /// Numbers of inputs, in SI units.
@@ -57,8 +57,7 @@ const INPUT: NumberLimit = NumberLimit::real(
     "products of such numbers must be numbers of binary64",
 );
 
-/// The limits of the numbers of a scene: name, limit, and what it is when the
-/// scene does not say.
+/// The limits of the numbers of a scene: name, limit, and default.
 pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
     ("deadline", DEADLINE, "none"),
     ("output.error", ERROR, "none"),

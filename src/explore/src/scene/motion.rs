@@ -43,7 +43,7 @@ option_words! {
     }
 }
 
-/// The motion a scene is judged by, as its file says.
+/// The motion that a scene is judged by, as its file describes it.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SceneMotion {
     /// The file of laws that make the motion, as it is written; without one,
@@ -192,7 +192,7 @@ impl InputReader<'_> {
                 Err(_) => {
                     let names = NeglectKind::type_name();
                     let names: Vec<&str> = names.split(" | ").collect();
-                    let what = "there is no kind of things to leave out";
+                    let what = "there is no kind of parts to leave out";
                     self.problems.unknown(span, what, word, &names);
                 }
             }

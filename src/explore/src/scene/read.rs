@@ -142,7 +142,7 @@ fn wishes(
             Some("host") | None => {}
             Some(other) => {
                 let known = ["host", "elements"];
-                problems.unknown(value.span(), "no sine is computed at", other, &known);
+                problems.unknown(value.span(), "sines cannot be computed on", other, &known);
             }
         }
     }
@@ -224,7 +224,7 @@ fn subject(
             problems.unknown(span, "the file has no function", wish, &names);
         }
         None if names.len() != 1 => {
-            let message = format!("the file has {} functions: say which", names.len());
+            let message = format!("the file has {} functions: name one", names.len());
             let note = format!("write: function = one of {}", names.join(", "));
             problems.advise(span, message, Some(note));
         }
@@ -284,7 +284,7 @@ fn outputs(
     };
     let entries = match value.get_ref() {
         DeValue::Array(list) if list.is_empty() => {
-            let note = "leave it out if every output is needed".to_owned();
+            let note = "leave the list out if every output is needed".to_owned();
             problems.advise(value.span(), "the list of outputs is empty", Some(note));
             return Vec::new();
         }
@@ -379,14 +379,14 @@ fn tolerance(
     let value = get(section, "error");
     for key in ["measure", "scale"] {
         if let (Some(other), None) = (get(section, key), value) {
-            let message = format!("a {key} without an error says nothing");
+            let message = format!("a {key} without an error has no effect");
             problems.add(other.span(), message);
         }
     }
     let measure = measure.unwrap_or_default();
     let scale = get(section, "scale").and_then(|value| {
         if measure == Measure::Absolute {
-            let message = "an absolute error is measured by nothing, so that it has no scale";
+            let message = "an absolute error has no scale";
             problems.add(value.span(), message);
         }
         limited(value, ("scale", SCALE), problems)

@@ -24,8 +24,8 @@ pub enum SceneSubject {
 pub struct ModelSubject {
     /// The model as it was read.
     pub general: Model,
-    /// The model in which joints are held as the scene says: locked ones are
-    /// driven ones without velocity and acceleration.
+    /// The model with its joints held as in the scene: locked joints are driven
+    /// ones without velocity and acceleration.
     pub model: Model,
     /// The function.
     pub function: FunctionKind,

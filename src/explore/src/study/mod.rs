@@ -1,10 +1,10 @@
-//! Studies: many programs placed on many machines, and what follows for a
-//! person who has to choose.
+//! Studies: many programs placed on many machines, and what follows for a user
+//! who has to choose.
 //!
-//! `plan` says what is placed; `run` places it, in parallel, with finished
-//! points kept by [`crate::store`]; `tables` and `figures` are views of the points,
-//! each named by its number in the thesis; `verdict` says in words what they
-//! mean; `page` puts everything into one HTML file. The figures of the thesis
+//! `plan` lists what is placed; `run` places it, in parallel, with finished
+//! points kept by [`crate::store`]; `tables` and `figures` are views of the
+//! points, each named by its number in the thesis; `verdict` sums them up in
+//! words; `page` puts everything into one HTML file. The figures of the thesis
 //! itself are data (`printed`), shown beside ours and never mixed with them.
 //!
 //! **Invariant.** Everything but CPU times is a function of plan and programs
@@ -60,8 +60,8 @@ pub fn files(results: &Results, times: &[CpuTime]) -> [(&'static str, Vec<(Strin
     [("tables", tables), ("figures", figures), ("", whole)]
 }
 
-/// JSON with the entries of the outermost lists on lines of their own: curves of
-/// hundreds of numbers are not for reading.
+/// JSON with one line for each entry of the outermost lists: curves of hundreds
+/// of numbers are not for reading.
 fn lines(value: &serde_json::Value) -> String {
     let mut text = "{".to_owned();
     for (index, (key, value)) in value.as_object().into_iter().flatten().enumerate() {

@@ -59,8 +59,8 @@ impl<'a> StudyPlacement<'a> {
         )
     }
 
-    /// The hardware: memories and buffers as large as the program needs, unless the
-    /// machine says how large they are.
+    /// The hardware: memories and buffers as large as the program needs, unless
+    /// the machine fixes their size.
     pub(super) fn shape(&self) -> MachineShape {
         let kinds = &self.point.kinds;
         let most = |words: [f64; 2]| words[0].max(words[1]) as u32;
@@ -259,7 +259,7 @@ impl Results {
         machines.position(|machine| machine.couple == Some(stages))
     }
 
-    /// The system of the thesis a model stands for.
+    /// The system of the thesis that a model represents.
     pub(super) fn system(&self, model: usize) -> Option<&'static PrintedSystem> {
         printed::system(self.plan.models[model].printed.as_deref()?)
     }

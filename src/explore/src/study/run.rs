@@ -1,9 +1,9 @@
 //! Running a plan: every program is made once and placed for every number of
 //! elements from memory.
 //!
-//! Models follow one another, so that only two of them are in memory: while
-//! one is placed, on all cores, the next is made ready. Results stand in the
-//! order of their requests, whatever the order of work.
+//! Models follow one another, so that only two of them are in memory: while one
+//! is placed, on all cores, the next is made ready. Results have the order of
+//! their requests, whatever the order of work.
 
 use super::knee::is_saturated;
 use super::plan::{NamedMachine, NamedPipeline, PlacementRequest, StudyPlan};
@@ -29,12 +29,13 @@ pub struct StudyOutcome {
     pub reused: usize,
 }
 
-/// Runs a plan; the model of every finished placement is told.
+/// Runs a plan; the model of every finished placement is reported.
 ///
 /// # Errors
 ///
 /// Fails when a model cannot be read, a pipeline fails, or a point cannot be
-/// stored. A program that a machine cannot hold is no error: its point says so.
+/// stored. A program that a machine cannot hold is no error: its point records
+/// it.
 pub fn run(
     plan: &StudyPlan,
     sources: &dyn ProgramSources,

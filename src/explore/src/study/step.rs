@@ -1,9 +1,9 @@
 //! The whole step of a system from its functions: loops closed, then
 //! accelerations.
 //!
-//! A plan names the functions of a step as models of their own, with one
-//! source. Here they are put together: as many calls of each as a step makes,
-//! all of them on one machine with the same elements.
+//! A plan names the functions of a step as separate models with one source.
+//! This module puts them together: as many calls of each as a step makes, all
+//! of them on one machine with the same elements.
 
 use super::plan::StudySubject;
 use super::results::{Results, StudiedProgram, StudyPlacement};

@@ -24,13 +24,13 @@ pub(super) fn groups(results: &Results) -> Vec<Vec<usize>> {
 }
 
 /// True for a model that is another formulation of one before it: it is
-/// compared with that one and has no figures of its own.
+/// compared with that one and gets no separate figures.
 pub(super) fn is_variant(results: &Results, model: usize) -> bool {
     let groups = groups(results);
     groups.iter().any(|group| group[1..].contains(&model))
 }
 
-/// Label that tells a model from others of its group.
+/// Label that distinguishes a model from others of its group.
 pub(super) fn label(subject: &StudySubject) -> String {
     let style = &subject.style;
     match (

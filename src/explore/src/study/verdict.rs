@@ -17,7 +17,7 @@ pub(super) struct StudyVerdict {
     pub model: String,
     /// The system, which models with other equations share.
     pub system: String,
-    /// Label that tells its equations from others of the system.
+    /// Label that distinguishes its equations from others of the system.
     pub formulation: String,
     pub pipeline: String,
     /// The answer in one sentence.
@@ -28,7 +28,7 @@ pub(super) struct StudyVerdict {
     pub reasons: Vec<String>,
     /// The three zones: name, range of elements, what limits them.
     pub zones: Vec<[String; 3]>,
-    /// The figures behind it.
+    /// The numbers from which it follows.
     pub knee: Knee,
 }
 
@@ -245,11 +245,11 @@ fn zones(facts: &ProgramFacts, knee: &Knee) -> Vec<[String; 3]> {
     };
     let transition = match saturated {
         Some(saturated) if between == "none" => format!(
-            "the step from {busy} to {saturated} elements leads over it: the placer keeps elements \
-             busy until the longest chain decides"
+            "the step from {busy} to {saturated} elements passes over this zone: the placer \
+             keeps elements busy until the longest chain decides"
         ),
-        _ => "limited by both: elements wait for operands in some cycles, and operands for \
-              elements in others"
+        _ => "limited by both: in some cycles elements wait for operands, in others operands \
+              wait for elements"
             .to_owned(),
     };
     let full = match saturated {
@@ -263,7 +263,7 @@ fn zones(facts: &ProgramFacts, knee: &Knee) -> Vec<[String; 3]> {
             parallel,
             format!(
                 "limited by the {scarce}: they start an operation in at least {:.0} % of all \
-                 cycles, so that every further one shortens the run",
+                 cycles, so every additional one shortens the run",
                 100.0 / BUSY
             ),
         ),
@@ -272,8 +272,8 @@ fn zones(facts: &ProgramFacts, knee: &Knee) -> Vec<[String; 3]> {
             "Saturation",
             full,
             format!(
-                "limited by the longest chain: within {:.0} % of its {} cycles, more elements \
-                 are idle elements",
+                "limited by the longest chain: the schedule is within {:.0} % of its {} cycles, \
+                 and additional elements stay idle",
                 100.0 * (SATURATED - 1.0),
                 knee.chain
             ),

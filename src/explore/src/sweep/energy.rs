@@ -51,8 +51,8 @@ impl FunctionSweep {
         let least = fitting().filter_map(|point| point.energy_uj.map(|energy| (energy, point)));
         if let Some((energy, point)) = least.min_by(|a, b| a.0.total_cmp(&b.0)) {
             let mut text = format!(
-                "the design of {}+{} elements and {} at once that takes {:.1} % of the \
-                 device needs the least, {energy:.3} uJ per evaluation",
+                "the design of {}+{} elements and {} at once that takes {:.1} % of the device \
+                 needs the least energy, {energy:.3} uJ per evaluation",
                 point.design.adders,
                 point.design.multipliers,
                 point.design.instances,
@@ -66,7 +66,7 @@ impl FunctionSweep {
         let fastest = fitting().map(|point| point.us_per_evaluation);
         if let (Some(cpu), Some(own)) = (self.cpu_us, fastest.min_by(f64::total_cmp)) {
             texts.push(format!(
-                "the fastest design that fits needs less than a core as long as the device draws \
+                "the fastest design that fits needs less energy than a core if the device draws \
                  less than {:.3} times the core's power",
                 cpu / own
             ));

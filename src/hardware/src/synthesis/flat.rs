@@ -1,9 +1,9 @@
 //! A design without modules: nets and primitives only.
 //!
-//! Timing paths cross modules, so instances are opened, each time with nets
-//! of its own; a port joins the net inside with the net outside (a port may
-//! also join two nets outside, or a net and a constant, so nets are classes
-//! of a union-find). Instances are opened from a stack, not by recursion.
+//! Timing paths cross modules, so instances are expanded, each with separate
+//! nets; a port joins the net inside with the net outside (a port may also join
+//! two nets outside, or a net and a constant, so nets are classes of a
+//! union-find). Instances are expanded from a stack, not by recursion.
 
 use super::SynthesisError;
 use super::netlist::{Bit, Netlist, NetlistCell, NetlistModule, PortDirection};

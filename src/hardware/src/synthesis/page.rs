@@ -111,8 +111,8 @@ fn clock(machine: &MappedMachine) -> String {
     if machine.phases > 1 {
         let _ = writeln!(
             text,
-            "A cycle has {} clocks; paths that have a whole cycle are not distinguished here, so the \
-             machine may be quicker.",
+            "A cycle has {} clocks; paths that have a whole cycle are not distinguished here, so \
+             the machine may be faster.",
             machine.phases
         );
     }

@@ -75,7 +75,7 @@ impl FileKind {
             FileKind::Rules => "'robovec rules check' and the option '--rules' take it",
             FileKind::ForeignRules => "'robovec rules import' takes it",
             FileKind::States => "'robovec eval EQUATIONS --states FILE' takes it",
-            FileKind::Image => "'robovec simulate' takes the folder of it",
+            FileKind::Image => "'robovec rtl simulate' takes its folder",
             FileKind::Hardware => "'robovec rtl PROGRAM --fits FILE' takes it",
         }
     }

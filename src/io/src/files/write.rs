@@ -18,7 +18,7 @@ use tempfile::NamedTempFile;
 #[derive(Debug, thiserror::Error)]
 pub enum FileWriteError {
     /// There is a file that may not be replaced ([`Replace`]).
-    #[error("{0} is there already, and robovec did not write it")]
+    #[error("{0} already exists, and robovec did not write it")]
     Foreign(PathBuf),
     /// The system refuses.
     #[error("cannot write {0}: {1}")]

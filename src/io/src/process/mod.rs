@@ -56,7 +56,7 @@ const GRACE: Duration = Duration::from_secs(2);
 #[derive(Debug, thiserror::Error)]
 pub enum ToolError {
     /// It cannot be started.
-    #[error("'{program}' does not run: {error}")]
+    #[error("'{program}' cannot be run: {error}")]
     Start {
         /// The program.
         program: String,

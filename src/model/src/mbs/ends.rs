@@ -87,7 +87,7 @@ fn read_cut(
             messages.error(
                 place(node),
                 &format!("{owner} ignores all three directions"),
-                "nothing is left of the cut",
+                "the cut has no constraints left",
                 "remove the cut, or one of the directions",
             );
         }
@@ -98,7 +98,7 @@ fn read_cut(
             place(node),
             &format!("both ends of {owner} are on the same body"),
             "closes no loop",
-            "its constraints hold always or never; name two bodies",
+            "its constraints always hold or never hold; name two bodies",
         );
     }
     Some(Cut {

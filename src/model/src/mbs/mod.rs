@@ -85,11 +85,11 @@ impl ReadModel {
             .collect();
         let first = losing.first()?;
         let message = format!(
-            "damping and friction of {} joint(s), '{first}' among them, are in no equation",
+            "damping and friction of {} joint(s), including '{first}', are in no equation",
             losing.len()
         );
-        let note = "they are laws, which 'robovec sim', 'modal' and 'equilibrium' have; in equations \
-                    they belong to the forces of joints";
+        let note = "'robovec sim' uses them as laws; in equations, add them to the forces of \
+                    joints";
         Some(Diagnostic::warning().with_message(message).with_note(note))
     }
 }

@@ -86,7 +86,7 @@ fn unknown_body(
     messages.error(
         fields.place_of("bodyname"),
         &format!(
-            "{owner} names a body '{}', which does not exist",
+            "{owner} refers to a body '{}', which does not exist",
             clip(name)
         ),
         "no body has this name",
@@ -123,7 +123,7 @@ fn unknown_point(
     messages.error(
         fields.place_of("pointname"),
         &format!(
-            "{owner} names a point '{}', which {title} does not have",
+            "{owner} refers to a point '{}', which {title} does not have",
             clip(name)
         ),
         "no point of that body has this name",

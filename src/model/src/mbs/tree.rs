@@ -80,20 +80,23 @@ fn order(
                     names.splice(5..names.len() - 1, ["…".to_owned()]);
                 }
                 let message = match names.len() {
-                    2 => format!("body {} hangs on itself", names[0]),
-                    _ => format!("bodies hang on each other: {}", names.join(" on ")),
+                    2 => format!("body {} is its own parent", names[0]),
+                    _ => format!(
+                        "these bodies are parents of one another: {}",
+                        names.join(" on ")
+                    ),
                 };
                 messages.error(
                     range,
                     &message,
                     "this parent closes the cycle",
-                    "hang one of them on the base, and close the loop with a cut",
+                    "connect one of them to the base, and close the loop with a cut",
                 );
             }
             None => messages.error(
                 range,
                 &format!(
-                    "body {} hangs on body {}, which is declared after it",
+                    "the parent of body {} is body {}, which is declared after it",
                     name(index),
                     name(parent)
                 ),

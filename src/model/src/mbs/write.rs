@@ -52,8 +52,8 @@ pub fn unsayable(model: &Model) -> Option<String> {
         if !one.mounting.turns.is_empty() {
             return joint(
                 &one.name,
-                "is turned on the frame before, and axes of `.mbs` joints are those of that \
-                 frame",
+                "is turned in the frame before it, and joints of a `.mbs` file move along the \
+                 axes of that frame",
             );
         }
         if one.mounting.reversed {
@@ -66,7 +66,7 @@ pub fn unsayable(model: &Model) -> Option<String> {
     model.cuts.iter().find_map(|cut| match cut.kind {
         CutKind::Coupling(coupling) => joint(
             &model.joints[coupling.joint].name,
-            "follows another one, which is a user constraint in Robotran and not part of the file",
+            "follows another joint, which is a user constraint in Robotran and not part of the file",
         ),
         CutKind::Ball | CutKind::Rod(_) | CutKind::Solid => None,
     })

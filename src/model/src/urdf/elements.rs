@@ -94,9 +94,9 @@ pub(super) fn read(
     if let Some(node) = root.descendants().find(is_xacro) {
         messages.error(
             place(node),
-            "this is a robot in parts, which xacro puts together",
+            "this is a xacro file, which must be expanded first",
             "an element of xacro",
-            "write the whole robot first: `xacro FILE.xacro > ROBOT.urdf`",
+            "expand it: `xacro FILE.xacro > ROBOT.urdf`",
         );
         return None;
     }
@@ -254,7 +254,10 @@ fn end(
     known.sort_unstable();
     let help = match did_you_mean(&link, known) {
         Some(near) => format!("did you mean '{near}'?"),
-        None => format!("add `<link name=\"{}\"/>`, or mend the name", clip(&link)),
+        None => format!(
+            "add `<link name=\"{}\"/>`, or correct the name",
+            clip(&link)
+        ),
     };
     messages.error(
         place_of(child, "link"),
@@ -333,7 +336,7 @@ fn read_kind(node: Node<'_, '_>, title: &str, messages: &mut Messages) -> Option
         };
         messages.error(
             place_of(node, "type"),
-            &format!("{title} is of no known kind: '{}'", clip(&text)),
+            &format!("{title} has an unknown type: '{}'", clip(&text)),
             "this kind",
             &help,
         );

@@ -139,7 +139,7 @@ fn read_document(
             robot.place,
             "nothing in the robot moves",
             "all its joints are fixed",
-            "no equations come of it; with --base floating it moves freely",
+            "there are no equations for it; with --base floating it moves freely",
         );
     }
     debug_assert!(built.model.check(), "the reader upholds the invariants");

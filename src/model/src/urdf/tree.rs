@@ -26,12 +26,12 @@ pub(super) fn order(robot: &RobotElements, messages: &mut Messages) -> Option<Ro
             None => parents[joint.child] = Some(index),
             Some(first) if messages.has_room() => messages.push_error(second(
                 &format!(
-                    "link '{}' hangs on two joints",
+                    "link '{}' has two parent joints",
                     clip(&robot.links[joint.child].name)
                 ),
                 joint.child_place.clone(),
                 robot.joints[first].child_place.clone(),
-                "URDF knows trees only: remove one of the joints; a loop can be closed as a cut in \
+                "URDF describes trees only: remove one of the joints; a loop can be closed as a cut in \
                  a .mbs model",
             )),
             Some(_) => messages.count_error(),
@@ -79,12 +79,12 @@ fn root(
                 diagnostic(
                     other.place.clone(),
                     &format!(
-                        "links '{}' and '{}' both hang on nothing",
+                        "links '{}' and '{}' both have no parent",
                         clip(&one.name),
                         clip(&other.name)
                     ),
                     "a second base",
-                    "a robot has one base: add a joint, fixed perhaps, between them",
+                    "a robot has one base: add a joint between them, for example a fixed one",
                 )
                 .with_label(Label::secondary(0, one.place.clone()).with_message("the first base")),
             );
@@ -130,7 +130,7 @@ fn on_a_cycle(
     messages.error(
         joint.place.clone(),
         &format!("{} is on a cycle", joint_title(&joint.name)),
-        "its parent hangs on its child",
-        "URDF knows trees only: one link must hang on nothing, and all others on it",
+        "its parent is connected to its child",
+        "URDF describes trees only: one link must have no parent, and all others must follow from it",
     );
 }

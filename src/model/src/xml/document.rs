@@ -33,7 +33,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Diagnostic> {
     if bytes.len() > LARGEST_FILE {
         return Err(Diagnostic::error()
             .with_message("the file is larger than 16 MiB")
-            .with_note("no model comes near this; check that it is the right file"));
+            .with_note("no model is this large; check that it is the right file"));
     }
     robovec_robotran::decode_text(bytes, "a model is XML", robovec_robotran::is_control)
 }
@@ -103,7 +103,7 @@ fn explain(error: &Error, text: &str, kind: &DocumentKind) -> Diagnostic {
         Error::NoRootNode => diagnostic(
             end..end,
             "there is no element in the file",
-            "nothing before here is XML",
+            "there is no XML before this place",
             kind.first,
         ),
         _ if at >= end => cut("it ends inside a tag"),
@@ -111,7 +111,7 @@ fn explain(error: &Error, text: &str, kind: &DocumentKind) -> Diagnostic {
             close_tag(text, at),
             "an element is closed that is not the open one",
             &format!("closes `{}` where `{}` is open", clip(close), clip(open)),
-            &format!("close `{}` first, or mend the name", clip(open)),
+            &format!("close `{}` first, or correct the name", clip(open)),
         ),
         Error::UnknownEntityReference(name, _) => diagnostic(
             at..at + 1,

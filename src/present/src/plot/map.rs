@@ -83,7 +83,7 @@ pub(super) fn draw(svg: &mut Svg, frame: PlotFrame, panel: &Panel, map: &TileMap
     scale(svg, frame, map, [low, high]);
 }
 
-/// The bar that says which shade is which value.
+/// The bar that relates shades to values.
 fn scale(svg: &mut Svg, frame: PlotFrame, map: &TileMap, [low, high]: [f64; 2]) {
     const STEPS: usize = 24;
     let left = frame.right() + 16.0;

@@ -1,9 +1,9 @@
 //! Drawing figures as SVG.
 //!
-//! Written for paper and screen: text stays text, curves are labelled at
-//! their ends, colours can be told apart by colour-blind readers and, with
-//! the markers, in grey. Every marker carries its values as an SVG title,
-//! which viewers show when it is pointed at.
+//! Written for paper and screen: text stays text, curves are labelled at their
+//! ends, colour-blind readers can distinguish the colours, and with the markers
+//! they work in grey. Every marker carries its values as an SVG title, which
+//! viewers show when it is pointed at.
 
 mod curves;
 mod labels;

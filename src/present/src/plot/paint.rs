@@ -3,7 +3,7 @@
 use crate::{MarkFill, Paint};
 
 /// Colours that people with any of the common colour vision deficiencies can
-/// tell apart (after Okabe and Ito), dark enough for text.
+/// distinguish (after Okabe and Ito), dark enough for text.
 const DISTINCT: [&str; 7] = [
     "#0072b2", "#c44e00", "#00805e", "#a3528a", "#000000", "#9a7400", "#3b8fc4",
 ];

@@ -85,7 +85,7 @@ impl Ruler {
         }
     }
 
-    /// A marked value as it stands beside its mark.
+    /// The label of a mark.
     pub(super) fn text(&self, value: f64) -> String {
         let step = linear_step(self.to - self.from);
         if self.scale == AxisScale::Decades && value < SMALLEST_STEP {

@@ -3,7 +3,7 @@
 use crate::escape::Escaped;
 use std::fmt::Write;
 
-/// Place where a text stands relative to its point.
+/// Place of a text relative to its point.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum TextAnchor {
     Start,
@@ -26,8 +26,8 @@ pub(super) struct Svg {
     text: String,
 }
 
-/// Style of all drawings: thin greys for what helps to read, so that the data
-/// stand out.
+/// Style of all drawings: thin greys for axes and grids, so that the data are
+/// more visible.
 const STYLE: &str = "text{font:11px Helvetica,Arial,'Liberation Sans',sans-serif;fill:#222}\
 .panel{font-weight:bold;font-size:12px}.axis{font-size:12px}.tick{fill:#444}\
 .grid{stroke:#e4e4e4;stroke-width:1}.frame{stroke:#666;stroke-width:1;fill:none}\

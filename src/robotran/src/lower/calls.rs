@@ -71,7 +71,7 @@ impl FunctionEmitter<'_, '_, '_> {
             LeafKind::Node(_) => self.errors.push(refusal(
                 "a user function is called with an expression",
                 span,
-                "has no name under which it could be handed over",
+                "it has no name that could be passed",
                 "assign it to a name first and pass that",
             )),
             LeafKind::Number(_) => {

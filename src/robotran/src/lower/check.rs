@@ -145,7 +145,7 @@ fn cycle(
     });
     let message = match members {
         [only] => format!("`{}` needs its own value", symbols.text(*only)),
-        _ => "these equations need one another".to_owned(),
+        _ => "these equations depend on one another".to_owned(),
     };
     Diagnostic::error()
         .with_message(message)

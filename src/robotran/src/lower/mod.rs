@@ -89,7 +89,7 @@ impl Lowering<'_, '_> {
                 &format!("there are two functions `{}`", function.name),
                 block.span,
                 "in this file",
-                "rename or delete one of them, or number the cases anew",
+                "rename or delete one of them, or renumber the cases",
             ));
         }
     }
@@ -239,7 +239,9 @@ impl Lowering<'_, '_> {
                 let span = self.syntax.statements[first].span;
                 self.warnings.push(
                     Diagnostic::warning()
-                        .with_message("equations are left out that no sensor number reaches")
+                        .with_message(
+                            "some equations are left out, because no sensor number reaches them",
+                        )
                         .with_labels(vec![
                             Label::primary(0, span.range()).with_message("the first of them"),
                         ])

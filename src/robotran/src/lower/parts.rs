@@ -96,7 +96,7 @@ impl Lowering<'_, '_> {
                     Label::primary(0, span.range())
                         .with_message(format!("its equations are the function `{name}`")),
                 ])
-                .with_note("the program that calls the parts must decide as this line does; counters are left out"),
+                .with_note("the program that calls the parts must make the decision of this line; counters are left out"),
         );
     }
 

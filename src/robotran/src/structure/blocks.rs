@@ -98,7 +98,7 @@ impl Cutter<'_> {
                 "a condition or loop around equations",
                 span,
                 "robovec compiles straight-line code, and this decides what is computed",
-                "write the function without it; only the reduced functions (accelred, invdynared) are cut into parts at their loops",
+                "remove it from the function; only the reduced functions (accelred, invdynared) are split at their loops",
             ));
         }
         let parameters = self

@@ -1,9 +1,9 @@
 //! From lexemes to the tokens of the grammar.
 //!
-//! Here is what a grammar states badly: keywords that only one
-//! language has, line ends that end a statement or not, conditions (never
-//! computed by a straight-line function, so they travel as text), and what
-//! the preprocessor makes of a word.
+//! Handles what is awkward in a grammar: keywords that only one language has,
+//! line ends that may end a statement, conditions (never computed by a
+//! straight-line function, so they are kept as text), and words that the
+//! preprocessor replaces.
 
 mod elements;
 mod equations;

@@ -123,7 +123,7 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
             Ok(None)
         } else {
             Err(self.refusal((
-                "an import that may give another meaning to a function",
+                "an import that may change the meaning of a function",
                 "import sin, cos, sqrt and zeros from math or numpy under their own names, on a separate line",
             )))
         }
@@ -162,7 +162,7 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
                             start,
                             end: self.span().end,
                         },
-                        "this condition has no end",
+                        "this condition is not complete",
                         "close its parentheses, or check that the file is complete",
                     ));
                 }

@@ -8,7 +8,7 @@ pub enum RobotranWriteError {
     Empty,
     /// The function is of no kind that Robotran writes.
     #[error(
-        "the function '{function}' is of no kind that Robotran writes (dirdyna, invdyna, sensor_1, …)"
+        "the function '{function}' is not one that Robotran writes (dirdyna, invdyna, sensor_1, …)"
     )]
     Kind {
         /// The function.
@@ -44,7 +44,7 @@ pub enum RobotranWriteError {
     },
     /// A single number is given back other than to a user function.
     #[error(
-        "the output '{output}' of '{function}' is a single number; Robotran's functions give back arrays only"
+        "the output '{output}' of '{function}' is a single number; Robotran's functions return arrays only"
     )]
     ScalarOutput {
         /// The function.
@@ -54,7 +54,7 @@ pub enum RobotranWriteError {
     },
     /// A sensor function sets something else than the sensor.
     #[error(
-        "the output '{output}' of '{function}' is no field of the sensor, which is all such a function gives back"
+        "the output '{output}' of '{function}' is not a field of the sensor, and a sensor function returns only those"
     )]
     SensorOutput {
         /// The function.
@@ -90,7 +90,7 @@ pub enum RobotranWriteError {
     #[error(transparent)]
     Signature(#[from] robovec_cgen::c::SignatureError),
     /// A case that is no sensor number.
-    #[error("'{function}' is no numbered sensor: its name should end in _1, _2, …")]
+    #[error("'{function}' has no sensor number: its name must end in _1, _2, …")]
     Case {
         /// The function.
         function: String,

@@ -54,9 +54,9 @@ pub(crate) fn program(function: &Function, computed: &[bool]) -> Vec<CodeStep> {
 /// needs, and all assignments. With `outputs_last` no output is written before
 /// everything is computed.
 ///
-/// Outputs are taken from the last to the first: those of the last bodies come
-/// first in a recursion from the leaves of a tree to its root, which is what
-/// most of the operations are.
+/// Outputs are taken from the last to the first: most operations belong to a
+/// recursion from the leaves of a tree to its root, in which those of the last
+/// bodies come first.
 pub(crate) fn depth_first(
     function: &Function,
     computed: &[bool],

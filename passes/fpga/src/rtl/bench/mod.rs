@@ -97,7 +97,7 @@ pub struct TestBench<'a> {
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum BenchError {
     /// Images for the simulator alone.
-    #[error("the images are for no hardware: their manifest has no 'window'")]
+    #[error("the images are not for hardware: their manifest has no 'window'")]
     NoWindow,
     /// The window lacks a memory that something is loaded into.
     #[error("the window has no '{0}', or it is too small")]
@@ -106,7 +106,7 @@ pub enum BenchError {
     #[error("the runs are not of this program: {0}")]
     Runs(String),
     /// More than a bench's files can state.
-    #[error("{0}, more than a bench holds")]
+    #[error("{0}, more than a test bench holds")]
     TooLarge(String),
 }
 

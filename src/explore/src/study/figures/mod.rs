@@ -1,5 +1,5 @@
-//! The figures of a study, each named by its number in the thesis; what the
-//! thesis has no figure for has a name of its own.
+//! The figures of a study, each named by its number in the thesis; figures that
+//! the thesis does not have get other names.
 //!
 //! Drawings of principle (figures 1.1 to 1.8, 2.1 to 2.3, 2.8 to 2.11, 3.1 to
 //! 3.3 and those of the appendix) show no results and have no counterpart.

@@ -65,8 +65,8 @@ pub(super) fn page(
     page::fill(TEMPLATE, &parts)
 }
 
-/// Tables that say where their numbers are; data of the thesis and long lists
-/// are there for whoever looks for them.
+/// A table as HTML, most with a link to their file; data of the thesis are
+/// folded.
 fn table(table: &DataTable) -> String {
     match table.name.as_str() {
         "cpu" | "winners" | "whole-step-cpu" => page::table(table, ""),

@@ -42,7 +42,7 @@ pub(super) struct ModelEntry {
     pub(super) source: Option<Spanned<String>>,
     /// The function studied, where there are several.
     pub(super) function: Option<String>,
-    /// The system of the thesis it stands for.
+    /// The system of the thesis that it represents.
     pub(super) printed: Option<Spanned<String>>,
     /// True if only sweeps that name the model have it.
     #[serde(default, rename = "by-name")]

@@ -35,8 +35,7 @@ pub const ELEMENTS: NumberLimit = NumberLimit::whole(
     "a program is placed for every number of elements",
 );
 
-/// The limits of the numbers of a plan: name, limit, and what it is when the
-/// plan does not say.
+/// The limits of the numbers of a plan: name, limit, and default.
 pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
     ("sweep.elements", ELEMENTS, ""),
     ("sweep.grid", ELEMENTS, ""),
@@ -77,7 +76,7 @@ pub struct StudySubject {
     pub folder: Option<PathBuf>,
     /// The function studied; by default the only one, or `dirdyna`.
     pub function: Option<String>,
-    /// The system of the thesis' Table 3.1 it stands for.
+    /// The system of the thesis' Table 3.1 that it represents.
     pub printed: Option<String>,
     /// True if only sweeps that name it have it.
     #[serde(skip)]

@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::Path;
 
-/// The name that stands for the model of the verdict.
+/// The name that means the model of the verdict.
 pub(super) const HEADLINE: &str = "headline";
 
 /// The most placements of a study; what lies beyond is a slip of the pen.
@@ -160,7 +160,7 @@ impl PlanResolver<'_> {
         self.plan.headline = found.position(|name| name == headline).unwrap_or(0);
     }
 
-    /// The style of the first entry that says something, field by field.
+    /// The style, each field from the first entry that sets it.
     fn style(&mut self, entries: &[&StyleEntry]) -> GenerationStyle {
         let flag = |pick: fn(&StyleEntry) -> Option<bool>, usual: bool| {
             entries
@@ -296,7 +296,7 @@ fn read_pipeline(text: &str) -> Result<Pipeline, String> {
         .passes()
         .any(|step| step.info.name == "place" || step.info.name == "codegen")
     {
-        return Err("the study places by itself: leave 'place' and 'codegen' out".to_owned());
+        return Err("the study adds 'place' itself: leave 'place' and 'codegen' out".to_owned());
     }
     let lowers = |gives| matches!(gives, Gives::Level(robovec_ir::Level::Atomic));
     if !pipeline.passes().any(|step| lowers(step.info.gives)) {

@@ -1,5 +1,5 @@
-//! The tables of a study, each named by its number in the thesis; what the thesis
-//! has no table for has a name of its own.
+//! The tables of a study, each named by its number in the thesis; tables that
+//! the thesis does not have get other names.
 
 mod operators;
 mod placements;

@@ -33,7 +33,7 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
             self.errors.push(refusal(
                 "a parameter is assigned to",
                 self.shared.syntax.statements[self.statement].span,
-                "from here on it would be another number",
+                "from here on it would mean another number",
                 "give the number another name",
             ));
             return;

@@ -188,7 +188,7 @@ impl SyntaxBuilder {
         if self.hidden_parameter() {
             return Err(refused(
                 span,
-                "a parameter's name is declared once more",
+                "the name of a parameter is declared again",
                 "the two would be different variables; give the new one another name",
             ));
         }

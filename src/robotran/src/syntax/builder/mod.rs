@@ -102,7 +102,7 @@ impl SyntaxBuilder {
                 .iter()
                 .zip(self.lengths())
                 .all(|(before, now)| *before <= now),
-            "what is complete stays"
+            "    what is complete stays"
         );
         self.complete = self.lengths();
         self.chain = self.syntax.statements.len();

@@ -12,7 +12,7 @@ fn whole(x: f64) -> i128 {
     scaled as i128
 }
 
-/// The error that the case tells of the untreated program in binary32.
+/// The error that the case measures for the untreated program in binary32.
 fn told(subject: &dyn StressSubject) -> f64 {
     let bench = subject.prepare().expect("it has equations");
     let measured = bench.measure(&subject.untreated());
