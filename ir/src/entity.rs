@@ -84,9 +84,10 @@ impl Operand {
     /// The absent operand after those that an operation takes.
     pub const NONE: Operand = Operand(u32::MAX);
 
-    /// The most operands an operation takes: a fused multiply-add has three.
-    /// They lie inside the node, which grows by four bytes for the third;
-    /// a table beside the nodes would save them and cost every traversal.
+    /// The maximum number of operands an operation takes: a fused multiply-add
+    /// has three. They lie inside the node, which grows by four bytes for the
+    /// third; a table beside the nodes would save them and cost every
+    /// traversal.
     pub const MAX_COUNT: usize = 3;
 
     /// The operands of an operation, filled up with [`Operand::NONE`].

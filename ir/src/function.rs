@@ -16,13 +16,14 @@ use robovec_num::operation::Operation;
 use rustc_hash::FxBuildHasher;
 use std::fmt;
 
-/// The most elements that all input arrays may have together: every
-/// evaluation, check and placement keeps hundreds of bytes for each. A model of
-/// 130 joints has a few thousand.
+/// The maximum number of elements that all input arrays may have together:
+/// every evaluation, check and placement keeps hundreds of bytes for each. A
+/// model of 130 joints has a few thousand.
 pub const MAX_INPUT_ELEMENTS: u64 = 1 << 20;
 
-/// The most elements that all output arrays may have together: a mass matrix
-/// of 2000 joints has four million, most of them zeros that cost little.
+/// The maximum number of elements that all output arrays may have together: a
+/// mass matrix of 2000 joints has four million, most of them zeros that cost
+/// little.
 pub const MAX_OUTPUT_ELEMENTS: u64 = 1 << 22;
 
 /// The degree to which a function has been lowered; each level is a property
@@ -262,8 +263,8 @@ impl Function {
     }
 
     /// A function with the same name, signature and metadata and no body: the
-    /// start of a pass that writes the body anew. What belongs to single
-    /// nodes, such as their formats, is for the pass to carry over.
+    /// start of a pass that rewrites the body. What belongs to single nodes,
+    /// such as their formats, is for the pass to carry over.
     pub fn skeleton(&self, level: Level) -> Function {
         Function {
             metadata: self.metadata.clone(),
@@ -407,7 +408,7 @@ impl Function {
         counts
     }
 
-    /// A generator of names no value of this function bears.
+    /// A generator of names no value of this function has.
     pub fn fresh_names(&self) -> FreshNames {
         FreshNames::new(self.nodes.iter().map(|node| node.name))
     }

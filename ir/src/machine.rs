@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 pub struct Machine {
     /// Its name, used in text and reports.
     pub name: String,
-    /// One line for people.
+    /// One line for users.
     #[serde(default)]
     pub description: String,
     /// Clock of the processing elements, in MHz, where it is known; absent
@@ -307,7 +307,7 @@ impl Machine {
     ///
     /// # Errors
     ///
-    /// As [`Machine::parse`], but for the syntax.
+    /// As [`Machine::parse`], except for the syntax.
     pub fn validate(&self) -> Result<(), MachineError> {
         let fail = |message: String| Err(MachineError::Meaning(message));
         if self.elements.is_empty() {

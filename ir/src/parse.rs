@@ -4,11 +4,11 @@
 //! and `print(parse(t)) == t` for printed `t`. Text written by hand may be
 //! laid out freely (`docs/text-format.md`).
 //!
-//! The grammar (`grammar.lalrpop`) knows single statements; the `builder`
-//! it calls knows which function and line it is in and makes nodes at once.
-//! After an error reading goes on at the next line. What the grammar cannot
-//! see is left to the [verifier](crate::verify), whose answers get the place
-//! of what they are about; so text that parses is always a verified module.
+//! The grammar (`grammar.lalrpop`) knows single statements; the `builder` it
+//! calls knows which function and line it is in and makes nodes at once. After
+//! an error reading continues at the next line. What the grammar cannot see is
+//! left to the [verifier](crate::verify), whose answers get the place of what
+//! they are about; so text that parses is always a verified module.
 
 mod attributes;
 mod body;

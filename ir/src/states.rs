@@ -124,7 +124,7 @@ impl States {
         }
     }
 
-    /// The same states, but for elements whose range is known. The random
+    /// The same states, except for elements whose range is known. The random
     /// number that chooses inside a range is the one that would have chosen
     /// without it.
     #[must_use]

@@ -325,7 +325,7 @@ impl Name {
     }
 }
 
-/// Hands out names that no value of a function bears yet.
+/// Hands out names that no value of a function has yet.
 ///
 /// The state is computed from the function alone, so a pass names its values
 /// alike whether the function came from another pass or from text.
@@ -348,8 +348,8 @@ impl FreshNames {
         FreshNames { next }
     }
 
-    /// A new name derived from a symbol: the symbol itself when no value
-    /// bears it, else the symbol with the next free number.
+    /// A new name derived from a symbol: the symbol itself when no value has
+    /// it, else the symbol with the next free number.
     ///
     /// # Panics
     ///

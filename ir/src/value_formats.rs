@@ -6,8 +6,8 @@
 use crate::entity::Value;
 use robovec_num::format::Format;
 
-/// The formats of a function's values. A value without one is computed in
-/// the format of the run: the machine's, or the one that is asked for.
+/// The formats of a function's values. A value without one is computed in the
+/// format of the run: the machine's, or the one that is requested.
 #[derive(Clone, Default, Debug)]
 pub struct ValueFormats {
     table: Vec<Format>,
@@ -16,7 +16,7 @@ pub struct ValueFormats {
 }
 
 impl ValueFormats {
-    /// No format yet for any of so many values.
+    /// No format yet for any of this number of values.
     pub fn new(values: usize) -> ValueFormats {
         ValueFormats {
             table: Vec::new(),
@@ -34,7 +34,7 @@ impl ValueFormats {
         self.values.is_empty()
     }
 
-    /// Makes room for so many values, or takes it away; new ones have no
+    /// Makes room for this number of values, or takes it away; new ones have no
     /// format.
     pub fn resize(&mut self, values: usize) {
         self.values.resize(values, 0);

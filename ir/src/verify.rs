@@ -244,7 +244,7 @@ pub fn verify(view: View<'_>) -> Vec<Violation> {
 ///    starts, and every output stays in a word that holds it at the end.
 /// 4. No memory takes more words in a cycle than the machine writes, and no
 ///    word is written twice in a cycle.
-/// 5. A buffer word is not taken anew before the cycle after its last read,
+/// 5. A buffer word is not taken again before the cycle after its last read,
 ///    and a buffer hands out no more words in a cycle than the machine reads.
 /// 6. No link of a network carries more words in a cycle than it can.
 /// 7. Addresses and buffer words lie within the memories and buffers.

@@ -1,5 +1,4 @@
-//! Runs a pipeline on a .rvir file, every pass checked, and prints what comes
-//! of it.
+//! Runs a pipeline on a .rvir file, every pass checked, and prints the result.
 //!
 //!     cargo run -p robovec-passes --example optimise -- tests/passes/specialise/alone.rvir '$shorten'
 

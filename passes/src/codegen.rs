@@ -41,7 +41,7 @@ option_words! {
     }
 }
 
-/// Puts files into a folder that bears the function's name.
+/// Puts files into a folder that has the function's name.
 struct FunctionFolder<'a> {
     name: &'a str,
     artifacts: &'a mut Vec<Artifact>,
@@ -72,13 +72,13 @@ declare_pass! {
     ///
     /// `target=c` writes a C99 function and its header from any level; arrays
     /// count from 1. With `signature=robotran` its names, types and parameters
-    /// are those of Robotran's function (`docs/c.md`), so that the file takes
-    /// the place of Robotran's in a project of MBsysC; with
-    /// `signature=plain` the arrays are the parameters. The body is cut into
-    /// functions of about `part` operations, for whose length compilers are
-    /// fast, in an `order` that reads values soon after they are made. With
-    /// `sines=library order=program`, compiled with `-ffp-contract=off`, it
-    /// gives the evaluator's results bit for bit.
+    /// are those of Robotran's function (`docs/c.md`), so that the file
+    /// replaces Robotran's in a project of MBsysC; with `signature=plain` the
+    /// arrays are the parameters. The body is cut into functions of about
+    /// `part` operations, for whose length compilers are fast, in an `order`
+    /// that reads values soon after they are made. With `sines=library
+    /// order=program`, compiled with `-ffp-contract=off`, it gives the
+    /// evaluator's results bit for bit.
     ///
     /// `target=rolled` writes the same function with loops where it repeats
     /// itself, as unrolled recursions do: the code of long chains then fits
@@ -118,7 +118,7 @@ declare_pass! {
         pub order: StatementOrder = StatementOrder::Depth,
         /// Operations per function in C.
         pub part: u32 = 500 => NumberLimit::whole(
-            1, 1_000_000, "compilers take a time that grows faster than the length of a function"),
+            1, 1_000_000, "compile time grows faster than the length of a function"),
         /// Method of rolled code for sines and cosines of inputs.
         pub circular: RolledCircular = RolledCircular::Vector,
     }

@@ -104,7 +104,7 @@ const MAX_SWEEPS: usize = 4;
 /// All of a part: parts are counted in steps of this fraction.
 const WHOLE: u32 = 64;
 
-/// Rating of a form, the least the best: whether it is late, then its gain.
+/// Rating of a form, the smallest the best: whether it is late, then its gain.
 type Rating = (bool, (u32, u32));
 
 /// The product that a sum takes in.

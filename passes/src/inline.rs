@@ -126,7 +126,7 @@ impl<'a> InliningChoice<'a> {
         extent
     }
 
-    /// The value that is in the place of another: skipped copies lead on.
+    /// The value that is instead of another: skipped copies lead on.
     fn target(&self, value: Value) -> Value {
         let mut value = value;
         while self.skipped[value.index()]

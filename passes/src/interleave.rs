@@ -38,7 +38,7 @@ declare_pass! {
     pub struct Interleave("interleave") {
         /// Number of instances, from 1 to 64; one changes nothing.
         pub instances: u32 = 2 => NumberLimit::whole(
-            1, MAX_INSTANCES as u64, "the function becomes so many times as large"),
+            1, MAX_INSTANCES as u64, "the function becomes this number of times larger"),
         /// Input arrays that all instances read, such as `m+l+In+g`.
         pub shared: InstanceNames = InstanceNames::default(),
     }
@@ -50,8 +50,8 @@ declare_pass! {
     destroys: [Timed, Shared],
 }
 
-/// The most operations a function may get: the text of more is larger than any
-/// file that is read.
+/// The maximum number of operations a function may get: the text of more is
+/// larger than any file that is read.
 const MAX_OPERATIONS: u64 = 1 << 24;
 
 impl Pass for Interleave {

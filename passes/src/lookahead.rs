@@ -37,7 +37,7 @@ declare_pass! {
         pub path: u32 = 0 => search::PATH,
         /// Cycles from one frontier to the next.
         pub grid: u32 = 10 => NumberLimit::whole(
-            1, 1_000_000, "no frontier is left to look back to"),
+            1, 1_000_000, "there are no frontiers further back"),
         /// Frontiers looked back.
         pub frontiers: u32 = 24 => NumberLimit::whole(
             0, 256, "every value gets up to two forms for every frontier"),
@@ -48,12 +48,13 @@ declare_pass! {
         /// Late terms a form may have.
         pub width: u32 = 24 => NumberLimit::whole(
             0, 64, "a form is composed of the forms of its terms, width times width products each"),
-        /// Late terms up to which a form is made all the same: of more than
+        /// Late terms up to which a form is made nevertheless: of more than
         /// `width` the earliest are summed up with what is known early. With
         /// many operations to spend, `reach=96 window=300` finds shorter paths.
         pub reach: u32 = 0 => NumberLimit::whole(
-            0, 256, "every form is composed of so many terms"),
-        /// A value ready so many cycles before a frontier counts as early.
+            0, 256, "every form is composed of this number of terms"),
+        /// A value ready this number of cycles before a frontier counts as
+        /// early.
         pub window: u32 = 100 => NumberLimit::whole(
             0, 1_000_000, "no value is ready earlier"),
         /// Way in which forms are chosen; by curves up to 200,000 values

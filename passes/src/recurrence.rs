@@ -35,14 +35,15 @@ declare_pass! {
         pub path: u32 = 0 => search::PATH,
         /// Smallest distance between points to look back to, in cycles.
         pub grid: u32 = 40 => NumberLimit::whole(
-            1, 1_000_000, "no point is left to look back to"),
+            1, 1_000_000, "there are no points further back"),
         /// Points looked back to, of every distance.
         pub frontiers: u32 = 3 => NumberLimit::whole(
             0, 256, "every value gets up to two forms for every point"),
         /// Late terms a form may have.
         pub width: u32 = 12 => NumberLimit::whole(
             0, 64, "a form is composed of the forms of its terms, width times width products each"),
-        /// A value ready so many cycles before such a point counts as early.
+        /// A value ready this number of cycles before such a point counts as
+        /// early.
         pub window: u32 = 250 => NumberLimit::whole(
             0, 1_000_000, "no value is ready earlier"),
         /// Way in which forms are chosen; by curves up to 200,000 values

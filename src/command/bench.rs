@@ -384,7 +384,7 @@ fn in_one_piece(operations: usize) -> String {
     format!("one function of {operations} operations, which compilers need hours for (--largest)")
 }
 
-/// Maximum size of a function that is compiled in pieces, in parts of one that
+/// Maximum size of a function that is compiled in pieces, relative to one that
 /// is not.
 const PIECES: usize = 10;
 

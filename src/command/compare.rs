@@ -63,7 +63,7 @@ pub(super) struct CheckArguments {
     /// With --model: the largest difference allowed, relative to the largest
     /// element of the output array
     #[arg(long, default_value_t = 1e-13, requires = "model",
-          add = real(0.0, 1.0, "beyond 1 nothing is compared"))]
+          add = real(0.0, 1.0, "a tolerance above 1 compares nothing"))]
     tolerance: f64,
 }
 

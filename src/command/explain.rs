@@ -73,7 +73,7 @@ pub(crate) fn explain(
     Ok(text)
 }
 
-/// The source equations, with their lines where the file is at hand.
+/// The source equations, with their lines where the file is available.
 fn origin(account: &Account, function: &Function, input: &ReadEquations) -> String {
     let sources = &input.module.tables.sources;
     let mut places: Vec<SourcePlace> = Vec::new();

@@ -40,8 +40,8 @@ pub(crate) fn scene_of(read: &ReadEquations, given: Option<Scene>) -> Option<Sce
 ///
 /// # Errors
 ///
-/// Fails when the file gives some, so that none is ignored. Limits of a
-/// model's joints describe the robot and are not asked for.
+/// Fails when the file gives some, so that none is ignored. Limits of a model's
+/// joints describe the robot and are not requested.
 pub(crate) fn without_ranges(read: ReadEquations, command: &str) -> Result<Module, CommandFailure> {
     if read.ranges.is_empty() || sources::is_model_path(&read.path) {
         return Ok(read.module);
@@ -56,7 +56,7 @@ pub(crate) fn without_ranges(read: ReadEquations, command: &str) -> Result<Modul
 }
 
 /// Reads equations in any language, or generates them from a model: the
-/// function asked for, else direct dynamics.
+/// function requested, else direct dynamics.
 pub(crate) fn equations_or_model(
     path: &Path,
     language: Option<InputLanguage>,
@@ -189,7 +189,7 @@ pub(crate) fn folder(path: &Path) -> &Path {
     path.parent().unwrap_or(Path::new(""))
 }
 
-/// The machine asked for, else that of the scene, else the usual one.
+/// The machine requested, else that of the scene, else the usual one.
 pub(crate) fn machine_for(
     asked: Option<&str>,
     scene: Option<&Scene>,

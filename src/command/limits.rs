@@ -42,7 +42,7 @@ pub fn sections() -> Vec<LimitSection> {
         ),
         section(
             "Flags of programs",
-            "A flag that takes a list has the limit for every number of it.",
+            "For a flag that takes a list, the limit applies to every number in the list.",
             super::commands()
                 .iter()
                 .flat_map(super::flags::rows)
@@ -70,7 +70,7 @@ pub fn sections() -> Vec<LimitSection> {
         section("Models (.mbs)", "", limits::rows("model", mbs::FIELDS)),
         section(
             "Robotran's files",
-            "Sizes found in comments are held to the same limits as indices in equations.",
+            "Sizes in comments have the same limits as indices in equations.",
             limits::rows("Robotran file", robotran::FIELDS),
         ),
         section(
@@ -120,10 +120,10 @@ fn file_rows() -> Vec<LimitRow> {
 /// so.
 pub fn manual() -> String {
     let mut text = "# Limits\n\n\
-        Least and most of every number that a user can write; made from their declarations.\n\n\
-        A number beyond its limit is refused, with its name, what is allowed and why.\n\
-        Within the limits a small input is treated in seconds; on large ones the largest \
-        numbers may take long.\n"
+        The smallest and the largest value of every number that a user can give, made from the declarations.\n\n\
+        A number beyond its limit is refused; the message gives its name, the allowed range and the reason.\n\
+        Within the limits a small input takes seconds; for large inputs the largest numbers may \
+        take long.\n"
         .to_owned();
     for section in sections() {
         // Writing to a string cannot fail.

@@ -1,5 +1,4 @@
-//! `--list-passes`, `--help-pass`, `--list-machines`: the registry for
-//! people.
+//! `--list-passes`, `--help-pass`, `--list-machines`: the registry for users.
 
 use super::CommandFailure;
 use robovec_framework::pass::{Gives, PassInfo, Property};

@@ -87,7 +87,7 @@ impl From<Report> for CommandFailure {
     }
 }
 
-/// An error when the C compiler of `--cpu` is asked for and does not run.
+/// An error when the C compiler of `--cpu` is requested and does not run.
 fn require_compiler(asked: bool) -> Result<(), CommandFailure> {
     if asked {
         let note = "'--cpu' times programs with the C compiler 'cc'".to_owned();

@@ -106,7 +106,7 @@ fn freshness(model: &Model, files: &[PathBuf]) -> Result<String, CommandFailure>
     }
     if unreadable > 0 {
         report.push(Diagnostic::error().with_message(format!(
-            "{unreadable} of {} files cannot be compared: they are no equations",
+            "{unreadable} of {} files cannot be compared, because they are not equations",
             files.len()
         )));
     }

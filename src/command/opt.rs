@@ -213,7 +213,7 @@ fn run(arguments: &OptimiserArguments) -> Result<(), CommandFailure> {
     Ok(())
 }
 
-/// Report and simulation that were asked for.
+/// Report and simulation that were requested.
 fn measured(
     arguments: &OptimiserArguments,
     scene: Option<&Scene>,

@@ -1,5 +1,5 @@
 //! Progress of a command: a bar on a terminal, elsewhere a line now and then,
-//! so that whoever reads a log of a long run sees that it goes on.
+//! so that whoever reads a log of a long run sees that it continues.
 
 use super::telling;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -8,7 +8,7 @@ use std::io::{IsTerminal, Write, stderr};
 use std::thread;
 use std::time::Duration;
 
-/// A bar over so many steps; `text` is printed beside it.
+/// A bar over this number of steps; `text` is printed beside it.
 pub(super) fn bar(steps: usize, text: &str) -> ProgressBar {
     styled(Some(steps), &format!("{{bar:40}} {text}"))
 }

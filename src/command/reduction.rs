@@ -19,7 +19,7 @@ pub(super) fn keep(arguments: &OptimiserArguments, module: &Module) -> Option<Mo
     wanted.then(|| module.clone())
 }
 
-/// Adds to a failure of the pipeline what was asked for: a small program, a
+/// Adds to a failure of the pipeline what was requested: a small program, a
 /// reproducer. Failures that are no fault of a pass stay as they are.
 pub(super) fn follow_up(
     mut failure: CommandFailure,
@@ -56,7 +56,7 @@ pub(super) fn follow_up(
     }
 }
 
-/// Writes the files asked for, and reports it.
+/// Writes the files requested, and reports it.
 fn write_files(
     module: &Module,
     pipeline: &Pipeline,

@@ -78,7 +78,7 @@ pub(super) fn command(path: &Path, text: &str) -> Result<Vec<String>, CommandFai
     let words = line.and_then(words);
     words.ok_or_else(|| {
         CommandFailure::advised(
-            format!("{} is no reproducer", path.display()),
+            format!("{} is not a reproducer", path.display()),
             vec![format!(
                 "it needs a line '{COMMAND} OPTIONS'; '--reproducer FILE' and '--auto-reduce' \
                  write such files"

@@ -144,7 +144,7 @@ fn cycles(model: &Model, task: BenchTask) -> Result<Option<u32>, CommandFailure>
     Ok(least)
 }
 
-/// The least time of those that are meant.
+/// The smallest time of those that are meant.
 fn fastest(outcomes: &[BenchOutcome], is_meant: impl Fn(&BenchOutcome) -> bool) -> Option<f64> {
     let meant = outcomes.iter().filter(|outcome| is_meant(outcome));
     let times = meant.filter_map(|outcome| outcome.nanoseconds);

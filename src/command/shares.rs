@@ -6,7 +6,7 @@ use robovec_explore::share::WorkShare;
 use robovec_explore::store::PointStore;
 use std::path::Path;
 
-/// Share of the work to do, and the use of results that are there.
+/// Share of the work to do, and the use of existing results.
 #[derive(Args, Clone, Debug)]
 pub(super) struct ShareArguments {
     /// Use the results that an earlier run left in the folder

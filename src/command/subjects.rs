@@ -55,7 +55,7 @@ pub(super) fn locate(subject: &StudySubject) -> Result<SubjectSource, CommandFai
     Ok(SubjectSource::Equations(path))
 }
 
-/// The formulation that needs the least time on a processor.
+/// The formulation that needs the smallest time on a processor.
 pub(super) const FOR_PROCESSORS: &str = "composite-base";
 
 /// The function of a model made for processors: direct dynamics by composite

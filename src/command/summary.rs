@@ -1,7 +1,7 @@
 //! Summary of a run of `robovec-opt` without a report: speed, error and cost of
 //! every function, beside what came in.
 //!
-//! As in compilers, it is for people and not programs: only where the result
+//! As in compilers, it is for users and not programs: only where the result
 //! goes to a file or to a terminal, and on the standard error. It has to cost
 //! next to nothing, so that errors are measured at few states, and at none
 //! where the functions are large: the work is counted in operations, so that
@@ -198,7 +198,7 @@ fn measured_by<'m>(pipeline: &Pipeline, module: &'m Module, machine: &Machine) -
 }
 
 /// True where somebody reads it: the result goes to a file or to a terminal,
-/// and nothing else was asked for that prints the same.
+/// and nothing else was requested that prints the same.
 fn is_told(arguments: &OptimiserArguments, pipeline: &Pipeline) -> bool {
     let is_file = |path: &Path| path != Path::new("-");
     let goes_to_people = match &arguments.output {

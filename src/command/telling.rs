@@ -41,7 +41,7 @@ pub(super) fn is_verbose() -> bool {
     current().verbose
 }
 
-/// Time without a message from work that goes on where no terminal is.
+/// Time without a message from work that continues where no terminal is.
 pub(super) fn interval() -> Duration {
     Duration::from_secs(if is_verbose() { 2 } else { 10 })
 }

@@ -55,7 +55,7 @@ struct RobotArguments {
     /// Angles of a robot within this distance of a right angle are taken as
     /// right angles, rad
     #[arg(long, global = true, value_name = "RADIANS", default_value_t = 0.0,
-          add = real(0.0, 1e-3, "the robot would be another one"))]
+          add = real(0.0, 1e-3, "the robot would be a different one"))]
     right_angles: f64,
 }
 

@@ -153,7 +153,7 @@ fn model(arguments: &ViewArguments) -> Result<Option<ModelText>, CommandFailure>
     }))
 }
 
-/// Writes what was asked for, and prints where it is.
+/// Writes what was requested, and prints where it is.
 fn write(
     arguments: &ViewArguments,
     read: &ReadEquations,
@@ -198,7 +198,7 @@ fn summary(function: &str, last: Option<&PassRunRecord>) -> String {
     }
 }
 
-/// The graph of what was asked for, else of all that the first function gives.
+/// The graph of what was requested, else of all that the first function gives.
 fn graph(arguments: &ViewArguments, viewed: &ViewedRun<'_>) -> Result<String, CommandFailure> {
     let module = viewed.module;
     let (index, item) = match &arguments.value {

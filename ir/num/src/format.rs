@@ -121,7 +121,7 @@ impl NumberFormat {
         (1 << (self.exponent - 1)) - 1
     }
 
-    /// The exponent of the least normal number.
+    /// The exponent of the smallest normal number.
     pub fn smallest_exponent(self) -> i32 {
         1 - self.largest_exponent()
     }

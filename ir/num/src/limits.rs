@@ -63,7 +63,7 @@ impl NumberLimit {
     /// Every integer of 64 bits: for seeds, of which none costs more.
     pub const SEED: NumberLimit = NumberLimit::whole(0, u64::MAX, "a seed costs nothing");
 
-    /// The least number.
+    /// The smallest number.
     pub const fn least(&self) -> Amount {
         self.least
     }

@@ -13,8 +13,8 @@
 /// Bits of a key that are considered in one pass.
 const DIGIT_BITS: u32 = 11;
 
-/// Keys of so many bits are counted all at once: their counts still lie in a
-/// cache of second level.
+/// Keys of this number of bits are counted all at once: their counts still lie
+/// in a cache of second level.
 const COUNTED_BITS: u32 = 17;
 
 /// Sequences up to this length are compared, which costs less than the counts

@@ -1,10 +1,10 @@
 //! The lines a message points at, cut to a readable width.
 //!
-//! The renderer prints every line that bears a label in full and trusts its
-//! bytes. Here the lines are copied into a small separate text: cut to a
-//! window around the first label, control characters replaced by characters
-//! of the same length, labels moved along. Line and column numbers stay those
-//! of the whole text.
+//! The renderer prints every line that has a label in full and trusts its
+//! bytes. Here the lines are copied into a small separate text: cut to a window
+//! around the first label, control characters replaced by characters of the
+//! same length, labels moved along. Line and column numbers stay those of the
+//! whole text.
 
 use super::{Diagnostic, FileId, Label, LabelStyle, SourceText, boundary_after, boundary_before};
 use codespan_reporting::files::{Error, Files};

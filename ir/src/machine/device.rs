@@ -175,10 +175,10 @@ pub struct DeviceBlocks {
 pub struct DeviceCapacity {
     /// Look-up tables.
     pub look_up_tables: f64,
-    /// Look-up tables in place of an adaptive one of a Cyclone V, which the
+    /// Look-up tables instead of an adaptive one of a Cyclone V, which the
     /// formulas count.
     pub tables_per_adaptive: f64,
-    /// Look-up tables in place of a memory in logic of 32 words of 20 bits.
+    /// Look-up tables instead of a memory in logic of 32 words of 20 bits.
     pub tables_per_memory: f64,
     /// Block memories.
     pub memory_blocks: f64,

@@ -6,13 +6,13 @@ use robovec_num::limits::{self, LimitRow};
 limited_fields! {
     /// Clock of the processing elements, in MHz.
     clock_mhz ("clock_mhz", "as estimated") = NumberLimit::real(
-        1e-3, 1e6, "no circuit is clocked slower or faster, and times in microseconds lose their digits");
+        1e-3, 1e6, "no circuit has a slower or faster clock, and times in microseconds would lose digits");
     /// Elements of a kind.
     count ("element.count", "") = NumberLimit::whole(
         1, 4096, "images, crossbar and placement grow with the number of elements");
     /// Pipeline stages.
     stages ("element.stages", "") = NumberLimit::whole(
-        1, 4096, "the cycles of a program are its longest chain times the stages");
+        1, 4096, "the length of a program is its longest chain multiplied by the stages");
     /// Cycles to fetch and to write back.
     transfer ("element.transfer", "") = NumberLimit::whole(
         2, 2, "the sequencer fetches in one cycle and writes back in another");

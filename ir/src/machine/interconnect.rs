@@ -51,7 +51,7 @@ pub struct LinkNetwork {
     pub hop: u32,
     /// Words a link carries in a cycle.
     pub words: u32,
-    /// Routers in a row of a mesh or torus; absent, the least number whose
+    /// Routers in a row of a mesh or torus; absent, the smallest number whose
     /// square takes all elements.
     pub columns: Option<u32>,
 }
@@ -71,8 +71,8 @@ pub enum Topology {
     /// Stages of two-by-two switches after perfect shuffles, as many as the
     /// number of a place has bits; a word enters on the line of its element.
     Omega,
-    /// Routers whose numbers differ in one bit are neighbours; words mend the
-    /// bits from the lowest up.
+    /// Routers whose numbers differ in one bit are neighbours; words correct
+    /// the bits from the lowest up.
     Hypercube,
 }
 
@@ -110,7 +110,7 @@ impl LinkNetwork {
         }
     }
 
-    /// Routers in a row of a mesh or torus of so many elements.
+    /// Routers in a row of a mesh or torus of this number of elements.
     pub fn columns(&self, elements: u32) -> u32 {
         let square = || {
             let root = elements.isqrt();
@@ -119,8 +119,8 @@ impl LinkNetwork {
         self.columns.unwrap_or_else(square).max(1)
     }
 
-    /// The fault that makes the network of so many elements impossible, or
-    /// `None`.
+    /// The fault that makes the network of this number of elements impossible,
+    /// or `None`.
     pub(super) fn fault(&self, elements: u32) -> Option<String> {
         let name = self.topology.name();
         let columns = self.columns?;
@@ -157,8 +157,8 @@ impl Interconnect {
     }
 }
 
-/// The place of every element in the network, for so many elements of each
-/// kind: by number, kinds taking turns.
+/// The place of every element in the network, for this number of elements of
+/// each kind: by number, kinds taking turns.
 pub fn places(counts: &[u32]) -> Vec<u32> {
     let mut elements: Vec<(u32, usize)> = Vec::new();
     for (kind, &count) in counts.iter().enumerate() {

@@ -124,7 +124,7 @@ impl ModuleBuilder<'_> {
         match text.parse() {
             Ok(format) => self.attributes.format = Some((format, span)),
             Err(problem) => {
-                let message = format!("'{}' is no number format", clip(text));
+                let message = format!("'{}' is not a number format", clip(text));
                 self.advise(name, message, &problem.to_string());
             }
         }

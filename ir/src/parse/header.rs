@@ -245,7 +245,7 @@ impl ModuleBuilder<'_> {
             Err(error) => {
                 let help = "leave it out where it is not known: the machine is then the one of \
                             the name";
-                self.advise(hash, format!("this is no hash: {error}"), help);
+                self.advise(hash, format!("this is not a hash: {error}"), help);
             }
         }
     }

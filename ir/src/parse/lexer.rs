@@ -112,7 +112,7 @@ pub(super) enum ModuleToken {
 }
 
 impl ModuleToken {
-    /// True when the statement goes on after a line end after this token.
+    /// True when the statement continues after a line end after this token.
     fn goes_on(self) -> bool {
         matches!(
             self,
@@ -199,7 +199,7 @@ impl<'t> Tokens<'t> {
     }
 
     /// The token after a line end: the line end itself, or, when the statement
-    /// goes on, the token after it.
+    /// continues, the token after it.
     fn after_newline(&mut self, newline: Spanned) -> Option<Spanned> {
         let following = loop {
             match self.raw() {

@@ -51,7 +51,7 @@ impl<'t> Recent<'t> {
         self.function += 1;
     }
 
-    /// The value that bears a name, if it was met not long ago.
+    /// The value that has a name, if it was met not long ago.
     pub(super) fn get(&self, text: &str) -> Option<Value> {
         let entry = self.entries[Recent::slot(text)];
         (entry.function == self.function && entry.text == text).then_some(entry.value)
@@ -70,8 +70,8 @@ impl<'t> Recent<'t> {
 #[derive(Clone)]
 struct NameEntry {
     function: u32,
-    /// The value that bears the symbol itself. Operands here are values or
-    /// none, in half the room that an `Option` takes.
+    /// The value that has the symbol itself. Operands here are values or none,
+    /// in half the room that an `Option` takes.
     plain: Operand,
     /// Values by number, from 1.
     numbered: Vec<Operand>,
@@ -102,7 +102,7 @@ impl NameTable {
         self.sparse.clear();
     }
 
-    /// The value that bears a name.
+    /// The value that has a name.
     pub(super) fn get(&self, name: Name) -> Option<Value> {
         let entry = self.entries.get(name.base.index())?;
         if entry.function != self.function {

@@ -1,4 +1,4 @@
-//! Errors of the grammar, stated for people.
+//! Errors of the grammar, stated for users.
 
 use super::builder::{ModuleBuilder, Open};
 use super::lexer::{ModuleToken, Spanned, Tokens};

@@ -2,11 +2,11 @@
 //!
 //! Beside every value two numbers are kept: its *magnitude*, what it would be
 //! if every term of every sum counted with its absolute value, and its
-//! *roundings*, how many of them a term can have met on its way. The rounded
-//! value is then within `k u / (1 - k u)` times the magnitude of the exact one
-//! (the classical forward bound: Higham, *Accuracy and Stability of Numerical
-//! Algorithms*, 2002, sections 3.1 and 4.2, with a product counting the
-//! roundings of both factors).
+//! *roundings*, how many of them a term can have met during the run. The
+//! rounded value is then within `k u / (1 - k u)` times the magnitude of the
+//! exact one (the classical forward bound: Higham, *Accuracy and Stability of
+//! Numerical Algorithms*, 2002, sections 3.1 and 4.2, with a product counting
+//! the roundings of both factors).
 //!
 //! The magnitude makes the bound useful for rewriting: exchanging,
 //! regrouping, distributing and factoring leave it as it is, and only a

@@ -29,7 +29,7 @@ use std::ops::Range;
 /// The rounding of one operation in binary32, relative to its result: 2⁻²⁴.
 pub const UNIT: f64 = 1.0 / (1u32 << 24) as f64;
 
-/// Into so many blocks the states are divided to find the noise.
+/// Into this number of blocks the states are divided to find the noise.
 pub const BLOCKS: usize = 8;
 
 /// A change of the median by less than this many times its noise is none.
@@ -105,9 +105,9 @@ pub struct MedianChange {
     pub trend: Trend,
 }
 
-/// The number of states used for a function of so many operations: the more
-/// the smaller it is, so that small functions are not judged by a few numbers
-/// and large ones in reasonable time.
+/// The number of states used for a function of this number of operations: the
+/// more the smaller it is, so that small functions are not judged by a few
+/// numbers and large ones in reasonable time.
 pub fn usual_states(operations: usize) -> u32 {
     (OPERATIONS / operations.max(1)).clamp(MIN_STATES, MAX_STATES) as u32
 }

@@ -2,7 +2,7 @@
 //!
 //! Signatures are those of the current generator (MBsysTran 8.1), whose C
 //! MBsysC compiles. They are data here, so that every writer of files that
-//! take the place of Robotran's agrees on them.
+//! replace Robotran's agrees on them.
 
 use robovec_framework::differentiation;
 use robovec_ir::Function;

@@ -6,7 +6,7 @@ use robovec_ir::machine::MemoryStyle;
 use robovec_ir::placement::{Bank, Placement, Schedule};
 use robovec_ir::{Machine, Value, View};
 
-/// The most elements of a kind, as in a machine file.
+/// The maximum number of elements of a kind, as in a machine file.
 const MAX_ELEMENTS: u32 = 4096;
 
 /// For each element of the schedule its kind's place in the machine file.

@@ -90,7 +90,7 @@ pub enum DifferentiationError {
         /// `input` or `output`.
         kind: &'static str,
     },
-    /// An array of the derivative would bear the name of another.
+    /// An array of the derivative would have the name of another.
     #[error("the array '{0}' of the derivative has the name of another array")]
     Taken(String),
     /// The arrays have more elements than a function can have.

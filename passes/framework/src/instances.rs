@@ -7,7 +7,7 @@
 
 use crate::options::{OptionValue, joined_names};
 
-/// The most instances in one program.
+/// The maximum number of instances in one program.
 pub const MAX_INSTANCES: u32 = 64;
 
 /// The key of the metadata that shows how many instances a function holds.

@@ -134,7 +134,7 @@ pub struct OptionInfo {
 }
 
 impl OptionInfo {
-    /// Its type for people: `integer, 1 to 64`.
+    /// Its type for users: `integer, 1 to 64`.
     pub fn type_text(&self) -> String {
         let name = (self.type_name)();
         match &self.limit {

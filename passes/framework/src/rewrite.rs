@@ -1,4 +1,4 @@
-//! Writing a function anew: what every pass that changes the body shares.
+//! Rewriting a function: what every pass that changes the body shares.
 
 use crate::rewrite_limit::RewriteLimit;
 use robovec_analysis::slice::needed;

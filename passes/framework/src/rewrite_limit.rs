@@ -29,12 +29,11 @@ impl RewriteLimit {
         }
     }
 
-    /// Tests whether the value of this name may be written anew; `rule` names
-    /// how, in a few words or by the name of a rule.
+    /// Tests whether the value of this name may be rewritten; `rule` names how,
+    /// in a few words or by the name of a rule.
     ///
-    /// A group of operations is one rewrite, asked for by the name of its
-    /// result; inner nodes at the equations level have none
-    /// ([`Name::NONE`]).
+    /// A group of operations is one rewrite, requested by the name of its
+    /// result; inner nodes at the equations level have none ([`Name::NONE`]).
     #[inline]
     pub fn allow(&self, name: Name, rule: &str) -> bool {
         let number = self.asked.get() + 1;
@@ -49,13 +48,13 @@ impl RewriteLimit {
     }
 
     /// True when a rewrite has been refused. A pass that compares its result
-    /// with what it took must then give the result all the same, and stop:
+    /// with what it took must then give the result nevertheless, and stop:
     /// whether the first rewrites alone are worth having is not the question.
     pub fn has_refused(&self) -> bool {
         self.limit.is_some_and(|limit| self.asked.get() > limit)
     }
 
-    /// The number of rewrites asked for, refused ones included.
+    /// The number of rewrites requested, refused ones included.
     pub fn asked(&self) -> u64 {
         self.asked.get()
     }

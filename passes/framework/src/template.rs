@@ -2,8 +2,8 @@
 
 use std::fmt::{Display, Write};
 
-/// A template with values in the place of its words. A `@` that is not part
-/// of a word stays.
+/// A template with values instead of its words. A `@` that is not part of a
+/// word stays.
 ///
 /// # Panics
 ///

@@ -97,7 +97,7 @@ impl<'text> RuleBuilder<'text> {
         self.draft = RuleDraft::default();
     }
 
-    /// Begins the rule at hand once more.
+    /// Begins the rule available once more.
     pub(super) fn begin_again(&mut self) {
         if let Some((name, _)) = &self.draft.name {
             self.names.remove(name.as_str());
@@ -205,7 +205,7 @@ impl<'text> RuleBuilder<'text> {
         Err(self.unknown("operation", word, span, &names, known).into())
     }
 
-    /// Reports that nothing bears a word as its name.
+    /// Reports that nothing has a word as its name.
     fn unknown(
         &mut self,
         what: &str,

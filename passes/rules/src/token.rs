@@ -78,7 +78,7 @@ impl RuleToken<'_> {
         matches!(self, Word(_) | Rule | When | Class)
     }
 
-    /// True for what a name with hyphens can go on with.
+    /// True for what a name with hyphens can continue with.
     fn continues_name(self) -> bool {
         self.starts_name() || matches!(self, RuleToken::Number(_) | RuleToken::Minus)
     }

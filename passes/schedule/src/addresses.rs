@@ -124,8 +124,8 @@ fn preloads(graph: &DependenceGraph, draft: &ScheduleDraft) -> Vec<(Entry, Datum
         .collect()
 }
 
-/// The buffer word of each node whose result is read from the buffer. A word
-/// is taken in the write-back cycle and can be taken anew in a cycle after its
+/// The buffer word of each node whose result is read from the buffer. A word is
+/// taken in the write-back cycle and can be taken again in a cycle after its
 /// last read.
 pub(super) fn allocate_buffers(
     graph: &DependenceGraph,

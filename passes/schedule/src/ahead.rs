@@ -181,8 +181,8 @@ impl Sweep<'_> {
     }
 
     /// The seat of an operation and what must be written for it: the one it
-    /// has, or the least loaded one that is possible; the fewer new words and
-    /// the shorter the ways the better among equals.
+    /// has, or the smallest loaded one that is possible; the fewer new words
+    /// and the shorter the ways the better among equals.
     fn find_seat(&self, user: usize) -> Option<(Seat, Needs)> {
         let ahead = self.ahead.as_ref()?;
         if let Some(seat) = ahead.seat(user)

@@ -91,7 +91,7 @@ mod tests {
         bound
     }
 
-    /// The least length of any schedule without memories, by trying all
+    /// The smallest length of any schedule without memories, by trying all
     /// shorter than `best`: operations in program order, each in every cycle
     /// that its operands and the elements allow.
     fn optimum(graph: &DependenceGraph, issue: &mut Vec<u32>, mut best: u32) -> u32 {

@@ -130,7 +130,7 @@ impl Planned {
     }
 }
 
-/// The word that a route puts on its way.
+/// The word that a route puts during the run.
 pub(super) fn word(
     ports: &Ports,
     source: OperandSource,

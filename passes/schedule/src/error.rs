@@ -8,7 +8,7 @@ use robovec_ir::{Level, Value};
 /// one into a name and a place in the user's file.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum PlaceError {
-    /// Placement takes atomic functions (or places a placed one anew).
+    /// Placement takes atomic functions (or places a placed one again).
     #[error("placement takes a function at level atomic, not {level}")]
     NotAtomic {
         /// The function's level.

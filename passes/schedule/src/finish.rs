@@ -11,7 +11,7 @@ use robovec_ir::placement::{
 };
 use robovec_ir::{Function, Level, Machine, Operand, Value};
 
-/// Everything that is decided, but for addresses in memories.
+/// Everything that is decided, except for addresses in memories.
 pub(super) struct Settled {
     /// Cycles, elements and transfers.
     pub(super) draft: ScheduleDraft,

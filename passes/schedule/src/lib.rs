@@ -63,8 +63,8 @@ use robovec_ir::{Function, Machine};
 use search::PlacementSearch;
 use state::Task;
 
-/// The most entries the table of write ports may have: one per memory and
-/// cycle, in bytes.
+/// The maximum number of entries the table of write ports may have: one per
+/// memory and cycle, in bytes.
 const LARGEST_TABLE: u64 = 1 << 30;
 
 /// The choices with which a function is placed.
@@ -94,7 +94,7 @@ pub struct PlaceSummary {
 ///
 /// # Errors
 ///
-/// As [`place`], but for memories.
+/// As [`place`], except for memories.
 pub fn schedule_bound(function: &Function, machine: &Machine) -> Result<u32, PlaceError> {
     let graph = DependenceGraph::new(function, machine)?;
     Ok(bound::lower_bound(

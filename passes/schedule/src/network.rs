@@ -1,7 +1,7 @@
 //! Ways of words through a network (the conventions are those of
 //! [`robovec_ir::machine::interconnect`]).
 //!
-//! Ways are followed link by link where they are asked for, never stored: a
+//! Ways are followed link by link where they are requested, never stored: a
 //! table of all pairs would grow with the square of the elements.
 
 use robovec_ir::machine::interconnect::{self, Interconnect, LinkNetwork, Topology};
@@ -20,8 +20,8 @@ pub(super) struct Wires {
 }
 
 impl Wires {
-    /// The network of a machine with so many elements of each kind; `None`
-    /// for a crossbar, which has no links to share.
+    /// The network of a machine with this number of elements of each kind;
+    /// `None` for a crossbar, which has no links to share.
     pub(super) fn new(interconnect: Interconnect, counts: &[u32]) -> Option<Wires> {
         let Interconnect::Network(network) = interconnect else {
             return None;

@@ -11,13 +11,13 @@ use robovec_ir::{Function, Level, Machine, Value};
 declare_pass! {
     /// Gives every operation a cycle and a processing element of the machine.
     ///
-    /// List scheduling (thesis 2.2 and 2.3) under the rules of the machine:
-    /// one issue per element and cycle, so many writes per memory and cycle,
-    /// so many words read from a buffer per cycle, so many words. Every
-    /// transfer is explicit in the result: initial data in the memories that
-    /// read them, results written directly in the cycle in which they appear
-    /// or indirectly, through the buffer, in a later one, and a word for each
-    /// output that stays to the end.
+    /// List scheduling (thesis 2.2 and 2.3) under the rules of the machine: one
+    /// issue per element and cycle, this number of writes per memory and cycle,
+    /// this number of words read from a buffer per cycle, this number of words.
+    /// Every transfer is explicit in the result: initial data in the memories
+    /// that read them, results written directly in the cycle in which they
+    /// appear or indirectly, through the buffer, in a later one, and a word for
+    /// each output that stays to the end.
     ///
     /// The bound printed beside the length is proved: no schedule of this
     /// function on this machine is shorter.

@@ -12,7 +12,7 @@ use super::network::Wires;
 use robovec_ir::placement::Element;
 use robovec_ir::{Machine, Operand};
 
-/// The most words planned at once, beside the one asked about.
+/// The maximum number of words planned at once, beside the one asked about.
 pub(super) const PLANNED: usize = Operand::MAX_COUNT - 1;
 
 /// Reservations of all cycles so far.
@@ -36,7 +36,8 @@ pub(super) struct Ports {
     links: Vec<u8>,
 }
 
-/// A word on its way: what, from which element to which, and when it departs.
+/// A word during the run: what, from which element to which, and when it
+/// departs.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct WordTransfer {
     pub(super) datum: Datum,
@@ -154,7 +155,7 @@ impl Ports {
         })
     }
 
-    /// True when the word is on the link anyway, on its way elsewhere.
+    /// True when the word is on the link anyway, during the run elsewhere.
     fn carries(&self, locations: &Locations, word: WordTransfer, link: usize) -> bool {
         let Some(wires) = &self.wires else {
             return false;

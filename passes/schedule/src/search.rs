@@ -20,7 +20,7 @@ const WORK_BUDGET: usize = 300_000;
 /// buffers.
 const BUFFERLESS_BUDGET: usize = 150_000;
 
-/// The most orders tried for small programs.
+/// The maximum number of orders tried for small programs.
 const MAX_TRIES: usize = 40;
 
 /// A buffer of this many words is not worth another try.
@@ -187,7 +187,7 @@ impl<'a> Trials<'a> {
     }
 }
 
-/// A complete placement, but for addresses.
+/// A complete placement, except for addresses.
 pub(super) struct PlacementCandidate {
     /// Cycles, elements and transfers.
     pub(super) draft: ScheduleDraft,

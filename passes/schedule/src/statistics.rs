@@ -101,8 +101,8 @@ pub fn placement_statistics(function: &Function, machine: &Machine) -> Option<Pl
     })
 }
 
-/// The most words that an element of a placed function has in its operand
-/// memories together; `None` for a function that is not placed.
+/// The maximum number of words that an element of a placed function has in its
+/// operand memories together; `None` for a function that is not placed.
 pub fn most_memory_words(function: &Function) -> Option<u32> {
     let (schedule, placement) = (function.schedule.as_ref()?, function.placement.as_ref()?);
     let words = memory_words(schedule, placement).into_iter();

@@ -16,7 +16,7 @@ pub(super) struct TestFunctionBuilder {
 }
 
 impl TestFunctionBuilder {
-    /// A function with so many inputs and outputs.
+    /// A function with this number of inputs and outputs.
     pub(super) fn new(inputs: u32, outputs: u32) -> TestFunctionBuilder {
         let mut function = Function::new("test", Level::Atomic);
         function.add_input(Symbol(0), Shape::Vector(inputs));

@@ -27,8 +27,8 @@ use robovec_num::limits::{Amount, NumberLimit};
 pub enum CycleLimit {
     /// As long as it is.
     Same,
-    /// At most so many cycles of the machine, and never fewer than the path
-    /// takes.
+    /// At most this number of cycles of the machine, and never fewer than the
+    /// path takes.
     AtMost(u32),
 }
 
@@ -95,7 +95,7 @@ declare_pass! {
             0, 10_000, "no longer path rounds less"),
         /// Operations allowed beyond those there are, in per cent.
         pub growth: u32 = 0 => NumberLimit::whole(
-            0, 10_000, "operations become up to a hundred times those there are"),
+            0, 10_000, "the number of operations grows up to a hundred times"),
         /// Random states at which the result is measured; 0 for as many as
         /// the size of the function suggests.
         pub states: u32 = 0 => NumberLimit::whole(

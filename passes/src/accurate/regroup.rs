@@ -35,7 +35,7 @@ pub(super) struct Regrouped {
     pub(super) factored: u64,
 }
 
-/// The function with its sums written anew; dead products are still there.
+/// The function with its sums rewritten; dead products are still there.
 pub(super) fn regroup(
     function: &Function,
     profile: &SensitivityProfile,
@@ -262,7 +262,7 @@ impl RegroupingWriter<'_> {
         }
     }
 
-    /// Writes the operations of a plan in the place of a group.
+    /// Writes the operations of a plan instead of a group.
     fn write(&mut self, root: Value, plan: &SumPlan, factoring: bool, context: &mut Context<'_>) {
         let node = *self.function.node(root);
         let inner = self.groups.inner(root).to_vec();

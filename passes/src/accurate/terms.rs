@@ -203,7 +203,7 @@ impl SumDraft<'_> {
         );
     }
 
-    /// Puts a term in the place of two.
+    /// Puts a term instead of two.
     fn replace(&mut self, i: usize, j: usize, term: SumTerm) {
         let (first, second) = (i.min(j), i.max(j));
         self.terms.remove(second);
@@ -283,7 +283,7 @@ impl SumDraft<'_> {
         found
     }
 
-    /// Writes a factored difference in the place of its two terms.
+    /// Writes a factored difference instead of its two terms.
     fn write(&mut self, i: usize, j: usize, difference: &FactoredPair) {
         let [b, c] = difference.pair;
         let [first, second] = difference.signs;

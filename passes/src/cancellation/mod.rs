@@ -221,7 +221,7 @@ fn written(
     (rewriter.finish(), operand)
 }
 
-/// Writes a form in the place of a difference, whose name the result bears.
+/// Writes a form instead of a difference, whose name the result has.
 fn write(
     form: &BetterForm,
     rewriter: &mut Rewriter<'_>,

@@ -12,7 +12,7 @@ option_words! {
         /// By curves of what a value costs by when it is needed: the best known.
         #[default]
         Curves = "curves",
-        /// By estimated shares of operations: several times quicker.
+        /// By estimated shares of operations: several times faster.
         Flow = "flow",
     }
 }
@@ -77,7 +77,7 @@ impl<'a, 'n> FormChooser<'a, 'n> {
     }
 
     /// A mapping with few operations and no output later than `latest`, the only
-    /// one that is asked for.
+    /// one that is requested.
     pub(crate) fn map_once(self, latest: u32) -> Mapping {
         match self {
             FormChooser::Curves { mut mapper, rounds } => mapper.map(latest, rounds, None),

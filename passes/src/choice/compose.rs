@@ -41,14 +41,14 @@ pub(crate) struct CompositionLimits {
     /// The number of times that the distance between frontiers is doubled for
     /// looking further back.
     pub(crate) doublings: u32,
-    /// A form has at most so many late terms.
+    /// A form has at most this number of late terms.
     pub(crate) width: usize,
     /// A form that would have more late terms than it may is not given up while
     /// it has no more than these: the earliest of them are summed up with what
     /// is known early.
     pub(crate) reach: usize,
-    /// A variable that is available so many cycles before the frontier is
-    /// summed up with what is known early.
+    /// A variable that is available this number of cycles before the frontier
+    /// is summed up with what is known early.
     pub(crate) window: u32,
 }
 

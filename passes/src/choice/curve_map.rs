@@ -25,7 +25,7 @@ pub(crate) struct CurveMapper<'a, 'n> {
 #[derive(Clone)]
 struct CurveState {
     curves: Curves,
-    /// Number of users of each class that bear its operations: those of the mappings
+    /// Number of users of each class that have its operations: those of the mappings
     /// made so far, the last ones before all.
     shares: Vec<f32>,
 }
@@ -154,7 +154,7 @@ impl<'a, 'n> CurveMapper<'a, 'n> {
     }
 }
 
-/// Those who bear the operations of a class that is used so often.
+/// Those who have the operations of a class that is used so often.
 fn share(uses: u32) -> f32 {
     uses.max(1) as f32
 }

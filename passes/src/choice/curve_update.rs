@@ -1,11 +1,11 @@
-//! The making of curves: anew only where something changed.
+//! The making of curves: again only where something changed.
 
 use super::curves::{CurvePoint, Curves, POINTS, is_beaten};
 use super::dense::{FlowState, FormFlow, FormsByClass};
 use super::trial::FormTrial;
 use smallvec::SmallVec;
 
-/// The part by which operations change before a curve is made anew.
+/// The part by which operations change before a curve is made again.
 const TOLERANCE: f32 = 0.01;
 
 /// Buffers kept from one class to the next while curves are made.
@@ -16,7 +16,7 @@ struct CurveSpace {
 }
 
 impl Curves {
-    /// Makes the curves of all classes, which have so many users.
+    /// Makes the curves of all classes, which have this number of users.
     pub(super) fn update(&mut self, forms: &FormsByClass<'_>, shares: &[f32], outputs: &[usize]) {
         assert_eq!(shares.len(), self.counts.len(), "every class has a share");
         let mut space = CurveSpace::default();

@@ -5,7 +5,7 @@
 //! class that is used in several places shares its operations among them, by
 //! how often it was used when forms were last chosen (*area flow*;
 //! Manohararajah, Brown and Vranesic 2006). Curves hold for every time at which
-//! the outputs may be wanted, and are made anew only where something changed.
+//! the outputs may be wanted, and are made again only where something changed.
 
 use super::dense::FlowState;
 
@@ -14,7 +14,7 @@ use super::dense::FlowState;
 pub(super) struct CurvePoint {
     pub(super) arrival: u32,
     pub(super) form: u32,
-    /// The operations that each user bears.
+    /// The operations that each user has.
     pub(super) flow: f32,
 }
 

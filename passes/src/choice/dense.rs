@@ -15,7 +15,7 @@ use std::ops::Range;
 /// State of a class that its users read while forms are chosen.
 #[derive(Clone, Copy, Default, Debug)]
 pub(crate) struct FlowState {
-    /// The operations that each user bears; no number while nothing is known.
+    /// The operations that each user has; no number while nothing is known.
     pub(crate) flow: f64,
     pub(crate) arrival: u32,
 }
@@ -37,7 +37,7 @@ pub(crate) enum FormFlow {
     /// Its operations and its share of those of its operands, a time before
     /// which it is not available, and whether it is available then.
     Found(f64, (u32, bool)),
-    /// The operations are more than was asked for.
+    /// The operations are more than was requested.
     TooMuch,
     /// The first operand whose state is missing, which is needed.
     Missing(usize),

@@ -31,7 +31,7 @@ impl Mapping {
 }
 
 /// The largest network whose choices are improved one by one, in classes: the
-/// operations that hang on a choice are counted anew for every form.
+/// operations that are attached to a choice are counted again for every form.
 const LARGEST_EXACT: usize = 1_000_000;
 
 /// In a larger network no more rounds are made when one saved less than one

@@ -82,7 +82,7 @@ impl FormRecord {
     }
 }
 
-/// In so many parts forms are sorted.
+/// In this number of parts forms are sorted.
 const SORTED_PARTS: usize = 8;
 
 /// All forms, in the order they were made.
@@ -97,7 +97,7 @@ pub(crate) struct FormStore {
 }
 
 impl FormStore {
-    /// Asks for room for so many forms and terms at once.
+    /// Asks for room for this number of forms and terms at once.
     pub(crate) fn reserve(&mut self, forms: usize, terms: usize) {
         self.records.reserve(forms);
         self.terms.reserve(terms);

@@ -202,7 +202,7 @@ impl Mapper<'_> {
         }
     }
 
-    /// Counts uses and operations anew, and required times when a latest time
+    /// Counts uses and operations again, and required times when a latest time
     /// is given.
     pub(super) fn settle(&self, mapping: &mut Mapping, latest: Option<u32>) {
         mapping.uses.fill(0);

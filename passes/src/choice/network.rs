@@ -76,9 +76,9 @@ impl ChoiceNetwork {
         network
     }
 
-    /// Asks for room at once for about what the network of a function of so
-    /// many operations takes when forms are composed in it. Vectors that grow to
-    /// that leave memory in pieces, which no larger one can use, and
+    /// Asks for room at once for about what the network of a function of this
+    /// number of operations takes when forms are composed in it. Vectors that
+    /// grow to that leave memory in pieces, which no larger one can use, and
     /// tables that grow take a tenth of the time at 500,000 operations.
     pub(crate) fn reserve(&mut self, operations: usize) {
         let (classes, forms) = (2 * operations, FORMS_PER_OPERATION * operations);
@@ -98,8 +98,8 @@ impl ChoiceNetwork {
         self.forms.len()
     }
 
-    /// Numbers the classes anew, in order of rank: the new number of each. None
-    /// can be added any more; what finds classes and forms is freed.
+    /// Numbers the classes again, in order of rank: the new number of each.
+    /// None can be added any more; what finds classes and forms is freed.
     pub(crate) fn sort(&mut self) -> Vec<Class> {
         self.values = ValueTable::new(self.values.images);
         self.recent = RecentSums::default();

@@ -14,7 +14,7 @@ use robovec_num::limits::NumberLimit;
 pub(crate) const GROWTH: NumberLimit = NumberLimit::whole(
     0,
     10_000,
-    "operations become up to a hundred times those there are",
+    "the number of operations grows up to a hundred times",
 );
 
 /// Operations allowed, as a number.
@@ -29,7 +29,7 @@ pub(crate) const PATH: NumberLimit =
 pub(crate) const ROUNDS: NumberLimit = NumberLimit::whole(
     0,
     64,
-    "operations are counted and chosen again for every value in every round",
+    "in every round the operations of every value are counted and chosen again",
 );
 
 /// The operations allowed: so many, or for 0 a part of those there are, in

@@ -22,7 +22,7 @@ pub(crate) struct SignedClass {
 }
 
 impl SignedClass {
-    /// The negation, when it is asked for.
+    /// The negation, when it is requested.
     pub(crate) fn flip(self, negative: bool) -> SignedClass {
         SignedClass {
             negative: self.negative ^ negative,

@@ -44,7 +44,7 @@ pub(super) struct FormTrial {
     multiply: u32,
     /// True when terms are not joined two by two.
     is_opaque: bool,
-    /// The operations of the form and what it bears of those of its classes.
+    /// The operations of the form and what it has of those of its classes.
     flow: f32,
 }
 
@@ -206,8 +206,9 @@ impl FormTrial {
         true
     }
 
-    /// Adds what the form can be to the curve of its class, which has so many
-    /// users. It is not available before a time whatever points are taken.
+    /// Adds what the form can be to the curve of its class, which has this
+    /// number of users. It is not available before a time whatever points are
+    /// taken.
     pub(super) fn trace(
         &mut self,
         curves: &Curves,

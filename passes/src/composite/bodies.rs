@@ -63,8 +63,8 @@ impl<N> RigidBody<Option<N>> {
         self.mass.is_none() && parts.into_iter().all(Option::is_none)
     }
 
-    /// The body with what is missing of its inertia on one side of the
-    /// diagonal taken from the other, if that is asked for.
+    /// The body with what is missing of its inertia on one side of the diagonal
+    /// taken from the other, if that is requested.
     pub(super) fn mirrored(self, symmetric: bool) -> RigidBody<Option<N>>
     where
         N: Copy,

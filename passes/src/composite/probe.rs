@@ -31,18 +31,18 @@ impl ProbedMatrix {
         self.largest
     }
 
-    /// True when a row is zero but for rounding.
+    /// True when a row is zero except for rounding.
     pub(super) fn is_row_zero(&self, row: usize) -> bool {
         (0..self.count).all(|column| self.is_zero(row, column))
     }
 
-    /// True for an element that is zero but for rounding.
+    /// True for an element that is zero except for rounding.
     pub(super) fn is_zero(&self, row: usize, column: usize) -> bool {
         self.at(row, column).abs() <= 1e-11 * self.largest
     }
 }
 
-/// Tests whether two numbers of a given size are one but for rounding.
+/// Tests whether two numbers of a given size are one except for rounding.
 pub(super) fn near(a: f64, b: f64, size: f64) -> bool {
     (a - b).abs() <= 1e-8 * size
 }

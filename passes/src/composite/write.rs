@@ -183,9 +183,9 @@ pub(super) fn rebuild(
     }
 }
 
-/// Puts other equations in the place of those of some outputs, given by their
-/// places among the assignments. Those that have another value stay as they
-/// are and are returned by their indices.
+/// Puts other equations instead of those of some outputs, given by their places
+/// among the assignments. Those that have another value stay as they are and
+/// are returned by their indices.
 fn exchange(
     network: &mut FactorNetwork,
     places: &[Option<usize>],

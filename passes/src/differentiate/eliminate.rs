@@ -125,7 +125,7 @@ impl Elimination<'_> {
         }
     }
 
-    /// Eliminates the vertex of the least cost next, as costs were when an
+    /// Eliminates the vertex of the smallest cost next, as costs were when an
     /// edge of the vertex last changed.
     fn greedy(
         &mut self,

@@ -11,11 +11,11 @@ use robovec_ir::{
     Assignment, Function, Input, Node, Operand, Operation, Output, SourceSet, Symbol, Tables,
 };
 
-/// The most operations a function may get: the text of more is larger than any
-/// file that is read.
+/// The maximum number of operations a function may get: the text of more is
+/// larger than any file that is read.
 const MAX_OPERATIONS: usize = 1 << 24;
 
-/// The most products of weights in one order.
+/// The maximum number of products of weights in one order.
 const MAX_PRODUCTS: u64 = 1 << 26;
 
 /// Number of roots that are named in a remark.

@@ -40,7 +40,7 @@ impl<'a> ExactExtractor<'a> {
         (search.best_choice, search.steps > 0)
     }
 
-    /// Chooses a form for the last open class, and goes on. Depth is bounded
+    /// Chooses a form for the last open class, and continues. Depth is bounded
     /// by the number of classes.
     fn branch(&mut self, open: &[u32], operations: u32) {
         if self.steps == 0 || operations >= self.best {

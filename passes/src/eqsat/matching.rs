@@ -50,7 +50,7 @@ type Next<'n> = &'n mut dyn FnMut(&mut Matcher<'_>);
 type NextTerms<'n> = &'n mut dyn FnMut(&mut Matcher<'_>, &[ClassReference]);
 
 impl<'g> Matcher<'g> {
-    /// A matcher for a pattern of so many variables.
+    /// A matcher for a pattern of this number of variables.
     pub(crate) fn new(graph: &'g EquivalenceGraph, variables: usize, steps: u32) -> Matcher<'g> {
         Matcher {
             graph,
@@ -389,7 +389,7 @@ impl<'g> Matcher<'g> {
     }
 }
 
-/// Compound patterns before variables: they leave the least choice.
+/// Compound patterns before variables: they leave the smallest choice.
 fn in_order<'p, T: Copy>(patterns: impl Iterator<Item = (T, &'p Bag)>) -> Vec<T> {
     let (mut compound, mut variables) = (Vec::new(), Vec::new());
     for (pattern, bag) in patterns {

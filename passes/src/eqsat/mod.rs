@@ -61,7 +61,7 @@ declare_pass! {
             0, 64, "every round visits all windows of the function"),
         /// Operations the function may grow by, in percent.
         pub growth: u32 = 10 => NumberLimit::whole(
-            0, 10_000, "operations become up to a hundred times those there are"),
+            0, 10_000, "the number of operations grows up to a hundred times"),
         /// Use the rules of class real-trig too: sines and cosines then lie on
         /// the circle, and the pass is of that class itself.
         pub trig: bool = false,
@@ -77,8 +77,8 @@ declare_pass! {
     destroys: [Timed],
 }
 
-/// Forms made in all windows of a function: so many, and so many more per
-/// operation. Time grows with them, and so with the function.
+/// Forms made in all windows of a function: so many, and this number of more
+/// per operation. Time grows with them, and so with the function.
 const FIRST_NODES: usize = 600_000;
 /// See [`FIRST_NODES`].
 const NODES_PER_OPERATION: usize = 2;

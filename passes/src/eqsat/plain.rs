@@ -154,8 +154,8 @@ pub(crate) fn plain_number(number: f64) -> EquivalentForm {
 /// are kept before the first one makes a form.
 const MATCHES_PER_NODE: usize = 4;
 
-/// Takes no more than so many matches of a rule in a round, and makes no more
-/// forms than there is room for.
+/// Takes no more than this number of matches of a rule in a round, and makes no
+/// more forms than there is room for.
 struct BoundedMatches {
     most: usize,
     nodes: usize,

@@ -51,7 +51,7 @@ pub(crate) fn is_one_bag(a: Operation, b: Operation) -> bool {
 }
 
 impl RewriteWindow {
-    /// The window of a root with at most so many operations.
+    /// The window of a root with at most this number of operations.
     pub(crate) fn grow(around: &Surroundings<'_>, root: Value, size: usize) -> Vec<Value> {
         let function = around.function;
         let mut interior: Vec<Value> = Vec::with_capacity(size);

@@ -161,7 +161,7 @@ impl DivisorOccurrence {
         UNIT * (1 + products as i64)
     }
 
-    /// The common factors, and what is left of the two terms.
+    /// The common factors, and the rest of the two terms.
     fn split(&self, network: &FactorNetwork) -> (Vec<Edge>, [Vec<Edge>; 2]) {
         let [(_, left), (_, right)] = self.pair.map(|edge| factors(network, edge));
         match self.common {
@@ -355,8 +355,8 @@ fn apply(
 }
 
 impl DivisorOccurrence {
-    /// The operands of the user with the divisor in the place of the pair;
-    /// `None` when the pair has gone or the divisor would depend on the user.
+    /// The operands of the user with the divisor instead of the pair; `None`
+    /// when the pair has gone or the divisor would depend on the user.
     fn rewritten(
         &self,
         network: &mut FactorNetwork,

@@ -34,7 +34,7 @@ option_words! {
 }
 
 option_words! {
-    /// Method of writing polynomials anew.
+    /// Method of writing polynomials again.
     pub enum HornerChoice {
         /// They stay as they are.
         None = "none",
@@ -55,7 +55,7 @@ const WORK: NumberLimit = NumberLimit::whole(
 const ORDERS: NumberLimit = NumberLimit::whole(
     1,
     256,
-    "all factors are taken out of a network for each of them",
+    "for each order all factors are taken out of a network",
 );
 /// Limit of the option `seed`.
 const SEED: NumberLimit = NumberLimit::whole(0, u32::MAX as u64, "a seed costs nothing");
@@ -92,8 +92,8 @@ declare_pass! {
         pub orders: u32 = 8 => ORDERS,
         /// The seed of the search.
         pub seed: u32 = 1 => SEED,
-        /// The longest path allowed, in cycles, in the place of `path`; 0 leaves
-        /// it to `path`.
+        /// The longest path allowed, in cycles, instead of `path`; 0 leaves it
+        /// to `path`.
         pub cycles: u32 = 0 => CYCLES,
     }
     takes: [Atomic],
@@ -126,8 +126,8 @@ declare_pass! {
         pub orders: u32 = 8 => ORDERS,
         /// The seed of the search.
         pub seed: u32 = 1 => SEED,
-        /// The longest path allowed, in cycles, in the place of `path`; 0 leaves
-        /// it to `path`.
+        /// The longest path allowed, in cycles, instead of `path`; 0 leaves it
+        /// to `path`.
         pub cycles: u32 = 0 => CYCLES,
     }
     takes: [Atomic],

@@ -107,8 +107,8 @@ pub(crate) struct FactorNetwork {
 pub(crate) const ZERO: usize = 0;
 /// The node of the literal 1.
 pub(crate) const ONE: usize = 1;
-/// The distance of positions after [`FactorNetwork::renumber`]: so many values can
-/// be made between two neighbours.
+/// The distance of positions after [`FactorNetwork::renumber`]: this number of
+/// values can be made between two neighbours.
 const SPACING: u64 = 1 << 20;
 
 impl FactorNetwork {

@@ -11,7 +11,7 @@ use robovec_analysis::critical_path::Weights;
 use robovec_framework::trail::Notes;
 use robovec_ir::{Function, Level, Name, Operation, Tables};
 
-/// Writes the live part of a network in the place of a function's body.
+/// Writes the live part of a network instead of a function's body.
 pub(crate) fn write(
     function: &Function,
     mut network: FactorNetwork,

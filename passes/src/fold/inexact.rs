@@ -73,7 +73,7 @@ enum FoldedNode {
     Operation(Node),
 }
 
-/// Writes a function anew; a constant in it is the index of a known number.
+/// Writes a function again; a constant in it is the index of a known number.
 struct ConstantFolder<'a> {
     old: &'a Function,
     new: Function,

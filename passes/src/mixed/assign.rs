@@ -136,8 +136,8 @@ impl Choices {
         }
     }
 
-    /// For every value the format with the least cost plus price times share;
-    /// of equals the narrower.
+    /// For every value the format with the smallest cost plus price times
+    /// share; of equals the narrower.
     pub(super) fn at(&self, price: i32) -> FormatAssignment {
         let price = 2f64.powi(price);
         let mut total = 0.0;

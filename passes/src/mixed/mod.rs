@@ -50,14 +50,14 @@ declare_pass! {
     /// of the significand, as a multiplier does, a sum and a value that is
     /// only stored cost the bits.
     ///
-    /// A rounding moves the outputs by its size times their derivative, so
-    /// each value has, for each format, a share in the error; a value gets the
-    /// format with the least sum of its cost and a price times its share, and
-    /// the price is the lowest at which the measured errors are within what is
-    /// allowed. Outputs with errors to spare then count for less, those without
-    /// for more, and the search is repeated. Formats whose range does not hold
-    /// a value with a margin of 4 are not given to it. The result is measured
-    /// at fresh states, and the price raised until these agree.
+    /// A rounding moves the outputs by its size times their derivative, so each
+    /// value has, for each format, a share in the error; a value gets the
+    /// format with the smallest sum of its cost and a price times its share,
+    /// and the price is the lowest at which the measured errors are within what
+    /// is allowed. Outputs with errors to spare then count for less, those
+    /// without for more, and the search is repeated. Formats whose range does
+    /// not hold a value with a margin of 4 are not given to it. The result is
+    /// measured at fresh states, and the price raised until these agree.
     ///
     /// The pass works in both directions: with `wide=f64` and a small error it
     /// finds the few values that binary32 is too narrow for, with formats
@@ -95,7 +95,7 @@ declare_pass! {
 const FIRST_CHOSEN: u32 = 2000;
 const FIRST_CHECKED: u32 = 1_000_000;
 
-/// The number of times that outputs are weighted anew.
+/// The number of times that outputs are weighted again.
 const ROUNDS: usize = 3;
 
 /// Functions of more operations have one round.

@@ -3,7 +3,7 @@
 //! - [`steps`]: what may be tried, as data;
 //! - [`search`](mod@search): what is tried next, and the best of it;
 //! - [`trial`]: programs with their figures;
-//! - `table`: what was tried, for people.
+//! - `table`: what was tried, for users.
 //!
 //! The search is open to others: `robovec optimise` runs it over several
 //! formulations and on all cores.
@@ -104,7 +104,7 @@ declare_pass! {
         /// for 0 forty times the operations, at least 1,500,000 and at
         /// most 8,000,000.
         pub budget: u32 = 0 => NumberLimit::whole(
-            0, 1_000_000_000, "variants are made until so many operations were reassociated"),
+            0, 1_000_000_000, "variants are made until this number of operations were reassociated"),
     }
     takes: [Equations, Atomic],
     gives: Gives::Level(robovec_ir::Level::Atomic),
@@ -192,7 +192,7 @@ impl Pass for Optimise {
 
 /// Limit of the effort.
 pub const EFFORT: NumberLimit =
-    NumberLimit::whole(1, 10_000, "every effort takes as long as the first");
+    NumberLimit::whole(1, 10_000, "every unit of effort takes as long as the first");
 
 /// Makes variants by running passes inside the pass: one after the other, since
 /// they share the tables of the module.

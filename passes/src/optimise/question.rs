@@ -79,8 +79,8 @@ pub trait ProgramMaker {
 pub struct ScheduleSize {
     /// Its length.
     pub cycles: u32,
-    /// The most words of memory of an element, both sides of a split one
-    /// together.
+    /// The maximum number of words of memory of an element, both sides of a
+    /// split one together.
     pub words: u32,
 }
 
@@ -116,8 +116,8 @@ pub struct SearchOutcome<P> {
     pub alike: usize,
 }
 
-/// The work of one effort where the smallest start has so many operations:
-/// some seconds on one core for models of any usual size.
+/// The work of one effort where the smallest start has this number of
+/// operations: some seconds on one core for models of any usual size.
 pub fn usual_unit(operations: usize) -> u64 {
     const LEAST: u64 = 1_500_000;
     const MOST: u64 = 8_000_000;

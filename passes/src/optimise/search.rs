@@ -121,15 +121,16 @@ struct ProgramSearch<'a, M: ProgramMaker> {
 }
 
 /// Programs that moves are tried on by the first effort, and by each of the
-/// others: a bound for small functions, of which so many take little of the
-/// work allowed. The first is to be quick, since whole explorations take it.
+/// others: a bound for small functions, of which this number of take little of
+/// the work allowed. The first is to be quick, since whole explorations take
+/// it.
 const EXPANSIONS: [u32; 2] = [9, 24];
 
 /// Operations up to which a function is small: each effort but the first has
 /// twice the work for it, since it gains by longer chains of moves.
 const SMALL: usize = 2_500;
 
-/// In one turn of so many moves are tried on the best of all programs.
+/// In one turn of this number of moves are tried on the best of all programs.
 const TURNS: u32 = 3;
 
 /// Programs placed at a time. A constant, so that what is placed does not
@@ -294,8 +295,8 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
         own > 2 * self.rank(best).0
     }
 
-    /// True when the elements cannot perform so many operations in the time
-    /// of the best schedule, or when nothing but operations is scarce.
+    /// True when the elements cannot perform this number of operations in the
+    /// time of the best schedule, or when nothing but operations is scarce.
     fn is_hopeless(&self, plan: PlannedStep) -> bool {
         let index = match plan.origin {
             Origin::Start(start) => {

@@ -25,8 +25,8 @@ pub struct VariantTrial<P> {
     pub bound: Result<u32, PlaceError>,
     /// The schedule, where one was made.
     pub cycles: Option<u32>,
-    /// The most words of memory that it needs in one element, both sides of a
-    /// split one together.
+    /// The maximum number of words of memory that it needs in one element, both
+    /// sides of a split one together.
     pub words: Option<u32>,
     /// The reason why it was not placed.
     pub remark: &'static str,

@@ -1,4 +1,4 @@
-//! Writing the groups anew.
+//! Writing the groups again.
 
 use super::negations::{Negations, Turns};
 use super::share::{self, PairCounts};

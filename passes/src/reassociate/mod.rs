@@ -1,9 +1,9 @@
 //! The engine of `zero-removal`, `swap` and `balance`.
 //!
-//! All three read the function as *groups*, a group being a signed sum of
-//! terms or a product of factors, and write each group anew as a tree of
-//! operations. They differ in how far a group reaches ([`GroupReach`]) and in the
-//! shape of the tree ([`TreeShape`]).
+//! All three read the function as *groups*, a group being a signed sum of terms
+//! or a product of factors, and write each group again as a tree of operations.
+//! They differ in how far a group reaches ([`GroupReach`]) and in the shape of
+//! the tree ([`TreeShape`]).
 //!
 //! Signs never cost an operation while they travel: a value may be stored
 //! with the wrong sign and its users flip theirs (a sum subtracts instead of

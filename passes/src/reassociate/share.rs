@@ -30,7 +30,7 @@ pub(super) struct PairCounts {
 }
 
 impl PairCounts {
-    /// An empty table for about so many pairs.
+    /// An empty table for about this number of pairs.
     pub(super) fn with_capacity(pairs: usize) -> PairCounts {
         let slots = (4 * pairs).next_power_of_two().clamp(1 << 10, 1 << 26);
         PairCounts {
@@ -55,7 +55,7 @@ impl PairCounts {
         u32::from(self.slots[self.slot(family, a, b)])
     }
 
-    /// The slot of two leaves, whatever their order and common sign.
+    /// The slot of two leaves, for any order and common sign.
     fn slot(&self, family: GroupFamily, a: GroupLeaf, b: GroupLeaf) -> usize {
         let relation = match family {
             GroupFamily::Product => 0,

@@ -108,7 +108,7 @@ impl KnownNumbers {
 
     /// The result of an operation; `None` where it has none (a division by
     /// zero, an overflow) or where its digits are lost (a product below the
-    /// range, what is left of a cancellation, one that binary64 does not hold).
+    /// range, the rest of a cancellation, one that binary64 does not hold).
     pub(crate) fn apply(&mut self, operation: Operation, operands: [Known; 2]) -> Option<Known> {
         let known = self.computed(operation, operands)?;
         let is_held = self.entries[known.index()].value.value.low[0] == 0.0;

@@ -1,4 +1,4 @@
-//! Partial evaluation: a function with some inputs known, written anew.
+//! Partial evaluation: a function with some inputs known, rewritten.
 
 use super::constants::{Known, KnownNumbers};
 use super::form::{LinearForm, MAX_TERMS, Reading, ScaledOperand};
@@ -23,7 +23,7 @@ pub(super) struct OperationTally {
     pub(super) merged: u64,
 }
 
-/// Writes a function anew; the number of a constant in it is its index among
+/// Writes a function again; the number of a constant in it is its index among
 /// the constants.
 pub(super) struct PartialEvaluator<'a> {
     old: &'a Function,

@@ -42,8 +42,8 @@ pub(super) struct ScaledOperand {
     pub(super) operand: Operand,
 }
 
-/// The most terms of a form that is put off: what is longer is computed, so
-/// that no chain costs more than its length times this.
+/// The maximum number of terms of a form that is put off: what is longer is
+/// computed, so that no chain costs more than its length times this.
 pub(super) const MAX_TERMS: usize = 32;
 
 impl LinearForm {

@@ -1,11 +1,11 @@
 //! From the function with numbered constants to the result, and to the
 //! witness that proves it.
 //!
-//! While a function is specialised, the number of a constant in it is its
-//! index in [`KnownNumbers`]. The *result* has the rounded numbers in their
-//! place. The *witness* has nodes that compute them from the numbers they were
-//! made of, before all others: it equals the function that was taken exactly,
-//! and the result but for the rounding of constants.
+//! While a function is specialised, the number of a constant in it is its index
+//! in [`KnownNumbers`]. The *result* has the rounded numbers in their place.
+//! The *witness* has nodes that compute them from the numbers they were made
+//! of, before all others: it equals the function that was taken exactly, and
+//! the result except for the rounding of constants.
 
 use super::constants::{Known, KnownNumbers, NumberExpression};
 use super::slice::SliceSignature;

@@ -1,8 +1,8 @@
 //! Trees that combine the two earliest operands first.
 //!
 //! That is optimal for one associative operation of constant weight (Golumbic
-//! 1976, Parker 1979): Huffman's algorithm on arrival times, with
-//! `max + weight` in place of the sum.
+//! 1976, Parker 1979): Huffman's algorithm on arrival times, with `max +
+//! weight` instead of the sum.
 
 use smallvec::SmallVec;
 use std::cmp::Reverse;
@@ -149,7 +149,7 @@ pub(crate) fn levels(arrivals: &[u32], weight: u32) -> SmallVec<[u32; 16]> {
 /// The order of terms that arrive at the same time.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum TieOrder {
-    /// The order of the terms; a result takes the place of its first operand.
+    /// The order of the terms; a result replaces its first operand.
     Written,
     /// The terms first, then the results in the order they were made.
     Made,

@@ -10,8 +10,8 @@ pub(crate) struct PlaceTable {
 }
 
 impl PlaceTable {
-    /// Asks for room for so many places at once: a table that grows asks for
-    /// the hashes of all that is in it, wherever in memory that lies.
+    /// Asks for room for this number of places at once: a table that grows asks
+    /// for the hashes of all that is in it, wherever in memory that lies.
     pub(crate) fn reserve(&mut self, places: usize, hash_at: impl Fn(u32) -> u64) {
         let again = |&place: &u32| spread(hash_at(place));
         self.places.reserve(places, again);
@@ -25,7 +25,7 @@ impl PlaceTable {
     }
 
     /// Lets a place be found. Nothing equal must be there. The hashes of all
-    /// places that are there are asked for when the table grows.
+    /// places that are there are requested when the table grows.
     #[inline]
     pub(crate) fn insert(&mut self, hash: u64, place: u32, hash_at: impl Fn(u32) -> u64) {
         let again = |&place: &u32| spread(hash_at(place));

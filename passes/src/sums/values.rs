@@ -27,7 +27,7 @@ impl ValueTable {
         }
     }
 
-    /// Asks for room for so many values at once.
+    /// Asks for room for this number of values at once.
     pub(crate) fn reserve(&mut self, values: usize) {
         self.values.reserve(values);
         let hash_at = hash_at(&self.images, &self.values);

@@ -374,7 +374,7 @@ impl SumWriter {
         negated
     }
 
-    /// Lets every value be negated anew: where one is needed for another
+    /// Lets every value be negated again: where one is needed for another
     /// equation, it states it.
     pub(crate) fn forget_negations(&mut self) {
         self.negated.clear();

@@ -8,7 +8,7 @@ use robovec_num::trigonometry::{Circular, Halved, MAX_ORDER, Polynomial};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wish {
     pub(super) method: CircularMethod,
-    /// 0: the least order that keeps `error`.
+    /// 0: the smallest order that keeps `error`.
     pub(super) order: u32,
     pub(super) error: f64,
     pub(super) halvings: u32,

@@ -50,13 +50,12 @@ declare_pass! {
     /// error on the range of the angle is smallest: 2^order times smaller.
     /// `method=true` leaves sines and cosines to the host.
     ///
-    /// The range of an angle follows from the ranges of its inputs (those of
-    /// the scene, else `range` for each of them) by interval arithmetic: the sum of two joints has
-    /// twice the range of one. Without an order the least one is taken whose
-    /// proved error on that range is at most `error`. `halvings` divides
-    /// angles by a power of two first and doubles them back with
-    /// `sin 2y = 2 sin y cos y` and `cos 2y = 1 - 2 sin² y`, so that large
-    /// angles need no large orders.
+    /// The range of an angle follows from the ranges of its inputs (those of the scene, else
+    /// `range` for each of them) by interval arithmetic: the sum of two joints has twice the range
+    /// of one. Without an order the smallest one is taken whose proved error on that range is at
+    /// most `error`. `halvings` divides angles by a power of two first and doubles them back with
+    /// `sin 2y = 2 sin y cos y` and `cos 2y = 1 - 2 sin² y`, so that large angles need no large
+    /// orders.
     ///
     /// For every range a remark has what is proved: the largest error of
     /// sine and cosine with the coefficients as they are used, and what
@@ -81,10 +80,10 @@ declare_pass! {
         /// The largest error allowed where no order is given; `machine` is
         /// the rounding of the machine's number format.
         pub error: FormatTolerance = FormatTolerance(None) => NumberLimit::real(
-            1e-30, 1e3, "no number format keeps a smaller error, and sines are never larger than 1"),
+            1e-30, 1e3, "no number format has a smaller error, and sines are never larger than 1"),
         /// The size that inputs of angles do not exceed, in radians.
         pub range: AngleOption = AngleOption(std::f64::consts::PI) => NumberLimit::real(
-            1e-12, 1e6, "smaller angles are numbers, and no series reaches larger ones"),
+            1e-12, 1e6, "smaller angles are practically zero, and no series is accurate for larger ones"),
         /// Number of times angles are halved.
         pub halvings: u32 = 0 => NumberLimit::whole(
             0, MAX_HALVINGS as u64, "every halving doubles the rounding error and adds operations"),
@@ -305,9 +304,9 @@ impl Trigonometry {
         }
     }
 
-    /// The polynomials that angles of at most `range` radians get on a
-    /// machine, and the proved absolute errors of the sine and the cosine
-    /// they give; `None` when no order keeps the error that is asked for.
+    /// The polynomials that angles of at most `range` radians get on a machine,
+    /// and the proved absolute errors of the sine and the cosine they give;
+    /// `None` when no order keeps the error that is requested.
     pub fn polynomials(&self, machine: &Machine, range: f64) -> Option<(Halved, [f64; 2])> {
         let choice = self.wish(machine).choose(range, [true; 2])?;
         Some((choice.halved, choice.errors))

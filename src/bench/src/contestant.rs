@@ -48,7 +48,7 @@ pub struct Contestant {
     pub outputs: Vec<OutputKey>,
     /// The largest difference that is rounding.
     pub tolerance: f64,
-    /// The rounding of its numbers in parts of that of binary64.
+    /// The rounding of its numbers relative to that of binary64.
     pub coarseness: f64,
     /// Reason why it cannot take part.
     pub missing: Option<String>,
@@ -65,7 +65,7 @@ pub(super) struct Built {
 /// Times of a run.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct RunTime {
-    /// The least processor time per state, ns.
+    /// The smallest processor time per state, ns.
     pub least: f64,
     /// The 99.9th percentile of the times of single calls less their median,
     /// ns, by the clock on the wall: interrupts and other programs count.

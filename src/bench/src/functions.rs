@@ -113,7 +113,7 @@ impl<'a> ReferenceResults<'a> {
         }
     }
 
-    /// The errors of some results against the exact ones, in parts of the
+    /// The errors of some results against the exact ones, relative to the
     /// largest element of an array.
     pub(super) fn errors(&self, keys: &[OutputKey], results: &[Vec<f64>]) -> ErrorSpread {
         let places = self.places(keys);

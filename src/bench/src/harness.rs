@@ -16,7 +16,8 @@ use std::fmt::Write;
 pub(super) enum CallingConvention {
     /// Arrays one after the other, inputs first.
     Plain,
-    /// Runs of so many states, with parameters of these names prepared once.
+    /// Runs of this number of states, with parameters of these names prepared
+    /// once.
     Batch(u32, Vec<String>),
     /// Several states one after the other, in one call, with the same
     /// parameters of these names for all.
@@ -100,7 +101,7 @@ pub(super) struct Callee<'a> {
     pub(super) name: &'a str,
 }
 
-/// The text of the main program that calls a function in so many states.
+/// The text of the main program that calls a function in this number of states.
 pub(super) fn main(callee: &Callee<'_>, states: u32) -> String {
     let &Callee {
         view,

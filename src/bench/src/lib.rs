@@ -36,7 +36,7 @@ pub use tools::Compiler;
 use robovec_io::files::make_folder;
 use robovec_model::Model;
 
-/// Function and states that everybody computes.
+/// Function and states that every program computes.
 pub struct BenchQuestion<'a> {
     /// The name of the folder of its programs.
     pub name: String,
@@ -51,7 +51,7 @@ pub struct BenchQuestion<'a> {
     pub states: &'a States,
     /// Number of states: a multiple of 16.
     pub count: u32,
-    /// The flags with which everybody's C is compiled; those that suit each
+    /// The flags with which every program's C is compiled; those that suit each
     /// kind of it when `None`.
     pub flags: Option<&'a str>,
 }
@@ -83,7 +83,7 @@ pub struct BenchOutcome {
     /// The largest difference from the reference, relative to the largest
     /// element of the output array in its state.
     pub difference: Option<f64>,
-    /// Errors against exact results, in parts of the largest element of an
+    /// Errors against exact results, relative to the largest element of an
     /// array.
     pub errors: Option<ErrorSpread>,
     /// Least processor time per state, ns.
@@ -197,8 +197,8 @@ pub fn bench(
     Ok(outcomes)
 }
 
-/// For every program that several compilers made, the fastest of them, in the
-/// place of the first.
+/// For every program that several compilers made, the fastest of them, instead
+/// of the first.
 pub fn by_the_better_compiler(outcomes: Vec<BenchOutcome>) -> Vec<BenchOutcome> {
     let mut best: Vec<BenchOutcome> = Vec::with_capacity(outcomes.len());
     for outcome in outcomes {

@@ -186,7 +186,7 @@ impl PeerQuestion<'_> {
         numbers.into_iter().flat_map(f64::to_le_bytes).collect()
     }
 
-    /// A loop that takes so many states at once.
+    /// A loop that takes this number of states at once.
     fn hand_written(&self, command: &str, lanes: u32) -> Contestant {
         let flags = BuildStep::new(command, FLAGS);
         let step = flags
@@ -289,8 +289,8 @@ impl PeerQuestion<'_> {
     }
 }
 
-/// An input array of a state, so many components for every joint; zero where
-/// the function reads none.
+/// An input array of a state, this number of components for every joint; zero
+/// where the function reads none.
 fn elements(
     view: View<'_>,
     inputs: &[f64],

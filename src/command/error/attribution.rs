@@ -74,7 +74,7 @@ const BLAME: [ErrorMethod; 3] = [
 const PROVE: [ErrorMethod; 1] = [ErrorMethod::Proof];
 
 /// Maximum cost of differentiating all outputs, in values times outputs; where
-/// it would be more, matrices are left out unless they are asked for.
+/// it would be more, matrices are left out unless they are requested.
 const WORK: usize = 1 << 31;
 
 /// Equations named as the hottest.

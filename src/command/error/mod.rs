@@ -79,7 +79,7 @@ pub(super) struct ErrorArguments {
     /// Rows shown: outputs with the largest errors, or the hottest equations [default: 20, of
     /// equations 12]
     #[arg(long, value_name = "N",
-          add = whole(0, 1_000_000, "every one is a line of the result"))]
+          add = whole(0, 1_000_000, "each is a line of the result"))]
     top: Option<usize>,
     #[command(flatten)]
     measure: MeasureArguments,
@@ -99,12 +99,12 @@ pub(super) struct ErrorArguments {
     of_series: SeriesArguments,
 }
 
-/// Formats in the order they were asked for.
+/// Formats in the order they were requested.
 #[derive(Clone, Debug)]
 struct FormatList(Vec<Format>);
 
 impl ErrorArguments {
-    /// The formats asked for, else the usual ones.
+    /// The formats requested, else the usual ones.
     fn formats<'a>(&'a self, usual: &'a [Format]) -> &'a [Format] {
         match &self.formats {
             Some(list) => &list.0,
@@ -191,7 +191,7 @@ impl ErrorSetting {
         })
     }
 
-    /// Reads a file: the functions asked for, before any pass.
+    /// Reads a file: the functions requested, before any pass.
     fn subject(
         &self,
         arguments: &ErrorArguments,

@@ -44,7 +44,7 @@ pub(super) struct DesignArguments {
     buffers: Vec<u32>,
     /// Instances evaluated at once
     #[arg(long, value_delimiter = ',', default_value = "1,4",
-          add = whole(1, 64, "the program becomes so many times as large"))]
+          add = whole(1, 64, "the program becomes this number of times larger"))]
     instances: Vec<u32>,
     /// Interconnects: crossbar, bus, mesh, torus, omega, hypercube
     #[arg(long, value_delimiter = ',', default_value = "crossbar",

@@ -80,7 +80,7 @@ pub(super) struct ExploreArguments {
     plan: Option<String>,
     /// Leave functions with more operations than this out of --cpu; 200000 by default
     #[arg(long, help_heading = "Plans", value_name = "OPERATIONS",
-          add = whole(0, 100_000_000, "compiling takes minutes beyond some million"))]
+          add = whole(0, 100_000_000, "beyond some million operations compiling takes minutes"))]
     cpu_limit: Option<usize>,
 }
 

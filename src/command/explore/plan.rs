@@ -105,7 +105,7 @@ fn compute(plan: StudyPlan, work: SharedWork<'_>) -> Result<Results, CommandFail
 }
 
 /// Times every program on one core, one after the other; times of an earlier
-/// run are used when it goes on.
+/// run are used when it continues.
 fn time(
     arguments: &ExploreArguments,
     folder: &Path,

@@ -204,8 +204,7 @@ fn place(arguments: &FitArguments, file: &SceneFile) -> SinePlace {
     }
 }
 
-/// The machine asked for, else that of the scene, else what the function
-/// needs.
+/// The machine requested, else that of the scene, else what the function needs.
 fn machine(
     arguments: &FitArguments,
     file: &SceneFile,
@@ -218,7 +217,7 @@ fn machine(
     }
 }
 
-/// The formulations that are tried: those asked for, else the one the scene
+/// The formulations that are tried: those requested, else the one the scene
 /// wishes for, else all that can be the best. Those the generator refuses are
 /// left out.
 fn formulations(

@@ -126,7 +126,7 @@ pub(super) enum OutputLanguage {
     Python,
 }
 
-/// The generator whose names C bears.
+/// The generator whose names C has.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum GenerationName {
     /// MbsData, mbs_dirdyna
@@ -156,7 +156,7 @@ impl From<OutputLanguage> for Language {
     }
 }
 
-/// An error when one file would take the place of another, or of an input.
+/// An error when one file would replace another, or of an input.
 pub(super) fn refuse_losses(
     inputs: &[PathBuf],
     files: &[(String, String)],

@@ -78,7 +78,7 @@ pub(super) struct GenArguments {
     /// user_cons_jdqd); they determine as many dependent joints of the model,
     /// in addition to those of the loops
     #[arg(long, value_name = "ROWS", default_value_t = 0,
-          add = whole(0, 32, "each is eliminated with all joints"))]
+          add = whole(0, 32, "each row is eliminated with all joints"))]
     user_constraints: usize,
     /// Language of files of equations; by default found from their names and content
     #[arg(long, value_enum)]
@@ -116,7 +116,7 @@ impl GenArguments {
         given.next().map(|(name, _)| name)
     }
 
-    /// The formulation asked for, or else one by name.
+    /// The formulation requested, or else one by name.
     fn formulation(&self, model: &Model, function: FunctionKind, usual: &str) -> Formulation {
         match self.formulation.as_deref().unwrap_or(usual) {
             FEWEST => fewest(model, function, &self.options()),
@@ -157,7 +157,7 @@ fn function_help() -> String {
     )
 }
 
-/// The functions asked for, each once, in the order of Robotran's numbers.
+/// The functions requested, each once, in the order of Robotran's numbers.
 fn kinds(names: &[String]) -> Result<Vec<FunctionKind>, CommandFailure> {
     if names.is_empty() {
         return Ok(vec![FunctionKind::Dirdyna]);
@@ -334,7 +334,7 @@ fn not_a_model(option: &str, path: &Path) -> CommandFailure {
     )
 }
 
-/// Generates the functions asked for.
+/// Generates the functions requested.
 fn of_model(path: &Path, arguments: &GenArguments) -> Result<Module, CommandFailure> {
     let kinds = kinds(&arguments.function)?;
     let whole = [FunctionKind::Accelred, FunctionKind::Invdynared];

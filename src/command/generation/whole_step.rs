@@ -96,7 +96,7 @@ fn error_lines(
     Ok(text)
 }
 
-/// The steps asked for; without a word on functions it is that of accelerations.
+/// The steps requested; without a word on functions it is that of accelerations.
 fn steps(names: &[String]) -> Result<Vec<StepFunction>, CommandFailure> {
     let all = [StepFunction::Accelerations, StepFunction::ActuatorForces];
     let known = |name: &String| all.iter().any(|step| step.name() == name);

@@ -158,7 +158,7 @@ fn compiler_advice() -> Vec<String> {
     vec![advice.to_owned()]
 }
 
-/// The name of a machine that is asked for, or that the function needs; `None`
+/// The name of a machine that is requested, or that the function needs; `None`
 /// for the usual one.
 fn wanted_machine(
     arguments: &OptimiseArguments,

@@ -409,8 +409,8 @@ fn program_files(
     }
 }
 
-/// C that takes the place of Robotran's file; of a function that is none of
-/// Robotran's, with its own arrays.
+/// C that replaces Robotran's file; of a function that is none of Robotran's,
+/// with its own arrays.
 fn in_c(module: &Module) -> Result<Vec<(String, String)>, CommandFailure> {
     drop_in(module, &DropInOptions::default()).or_else(|_| plain_c(module))
 }

@@ -21,7 +21,8 @@ pub(super) struct RtlBenchArguments {
     #[arg(long, value_enum, value_name = "WAYS", value_delimiter = ',')]
     through: Vec<DoorChoice>,
     /// Number of states on which the test benches run the program
-    #[arg(long, value_name = "COUNT", default_value_t = 3, add = whole(1, 1000, "benches hold all states, and run the program on each"))]
+    #[arg(long, value_name = "COUNT", default_value_t = 3, add = whole(1, 1000, "test test \
+     benches hold all states, and run the program on each"))]
     runs: u32,
     /// Seed of the random states
     #[arg(long, value_name = "NUMBER", default_value_t = 1, add = SEED)]
@@ -112,7 +113,7 @@ pub(super) fn benches(
         .collect())
 }
 
-/// An error when the simulator that is asked for is not installed.
+/// An error when the simulator that is requested is not installed.
 pub(super) fn require_simulator(arguments: &RtlBenchArguments) -> Result<(), CommandFailure> {
     let simulator = arguments.check.map(HardwareSimulator::from);
     match simulator.and_then(HardwareSimulator::missing) {
@@ -121,7 +122,7 @@ pub(super) fn require_simulator(arguments: &RtlBenchArguments) -> Result<(), Com
     }
 }
 
-/// Runs the benches of a folder when that was asked for; gives their messages.
+/// Runs the benches of a folder when that was requested; gives their messages.
 ///
 /// The hardware is in `rtl/` of the folder `hardware`, or is that folder.
 pub(super) fn checked(

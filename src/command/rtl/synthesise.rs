@@ -26,11 +26,11 @@ pub(super) struct SynthesiseArguments {
     /// Stages of the adders
     #[arg(long, value_name = "STAGES", value_delimiter = ',',
           default_value = "1,2,3,4,5,6,7,9,10,14",
-          add = whole(1, 64, "adders with more stages are no faster"))]
+          add = whole(1, 64, "adders with more stages are not faster"))]
     add: Vec<u32>,
     /// Stages of the multipliers
     #[arg(long, value_name = "STAGES", value_delimiter = ',', default_value = "2,3,4,5,8,9",
-          add = whole(1, 64, "multipliers with more stages are no faster"))]
+          add = whole(1, 64, "multipliers with more stages are not faster"))]
     multiply: Vec<u32>,
     /// Number format: f32, float(8,17,flush) ...
     #[arg(long, value_name = "FORMAT", default_value = "f32")]
@@ -87,8 +87,8 @@ pub(super) fn require_tools(routes: bool) -> Result<(), CommandFailure> {
     Ok(())
 }
 
-/// A machine mapped part by part, as a page, with what its program of so many
-/// cycles takes there.
+/// A machine mapped part by part, as a page, with what its program of this
+/// number of cycles takes there.
 pub(super) fn machine(
     shape: &MachineShape,
     files: &[(String, String)],
@@ -113,8 +113,8 @@ pub(super) fn machine(
     Ok(text)
 }
 
-/// The clock of a machine, placed and routed, beside its estimate, and the
-/// time of its program of so many cycles.
+/// The clock of a machine, placed and routed, beside its estimate, and the time
+/// of its program of this number of cycles.
 pub(super) fn routed(
     (machine, shape): (&Machine, &MachineShape),
     files: &[(String, String)],

@@ -184,7 +184,7 @@ fn compile(
     Ok(Rewritten { size, limits })
 }
 
-/// The rules of a set whose names are asked for, or all but these.
+/// The rules of a set whose names are requested, or all but these.
 fn subset(rules: &RuleSet, names: &[String], keep: bool) -> RuleSet {
     let kept = rules
         .rules

@@ -39,12 +39,12 @@ pub(super) struct FindArguments {
     before: String,
     /// With '--from': maximum number of operations of a window
     #[arg(long, value_name = "N", default_value_t = 6,
-          add = whole(2, 8, "windows of a value grow in number by a factor of three with every operation"))]
+          add = whole(2, 8, "every operation triples the number of windows of a value"))]
     window: usize,
     /// With '--from': number of shapes for which right sides are searched, once
     /// to save operations and once to shorten chains
     #[arg(long, value_name = "N", default_value_t = 500,
-          add = whole(1, 1_000_000, "some hundred thousand values are looked up for each"))]
+          add = whole(1, 1_000_000, "several hundred thousand values are tried for each shape"))]
     shapes: usize,
     /// With '--from': maximum number of values tried for one shape
     #[arg(long, value_name = "N", default_value_t = 500_000,
@@ -52,11 +52,11 @@ pub(super) struct FindArguments {
     values: usize,
     /// Maximum number of operations of a term
     #[arg(long, value_name = "N", default_value_t = 4,
-          add = whole(1, 6, "terms grow in number by a factor of some hundred with every operation"))]
+          add = whole(1, 6, "every operation multiplies the number of terms by some hundred"))]
     operations: u32,
     /// Number of variables of a term
     #[arg(long, value_name = "N", default_value_t = 3,
-          add = whole(1, 5, "terms grow in number with every variable"))]
+          add = whole(1, 5, "every variable multiplies the number of terms"))]
     variables: u32,
     /// Numbers that may occur in terms
     #[arg(long = "constants", alias = "numbers", value_name = "NUMBERS", value_delimiter = ',',
@@ -81,7 +81,7 @@ pub(super) struct FindArguments {
     machine: String,
     /// Rules shown, best first
     #[arg(long, value_name = "N", default_value_t = 20,
-          add = whole(0, 1_000_000, "every one is a line of the result"))]
+          add = whole(0, 1_000_000, "each is a line of the result"))]
     top: usize,
     /// Also write the rules that are shown as a file of rules
     #[arg(short, long, value_name = "PATH")]

@@ -102,18 +102,18 @@ struct SimArguments {
     subject: MovedModel,
     /// Simulated time, s
     #[arg(long, value_name = "SECONDS", default_value_t = 1.0,
-          add = real(1e-12, 1e6, "the run is given up after --max-steps"))]
+          add = real(1e-12, 1e6, "the run is stopped after --max-steps"))]
     time: f64,
     /// Rows of the result after the first, at equal intervals
     #[arg(long, value_name = "N", default_value_t = 200,
-          add = whole(1, 100_000, "every one is a row of the result"))]
+          add = whole(1, 100_000, "each is a row of the result"))]
     samples: u32,
     /// Integrator
     #[arg(long, value_enum, default_value_t = IntegratorChoice::Dopri)]
     method: IntegratorChoice,
     /// Step of rk4, s
     #[arg(long, value_name = "SECONDS", default_value_t = 1e-3,
-          add = real(1e-9, 1e3, "the run is given up after --max-steps"))]
+          add = real(1e-9, 1e3, "the run is stopped after --max-steps"))]
     step: f64,
     /// Tolerance of dopri per step, absolute and relative
     #[arg(long, value_name = "NUMBER", default_value_t = 1e-8,

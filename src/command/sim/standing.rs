@@ -37,7 +37,7 @@ enum PlaceChoice {
 pub(super) struct ModalArguments {
     #[command(flatten)]
     standing: EquilibriumArguments,
-    /// The state that motions are small around
+    /// The state around which small motions are considered
     #[arg(long, value_enum, default_value_t = PlaceChoice::Equilibrium)]
     at: PlaceChoice,
 }
@@ -208,7 +208,7 @@ fn modal_text(
             .into_iter()
             .any(|(left, rounding)| left.abs() > 1e3 * rounding)
     {
-        text += "\nForces are left over in this state: it is no equilibrium.\n";
+        text += "\nIn this state forces are not in balance: it is not an equilibrium.\n";
     }
     if found.iter().any(|mode| mode.error.is_none()) {
         text += "\n'several': eigenvalues fall together here, as those of a motion that nothing holds do.\n";

@@ -48,9 +48,9 @@ pub struct MachineFigures {
     pub share: f64,
 }
 
-/// The figures of a machine in a format, for a program of so many cycles whose elements
-/// hold at most so many words each. A memory in logic counts as the tables whose place
-/// it takes.
+/// The figures of a machine in a format, for a program of this number of cycles whose
+/// elements hold at most this number of words each. A memory in logic counts as the
+/// tables whose place it takes.
 pub fn figures(machine: &Machine, format: Format, cycles: u32, words: u32) -> MachineFigures {
     let machine = Machine {
         number: format,

@@ -5,7 +5,7 @@
 //! An exploration makes programs, varies axes ([`axes`]), measures a point for
 //! every combination and keeps what no other point beats ([`pareto`]). Its
 //! clients are the rooms `optimise`, `front`, `fit`, `sweep`, `study` and
-//! `trigonometry`; none of them uses another one, but for `optimise::found`.
+//! `trigonometry`; none of them uses another one, except for `optimise::found`.
 //!
 //! Of a function ([`exploration`]) `front` compares programs and `sweep` designs: both
 //! take an [`exploration::ExploredFunction`] and a share of the work ([`share`]), and
@@ -19,8 +19,8 @@
 //!   size, `fit` one for a program in a format and a size, `sweep` one for a
 //!   design, `study` one for a request;
 //! - the order of work: `front` shares the beginnings of pipelines, `fit` stops
-//!   an axis where it is exact or quick enough, `sweep` and `study` place on
-//!   all cores; all but `fit` keep their points.
+//!   an axis where it is exact or fast enough, `sweep` and `study` place on all
+//!   cores; all but `fit` keep their points.
 
 pub mod axes;
 mod captions;

@@ -104,7 +104,7 @@ pub fn couples() -> Vec<Couple> {
     kept
 }
 
-/// A machine whose adders and multipliers have so many stages.
+/// A machine whose adders and multipliers have this number of stages.
 pub fn with_stages(machine: &Machine, [add, multi]: [u32; 2]) -> Machine {
     let mut machine = machine.clone();
     for (operation, stages) in [(Operation::Add, add), (Operation::Mul, multi)] {

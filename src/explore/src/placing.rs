@@ -7,19 +7,22 @@ use robovec_schedule::{
     placement_statistics,
 };
 
-/// A machine with so many adders and multipliers; other elements are as many as it has.
+/// A machine with this number of adders and multipliers; other elements are as many as
+/// it has.
 pub fn with_elements(machine: &Machine, [add, multi]: [u32; 2]) -> Machine {
     with_counts(machine, &[(Operation::Add, add), (Operation::Mul, multi)])
 }
 
-/// A machine with so many adders and multipliers, fused elements as many as the latter.
+/// A machine with this number of adders and multipliers, fused elements as many as the
+/// latter.
 pub fn with_fused(machine: &Machine, [add, multi]: [u32; 2]) -> Machine {
     let machine = with_elements(machine, [add, multi]);
     with_counts(&machine, &[(Operation::Fma, multi)])
 }
 
-/// A machine with so many elements of the kinds that perform these operations;
-/// a kind that performs several has the last number, others stay as they are.
+/// A machine with this number of elements of the kinds that perform these
+/// operations; a kind that performs several has the last number, others stay as
+/// they are.
 fn with_counts(machine: &Machine, counts: &[(Operation, u32)]) -> Machine {
     let mut machine = machine.clone();
     for &(operation, count) in counts {
@@ -57,7 +60,7 @@ pub fn placed(
 ///
 /// # Errors
 ///
-/// Why there is no placement, for people.
+/// Why there is no placement, for users.
 pub fn verified(
     module: &Module,
     machine: &Machine,
@@ -83,7 +86,7 @@ impl PlacedFunction {
         placement_statistics(&self.function, machine).expect("what is placed has a placement")
     }
 
-    /// The most words of one operand memory of an element.
+    /// The maximum number of words of one operand memory of an element.
     pub fn most_words(&self, machine: &Machine) -> u32 {
         let words = most_memory_words(&self.function).expect("what is placed has a placement");
         words_of_a_side(words, machine)

@@ -17,7 +17,7 @@ use robovec_ir::count::Counts;
 use robovec_ir::states::States;
 use std::fs;
 
-/// Functions with more operations are not compiled unless asked for: C
+/// Functions with more operations are not compiled unless requested: C
 /// compilers take a second for some ten thousand operations.
 pub const LARGEST: usize = 200_000;
 
@@ -25,7 +25,7 @@ pub const LARGEST: usize = 200_000;
 const SEED: u64 = 1;
 /// Number of states.
 const STATES: u32 = 16;
-/// Rounds, and the time of everybody in a round, ms.
+/// Rounds, and the time of every program in a round, ms.
 const ROUNDS: (u32, u32) = (3, 60);
 
 /// The computer that measures.
@@ -157,8 +157,8 @@ pub(crate) fn question<'a>(view: View<'a>, states: &'a States) -> BenchQuestion<
     }
 }
 
-/// The time of one call of a function in ns: the least over many repetitions,
-/// sines and cosines included.
+/// The time of one call of a function in ns: the smallest over many
+/// repetitions, sines and cosines included.
 ///
 /// # Errors
 ///

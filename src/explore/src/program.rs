@@ -26,7 +26,7 @@ pub enum ExplorationError {
          fewer elements, couples or instances"
     )]
     TooMuch {
-        /// Designs asked for.
+        /// Designs requested.
         designs: u64,
         /// Operations of all programs.
         operations: usize,

@@ -1,7 +1,7 @@
 //! A share of the work of an exploration, for several workers on one folder.
 //!
 //! Where pieces of work do not depend on one another a worker does those of its
-//! share and no other. In a search what is tried next depends on what came of
+//! share and no other. In a search what is tried next depends on the result of
 //! all that was tried before: there a worker does its own pieces first, then
 //! finds those of the others in the folder or does them itself. None ever waits
 //! for another one, so that each ends alone, too.

@@ -1,4 +1,4 @@
-//! Finished points on disk, so that an interrupted exploration goes on where
+//! Finished points on disk, so that an interrupted exploration continues where
 //! it stopped.
 //!
 //! A point is stored under a key made of everything it depends on, the build

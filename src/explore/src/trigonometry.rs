@@ -232,7 +232,7 @@ fn ranges(view: View<'_>, model: Option<&Model>, angle: f64) -> Result<Ranges, M
     Ok(ranges)
 }
 
-/// The rows of one function, for people.
+/// The rows of one function, for users.
 pub fn text(effect: &TrigonometryEffect) -> String {
     let mut head =
         "angles ± | order | >error of sin | >error of cos | >operations | >path".to_owned();

@@ -150,7 +150,7 @@ pub(super) fn word(name: &str) -> String {
 #[derive(Default, Debug)]
 pub(super) struct TakenNames(BTreeMap<String, u64>);
 
-/// The name, with a number after it when another thing bears it.
+/// The name, with a number after it when another thing has it.
 pub(super) fn unlike(name: String, taken: &mut TakenNames) -> String {
     let Some(&tried) = taken.0.get(&name) else {
         taken.0.insert(name.clone(), 1);

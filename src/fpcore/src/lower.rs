@@ -247,7 +247,7 @@ impl<'text> CoreLowering<'_, 'text, '_> {
                 return false;
             };
             let Some(atom) = self.forest.atom(name) else {
-                self.fail(name, "this is no name".into(), None);
+                self.fail(name, "this is not a name".into(), None);
                 return false;
             };
             bound.push((atom, value));

@@ -221,8 +221,8 @@ pub fn is_model_path(path: &Path) -> bool {
     is("mbs") || is("urdf") || built_in_name(path).is_some()
 }
 
-/// The name of a built-in model (`bogie`, `serial-23`) that is in the place
-/// of a file; a file of that name goes before it.
+/// The name of a built-in model (`bogie`, `serial-23`) that is instead of a
+/// file; a file of that name goes before it.
 fn built_in_name(path: &Path) -> Option<&str> {
     let name = path.to_str()?;
     (family::is_built_in(name) && !path.exists()).then_some(name)

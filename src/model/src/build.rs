@@ -64,10 +64,10 @@ impl ModelBuilder {
         }
     }
 
-    /// Adds a body that hangs on a place by joints in series; `joints` begins
-    /// at the parent. They are independent, start at zero and are called after
-    /// their kind and the body, `R1_Arm`, with a number where a body has two of
-    /// a kind.
+    /// Adds a body that is attached to a place by joints in series; `joints`
+    /// begins at the parent. They are independent, start at zero and are called
+    /// after their kind and the body, `R1_Arm`, with a number where a body has
+    /// two of a kind.
     ///
     /// # Panics
     ///
@@ -163,7 +163,7 @@ impl ModelBuilder {
         self.model.sensors.push(sensor);
     }
 
-    /// Adds an external force at a point; its law gets what is asked for.
+    /// Adds an external force at a point; its law gets what is requested.
     ///
     /// # Panics
     ///

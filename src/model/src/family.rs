@@ -1,11 +1,11 @@
 //! Families of models for studies and tests: chains, trees, random trees, and
 //! existing machines, whose files are those of `examples/models`.
 //!
-//! **The frozen serial model** (the one that reproduces the operation counts
-//! of the thesis, Table 3.1): revolute joints about the first and second axis
-//! in turn; each body hangs on the point `(0, 0, d3)` of the one before, has
-//! its centre of mass at `(l1, 0, 0)`, a mass and a full matrix of inertia.
-//! The semi-serial and parallel models have the same bodies in other trees.
+//! **The frozen serial model** (the one that reproduces the operation counts of
+//! the thesis, Table 3.1): revolute joints about the first and second axis in
+//! turn; each body is attached to the point `(0, 0, d3)` of the one before, has
+//! its centre of mass at `(l1, 0, 0)`, a mass and a full matrix of inertia. The
+//! semi-serial and parallel models have the same bodies in other trees.
 //!
 //! **Invariant.** A model depends on family, number of joints and seed alone,
 //! to the last bit. Inertias are those of clouds of points, hence physically
@@ -26,7 +26,7 @@ pub const JOINTS: NumberLimit = NumberLimit::whole(
     "a mass matrix has as many rows and columns",
 );
 
-/// A kind of model that can be asked for by name.
+/// A kind of model that can be requested by name.
 #[derive(Clone, Copy, Debug)]
 pub struct ModelFamily {
     name: &'static str,
@@ -139,7 +139,8 @@ impl ModelFamily {
 /// A tree in the form of a trunk, on whose last body branches hang.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct TrunkTree {
-    /// The number of bodies of the trunk; 0 when the branches hang on the base.
+    /// The number of bodies of the trunk; 0 when the branches are attached to
+    /// the base.
     pub trunk: usize,
     /// The number of bodies of each branch.
     pub branches: Vec<usize>,
@@ -320,8 +321,8 @@ fn inertia(random: &mut ParameterRandom, mass: f64, size: f64) -> [f64; 6] {
 
 /// A random tree with joints of all six types, for tests. Bodies have one to
 /// three joints in series, of different types, so that the mass matrix is not
-/// singular; they hang on the base, on points and on origins; some parameters
-/// are zero.
+/// singular; they are attached to the base, on points and on origins; some
+/// parameters are zero.
 ///
 /// # Panics
 ///

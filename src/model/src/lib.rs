@@ -62,9 +62,10 @@ pub struct Model {
 pub struct Body {
     /// Unique name.
     pub name: String,
-    /// The body it hangs on; `None` for the base.
+    /// The body it is attached to; `None` for the base.
     pub parent: Option<usize>,
-    /// The point of the parent it hangs on; `None` for the parent's origin.
+    /// The point of the parent it is attached to; `None` for the parent's
+    /// origin.
     pub point: Option<usize>,
     /// Its joints, from the parent on; mass, centre and inertia belong to the
     /// last of them, the others move fictitious bodies without mass.
@@ -204,7 +205,8 @@ pub struct Joint {
     pub initial: [f64; 3],
     /// Place where its frame is on the one before.
     pub mounting: JointMounting,
-    /// The least and the greatest position (m or rad), where the model limits it.
+    /// The smallest and the greatest position (m or rad), where the model limits
+    /// it.
     pub limits: Option<[f64; 2]>,
     /// The forces against its motion that the file of a robot gives.
     pub losses: JointLosses,
@@ -314,7 +316,7 @@ pub struct Sensor {
     pub name: String,
     /// The point it sits on.
     pub point: usize,
-    /// Quantities asked for.
+    /// Quantities requested.
     pub asks: Asks,
 }
 
@@ -438,7 +440,7 @@ impl Model {
         depths
     }
 
-    /// Derives from the bodies what joints hang on.
+    /// Derives from the bodies what joints are attached to.
     pub fn connect(&mut self) {
         for index in 0..self.bodies.len() {
             let Body { parent, point, .. } = self.bodies[index];

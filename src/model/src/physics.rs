@@ -51,9 +51,9 @@ fn is_massless(body: &Body) -> bool {
     body.mass == 0.0 && body.inertia == [0.0; 6]
 }
 
-/// A body that carries no mass, directly or on bodies that hang on it, makes
-/// the rows of its joints in `M` zero. Only the first such body of a branch is
-/// named.
+/// A body that carries no mass, directly or on bodies that are attached to it,
+/// makes the rows of its joints in `M` zero. Only the first such body of a
+/// branch is named.
 pub(super) fn massless(model: &Model, places: &[Range<usize>], messages: &mut Messages) {
     let mut carries: Vec<bool> = model.bodies.iter().map(|body| !is_massless(body)).collect();
     for (index, body) in model.bodies.iter().enumerate().rev() {

@@ -2,7 +2,7 @@
 //!
 //! What is a right angle within the rounding of a decimal number of sixteen
 //! digits is taken as one: a cosine of `6e-17` would be an operation. Angles of a
-//! file may be taken as one from farther off ([`to_right_angle`]).
+//! file may be taken as one from further off ([`to_right_angle`]).
 
 use crate::{Axis, ConstantTurn};
 use std::array::from_fn;

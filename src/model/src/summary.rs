@@ -1,4 +1,4 @@
-//! A model as a person reads it: counts, the tree, the loops.
+//! A model as a user reads it: counts, the tree, the loops.
 
 use super::{Anchor, Cut, CutKind, Joint, JointCoupling, Link, Model, Nature, number};
 use std::fmt::Write;
@@ -112,8 +112,8 @@ fn tree(model: &Model) -> String {
     text + "\n"
 }
 
-/// Puts the bodies that hang on one onto the stack, the last one lowest, each
-/// with what is before its line and before those of its branch.
+/// Puts the bodies that are attached to one onto the stack, the last one
+/// lowest, each with what is before its line and before those of its branch.
 fn push_children(children: &[usize], prefix: &str, stack: &mut Vec<(usize, String, String)>) {
     for (place, &child) in children.iter().enumerate().rev() {
         let (head, below) = match children.len() {

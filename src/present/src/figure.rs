@@ -89,7 +89,7 @@ pub struct PlotAxis {
     pub title: String,
     /// Way in which values are spaced.
     pub scale: AxisScale,
-    /// The least value that must show, beyond those drawn.
+    /// The smallest value that must show, beyond those drawn.
     pub from: Option<f64>,
     /// The largest value that must show, beyond those drawn.
     pub to: Option<f64>,

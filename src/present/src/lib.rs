@@ -1,4 +1,4 @@
-//! Results for people and for programs: aligned text, tables as CSV and HTML,
+//! Results for users and for programs: aligned text, tables as CSV and HTML,
 //! figures as CSV and SVG, pages that need nothing else.
 //!
 //! **Invariant.** This crate knows nothing of what is shown.

@@ -16,7 +16,7 @@ pub const TABLES: &str = include_str!("page/tables.js");
 
 const POINTS: &str = include_str!("page/points.html");
 
-/// Tables with more rows than this are shown when asked for.
+/// Tables with more rows than this are shown when requested.
 const LONG_TABLE: usize = 50;
 
 /// Cells with longer texts are broken into lines.

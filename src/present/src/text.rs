@@ -80,8 +80,8 @@ pub fn headed(subject: &str, headline: &str) -> String {
     }
 }
 
-/// A text of at most so many characters, the last of them `…` where it was
-/// longer.
+/// A text of at most this number of characters, the last of them `…` where it
+/// was longer.
 pub fn cut(text: &str, most: usize) -> String {
     if text.chars().count() <= most {
         return text.to_owned();

@@ -77,7 +77,7 @@ fn reject_binary<'a>(
         return Ok(text);
     }
     let at = bytes.iter().position(binary);
-    let at = at.expect("one of the pieces is no text");
+    let at = at.expect("one of the pieces is not text");
     let line = text[..at].matches('\n').count() + 1;
     Err(Diagnostic::error()
         .with_message("the file is not text")

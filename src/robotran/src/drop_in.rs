@@ -1,4 +1,4 @@
-//! C files that take the place of Robotran's, for speed.
+//! C files that replace Robotran's, for speed.
 //!
 //! [`write()`] gives a file as Robotran would have written
 //! it: one function, which reads back. Here the same function is written for

@@ -130,7 +130,7 @@ impl FunctionKind {
         )
     }
 
-    /// True for what is generated when it is asked for by name only.
+    /// True for what is generated when it is requested by name only.
     pub fn is_special(self) -> bool {
         self.is_part_of_step() || self.is_derived()
     }

@@ -26,7 +26,7 @@ pub(super) struct Header {
     pub(super) flops: Option<String>,
     pub(super) date: Option<String>,
     pub(super) all_parameter_symbols: bool,
-    /// The project's data structure bears its name of before 2015.
+    /// The project's data structure has its name of before 2015.
     pub(super) old_structure: bool,
     /// Arrays whose extent does not follow from their use: rows, and columns
     /// or 0.

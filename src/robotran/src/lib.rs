@@ -300,7 +300,7 @@ impl<T: TokenSource> Iterator for StatementTokens<'_, T> {
     }
 }
 
-/// Parses all statements; after one that cannot be read it starts anew.
+/// Parses all statements; after one that cannot be read it starts again.
 fn parse_tokens<'s, L: Surface<'s>>(
     text: &'s str,
     language: Language,

@@ -253,7 +253,7 @@ fn is_decimal_float(text: &str) -> bool {
         && text.bytes().any(|byte| !byte.is_ascii_digit())
 }
 
-/// A whole constant of C with its suffix, which states the least type.
+/// A whole constant of C with its suffix, which states the smallest type.
 fn whole_of_c(text: &str, radix: u32) -> Result<Literal, Unkept> {
     let digits = text.trim_end_matches(['u', 'l']);
     let suffix = &text[digits.len()..];

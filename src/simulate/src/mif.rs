@@ -101,7 +101,7 @@ pub enum MifProblem {
     #[error("the content begins before WIDTH and DEPTH are given")]
     NoSize,
     /// A number with foreign digits, or too large for its place.
-    #[error("this is no number of base {radix} that fits")]
+    #[error("this is not a number of base {radix}, or it does not fit")]
     BadNumber {
         /// The base.
         radix: Radix,

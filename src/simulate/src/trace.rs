@@ -9,7 +9,7 @@ use super::error::Hazard;
 use super::program::{LoadedProgram, SimulatedOutputs};
 use robovec_num::soft_float::FormatArithmetic;
 
-/// Observer of a run while it goes on. A run without an observer ([`Silent`])
+/// Observer of a run while it continues. A run without an observer ([`Silent`])
 /// is compiled without a trace of it.
 pub(super) trait Observer {
     /// A word of all memories holds a number before the first cycle.

@@ -45,7 +45,7 @@ pub struct Findings {
     pub short_cure: Option<usize>,
 }
 
-/// Maximum error that a cure may leave, in parts of that of binary64.
+/// Maximum error that a cure may leave, relative to that of binary64.
 const CLOSE: f64 = 10.0;
 
 /// Factor by which the error of another program in the same format must be
@@ -61,14 +61,14 @@ const ONE_DIGIT: f64 = 0.1;
 /// times the rounding of binary32.
 const NARROWEST: u32 = 18;
 
-/// Maximum error in the widest format, in parts of the wanted one, for shorter
+/// Maximum error in the widest format, relative to the wanted one, for shorter
 /// ones to be tried: luck brings a bit or two.
 const HOPELESS: f64 = 100.0;
 
 /// The programs that get a format for every value.
 const MOST_MIXED: usize = 24;
 
-/// The most bits of fixed point.
+/// The maximum number of bits of fixed point.
 const MOST_FIXED: u32 = 53;
 
 impl Findings {
@@ -164,7 +164,8 @@ impl Attempts<'_> {
         Ok(self.trials.len() - 1)
     }
 
-    /// Tries a program in a format of so many bits: its index among the trials.
+    /// Tries a program in a format of this number of bits: its index among the
+    /// trials.
     fn in_format(
         &mut self,
         program: &ProgramTreatment,
@@ -269,7 +270,7 @@ impl Attempts<'_> {
 
     /// Tries the shortest programs with a format for every value. The pass asks for
     /// less than the error of the whole array at random states, so that it is
-    /// asked for more when that does not do here.
+    /// requested more when that does not do here.
     fn mix(&mut self, goal: f64) -> Result<(), StressError> {
         for program in self.programs().into_iter().take(MOST_MIXED) {
             for part in [1.0, 0.03] {
@@ -284,7 +285,7 @@ impl Attempts<'_> {
         Ok(())
     }
 
-    /// The program of the least cost among those in the same format, when it
+    /// The program of the smallest cost among those in the same format, when it
     /// is another than the untreated one.
     fn shortest(&self) -> Option<ProgramTreatment> {
         let others = self.trials.iter().filter(|trial| {
@@ -296,7 +297,7 @@ impl Attempts<'_> {
 
     /// Looks for the shortest mantissa between those of binary32 and binary64
     /// whose error is small enough, by bisection: the error falls with every
-    /// bit, but for luck.
+    /// bit, except for luck.
     fn narrowest(
         &mut self,
         program: &ProgramTreatment,
@@ -317,7 +318,7 @@ impl Attempts<'_> {
     }
 }
 
-/// The formats of fixed point that hold a number, from the least bits that
+/// The formats of fixed point that hold a number, from the smallest bits that
 /// make sense on.
 fn fixed_formats(largest: f64) -> impl Iterator<Item = Format> + Clone {
     let holds = |integer: &u32| largest < 2f64.powi(*integer as i32);

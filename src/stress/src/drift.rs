@@ -37,7 +37,7 @@ pub(super) struct DriftSubject {
 }
 
 impl DriftSubject {
-    /// A model from its initial state on, in so many steps (s).
+    /// A model from its initial state on, in this number of steps (s).
     pub(super) fn new(model: Model, (step, steps): (f64, u64)) -> DriftSubject {
         let initial = MotionState::initial(&model);
         // Rounds the numbers of both.
@@ -158,7 +158,7 @@ struct LoopSlope<'a> {
 }
 
 /// Joints put onto the loops: what positions or velocities change by, the
-/// least that closes them to first order.
+/// smallest that closes them to first order.
 struct LoopCorrection<'a> {
     bench: &'a DriftBench<'a>,
     state: &'a MotionState,

@@ -361,7 +361,7 @@ impl DynamicsBench<'_> {
         Ok(guess.qdd.into_iter().map(Double::from).collect())
     }
 
-    /// Accelerations from articulated bodies, refined where that is asked for.
+    /// Accelerations from articulated bodies, refined where that is requested.
     fn articulated(
         &self,
         state: &MotionState,

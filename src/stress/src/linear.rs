@@ -5,7 +5,7 @@ use robovec_dynamics::kinematics::linear::DenseMatrix;
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
 
-/// The factor `L` of `M = L L'` (Cholesky), in place of the lower triangle of
+/// The factor `L` of `M = L L'` (Cholesky), instead of the lower triangle of
 /// the entries of `M`, row by row.
 ///
 /// # Errors

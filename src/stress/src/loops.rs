@@ -125,7 +125,7 @@ fn divided(model: &Model, independent: &[String]) -> Model {
     model
 }
 
-/// The most partitions that are tried.
+/// The maximum number of partitions that are tried.
 const PARTITIONS: usize = 16;
 
 /// Other partitions of a model's coordinates: one independent joint exchanged

@@ -357,7 +357,7 @@ pub(super) fn shared(number: f64) -> f64 {
     }
 }
 
-/// True for what lies between the least and the largest normal number of a
+/// True for what lies between the smallest and the largest normal number of a
 /// format.
 pub(super) fn is_normal(number: f64, format: Format) -> bool {
     let size = number.abs();

@@ -1,4 +1,4 @@
-//! Inverse dynamics with series in place of sine and cosine.
+//! Inverse dynamics with series instead of sine and cosine.
 
 use super::case::{Measured, StressBench, StressSubject};
 use super::dynamics::{DynamicsSubject, Metric, componentwise, normwise, worst};

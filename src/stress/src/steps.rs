@@ -47,7 +47,7 @@ impl MotionStart {
 const SAMPLES: u64 = 50;
 
 impl StepsSubject {
-    /// The motion of the equations, in so many steps (s).
+    /// The motion of the equations, in this number of steps (s).
     pub(super) fn new(
         text: &str,
         mut start: MotionStart,

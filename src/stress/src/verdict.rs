@@ -53,7 +53,7 @@ impl fmt::Display for StressVerdict {
     }
 }
 
-/// Maximum error in parts of that of rounded data before it is the code's
+/// Maximum error relative to that of rounded data before it is the code's
 /// fault. Some tens of units of the last place are usual for the hundreds of
 /// operations that a result depends on.
 pub const ALLOWANCE: f64 = 32.0;

@@ -41,7 +41,7 @@ pub(super) struct JointData {
 #[derive(Serialize)]
 pub(super) struct FileData {
     pub(super) name: String,
-    /// Its lines, where the file is at hand.
+    /// Its lines, where the file is available.
     pub(super) lines: Option<Vec<String>>,
 }
 

@@ -46,9 +46,9 @@ pub struct ViewedRun<'a> {
     /// Source of random states.
     pub states: &'a States,
     /// The files that equations are in, name and text, as far as they are
-    /// at hand.
+    /// available.
     pub files: &'a [(String, String)],
-    /// The model that the equations come from, where it is at hand.
+    /// The model that the equations come from, where it is available.
     pub model: Option<&'a ModelText>,
     /// The pipeline as the user wrote it.
     pub pipeline: &'a str,

@@ -7,7 +7,7 @@ use robovec_ir::placement::{Bank, Element, Placement, Schedule, Word};
 use robovec_ir::{Function, Machine, Operand, Value};
 use std::collections::BTreeMap;
 
-/// Into so many slices the use of memory is cut at most.
+/// Into this number of slices the use of memory is cut at most.
 const SLICES: u32 = 240;
 
 /// The schedule of a function, when it has one.

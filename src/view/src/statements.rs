@@ -150,7 +150,7 @@ impl StatementNumbers {
     }
 }
 
-/// The lines of a printed function that define something: the last ones, but
+/// The lines of a printed function that define something: the last ones, except
 /// for empty lines and the closing brace.
 fn statement_lines(text: &str, count: usize) -> Vec<&str> {
     let lines = text.lines().map(str::trim);

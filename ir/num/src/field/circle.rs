@@ -13,7 +13,7 @@
 //! What has passed through a sine, a cosine or a root is a new angle,
 //! drawn from its value.
 //!
-//! Two functions that agree here at a random point agree over the reals but
+//! Two functions that agree here at a random point agree over the reals except
 //! for a chance of `degree / r`, as in the plain field: both images are rings,
 //! and the points of the subgroup are as good as random points of the circle.
 

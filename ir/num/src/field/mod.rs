@@ -12,9 +12,9 @@
 //!
 //! - A literal is the dyadic rational its binary64 value is, exactly: the
 //!   mantissa times a power of two. `0.1` is therefore not one tenth.
-//! - Division multiplies by the inverse. Dividing by zero, or a literal that
-//!   is not finite, gives [`PrimeField::UNDEFINED`], and so does every
-//!   operation on it: such a point means nothing and must be drawn anew.
+//! - Division multiplies by the inverse. Dividing by zero, or a literal that is
+//!   not finite, gives [`PrimeField::UNDEFINED`], and so does every operation
+//!   on it: such a point means nothing and must be drawn again.
 //! - `sin` and `cos` are drawn from the seed and the argument's value, so
 //!   equal arguments give equal results. They keep what a pass may always
 //!   use, `sin(0) = 0`, `cos(0) = 1`, `sin(-x) = -sin(x)`, `cos(-x) = cos(x)`,

@@ -21,7 +21,7 @@
 //! Sine and cosine are those of binary64 rounded once, as a host that
 //! prepares inputs would compute them.
 //!
-//! **Flushing** (`subnormals = false`): a number below the least normal one
+//! **Flushing** (`subnormals = false`): a number below the smallest normal one
 //! becomes a zero with its sign. Results are judged before they are rounded,
 //! which is the cheaper test in hardware; conversions after it. Sums that small
 //! are exact, so only products and quotients can show the difference.
@@ -70,10 +70,11 @@ enum RoundingMethod {
     Once,
 }
 
-/// The most mantissa bits for which two roundings are as good as one.
+/// The maximum number of mantissa bits for which two roundings are as good as
+/// one.
 const TWICE_MANTISSA: u32 = 24;
-/// The most exponent bits for which neither products nor quotients leave the
-/// normal range of binary64.
+/// The maximum number of exponent bits for which neither products nor quotients
+/// leave the normal range of binary64.
 const TWICE_EXPONENT: u32 = 9;
 
 impl FormatArithmetic {

@@ -4,8 +4,8 @@ use super::exact::ExactNumber;
 use crate::NumberFormat;
 use crate::format::{FixedFormat, Format};
 
-/// The most bits after the leading one for which binary64 rounded to odd
-/// carries enough.
+/// The maximum number of bits after the leading one for which binary64 rounded
+/// to odd carries enough.
 const NARROW: u32 = 50;
 
 /// The rounding of numbers into a format.
@@ -43,7 +43,7 @@ impl Rounding {
 
     /// As [`Rounding::round`], for the result of an operation: without
     /// subnormal numbers it is judged before it is rounded. The number is the
-    /// exact result, or rounded to odd, which never crosses the least normal
+    /// exact result, or rounded to odd, which never crosses the smallest normal
     /// number.
     #[inline]
     pub(super) fn round_result(&self, number: f64) -> f64 {
@@ -70,14 +70,14 @@ pub(super) struct FloatRounding {
     /// Bits of a binary64 mantissa that the format lacks.
     dropped: u32,
     mantissa: i32,
-    /// The exponents of the least normal number and of the largest.
+    /// The exponents of the smallest normal number and of the largest.
     smallest: i32,
     largest_exponent: i32,
-    /// The least normal number.
+    /// The smallest normal number.
     least: f64,
     /// The largest finite number.
     largest: f64,
-    /// 2^52 times the least subnormal number: adding it rounds to multiples
+    /// 2^52 times the smallest subnormal number: adding it rounds to multiples
     /// of that number.
     shift: f64,
     flush: bool,

@@ -96,8 +96,8 @@ fn bias(format: NumberFormat) -> i32 {
     format.largest_exponent()
 }
 
-/// The exponent of the least subnormal number, of which all subnormal numbers
-/// are multiples.
+/// The exponent of the smallest subnormal number, of which all subnormal
+/// numbers are multiples.
 fn least_exponent(format: NumberFormat) -> i32 {
     format.smallest_exponent() - format.mantissa as i32
 }

@@ -30,11 +30,11 @@ pub struct ErrorEnclosure {
     margin: f64,
 }
 
-/// The series goes on until its remainder is this part of the first term the
+/// The series continues until its remainder is this part of the first term the
 /// polynomial leaves out.
 const NEGLIGIBLE: f64 = 1.0 / (1u64 << 60) as f64;
 
-/// And no farther than this many terms: enough for [`LARGEST_RANGE`].
+/// And no further than this many terms: enough for [`LARGEST_RANGE`].
 const MAX_TERMS: usize = 100;
 
 impl Polynomial {

@@ -24,8 +24,8 @@ pub struct Halved {
     pub halvings: u32,
 }
 
-/// Angles are halved at most this often: what is left of the largest range
-/// is then below 1/2000 radian.
+/// Angles are halved at most this often: the rest of the largest range is then
+/// below 1/2000 radian.
 pub const MAX_HALVINGS: u32 = 16;
 
 impl Halved {

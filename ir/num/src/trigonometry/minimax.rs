@@ -9,7 +9,7 @@
 //! is trusted: [`Polynomial::proved_error`] judges what comes out.
 //!
 //! Coefficients that must be numbers of a narrow format are rounded one after
-//! the other, the lowest power first, and the others fitted anew each time:
+//! the other, the lowest power first, and the others fitted again each time:
 //! they make up for most of what the rounding spoiled.
 
 use super::polynomial::{Circular, LARGEST_RANGE, Polynomial};

@@ -31,7 +31,7 @@ impl Circular {
         ((order.max(1) - self.first_power()) / 2 + 1) as usize
     }
 
-    /// The name for people.
+    /// The name for users.
     pub fn name(self) -> &'static str {
         match self {
             Circular::Sine => "sine",

@@ -19,18 +19,17 @@
 //! - *normwise*: the largest error over the largest element;
 //! - *componentwise*: the largest relative error of an element.
 //!
-//! An element that is below 2⁻⁷⁰ of the largest of its array is zero but for
+//! An element that is below 2⁻⁷⁰ of the largest of its array is zero except for
 //! the reference's own rounding (an entry of a mass matrix that vanishes by
 //! symmetry): where it is computed otherwise it *vanishes*, and then it has no
 //! relative or mixed error in any such state; only the absolute and normwise
-//! measures see it. A computed number that
-//! is not finite where the exact one is has an infinite error. States in which
-//! the exact value is itself not finite mean nothing and are left out; an
-//! output without any other state has the error NaN. Inputs are representable
-//! in binary32 ([`States`]), so what is measured is the rounding of the
-//! program, not of its data, unless a narrower format rounds that; literals
-//! that a format cannot hold do count. Values with their own format keep
-//! it whatever format is asked for.
+//! measures see it. A computed number that is not finite where the exact one is
+//! has an infinite error. States in which the exact value is itself not finite
+//! mean nothing and are left out; an output without any other state has the
+//! error NaN. Inputs are representable in binary32 ([`States`]), so what is
+//! measured is the rounding of the program, not of its data, unless a narrower
+//! format rounds that; literals that a format cannot hold do count. Values with
+//! their own format keep it whatever format is requested.
 
 mod samples;
 mod spread;
@@ -65,7 +64,7 @@ pub struct ElementError {
     /// Relative to the exact value and what it reacts to.
     pub mixed: StateSpread,
     /// The median over the states of the estimated condition number for
-    /// independent errors of the inputs; 0 where it was not asked for.
+    /// independent errors of the inputs; 0 where it was not requested.
     pub sensitivity: f64,
     /// The number of the state with the largest relative error, as
     /// [`States::draw`] counts.
@@ -79,7 +78,7 @@ pub struct ElementError {
     /// one is.
     pub overflowed: u32,
     /// The part of the largest relative error that lies in the problem; `None`
-    /// where it was not asked for.
+    /// where it was not requested.
     pub conditioned: Option<Conditioned>,
 }
 
@@ -163,10 +162,10 @@ pub struct Accuracy {
     pub effort: ReferenceEffort,
     /// The certainty of that reference.
     pub certainty: Certainty,
-    /// One entry per format, in the order they were asked for.
+    /// One entry per format, in the order they were requested.
     pub formats: Vec<FormatAccuracy>,
     /// The output arrays that are symmetric matrices, when conditions were
-    /// asked for.
+    /// requested.
     pub matrices: Vec<MatrixCondition>,
 }
 

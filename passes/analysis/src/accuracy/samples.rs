@@ -5,7 +5,7 @@ use robovec_ir::{Output, View};
 use robovec_num::double_double::Double;
 use robovec_num::format::Format;
 
-/// Elements smaller than this part of their array's largest are zero but for
+/// Elements smaller than this part of their array's largest are zero except for
 /// rounding: 2⁻⁷⁰, far above the rounding of double-double and far below that
 /// of binary64.
 const VANISHING: f64 = 1.0 / (1u128 << 70) as f64;
@@ -20,7 +20,7 @@ struct Sample {
     distance: f64,
     /// The floor that the mixed error adds to the size.
     floor: f64,
-    /// It is zero but for rounding.
+    /// It is zero except for rounding.
     small: bool,
     /// It is an element without a relative error here: see
     /// [`Samples::settle`].
@@ -30,7 +30,7 @@ struct Sample {
 }
 
 impl Sample {
-    /// True for what is zero but for rounding and was not computed as zero.
+    /// True for what is zero except for rounding and was not computed as zero.
     fn vanishes(&self) -> bool {
         self.small && self.distance > 0.0
     }
@@ -137,10 +137,10 @@ impl Samples {
         self.norms.push(norms);
     }
 
-    /// Takes the relative error from every element that is zero but for rounding
-    /// and was computed otherwise in some state: that it was computed as zero
-    /// in other states is luck, and no relative error of 0. Follows the last
-    /// state.
+    /// Takes the relative error from every element that is zero except for
+    /// rounding and was computed otherwise in some state: that it was computed
+    /// as zero in other states is luck, and no relative error of 0. Follows the
+    /// last state.
     pub(super) fn settle(&mut self) {
         for place in 0..self.arrays.len() {
             let vanishes = |samples: &Vec<Sample>| samples[place].vanishes();

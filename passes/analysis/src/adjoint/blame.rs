@@ -21,7 +21,7 @@ pub struct EquationBlame {
     /// Its place; `None` when the function does not specify it, and operations are
     /// gathered by name.
     pub place: Option<SourcePlace>,
-    /// The symbol it defines; `None` when nothing bears a name.
+    /// The symbol it defines; `None` when nothing has a name.
     pub name: Option<Symbol>,
     /// Its part of all contributions, 0 to 1. An operation that represents
     /// several equations counts for each with an equal part.

@@ -11,10 +11,10 @@ use robovec_num::double_double::{Double, DoubleDouble};
 /// in the last place of binary64.
 const HOST: f64 = f64::EPSILON;
 
-/// The largest error of rounding to a format when the result is `value`: half
-/// a unit in its last place; near zero half the least subnormal number, or
-/// the least normal one where subnormal numbers are flushed to zero; half a
-/// step in fixed point. Infinite for results that overflowed or saturated.
+/// The largest error of rounding to a format when the result is `value`: half a
+/// unit in its last place; near zero half the smallest subnormal number, or the
+/// smallest normal one where subnormal numbers are flushed to zero; half a step
+/// in fixed point. Infinite for results that overflowed or saturated.
 pub fn half_ulp(format: Format, value: f64) -> f64 {
     match format {
         Format::Float(float) => {
@@ -46,7 +46,7 @@ pub fn half_ulp(format: Format, value: f64) -> f64 {
     }
 }
 
-/// A power of two down to the least subnormal number of binary64, and zero
+/// A power of two down to the smallest subnormal number of binary64, and zero
 /// below.
 fn power(exponent: i32) -> f64 {
     if exponent >= -1022 {

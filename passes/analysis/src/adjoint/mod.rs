@@ -193,7 +193,7 @@ impl<'a> Adjoint<'a> {
     ///
     /// # Panics
     ///
-    /// Panics when more than [`LANES`] outputs are asked for or one does not
+    /// Panics when more than [`LANES`] outputs are requested or one does not
     /// exist.
     pub fn sweep_lanes(
         &self,
@@ -210,7 +210,7 @@ impl<'a> Adjoint<'a> {
     ///
     /// # Panics
     ///
-    /// Panics when more than [`LANES`] slots are asked for or one does not
+    /// Panics when more than [`LANES`] slots are requested or one does not
     /// exist.
     pub fn sweep_slots(
         &self,
@@ -276,7 +276,7 @@ impl<'a> Adjoint<'a> {
     }
 
     /// The derivatives of assignments with respect to all input elements: one
-    /// row per output asked for, one column per input.
+    /// row per output requested, one column per input.
     ///
     /// # Panics
     ///

@@ -47,7 +47,7 @@ struct LeafBox {
     ranges: Vec<Interval>,
     range: Interval,
     error: f64,
-    /// Number of cuts: its volume is so many halves of the whole.
+    /// Number of cuts: its volume is this number of halves of the whole.
     cuts: u32,
     /// Its number.
     index: usize,
@@ -86,7 +86,8 @@ struct BoxSearch<'a> {
     made: usize,
 }
 
-/// Bounds the error of a window over boxes, with at most so many enclosures.
+/// Bounds the error of a window over boxes, with at most this number of
+/// enclosures.
 pub fn subdivide(
     tape: &Tape,
     window: &ConeWindow,

@@ -63,7 +63,7 @@ pub enum Alarm {
     MayOverflow,
     /// All results are.
     Overflows,
-    /// All results are smaller than the least normal number (of fixed point:
+    /// All results are smaller than the smallest normal number (of fixed point:
     /// than a step), zero excepted.
     Underflows,
 }

@@ -20,7 +20,7 @@ pub struct ConeWindow {
 }
 
 impl ConeWindow {
-    /// The window of a slot with at most so many operations.
+    /// The window of a slot with at most this number of operations.
     pub fn new(tape: &Tape, root: usize, most: usize) -> ConeWindow {
         // Inputs and literals have the largest slots, though they come before
         // everything: only nodes are taken in order.

@@ -58,7 +58,8 @@ impl ReferenceEffort {
     /// unasked; long chains of more take minutes to prove.
     const CERTIFIED_OPERATIONS: usize = 100_000;
 
-    /// The effort that is reasonable for a function of so many operations.
+    /// The effort that is reasonable for a function of this number of
+    /// operations.
     pub fn of_size(operations: usize) -> ReferenceEffort {
         if operations <= ReferenceEffort::CERTIFIED_OPERATIONS {
             ReferenceEffort::Certified

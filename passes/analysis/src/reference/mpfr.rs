@@ -6,8 +6,8 @@ use robovec_ir::{Function, Operation};
 use rug::Float;
 use rug::ops::NegAssign;
 
-/// The value of every assignment, in order, computed with so many bits and
-/// rounded to binary64 once.
+/// The value of every assignment, in order, computed with this number of bits
+/// and rounded to binary64 once.
 ///
 /// # Panics
 ///

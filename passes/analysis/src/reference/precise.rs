@@ -1,13 +1,12 @@
 //! Arbitrary precision with a bound of its error, raised until one
 //! binary64 number is nearest.
 //!
-//! The strategy is Ziv's ("Fast evaluation of elementary mathematical
-//! functions with correctly rounded last bit", 1991), for whole functions:
-//! compute with so many bits and a radius; where the ends of the ball round to
-//! different binary64 numbers, compute again with twice as many. A value that
-//! is still not distinguished from zero with [`MAX_BITS`] bits counts as zero: it is less
-//! than 2⁻⁹⁰⁰ of the terms that it is the sum of, or zero by an identity that
-//! the prime field does not know.
+//! The strategy is Ziv's ("Fast evaluation of elementary mathematical functions with
+//! correctly rounded last bit", 1991), for whole functions: compute with this number of
+//! bits and a radius; where the ends of the ball round to different binary64 numbers,
+//! compute again with twice as many. A value that is still not distinguished from zero
+//! with [`MAX_BITS`] bits counts as zero: it is less than 2⁻⁹⁰⁰ of the terms that it is
+//! the sum of, or zero by an identity that the prime field does not know.
 //!
 //! Radii are counted in units of the precision's own rounding, so that they
 //! neither sink below the range of binary64 nor depend on the precision to
@@ -72,7 +71,7 @@ pub(super) fn evaluate(
     results.into_iter().flatten().collect()
 }
 
-/// Evaluates a plan with so many bits.
+/// Evaluates a plan with this number of bits.
 fn run(
     plan: &EvaluationPlan,
     inputs: &[f64],
@@ -91,7 +90,7 @@ fn run(
     )
 }
 
-/// One operation, rounded to so many bits.
+/// One operation, rounded to this number of bits.
 pub(crate) fn operate(
     operation: Operation,
     [a, b, c]: [&BigFloat; 3],

@@ -23,7 +23,7 @@ fn top(number: &BigFloat) -> Option<(u64, bool, i32)> {
     Some((top, sticky, exponent))
 }
 
-/// The number with a precision of so many bits.
+/// The number with a precision of this number of bits.
 pub(crate) fn from_binary64(number: f64, bits: usize) -> BigFloat {
     if !number.is_subnormal() {
         return BigFloat::from_f64(number, bits);

@@ -3,8 +3,8 @@
 use super::{LANES, Unsupported};
 use robovec_ir::Format;
 
-/// The most bits of mantissa, or of a fixed-point number, that can be
-/// sampled: binary64 has to hold a result with some bits to spare, whose
+/// The maximum number of bits of mantissa, or of a fixed-point number, that can
+/// be sampled: binary64 has to hold a result with some bits to spare, whose
 /// random choice decides.
 pub const MAX_BITS: u32 = 40;
 

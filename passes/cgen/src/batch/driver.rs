@@ -35,7 +35,7 @@ struct Varying<'a> {
     offset: u64,
 }
 
-/// The definitions of what [`signatures`] declares, but for the first.
+/// The definitions of what [`signatures`] declares, except for the first.
 pub(super) fn functions(writer: &BatchWriter<'_>) -> String {
     let arrays = varying(writer);
     let mut text = batch(writer);
@@ -160,7 +160,7 @@ fn copy(writer: &BatchWriter<'_>, is_gather: bool) -> String {
     writer.fill(template, &[("blocks", &blocks)]) + "\n"
 }
 
-/// True when a batch of so many lanes can be turned in blocks.
+/// True when a batch of this number of lanes can be turned in blocks.
 fn has_blocks(lanes: u32) -> bool {
     lanes.is_multiple_of(4)
 }

@@ -1,5 +1,5 @@
-//! A function on its way to batch code: everything that its files are written
-//! from.
+//! A function during the run to batch code: everything that its files are
+//! written from.
 
 use super::Options;
 use super::names::BatchNames;

@@ -36,7 +36,7 @@ pub enum SignatureError {
         "generator 6.6 gives '{0}' the accelerations of independent joints to fill, but these equations have no partition of joints"
     )]
     OldStatus(String),
-    /// An array cannot bear its name in C.
+    /// An array cannot have its name in C.
     #[error("the array '{array}' of '{function}' has a name that is not allowed in C: rename it")]
     ArrayName {
         /// The function.
@@ -101,7 +101,7 @@ pub(super) struct Interface<'a> {
     by_row: HashMap<(bool, usize, u32), usize, FxBuildHasher>,
     /// The parameters of the function.
     pub(super) parameters: ParameterList,
-    /// Those that parts are given, but for the work array.
+    /// Those that parts are given, except for the work array.
     pub(super) inner: ParameterList,
     /// All names in use so far.
     names: CNames,

@@ -123,7 +123,7 @@ impl Options {
 ///
 /// # Errors
 ///
-/// Fails when the function has no signature of Robotran's and one is asked for.
+/// Fails when the function has no signature of Robotran's and one is requested.
 pub fn files(view: View<'_>, options: &Options) -> Result<[(String, String); 2], SignatureError> {
     let kept = kept(view.function);
     let view = View {

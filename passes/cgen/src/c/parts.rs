@@ -176,7 +176,8 @@ fn apart(
     (head, body)
 }
 
-/// Cuts statements into parts of about so many operations, all of one size.
+/// Cuts statements into parts of about this number of operations, all of one
+/// size.
 fn cut(
     statements: Vec<CodeStatement>,
     part: u32,

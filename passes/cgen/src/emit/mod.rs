@@ -1,8 +1,8 @@
 //! The text of C that every target shares.
 //!
-//! Plain C ([`super::c`]), C that takes the place of Robotran's, C for batches
-//! ([`super::batch`]) and C with loops ([`super::rolled`]) differ in what
-//! is where. What a piece of C looks like is decided here, once:
+//! Plain C ([`super::c`]), C that replaces Robotran's, C for batches
+//! ([`super::batch`]) and C with loops ([`super::rolled`]) differ in what is
+//! where. What a piece of C looks like is decided here, once:
 //!
 //! * [`names`]: names that C accepts, each for one thing only;
 //! * [`expression`]: literals, operations and their parentheses;

@@ -24,7 +24,7 @@ const OWN_PREFIX: &str = "robovec_";
 #[derive(Clone)]
 pub(crate) struct CNames {
     taken: HashSet<String, FxBuildHasher>,
-    /// For names asked for again the number that was tried last.
+    /// For names requested again the number that was tried last.
     numbers: HashMap<String, u32, FxBuildHasher>,
     /// Prefix of names that do not begin with a letter.
     first: &'static str,
@@ -59,7 +59,7 @@ impl CNames {
         !RESERVED.contains(&word) && !ROOT.contains(&word)
     }
 
-    /// A name like the wanted one that nothing bears yet.
+    /// A name like the wanted one that nothing has yet.
     pub(crate) fn take(&mut self, wanted: &str) -> String {
         let mut name = wanted.replace(|letter: char| !is_word_letter(letter), "_");
         let is_ours = self.keeps_prefix && name.starts_with(OWN_PREFIX);

@@ -5,7 +5,7 @@
 //! independent loops first, whose operands become contiguous so that compilers
 //! make vectors of them; then the loops that compute values, which store them
 //! pass by pass; then all others, which take things as they lie. Where an
-//! address is affine but for a few passes, at the ends of a chain, the few
+//! address is affine except for a few passes, at the ends of a chain, the few
 //! values move; where it is not affine at all, a table shows where to read.
 
 mod places;
@@ -24,7 +24,7 @@ type Map<K, V> = HashMap<K, V, FxBuildHasher>;
 
 /// Free words around every array, for what turns out to belong there.
 const MARGIN: u32 = 8;
-/// Fewer than one in so many results of a loop are few.
+/// Fewer than one in this number of results of a loop are few.
 const FEW: usize = 2;
 /// Most runs of copies that interleave.
 const INTERLEAVED: usize = 3;
@@ -175,8 +175,8 @@ impl<'a> RolledLayout<'a> {
     }
 
     /// Takes the words that an access reads as they are, if they lie on an
-    /// affine function but for a few that can be moved. `contiguous` asks for
-    /// neighbours in neighbouring passes.
+    /// affine function except for a few that can be moved. `contiguous` asks
+    /// for neighbours in neighbouring passes.
     fn extend(&mut self, number: usize, access: &MemoryRead, contiguous: bool) -> bool {
         let Some(owner) = access.owner else {
             return true;

@@ -8,10 +8,10 @@
 //! arrays are laid out so that loops read and write them in order
 //! ([`layout`]). What does not repeat stays as it was written.
 //!
-//! Nothing is reordered and no operation is changed, so results equal those
-//! of the straight-line program bit for bit. Nothing is believed either: every
-//! program is unrolled again with names in the place of numbers, and compared
-//! with the function ([`unroll`]), before a line of C is written.
+//! Nothing is reordered and no operation is changed, so results equal those of
+//! the straight-line program bit for bit. Nothing is believed either: every
+//! program is unrolled again with names instead of numbers, and compared with
+//! the function ([`unroll`]), before a line of C is written.
 
 mod demote;
 mod fit;

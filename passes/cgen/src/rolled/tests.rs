@@ -13,7 +13,8 @@ use robovec_num::random::Random;
 struct Builder {
     function: Function,
     base: Symbol,
-    /// One in so many statements is another than its neighbours; 0 for none.
+    /// One in this number of statements is another than its neighbours; 0 for
+    /// none.
     odd: usize,
 }
 
@@ -40,8 +41,8 @@ impl Builder {
 
 const OPERATIONS: [Operation; 3] = [Operation::Add, Operation::Sub, Operation::Mul];
 
-/// A recursion to and fro along a chain, then a triangle of products that is
-/// mirrored.
+/// A recursion forwards and backwards along a chain, then a triangle of
+/// products that is mirrored.
 fn recurrences(random: &mut Random, joints: u32, odd: usize) -> Module {
     let mut module = Module::new();
     let symbols = &mut module.tables.symbols;

@@ -1,10 +1,10 @@
 //! Unrolling back: the proof that a rolled program is the function.
 //!
-//! The program is run with names in the place of numbers: every word of
-//! memory holds which value it has. A statement that applies its template to
-//! what it finds there must be a statement of the function, whose value is
-//! then stored. In the end every output must hold what the function assigns
-//! to it. No arithmetic is involved, so what agrees agrees in every bit.
+//! The program is run with names instead of numbers: every word of memory holds
+//! which value it has. A statement that applies its template to what it finds
+//! there must be a statement of the function, whose value is then stored. In
+//! the end every output must hold what the function assigns to it. No
+//! arithmetic is involved, so what agrees agrees in every bit.
 
 use super::nest::BodyElement;
 use super::program::{Index, LeafSource, RolledProgram, SpaceElement, StorageSpace};

@@ -2,7 +2,7 @@
 
 use crate::c::Real;
 
-/// The numbers of a kernel. A test derives the polynomials anew (Remez,
+/// The numbers of a kernel. A test derives the polynomials again (Remez,
 /// [`robovec_num::trigonometry::Polynomial::minimax_behind`]) and the parts
 /// from the digits of pi.
 #[derive(Clone, Copy, PartialEq, Debug)]

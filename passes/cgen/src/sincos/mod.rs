@@ -28,8 +28,8 @@ pub(crate) use coefficients::KernelConstants;
 pub(crate) struct SineKernel {
     /// The type of a lane.
     pub(crate) real: Real,
-    /// The most lanes of a vector, a power of two: where registers hold fewer,
-    /// a vector has fewer. With one lane a vector is a number.
+    /// The maximum number of lanes of a vector, a power of two: where registers
+    /// hold fewer, a vector has fewer. With one lane a vector is a number.
     pub(crate) lanes: u32,
 }
 

@@ -25,7 +25,7 @@ pub struct Estimate {
     pub low: f64,
     /// Between the two.
     pub mid: f64,
-    /// With quick nets.
+    /// With fast nets.
     pub high: f64,
 }
 
@@ -39,12 +39,12 @@ pub struct MachineClock {
 }
 
 impl MachineClock {
-    /// The time of so many cycles, in microseconds.
+    /// The time of this number of cycles, in microseconds.
     pub fn microseconds(&self, cycles: u32) -> f64 {
         f64::from(cycles) / self.mhz
     }
 
-    /// The clock and its origin, for people.
+    /// The clock and its origin, for users.
     pub fn text(&self) -> String {
         let megahertz = (self.mhz * 10.0).round() / 10.0;
         format!("{megahertz} MHz ({})", self.origin.name())

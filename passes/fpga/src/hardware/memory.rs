@@ -1,4 +1,4 @@
-//! Memories: how many blocks of which kind hold so many words.
+//! Memories: how many blocks of which kind hold this number of words.
 
 use robovec_ir::machine::Device;
 

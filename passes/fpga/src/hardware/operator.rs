@@ -1,11 +1,11 @@
 //! The resources of an operator, for any format and latency.
 //!
-//! Registers follow from the cuts: every cut of a core is so many bits wide
-//! ([`CoreStep::bits`](crate::rtl::cores::CoreStep)). Look-up tables hardly
-//! depend on the cuts: shifting, adding and rounding take a few tables per
-//! bit of the significand, and exponents are compared, added and limited bit
-//! by bit, so the tables are linear in both widths. The factors are fitted to
-//! mappings by yosys' `synth_intel_alm` of formats from 5 + 7 to 11 + 52
+//! Registers follow from the cuts: every cut of a core is this number of bits
+//! wide ([`CoreStep::bits`](crate::rtl::cores::CoreStep)). Look-up tables
+//! hardly depend on the cuts: shifting, adding and rounding take a few tables
+//! per bit of the significand, and exponents are compared, added and limited
+//! bit by bit, so the tables are linear in both widths. The factors are fitted
+//! to mappings by yosys' `synth_intel_alm` of formats from 5 + 7 to 11 + 52
 //! bits, which they meet within a tenth.
 
 use super::ResourceUse;
@@ -15,7 +15,7 @@ use robovec_ir::Format;
 use robovec_ir::machine::Device;
 use robovec_num::NumberFormat;
 
-/// The resources of one operator with so many stages.
+/// The resources of one operator with this number of stages.
 pub fn operator(core: OperatorCore, number: Format, stages: u32, device: &Device) -> ResourceUse {
     match number {
         Format::Float(format) => float(core, format, stages, device),
@@ -104,9 +104,9 @@ fn fixed(core: OperatorCore, width: u32, stages: u32, device: &Device) -> Resour
     }
 }
 
-/// Multiplier blocks of a product of two numbers of so many bits. In a block
-/// of 27 bits three products of 9 or two of 18 share it; wider numbers are cut
-/// into pieces, each product of which takes a block.
+/// Multiplier blocks of a product of two numbers of this number of bits. In a
+/// block of 27 bits three products of 9 or two of 18 share it; wider numbers
+/// are cut into pieces, each product of which takes a block.
 pub(super) fn product_blocks(width: u32, device: &Device) -> f64 {
     match (width, device.blocks.factor) {
         (0..=9, 27) => 1.0 / 3.0,

@@ -36,7 +36,7 @@ pub enum PartKind {
 }
 
 impl PartKind {
-    /// Its name for people.
+    /// Its name for users.
     pub fn name(self) -> &'static str {
         match self {
             PartKind::Operators => "operators",

@@ -15,7 +15,7 @@ pub struct ResourceUse {
     pub registers: f64,
     /// Memory blocks of 10 kbit (M10K).
     pub memory_blocks: f64,
-    /// Memories of 32 words of 20 bits, each in place of ten logic modules
+    /// Memories of 32 words of 20 bits, each instead of ten logic modules
     /// (MLAB).
     pub lab_memories: f64,
     /// Multiplier blocks (DSP), each one product of up to 27 bits or two of

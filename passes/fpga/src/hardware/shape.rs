@@ -48,10 +48,10 @@ pub struct MachineShape {
 }
 
 impl MachineShape {
-    /// The shape of a machine for programs of at most so many cycles that
-    /// need at most so many words per operand memory, with a full crossbar.
-    /// Sizes that the machine file declares come first; a buffer it leaves
-    /// open has 16 words, as in the thesis.
+    /// The shape of a machine for programs of at most so many cycles that need
+    /// at most this number of words per operand memory, with a full crossbar.
+    /// Sizes that the machine file declares come first; a buffer it leaves open
+    /// has 16 words, as in the thesis.
     pub fn of(machine: &Machine, cycles: u32, words: u32) -> MachineShape {
         let kinds = machine.elements.iter().map(|element| ElementsOfKind {
             element: element.clone(),

@@ -1,4 +1,4 @@
-//! Check that a program fits hardware that is there.
+//! Check that a program fits existing hardware.
 
 use super::error::RtlError;
 use super::hardware::{Crossbar, Hardware};

@@ -89,8 +89,7 @@ pub fn write_rtl(
     write_files(hardware, &program, artifacts)
 }
 
-/// The images of another placed function for hardware that is there, into
-/// `img/`.
+/// The images of another placed function for existing hardware, into `img/`.
 ///
 /// # Errors
 ///

@@ -137,7 +137,7 @@ fn fused_results_are_right() {
     short(OperatorCore::Fused);
 }
 
-/// The least and the widest format, narrow exponents with long mantissas and
+/// The smallest and the widest format, narrow exponents with long mantissas and
 /// the other way round.
 const FORMATS: [(u32, u32); 8] = [
     (2, 1),

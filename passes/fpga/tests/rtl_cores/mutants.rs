@@ -20,7 +20,8 @@ pub(crate) struct Mutant {
 }
 
 impl Mutant {
-    /// True when one of so many vectors gives another result than it must.
+    /// True when one of this number of vectors gives another result than it
+    /// must.
     pub(crate) fn is_noticed(&self, count: usize) -> bool {
         let format = if self.flushes {
             BINARY32_FLUSHED

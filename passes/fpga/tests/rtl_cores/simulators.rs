@@ -15,7 +15,7 @@ pub(crate) enum Simulator {
     /// Interpreted; starts at once.
     Iverilog,
     /// Compiled by way of C++; takes seconds to start and is a hundred times
-    /// quicker then.
+    /// faster then.
     Verilator,
 }
 

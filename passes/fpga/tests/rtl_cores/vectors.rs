@@ -153,7 +153,7 @@ impl Source {
     }
 
     /// A word that another is to be added to: of a near exponent, or the same
-    /// but for a few bits.
+    /// except for a few bits.
     fn close(&mut self, word: u64) -> u64 {
         let mantissa = self.mantissa();
         let reach = 2 * u64::from(self.format.mantissa) + 12;

@@ -10,9 +10,9 @@ use robovec_num::ball::{Ball, Balls};
 /// binary64, so twice what rounding once does.
 const TOLERANCE: f64 = f64::EPSILON;
 
-/// Tests whether a function is its witness with constants in the place of
-/// constant expressions: the witness computes these first, from numbers alone,
-/// and what follows is operation for operation the same.
+/// Tests whether a function is its witness with constants instead of constant
+/// expressions: the witness computes these first, from numbers alone, and what
+/// follows is operation for operation the same.
 pub(super) fn compare(witness: &Function, after: View<'_>) -> Result<(), String> {
     let function = after.function;
     let extra = witness.nodes().len().checked_sub(function.nodes().len());

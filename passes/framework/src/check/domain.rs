@@ -182,7 +182,7 @@ impl DomainRequirement {
 }
 
 impl OpenCondition {
-    /// The condition, for people.
+    /// The condition, for users.
     pub(super) fn text(self, view: View<'_>) -> String {
         let DomainCondition {
             requirement,

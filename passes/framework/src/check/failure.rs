@@ -92,9 +92,9 @@ pub struct Failure {
     pub slice_before: Vec<Value>,
     /// The values of the version after that the output depends on.
     pub slice_after: Vec<Value>,
-    /// The earliest value after that bears the name of a value before and
-    /// differs from it (by more than its sign), as text before and after: the
-    /// place to look first.
+    /// The earliest value after that has the name of a value before and differs
+    /// from it (by more than its sign), as text before and after: the place to
+    /// look first.
     pub first_difference: Option<(String, String)>,
     /// The inputs that the output depends on, by name, with their numbers in
     /// the state of the failure: the first of them.
@@ -218,7 +218,7 @@ fn inputs(
         .collect()
 }
 
-/// Names survive passes, so a value that bears the same name before and after
+/// Names survive passes, so a value that has the same name before and after
 /// should be the same number, or its negative where a pass moved a minus.
 fn first_difference<F: Field>(
     pairs: &Pairs<'_>,

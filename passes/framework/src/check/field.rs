@@ -20,7 +20,7 @@ pub(super) enum FieldComparison<F> {
     },
 }
 
-/// Points drawn beyond those asked for when some are undefined. Random
+/// Points drawn beyond those requested when some are undefined. Random
 /// denominators vanish with probability 2⁻⁶⁰, so one that vanishes this often
 /// always does.
 const EXTRA_POINTS: u32 = 4;

@@ -528,7 +528,7 @@ impl CheckVerdict {
         self.is_decided() && !matches!(self.domain, DomainVerdict::Open(_))
     }
 
-    /// The failure that broke the claim, for people.
+    /// The failure that broke the claim, for users.
     pub fn failure(&self) -> Option<String> {
         self.failure.as_ref().map(ToString::to_string)
     }

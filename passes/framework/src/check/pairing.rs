@@ -57,7 +57,7 @@ struct SceneInputs {
     places: Vec<usize>,
 }
 
-/// The reason why two functions cannot be compared, for people.
+/// The reason why two functions cannot be compared, for users.
 pub(super) struct Unpaired {
     /// The output that only one of them sets, if it is that.
     pub(super) output: Option<Output>,

@@ -20,8 +20,7 @@ pub struct Limit {
 }
 
 /// Numbers of passes and rewrites.
-pub const LIMIT: NumberLimit =
-    NumberLimit::whole(0, u64::MAX, "a run that stops later costs no more");
+pub const LIMIT: NumberLimit = NumberLimit::whole(0, u64::MAX, "a later stop costs nothing more");
 
 /// `P` or `P:N`.
 impl FromStr for Limit {
@@ -61,7 +60,7 @@ pub struct Executed {
     pub function: usize,
     /// The pass and its options.
     pub step: PassStep,
-    /// The number of rewrites it asked for.
+    /// The number of rewrites it requested.
     pub rewrites: u64,
     /// The rewrite at the limit, when there was one and it was reached: the
     /// value's name, and how it was rewritten.

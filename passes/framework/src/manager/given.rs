@@ -12,7 +12,7 @@ use robovec_ir::verify::verify_placement;
 use robovec_ir::{Level, Machine, Module, View};
 
 /// Refuses schedules of another machine and placements that are wrong, unless
-/// the first pass makes them anew.
+/// the first pass makes them again.
 pub(super) fn check(
     module: &Module,
     pipeline: &Pipeline,

@@ -9,7 +9,7 @@ use robovec_ir::{Function, Tables, View, print};
 use similar::{ChangeTag, TextDiff};
 use std::io;
 
-/// The passes that a dump is asked for.
+/// The passes that a dump is requested.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub enum PassFilter {
     /// None.
@@ -78,7 +78,7 @@ impl<'a> Instruments<'a> {
             || self.config.print_changed == Some(PrintChanged::Diff)
     }
 
-    /// Tests whether what a pass did is measured: it was asked for, or whether
+    /// Tests whether what a pass did is measured: it was requested, or whether
     /// the function changed decides what is reported.
     pub(super) fn keeps_records(&self) -> bool {
         self.config.records

@@ -130,7 +130,7 @@ pub(super) fn size(function: &Function, machine: &Machine) -> (u64, u32) {
     (operations as u64, longest(&arrivals))
 }
 
-/// Refuses the result of a pass that wrote the function anew and did not report
+/// Refuses the result of a pass that rewrote the function and did not report
 /// what the number formats of its values have become.
 pub(super) fn check_formats(had: bool, function: &Function) -> Result<(), PassError> {
     if !had || function.formats.is_some() {

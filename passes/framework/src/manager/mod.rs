@@ -59,8 +59,8 @@ pub struct Config<'a> {
     /// Compare the function before and after every pass at this many points.
     pub check_each: Option<u32>,
     /// Measure the rounding errors in binary32 before and after every pass, over
-    /// so many states; [`usual_states`] of the function as it was read for
-    /// `Some(0)`.
+    /// this number of states; [`usual_states`] of the function as it was read
+    /// for `Some(0)`.
     pub rounding: Option<u32>,
     /// The source of random states; their seed is also that of the points of
     /// the prime field.
@@ -146,7 +146,7 @@ pub struct PassRecord {
     pub statistics: Vec<(&'static str, u64)>,
     /// The outcome of the semantic check.
     pub check: Option<CheckVerdict>,
-    /// Rounding errors before and after, when they were asked for.
+    /// Rounding errors before and after, when they were requested.
     pub rounding: Option<[Arc<RoundingErrors>; 2]>,
 }
 
@@ -456,7 +456,7 @@ impl PipelineRun<'_> {
         }
     }
 
-    /// The semantic check of a pass, where one was asked for.
+    /// The semantic check of a pass, where one was requested.
     fn check_if_wanted(
         &self,
         claim: &Claim,

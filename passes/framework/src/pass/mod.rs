@@ -93,11 +93,10 @@ pub struct Context<'a> {
 }
 
 impl Context<'_> {
-    /// Records that the value which bears this name after the pass was made
-    /// by this rule of the pass (`factor`, `sub-neg`, …). Costs one comparison
-    /// when no trail is wanted. Where another field of the context is
-    /// borrowed, call [`Notes::note`] on the field [`notes`](Context::notes)
-    /// itself.
+    /// Records that the value which has this name after the pass was made by
+    /// this rule of the pass (`factor`, `sub-neg`, …). Costs one comparison
+    /// when no trail is wanted. Where another field of the context is borrowed,
+    /// call [`Notes::note`] on the field [`notes`](Context::notes) itself.
     #[inline]
     pub fn note(&mut self, name: Name, rule: &str) {
         self.notes.note(name, rule);

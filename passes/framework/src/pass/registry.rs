@@ -10,7 +10,7 @@ use super::PassInfo;
 pub struct Preset {
     /// Name, without the `$`.
     pub name: &'static str,
-    /// One line for people.
+    /// One line for users.
     pub summary: &'static str,
     /// The pipeline it represents.
     pub pipeline: &'static str,

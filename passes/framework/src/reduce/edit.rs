@@ -1,9 +1,9 @@
 //! Making a function smaller.
 //!
-//! An edit shows what becomes of each value and which outputs stay; applying
-//! it writes the function anew without what nothing needs any more: values,
-//! input arrays, output arrays, user calls. Whether the smaller function
-//! still shows the problem is not asked here.
+//! An edit shows what becomes of each value and which outputs stay; applying it
+//! rewrites the function without what nothing needs any more: values, input
+//! arrays, output arrays, user calls. Whether the smaller function still shows
+//! the problem is not asked here.
 
 use crate::rewrite::{lay_out, owners};
 use hashbrown::HashSet;
@@ -30,7 +30,7 @@ pub(super) struct Edit {
     pub(super) fates: Vec<Fate>,
     /// True for each assignment that stays.
     pub(super) outputs: Vec<bool>,
-    /// Values of the outputs that stay in place of the former ones.
+    /// Values of the outputs that stay instead of the former ones.
     pub(super) root: Option<Value>,
     /// Numbers written for others.
     pub(super) numbers: Vec<(f64, f64)>,
@@ -283,7 +283,7 @@ fn element_name(array: &Array, place: u32, tables: &Tables) -> String {
     name
 }
 
-/// The name, or the name with a number, that no array bears yet.
+/// The name, or the name with a number, that no array has yet.
 fn free_name(name: &str, taken: &mut HashSet<Symbol>, tables: &mut Tables) -> Symbol {
     let mut symbol = tables.symbols.intern(name);
     let mut number = 1;

@@ -1,11 +1,11 @@
 //! The errors that outputs may have: what a scene states of them, or one bound.
 //!
-//! An error that is allowed in parts of an array's largest element would have
+//! An error that is allowed relative to an array's largest element would have
 //! to vanish where the whole array does, while rounding errors do not: the
 //! torque of gravity is zero in a pendulum that hangs, the numbers that cancel
-//! to zero there are not. Such an error is therefore allowed in parts of the
+//! to zero there are not. Such an error is therefore allowed relative to the
 //! largest element *or of the array's usual size*, whichever is larger, and an
-//! error in parts of the element itself in parts of at least a thousandth of
+//! error relative to the element itself relative to at least a thousandth of
 //! the element's usual size.
 
 use super::{Measure, OutputTolerance, Scene};
@@ -139,7 +139,7 @@ fn arrays(function: &Function) -> Vec<usize> {
     assignments.map(|one| array(one.output.0)).collect()
 }
 
-/// The outputs, by name, that a scene allows an error in parts of themselves.
+/// The outputs, by name, that a scene allows an error relative to themselves.
 fn elements_alone(view: View<'_>, scene: Option<&Scene>) -> Vec<(String, Operand)> {
     let Some(scene) = scene else {
         return Vec::new();

@@ -33,7 +33,7 @@ use std::sync::Arc;
 pub struct Scene {
     /// Its name.
     pub name: String,
-    /// One line for people.
+    /// One line for users.
     pub description: String,
     /// The outputs that are needed; without any, all are.
     pub outputs: Vec<NeededOutputs>,

@@ -18,7 +18,7 @@ pub enum TrackedItem {
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("there is no value or output '{asked}'")]
 pub struct NotFound {
-    /// The name that was asked for.
+    /// The name that was requested.
     pub asked: String,
     /// The advice to the user.
     pub help: String,

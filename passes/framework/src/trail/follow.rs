@@ -86,7 +86,7 @@ impl Follower {
     }
 }
 
-/// The origin of the value that bears a name after a pass.
+/// The origin of the value that has a name after a pass.
 pub(super) fn origin(
     before: &DefinitionState,
     owners: &OutputSymbols,

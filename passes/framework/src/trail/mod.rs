@@ -9,10 +9,10 @@
 //! - the [`Trail`], every state a pass found with what the pass noted, from
 //!   which [`explain`] shows the story of one value with its expressions.
 //!
-//! Most of both is found by comparing definitions before and after a pass;
-//! what only the pass itself knows (which rule, from which value), it notes
-//! while it runs: [`Context::note`](crate::pass::Context::note). Neither is
-//! kept unless asked for, and neither has an influence on any pass.
+//! Most of both is found by comparing definitions before and after a pass; what
+//! only the pass itself knows (which rule, from which value), it notes while it
+//! runs: [`Context::note`](crate::pass::Context::note). Neither is kept unless
+//! requested, and neither has an influence on any pass.
 
 mod account;
 mod expression;

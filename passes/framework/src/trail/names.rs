@@ -65,8 +65,8 @@ impl ValueNames {
         found.ok().map(|index| entries[index].1)
     }
 
-    /// The value of the least number derived from a symbol, the symbol itself
-    /// first of all.
+    /// The value of the smallest number derived from a symbol, the symbol
+    /// itself first of all.
     pub(super) fn first(&self, symbol: Symbol) -> Option<Value> {
         self.derived(symbol).first().map(|(_, value)| *value)
     }

@@ -40,7 +40,7 @@ impl Notes {
         self.wanted
     }
 
-    /// The value that bears this name after the pass was made by this rule.
+    /// The value that has this name after the pass was made by this rule.
     /// Several rules are kept in the order of the notes, each once.
     #[inline]
     pub fn note(&mut self, name: Name, rule: &str) {
@@ -49,10 +49,9 @@ impl Notes {
         }
     }
 
-    /// The value that bears this name after the pass was made from the value
-    /// of that name before it. Needed only where the names do not show: a
-    /// value keeps its own history, and `OM16.2` is taken to come from
-    /// `OM16`.
+    /// The value that has this name after the pass was made from the value of
+    /// that name before it. Needed only where the names do not show: a value
+    /// keeps its own history, and `OM16.2` is taken to come from `OM16`.
     #[inline]
     pub fn note_origin(&mut self, name: Name, origin: Name) {
         if self.wanted {

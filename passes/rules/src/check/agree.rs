@@ -15,7 +15,7 @@ use robovec_ir::Operation;
 /// The verdict of points of the fields.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Agreement {
-    /// The sides agree at so many points.
+    /// The sides agree at this number of points.
     Equal(u32),
     /// They differ somewhere.
     Different,

@@ -32,7 +32,7 @@ const QUOTIENT: f64 = 1.0 / (1u128 << 98) as f64;
 const SINE: f64 = 1.0 / (1u128 << 94) as f64;
 const LARGEST_ANGLE: f64 = 1e6;
 
-/// Beyond so many powers of two the smaller term of a sum is only error.
+/// Beyond this number of powers of two the smaller term of a sum is only error.
 const FAR: i64 = 400;
 
 impl ScaledBall {

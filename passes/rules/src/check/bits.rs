@@ -114,7 +114,7 @@ fn formats() -> [HardFormat; 2] {
     ]
 }
 
-/// A number for people: the ends of a format by name, five digits of what has
+/// A number for users: the ends of a format by name, five digits of what has
 /// many.
 fn number(format: &str, value: f64) -> String {
     let single = format == "binary32";
@@ -146,7 +146,7 @@ fn number(format: &str, value: f64) -> String {
 }
 
 /// Random points for the part of equal bits at least, however few trials are
-/// asked for.
+/// requested.
 const FEWEST: usize = 2_000;
 
 /// Tries a rule at special values and at so many random points.

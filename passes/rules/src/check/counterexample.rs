@@ -67,7 +67,7 @@ impl fmt::Display for Counterexample {
     }
 }
 
-/// A number for people: all digits when they are few.
+/// A number for users: all digits when they are few.
 pub(super) fn number(number: f64) -> String {
     let plain = format!("{number}");
     if plain.len() <= 20 {

@@ -140,7 +140,7 @@ impl EnumeratedTerms {
         EnumeratedTerms::all(space, &mut |_, _, _| {}).0
     }
 
-    /// The terms with so many operations.
+    /// The terms with this number of operations.
     pub(super) fn level(&self, size: usize) -> &[u32] {
         self.levels.get(size).map_or(&[], Vec::as_slice)
     }

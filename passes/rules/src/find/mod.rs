@@ -117,7 +117,7 @@ struct Sieve<'a> {
     letters: Letters,
 }
 
-/// The names of variables: so many letters, and the angle by its number.
+/// The names of variables: this number of letters, and the angle by its number.
 #[derive(Clone, Copy)]
 struct Letters {
     count: u32,
@@ -210,8 +210,8 @@ fn derives(
     are_equal(&terms, rewrites, budget)
 }
 
-/// A candidate as a rule, if it is sound: it always is but for an accident of
-/// the field.
+/// A candidate as a rule, if it is sound: it always is except for an accident
+/// of the field.
 fn rule(candidate: &RuleCandidate, number: usize, letters: Letters) -> Option<Rule> {
     let (mut left, mut right) = (candidate.left.clone(), candidate.right.clone());
     let bound = |from: &Pattern, to: &Pattern| {

@@ -25,8 +25,8 @@ pub(super) enum TermFamily<'a> {
     Signs,
     /// A vector in the plane turned n times: its first component.
     Turns,
-    /// The left side of a rule, n times, each in the place of the last
-    /// variable of the next.
+    /// The left side of a rule, n times, each instead of the last variable of
+    /// the next.
     Nested(&'a str),
 }
 
@@ -43,7 +43,7 @@ impl<'a> TermFamily<'a> {
         TermFamily::Turns,
     ];
 
-    /// The name of the family, for people.
+    /// The name of the family, for users.
     pub(super) fn name(self) -> String {
         match self {
             TermFamily::Sum => "a sum of n terms".to_owned(),

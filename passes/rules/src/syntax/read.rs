@@ -102,7 +102,7 @@ impl Importer<'_> {
             Some("birewrite") => true,
             Some(command) => {
                 if !WITHOUT_RULES.contains(&command) {
-                    let message = format!("'{}' is no rewrite", clip(command));
+                    let message = format!("'{}' is not a rewrite", clip(command));
                     self.leave_out(error(forest.get(root).span.clone(), message));
                 }
                 return;

@@ -113,7 +113,7 @@ impl RuleSides {
             .is_some_and(|first| first.is_alphabetic() || first == '_')
             && letters.all(|letter| letter.is_alphanumeric() || letter == '_');
         if !is_name || ["PI", "E", "INFINITY", "NAN"].contains(&atom) {
-            let message = format!("'{}' is no variable or number of robovec", clip(atom));
+            let message = format!("'{}' is not a variable or number of robovec", clip(atom));
             return Err(PatternProblem::Unsupported(error(span, message)));
         }
         let variable = self.variable(atom);

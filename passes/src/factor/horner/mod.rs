@@ -32,11 +32,11 @@ pub(super) struct HornerSearch {
     pub(super) seed: u64,
 }
 
-/// Maximum number of rounds in which polynomials are written anew: taking
-/// factors out leaves other sums and products.
+/// Maximum number of rounds in which polynomials are rewritten: taking factors
+/// out leaves other sums and products.
 const ROUNDS: u32 = 4;
 
-/// Writes the polynomials of a network anew where that saves operations.
+/// Writes the polynomials of a network again where that saves operations.
 ///
 /// `network` is the input, of which nothing has been taken out yet; the
 /// result has its factors taken out.

@@ -244,8 +244,8 @@ fn merge_powers(powers: &mut SmallVec<[(u32, u32); 6]>) {
     });
 }
 
-/// Sorts terms and adds those that are alike; `None` when a coefficient is too
-/// large.
+/// Sorts terms and adds those that are similar; `None` when a coefficient is
+/// too large.
 fn collect(terms: &mut Vec<PolynomialTerm>) -> Option<()> {
     terms.sort_unstable_by(|a, b| a.powers.cmp(&b.powers));
     let mut exact = true;

@@ -39,7 +39,7 @@ pub(super) struct PackedPolynomial {
     /// The node that has its value.
     pub(super) node: u32,
     variables: Vec<u32>,
-    /// By term, so many groups of exponents in the order of `variables`.
+    /// By term, this number of groups of exponents in the order of `variables`.
     rows: Vec<Exponents>,
     pub(super) coefficients: Vec<i64>,
     values: Vec<u64>,
@@ -95,7 +95,7 @@ pub(super) struct SchemeBuffers {
     /// Terms as they are sorted, with exponents in the order of the columns.
     terms: Vec<(u128, u32)>,
     rows: Vec<Exponents>,
-    /// The least exponents of every [`STRETCH`] rows, so that a part is not
+    /// The smallest exponents of every [`STRETCH`] rows, so that a part is not
     /// looked through term by term.
     minima: Vec<Exponents>,
     prefix: Vec<u64>,
@@ -247,7 +247,8 @@ impl SchemeSet {
         cost
     }
 
-    /// Takes the powers that a part has in common, the least ones, out of it.
+    /// Takes the powers that a part has in common, the smallest ones, out of
+    /// it.
     fn common(
         &self,
         polynomial: &PackedPolynomial,
@@ -382,7 +383,7 @@ impl SchemeBuffers {
         }
     }
 
-    /// The least exponents of a range of terms.
+    /// The smallest exponents of a range of terms.
     fn find_least(&mut self, start: usize, end: usize, blocks: usize) {
         self.least.clear();
         self.least

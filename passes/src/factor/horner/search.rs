@@ -16,7 +16,7 @@ use std::cmp::Reverse;
 
 /// The temperature at the beginning, as a part of the operations there are.
 const HOT: f64 = 0.03;
-/// Temperature at the end, in parts of that at the start.
+/// Temperature at the end, relative to that at the start.
 const COOLING: f64 = 0.02;
 /// Number of starts of the annealing, since the first variables of an order
 /// hardly change once those after them suit them.
@@ -66,11 +66,11 @@ impl KeptOrders {
     }
 }
 
-/// The most promising orders for a set of polynomials, best first: that of
-/// occurrences, and what is found until `work` terms were considered.
+/// The maximum number of promising orders for a set of polynomials, best first:
+/// that of occurrences, and what is found until `work` terms were considered.
 ///
 /// Every start of annealing has its share of them: what factors save afterwards
-/// is alike for orders that are alike.
+/// is similar for orders that are similar.
 pub(super) fn orders(set: &SchemeSet, work: u64, count: usize, seed: u64) -> Vec<RatedOrder> {
     let occurrences = &set.variables.occurrences;
     let mut usual: Vec<u32> = (0..occurrences.len() as u32).collect();

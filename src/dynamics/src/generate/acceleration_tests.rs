@@ -77,7 +77,7 @@ fn accelerations_solve_the_equations_of_motion_exactly() {
     }
 }
 
-/// Refusal in the place of a function.
+/// Refusal instead of a function.
 fn refusal(model: &Model, request: &GenerationRequest) -> String {
     match generate(model, request) {
         Ok(_) => panic!("{request:?} is given"),

@@ -27,7 +27,7 @@ use super::factor::{SparseRow, entry, product, solve_square};
 use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
 
-/// The most rows of a block that directions are written for.
+/// The maximum number of rows of a block that directions are written for.
 const DIRECTIONS: usize = 3;
 
 /// Solves `A X = B` for a square matrix whose rows and columns are in an order

@@ -2,10 +2,10 @@
 //!
 //! Column k holds the load of every joint when joint k alone accelerates by
 //! one. A revolute joint's column is accumulated from the leaves, body by body.
-//! When a prismatic joint accelerates, all bodies beyond it do so alike,
-//! whatever their orientation: joint i then carries the mass `MS_i` beyond it
-//! times `AM_i,k`, with the first moment `MD_i` as its lever. This holds for
-//! true sines and cosines only (`sin^2 + cos^2 = 1`).
+//! When a prismatic joint accelerates, all bodies beyond it do so alike, for
+//! any orientation: joint i then carries the mass `MS_i` beyond it times
+//! `AM_i,k`, with the first moment `MD_i` as its lever. This holds for true
+//! sines and cosines only (`sin^2 + cos^2 = 1`).
 
 use super::Options;
 use super::algebra::{Scalar, Sum};

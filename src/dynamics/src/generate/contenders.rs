@@ -14,7 +14,7 @@ use robovec_ir::{Module, print};
 use robovec_model::Model;
 use robovec_robotran::FunctionKind;
 
-/// Maximum length in parts of the shortest one.
+/// Maximum length relative to the shortest one.
 const LONGEST: usize = 2;
 
 /// A formulation that may be the shortest one of a function.

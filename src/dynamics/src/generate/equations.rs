@@ -222,8 +222,8 @@ impl Equations {
         Scalar::of_atom(atom).negated_if(negative)
     }
 
-    /// Lets a value take the place of an element of an input array, from now
-    /// on; indices as of [`Equations::input`].
+    /// Lets a value replace an element of an input array, from now on; indices
+    /// as of [`Equations::input`].
     pub(super) fn bind(&mut self, array: &str, indices: &[usize], value: Scalar) {
         self.bound
             .insert((array.to_owned(), padded(indices)), value);

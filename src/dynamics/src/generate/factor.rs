@@ -28,8 +28,8 @@ pub(super) fn find_entry(row: &[(usize, Scalar)], column: usize) -> Scalar {
     found.map_or(Scalar::ZERO, |&(_, value)| value)
 }
 
-/// The most products that an elimination may take: those of a dense matrix of
-/// some 230 rows.
+/// The maximum number of products that an elimination may take: those of a
+/// dense matrix of some 230 rows.
 pub(super) const LIMIT: usize = 2_000_000;
 
 /// The products that the elimination of a tree's mass matrix takes, without

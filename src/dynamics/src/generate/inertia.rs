@@ -285,7 +285,7 @@ impl Inertia {
 
 impl Wrench {
     /// A wrench of a joint's frame in its parent's, about the parent's origin.
-    /// The turned force bears `name`.
+    /// The turned force has `name`.
     pub(super) fn to_parent(
         self,
         equations: &mut Equations,

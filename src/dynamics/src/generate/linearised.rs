@@ -67,7 +67,7 @@ pub(super) fn write(
     formulation::accelerations(equations, &moving, request)
 }
 
-/// Makes the function that was asked for of the one that [`write`] gave, the
+/// Makes the function that was requested of the one that [`write`] gave, the
 /// last of a module.
 pub(super) fn finish(
     module: &mut Module,

@@ -3,7 +3,7 @@
 //! Only what the outputs need is written: a backward sweep marks it, a forward
 //! sweep appends the trees. Arrays get the extents and the order that the
 //! reader of Robotran's files gives them, so that a function does not change
-//! on its way through a file.
+//! during the run through a file.
 
 use super::algebra::{ProductFactor, Scalar, SignedProduct, Sum};
 use super::equations::{Atom, Equations, RightHandSide};

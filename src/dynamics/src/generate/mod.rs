@@ -313,8 +313,8 @@ impl GenerateError {
     }
 }
 
-/// The most pairs of a joint and one of its ancestors or itself: those of a
-/// chain of 446 joints. Each takes some 70 operations.
+/// The maximum number of pairs of a joint and one of its ancestors or itself:
+/// those of a chain of 446 joints. Each takes some 70 operations.
 const PAIR_LIMIT: usize = 100_000;
 
 /// Refuses functions that grow with the pairs of a joint and its ancestors, for
@@ -351,7 +351,7 @@ pub fn generate(model: &Model, request: &GenerationRequest) -> Result<Module, Ge
     Ok(module)
 }
 
-/// Does as [`generate`], for a function that was asked for by name.
+/// Does as [`generate`], for a function that was requested by name.
 ///
 /// # Errors
 ///

@@ -2,7 +2,7 @@
 //! equations.
 //!
 //! A parameter that the model gives as zero is a structural zero: it never
-//! appears, unless all parameter symbols are asked for. A joint whose velocity
+//! appears, unless all parameter symbols are requested. A joint whose velocity
 //! has no symbol is at rest.
 
 use super::algebra::Scalar;
@@ -41,7 +41,7 @@ pub(super) struct ModelParameters<'m> {
     pub(super) torques: Vec<Vector>,
     /// The rotation of each joint.
     pub(super) turns: Vec<AxisRotation>,
-    /// Inertias that joints move, in place of masses, centres and inertias;
+    /// Inertias that joints move, instead of masses, centres and inertias;
     /// `None` where these are used.
     pub(super) grouped: Option<Vec<OriginInertia>>,
 }
@@ -255,7 +255,7 @@ struct Properties {
 
 impl Properties {
     /// Those of the body a joint moves. A fictitious body has none, unless all
-    /// symbols are asked for: then it has zeros.
+    /// symbols are requested: then it has zeros.
     fn of(model: &Model, joint: usize, all: bool) -> Option<Properties> {
         match model.body_of(joint) {
             Some(body) => Some(Properties {

@@ -50,7 +50,7 @@ impl JointRoles {
         Ok(roles)
     }
 
-    /// The roles, with frames in the place of joints.
+    /// The roles, with frames instead of joints.
     pub(super) fn of_frames(
         frames: &ModelFrames<'_>,
         options: &Options,

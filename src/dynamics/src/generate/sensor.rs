@@ -45,7 +45,7 @@ impl SensorNames {
     }
 }
 
-/// Everything that can be asked for.
+/// Everything that can be requested.
 pub(super) const ALL: Asks = Asks {
     position: true,
     rotation: true,
@@ -115,7 +115,7 @@ pub(super) fn frame(equations: &mut Equations, parameters: &ModelParameters<'_>,
     );
 }
 
-/// Sets the outputs that are asked for.
+/// Sets the outputs that are requested.
 pub(super) fn outputs(
     equations: &mut Equations,
     parameters: &ModelParameters<'_>,

@@ -82,7 +82,7 @@ impl CompiledFunction {
     }
 
     /// The derivatives of the outputs in a state along a direction, in
-    /// binary64: exact but for rounding.
+    /// binary64: exact except for rounding.
     pub fn evaluate_along(
         &self,
         state: &MotionState,

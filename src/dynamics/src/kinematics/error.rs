@@ -25,7 +25,7 @@ pub enum StateError {
         time: f64,
     },
     /// Something became infinite or undefined.
-    #[error("at {time:?} s {what} is no finite number")]
+    #[error("at {time:?} s {what} is not a finite number")]
     NotFinite {
         /// Quantity that is missing.
         what: String,

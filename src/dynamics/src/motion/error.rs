@@ -5,7 +5,7 @@ use crate::kinematics::StateError;
 use robovec_present::number::or_nothing;
 use thiserror::Error;
 
-/// Reason why a simulation cannot start or go on.
+/// Reason why a simulation cannot start or continue.
 #[derive(Clone, PartialEq, Debug, Error)]
 pub enum MotionError {
     /// The model gives no equations.

@@ -111,7 +111,7 @@ impl EventWatch {
     }
 
     /// Those that are on another side than they were last seen on, and whose
-    /// direction is asked for.
+    /// direction is requested.
     pub(super) fn passed(&self, signals: &[Signal]) -> Vec<usize> {
         assert_eq!(
             signals.len(),
@@ -192,8 +192,8 @@ fn side(value: f64) -> Option<bool> {
     (value != 0.0).then_some(value > 0.0)
 }
 
-/// Place between 0 and 1 of the least value of the cubic with these values and
-/// slopes at the ends, and that value; it falls at 0 and rises at 1.
+/// Place between 0 and 1 of the smallest value of the cubic with these values
+/// and slopes at the ends, and that value; it falls at 0 and rises at 1.
 fn least_of_cubic([from, to]: [f64; 2], [down, up]: [f64; 2]) -> (f64, f64) {
     let cubic = 2.0 * (from - to) + down + up;
     let square = 3.0 * (to - from) - 2.0 * down - up;

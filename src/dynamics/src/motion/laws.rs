@@ -269,7 +269,7 @@ struct Named {
 
 impl Laws {
     /// Laws of the model itself: the losses of its joints, and driven joints at
-    /// rest. An entry of a file for a joint takes the place of its losses.
+    /// rest. An entry of a file for a joint replaces its losses.
     pub fn of_model(model: &Model) -> Laws {
         let losses = model.joints.iter().map(|joint| Spring {
             damping: joint.losses.damping,

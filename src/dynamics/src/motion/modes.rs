@@ -42,7 +42,7 @@ impl Mode {
     }
 }
 
-/// The most rounds of the eigenvalues' iteration, for each row.
+/// The maximum number of rounds of the eigenvalues' iteration, for each row.
 const ROUNDS: usize = 100;
 
 /// Part of the sum of a row's terms that may be rounding.

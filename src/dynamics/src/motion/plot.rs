@@ -69,7 +69,7 @@ fn positions<'a>(model: &'a Model, run: &SimulationRun) -> Vec<RunQuantity<'a>> 
     moving.into_iter().map(|(_, quantity)| quantity).collect()
 }
 
-/// The energies that are there, and what is left of them without work.
+/// The energies that are there, and the rest of them without work.
 fn energies(run: &SimulationRun) -> Vec<RunQuantity<'static>> {
     let energies = [
         RunQuantity::new("kinetic", run, |sample| sample.energy.kinetic),

@@ -1,8 +1,8 @@
 //! Error of a step's results that are computed in a shorter format.
 //!
-//! Random positions would leave loops open, where the results mean nothing.
-//! So the joints that move freely are drawn around the model's closed initial
-//! state, and the loops are closed anew, in binary64 as the step itself does.
+//! Random positions would leave loops open, where the results mean nothing. So
+//! the joints that move freely are drawn around the model's closed initial
+//! state, and the loops are closed again, in binary64 as the step itself does.
 
 use super::StepFunction;
 use crate::generate::{GenerateError, loop_constraints};
@@ -20,7 +20,7 @@ const SEED: u64 = 1;
 /// Maximum distance of drawn joints from their start, m or rad.
 const REACH: f64 = 0.2;
 
-/// Maximum number of times a state is drawn anew, ever nearer to the start.
+/// Maximum number of times a state is drawn again, ever nearer to the start.
 const ATTEMPTS: i32 = 20;
 
 /// The error of the results of a step in a format, against exact results of the

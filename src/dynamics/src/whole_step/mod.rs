@@ -1,5 +1,5 @@
-//! The whole step of a simulation as C that takes the place of Robotran's
-//! `accelred`, and of inverse dynamics as `invdynared`.
+//! The whole step of a simulation as C that replaces Robotran's `accelred`, and
+//! of inverse dynamics as `invdynared`.
 //!
 //! MBsysC calls `mbs_accelred` once for every evaluation of the derivative and
 //! asks for everything: the motion of driven joints, loops that are closed,
@@ -15,7 +15,7 @@
 //! leaves open is below every tolerance of a project only in binary64, and
 //! differences of nearly equal positions are what it is made of.
 //!
-//! **What is asked for at run time.** Which joints depend is decided when the
+//! **What is requested at run time.** Which joints depend is decided when the
 //! equations are made. The project decides it too, when it starts; should the
 //! two differ, the function reports it and fails, since its result would be that
 //! of another system. It fails as well where numbers show that masses and
@@ -114,7 +114,7 @@ pub fn generate_parts(
 pub struct StepStyle<'a> {
     /// Options of the equations as C.
     pub c: &'a c::Options,
-    /// The generator whose names the C bears.
+    /// The generator whose names the C has.
     pub generation: Generation,
     /// Options that the functions were generated with.
     pub options: &'a Options,

@@ -40,7 +40,7 @@ pub struct OutputLine {
     pub backward: Option<f64>,
     /// `accurate`, `hard problem` or `unstable code`.
     pub judgement: Option<&'static str>,
-    /// In how many states it is zero but for rounding.
+    /// In how many states it is zero except for rounding.
     pub vanishing: u32,
     /// In how many states it is computed below the normal numbers.
     pub subnormal: u32,
@@ -155,8 +155,8 @@ fn fields(line: &OutputLine) -> Vec<String> {
     fields
 }
 
-/// The errors for a person: each format as a whole, its arrays, and at most
-/// so many outputs, those with the largest mixed errors, in their order.
+/// The errors for a user: each format as a whole, its arrays, and at most this
+/// number of outputs, those with the largest mixed errors, in their order.
 pub fn text(name: &str, view: View<'_>, accuracy: &Accuracy, most: usize) -> String {
     let certainty = accuracy.certainty;
     let proved = certainty.double_double + certainty.precise + certainty.zero;

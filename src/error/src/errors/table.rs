@@ -15,14 +15,14 @@ use robovec_num::double_double::Double;
 use serde::Serialize;
 use std::slice;
 
-/// The most enclosures of all windows, times operations and leaves: some
-/// seconds.
+/// The maximum number of enclosures of all windows, times operations and
+/// leaves: some seconds.
 const ENCLOSED: usize = 1 << 25;
 
-/// The most states at which the error of a window is looked for.
+/// The maximum number of states at which the error of a window is looked for.
 const STATES: usize = 4096;
 
-/// The most states of all windows, times operations and leaves.
+/// The maximum number of states of all windows, times operations and leaves.
 const RUN: usize = 1 << 23;
 
 /// A method to estimate or bound an error.
@@ -57,7 +57,7 @@ pub struct ErrorSettings {
     pub blamed: u32,
     /// Methods in use.
     pub methods: Vec<ErrorMethod>,
-    /// The outputs asked for, by their places among the assignments.
+    /// The outputs requested, by their places among the assignments.
     pub outputs: Vec<usize>,
     /// Equations named as the hottest.
     pub most_equations: usize,
@@ -88,7 +88,7 @@ pub struct ErrorTable {
     pub weakest_divisor: f64,
     /// States of the search beside the proofs.
     pub searched: usize,
-    /// One row per output asked for.
+    /// One row per output requested.
     pub outputs: Vec<OutputRow>,
     /// Place where the errors come from.
     pub heat: Heat,
@@ -123,7 +123,7 @@ pub struct OutputRow {
 /// Bounds for all states in the ranges of the leaves of a window.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct IntervalRow {
-    /// The least value.
+    /// The smallest value.
     pub low: f64,
     /// The greatest value.
     pub high: f64,
@@ -154,7 +154,7 @@ pub struct IntervalRow {
 }
 
 impl ErrorTable {
-    /// Measures what is asked for.
+    /// Measures what is requested.
     ///
     /// # Errors
     ///

@@ -10,7 +10,7 @@ use robovec_present::number::percent;
 use robovec_present::{columns, text_lines};
 use std::fmt::Write;
 
-/// The rows of a table for a person; the others are counted.
+/// The rows of a table for a user; the others are counted.
 pub(super) const MAX_ROWS: usize = 40;
 
 /// The relative error of a divisor above which bounds of first order are
@@ -39,8 +39,8 @@ const ESTIMATE: &str = "~: an estimate, not certified\n";
 /// Characters of a full bar.
 const BAR: f64 = 24.0;
 
-/// The table for a person: the outputs with the largest errors relative to
-/// their exact values, in their order, and the heat.
+/// The table for a user: the outputs with the largest errors relative to their
+/// exact values, in their order, and the heat.
 pub fn text(errors: &ErrorTable) -> String {
     let proofs = proof_text(errors);
     let first = errors.outputs.first();

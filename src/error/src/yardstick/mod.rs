@@ -25,8 +25,8 @@ use std::collections::BTreeMap;
 /// States evaluated at a time.
 const LANES: usize = 4;
 
-/// An element that is below this part of the largest of its array is zero but
-/// for the rounding of the reference itself, as in
+/// An element that is below this part of the largest of its array is zero
+/// except for the rounding of the reference itself, as in
 /// [`robovec_analysis::accuracy`].
 const VANISHING: f64 = 1.0 / (1u128 << 70) as f64;
 
@@ -302,7 +302,7 @@ fn distance(exact: Double, computed: f64) -> f64 {
 /// Errors, state after state.
 struct ErrorTally {
     relative: Vec<f64>,
-    /// True when some element that is zero but for rounding was computed
+    /// True when some element that is zero except for rounding was computed
     /// otherwise.
     vanishes: bool,
     normwise: Vec<f64>,

@@ -289,7 +289,7 @@ fn over_time(outcome: &FitOutcome, motion: &MotionShare) -> String {
 }
 
 /// The sizes that errors are measured by at least, of arrays with a tolerance
-/// in parts of the largest element.
+/// relative to the largest element.
 fn scales(task: &FitTask<'_>) -> String {
     let mut sizes: Vec<String> = Vec::new();
     for need in &task.scene.outputs {

@@ -28,9 +28,9 @@ const WORK: usize = 1 << 24;
 pub struct FitBound {
     /// Outputs with a tolerance.
     pub outputs: usize,
-    /// Those of them whose bound is within the least error allowed.
+    /// Those of them whose bound is within the smallest error allowed.
     pub proved: usize,
-    /// The largest bound over the least error allowed; infinite where there
+    /// The largest bound over the smallest error allowed; infinite where there
     /// is no bound.
     pub used: f64,
 }

@@ -1,12 +1,11 @@
 //! The search for the state at which a choice is worst.
 //!
 //! A choice that held at some states may fail at others. Here it is tried at
-//! many states that nothing has seen, and then at states that are bred from
-//! the worst of them: nearer and farther, with inputs of one in the place of
-//! another's, with inputs at the ends of their ranges and at zero. Rounding
-//! errors jump from one number to the next, so that there is no slope to go
-//! down; what a state is worth is measured, and the worse of parent and child
-//! goes on.
+//! many states that nothing has seen, and then at states that are bred from the
+//! worst of them: nearer and further, with inputs of one instead of another's,
+//! with inputs at the ends of their ranges and at zero. Rounding errors jump
+//! from one number to the next, so that there is no slope to go down; what a
+//! state is worth is measured, and the worse of parent and child continues.
 //!
 //! **Invariants.** Every state lies in the ranges of the scene. Numbers are
 //! those of binary64, not only those that narrower formats hold, since the
@@ -30,7 +29,7 @@ const WORK: u64 = 200_000_000;
 /// States tried at least, and at most for one unit of effort.
 const STATES: [u64; 2] = [4096, 1 << 20];
 
-/// Of eight states so many are drawn; the others are bred.
+/// Of eight states this number of are drawn; the others are bred.
 const DRAWN_OF_EIGHT: u64 = 6;
 
 /// States measured before the next look at what was found.

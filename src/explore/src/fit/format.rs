@@ -43,7 +43,8 @@ pub(super) struct FormatQuestion<'q> {
 
 impl FormatQuestion<'_> {
     /// The formats that float a program is measured in: the narrowest that
-    /// meets the tolerances, if any does, and binary32, which everybody knows.
+    /// meets the tolerances, if any does, and binary32, which every program
+    /// knows.
     pub(super) fn floating(&self) -> Result<Vec<MeasuredFormat>, FitError> {
         let mut found = vec![(Format::BINARY32, self.validated(Format::BINARY32)?)];
         if self.program.model_share > PART {

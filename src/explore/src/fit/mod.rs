@@ -8,7 +8,7 @@
 //!
 //! 1. programs ([`variants`]): every formulation specialised to the scene,
 //!    with the equations as short or as few as the passes make them;
-//! 2. series ([`series`]): of each method the least order whose error leaves
+//! 2. series ([`series`]): of each method the smallest order whose error leaves
 //!    room for rounding;
 //! 3. format ([`format`]): the narrowest exponent that holds what occurs, the
 //!    narrowest mantissa that meets the tolerances, found by halving; of the
@@ -139,7 +139,7 @@ pub struct FitProgram {
     pub model_share: f64,
     /// The formats of its values, where each has its own.
     pub mixture: Option<ValueMixture>,
-    /// Reason why the scene rules it out: it is measured all the same.
+    /// Reason why the scene rules it out: it is measured nevertheless.
     pub excluded: Option<String>,
 }
 

@@ -34,7 +34,7 @@ pub struct MotionTolerance<'a> {
 /// The error of a program over time.
 #[derive(Clone, PartialEq, Debug, serde::Serialize)]
 pub struct MotionShare {
-    /// The largest error of a watched joint, in parts of its largest
+    /// The largest error of a watched joint, relative to its largest
     /// displacement; infinite where the motion fails.
     pub error: f64,
     /// Error that the scene allows.
@@ -47,7 +47,7 @@ pub struct MotionShare {
     pub steps: u64,
 }
 
-/// The change of energy that no work explains, in parts of the largest kinetic
+/// The change of energy that no work explains, relative to the largest kinetic
 /// energy.
 #[derive(Clone, Copy, PartialEq, Debug, serde::Serialize)]
 pub struct EnergyDrift {
@@ -72,7 +72,7 @@ impl MotionShare {
     }
 }
 
-/// The drift of energy of a run, in parts of its largest kinetic energy.
+/// The drift of energy of a run, relative to its largest kinetic energy.
 fn drift(run: &SimulationRun) -> f64 {
     match run.energy_drift() {
         0.0 => 0.0,
@@ -166,7 +166,7 @@ impl<'a> MotionTolerance<'a> {
     }
 }
 
-/// A scene's motion with so many steps from one sample to the next.
+/// A scene's motion with this number of steps from one sample to the next.
 fn run(
     file: &SceneFile,
     wish: &SceneMotion,

@@ -17,7 +17,7 @@ use robovec_ir::count::Counts;
 use robovec_num::{FixedFormat, NumberFormat};
 use robovec_schedule::PlaceError;
 
-/// Number of states of the validation in parts of those of the search: a search
+/// Number of states of the validation relative to those of the search: a search
 /// measures often and can afford few.
 pub(super) const VALIDATION_FACTOR: u32 = 4;
 
@@ -44,7 +44,7 @@ pub(super) struct FitSearch<'t, 'a> {
     sizes: Vec<Vec<size::SizedMachine>>,
     /// For every program its formats with the errors at the validation.
     formats: Vec<Vec<MeasuredFormat>>,
-    /// Clocks and resources that were asked for before.
+    /// Clocks and resources that were requested before.
     figures: size::KnownFigures,
     /// Choices that failed their challenge.
     pub(super) broken: u32,
@@ -282,7 +282,7 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         Ok(())
     }
 
-    /// Formats for the values of a program anew, with more digits than those
+    /// Formats for the values of a program again, with more digits than those
     /// that failed; none when there are no more to try.
     fn mix_again(&mut self, failed: usize) -> Result<(), FitError> {
         let Some(old) = self.programs[failed].mixture.clone() else {
@@ -298,7 +298,7 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         Ok(())
     }
 
-    /// Refuses a format of a program for its error over time, so many times
+    /// Refuses a format of a program for its error over time, this many times
     /// what is allowed: as many bits more as that calls for are tried next.
     /// Other programs err as their formats do, and need nearly as many.
     pub(super) fn widen(

@@ -1,4 +1,4 @@
-//! Sines and cosines on the elements: of each method the least order whose
+//! Sines and cosines on the elements: of each method the smallest order whose
 //! error leaves room for rounding.
 
 use super::format::FormatErrors;
@@ -16,7 +16,7 @@ use std::sync::Arc;
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SinePlace {
-    /// Before the run, exactly but for one rounding.
+    /// Before the run, exactly except for one rounding.
     #[default]
     Host,
     /// Before the run, by a unit that adds an error.

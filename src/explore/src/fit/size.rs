@@ -9,7 +9,7 @@ use robovec_ir::{Format, Machine};
 use robovec_schedule::{PlaceError, PlaceOptions, schedule_bound};
 use std::collections::HashMap;
 
-/// The most elements of a kind.
+/// The maximum number of elements of a kind.
 const MOST: u32 = 64;
 
 /// A machine with its schedule.
@@ -19,7 +19,7 @@ pub(super) struct SizedMachine {
     pub(super) elements: [u32; 2],
     /// Length of the schedule.
     pub(super) cycles: u32,
-    /// The most words of memory in one element.
+    /// The maximum number of words of memory in one element.
     pub(super) words: u32,
 }
 
@@ -36,7 +36,7 @@ impl SizedMachine {
 }
 
 /// Figures that were computed before. Whenever a choice fails, all candidates
-/// are compared anew; their errors have changed by then, their machines have
+/// are compared again; their errors have changed by then, their machines have
 /// not.
 #[derive(Default)]
 pub(super) struct KnownFigures(HashMap<(SizedMachine, Format), MachineFigures>);

@@ -23,8 +23,8 @@ const DEGREES: [u32; 4] = [1, 2, 3, 5];
 /// Entries of tables.
 const ENTRIES: [u32; 4] = [16, 64, 256, 1024];
 
-/// The cheapest unit of every method with which a program in a format uses up
-/// a part of the tolerances at most, the quickest first, with the errors.
+/// The cheapest unit of every method with which a program in a format uses up a
+/// part of the tolerances at most, the fastest first, with the errors.
 pub(super) fn units(
     question: &FormatQuestion<'_>,
     format: Format,
@@ -52,7 +52,8 @@ pub(super) fn units(
     Ok(found.into_iter().map(|(_, made)| made).collect())
 }
 
-/// For every method its implementations with so many bits, the cheapest first.
+/// For every method its implementations with this number of bits, the cheapest
+/// first.
 fn methods() -> [fn(u32) -> Vec<Implementation>; 3] {
     let polynomial: fn(u32) -> Vec<Implementation> = |bits| {
         let orders = ORDERS.into_iter();

@@ -81,9 +81,10 @@ fn stage(text: &str, angle: f64) -> String {
     found.map_or(text.to_owned(), |(_, passes)| passes)
 }
 
-/// All choices of a list for a function of so many operations: those of the thesis, ours
-/// from the equations, and, where there is a model, from its other formulations. Angles
-/// up to `angle` (rad) are covered by the series that the elements compute.
+/// All choices of a list for a function of this number of operations: those of the
+/// thesis, ours from the equations, and, where there is a model, from its other
+/// formulations. Angles up to `angle` (rad) are covered by the series that the elements
+/// compute.
 pub(super) fn listed(
     operations: usize,
     formulations: &[Formulation],
@@ -115,7 +116,7 @@ pub(super) fn listed(
     thesis.chain(ours).chain(others).collect()
 }
 
-/// Choice that a search found for the numbers of elements asked for.
+/// Choice that a search found for the numbers of elements requested.
 pub(super) fn found(name: &str, formulation: Option<Formulation>, passes: &str) -> FrontChoice {
     FrontChoice {
         name: format!("found: {name}"),

@@ -1,12 +1,12 @@
 //! Speed against error: every way to compute a function as a point, and the
 //! points that no other one beats.
 //!
-//! A point has a time (cycles on a machine with so many elements), an error
-//! (everything included: series, rounding, data that the format cannot hold)
-//! and a cost (its share of the device). One point *dominates* another that is
-//! nowhere better and somewhere worse: in time, in the median and in the worst
-//! case, in cost. What is not dominated is the front, and the only place where
-//! there is something to choose.
+//! A point has a time (cycles on a machine with this number of elements), an
+//! error (everything included: series, rounding, data that the format cannot
+//! hold) and a cost (its share of the device). One point *dominates* another
+//! that is nowhere better and somewhere worse: in time, in the median and in
+//! the worst case, in cost. What is not dominated is the front, and the only
+//! place where there is something to choose.
 
 mod answer;
 mod choice;

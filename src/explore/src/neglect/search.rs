@@ -22,8 +22,8 @@ use std::path::Path;
 const SEARCHED: u32 = 2;
 const FRESH: u32 = 3;
 
-/// One of so many samples of a motion is a state that equations are compared
-/// at.
+/// One of this number of samples of a motion is a state that equations are
+/// compared at.
 const COMPARED: usize = 8;
 
 /// A scene that may leave something out.
@@ -52,7 +52,7 @@ pub struct NeglectFinding {
     /// Operations saved when it alone is left out; `None` when that scene has
     /// no motion or no equations.
     pub saved: Option<i64>,
-    /// The largest error of a watched joint, in parts of its largest
+    /// The largest error of a watched joint, relative to its largest
     /// displacement, when it alone is left out; or why it cannot be.
     pub alone: Result<f64, String>,
     /// The order in which it was left out with others, and the largest error
@@ -71,11 +71,11 @@ pub struct SceneFigures {
     pub operations: SceneOperations,
     /// Path, cycles, cost and rounding errors on the machine.
     pub effect: SceneEffect,
-    /// The largest error of a watched joint over the motion, in parts of its
+    /// The largest error of a watched joint over the motion, relative to its
     /// largest displacement.
     pub motion: f64,
     /// Errors of the needed outputs at states of the full motion, against the
-    /// full equations in double-double arithmetic, in parts of the largest
+    /// full equations in double-double arithmetic, relative to the largest
     /// element of the array.
     pub equations: ErrorSpread,
 }

@@ -46,7 +46,7 @@ pub struct OptimisationAnswer {
     pub target: String,
     /// Form in which the input was measured, or the reason why it was not.
     pub input: String,
-    /// Worst errors of both, in parts of the largest element of an array.
+    /// Worst errors of both, relative to the largest element of an array.
     pub worst_errors: [Option<f64>; 2],
     /// Median error of the program.
     pub median_error: Option<f64>,

@@ -30,10 +30,11 @@ pub struct FoundProgram {
     pub program: Arc<Module>,
 }
 
-/// The best programs that one effort finds for a machine with so many adders
-/// and multipliers each, in this order and each once. Numbers of elements with
-/// which the machine can place no program are left out. A worker searches for
-/// the numbers of its share first, so that it finds what others kept meanwhile.
+/// The best programs that one effort finds for a machine with this number of
+/// adders and multipliers each, in this order and each once. Numbers of
+/// elements with which the machine can place no program are left out. A worker
+/// searches for the numbers of its share first, so that it finds what others
+/// kept meanwhile.
 ///
 /// # Errors
 ///

@@ -41,7 +41,7 @@ pub(super) struct MadeProgram {
 /// Work of a maker.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct MakerTally {
-    /// Programs that were asked for.
+    /// Programs that were requested.
     pub programs: usize,
     /// Those that were kept by an earlier run or another worker.
     pub found: usize,

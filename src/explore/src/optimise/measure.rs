@@ -36,7 +36,7 @@ pub(super) struct MeasuredPrograms {
     pub(super) errors: MeasuredErrors,
 }
 
-/// Times up to this multiple of the least are as short: among them errors
+/// Times up to this multiple of the smallest are as short: among them errors
 /// decide.
 const AS_FAST: f64 = 1.01;
 
@@ -109,8 +109,8 @@ fn placed(outcome: &SearchOutcome<MadeProgram>) -> Result<Vec<(f64, usize)>, Opt
     Ok(placed)
 }
 
-/// Of the programs within [`AS_FAST`] of the least time the one of the least
-/// worst error; of equally exact ones the fastest, then the first.
+/// Of the programs within [`AS_FAST`] of the smallest time the one of the
+/// smallest worst error; of equally exact ones the fastest, then the first.
 fn most_exact_of_the_fastest(contenders: &[(f64, usize)], figures: &[ProgramFigures]) -> usize {
     let times = contenders.iter().map(|(time, _)| *time);
     let limit = AS_FAST * times.fold(f64::INFINITY, f64::min);

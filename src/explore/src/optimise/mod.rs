@@ -1,11 +1,11 @@
 //! The best program for a target: what `robovec optimise` does.
 //!
 //! A function starts from its equations as they came and, where there is a
-//! model, from other formulations that compute the same ([`start`]). The
-//! search of the pass `optimise` makes programs from them, here on all cores
-//! and with a memory on disk ([`maker`]). They are measured where they will
-//! run ([`measure`]): the schedule on the machine, or the C that the compiler
-//! at hand makes of them; and for each the error is measured that its results
+//! model, from other formulations that compute the same ([`start`]). The search
+//! of the pass `optimise` makes programs from them, here on all cores and with
+//! a memory on disk ([`maker`]). They are measured where they will run
+//! ([`measure`]): the schedule on the machine, or the C that the compiler
+//! available makes of them; and for each the error is measured that its results
 //! have in the number format of the target.
 //!
 //! What is taken is proved once more, as a whole, against the equations as
@@ -164,7 +164,7 @@ pub enum OptimisationError {
     /// No program was timed.
     #[error("no program could be timed: {0}")]
     Timing(String),
-    /// The program that was taken is not what was asked for: a mistake in a
+    /// The program that was taken is not what was requested: a mistake in a
     /// pass.
     #[error(
         "the best program does not compute the function of the input; this is a mistake in a pass\n{0}"

@@ -21,8 +21,8 @@ use robovec_passes::optimise::search::SearchOutcome;
 use robovec_passes::optimise::steps::{FEWEST, PREPARATIONS, PRESET, SearchStep};
 use std::path::Path;
 
-/// Rounds, and the time of everybody in a round, ms: of all candidates, and of
-/// those that may be the fastest.
+/// Rounds, and the time of every program in a round, ms: of all candidates, and
+/// of those that may be the fastest.
 const ROUNDS: [(u32, u32); 2] = [(2, 30), (8, 60)];
 /// Candidates this much slower than the fastest are not timed a second time.
 const NEAR: f64 = 1.06;
@@ -31,7 +31,7 @@ const NEAR: f64 = 1.06;
 const OTHER_FLAGS: &str = own::FLAGS;
 /// Maximum number of programs whose errors are measured where none is timed.
 const MEASURED: usize = 16;
-/// Programs of the least estimated work that are timed, and more for every
+/// Programs of the smallest estimated work that are timed, and more for every
 /// effort, beside one of every preparation.
 const TIMED: usize = 2;
 /// Operations of all programs that are compiled; the preset and the program of

@@ -58,14 +58,14 @@ fn columns<'a>(is_timed: bool) -> ColumnList<'a, &'a OptimisationPoint> {
 
 /// Maximum number of programs in the table for the terminal.
 const SHOWN: usize = 8;
-/// Maximum number of programs where more is asked for.
+/// Maximum number of programs where more is requested.
 const SHOWN_MORE: usize = 40;
 /// Maximum number of characters of a name on the terminal.
 const NAME: usize = 34;
 
 /// The table for the terminal: the Pareto front of speed against error, the
-/// fastest first, with the input and the program that was taken in it; of so
-/// many rows, at least two and at most eight.
+/// fastest first, with the input and the program that was taken in it; of this
+/// number of rows, at least two and at most eight.
 pub fn front_table(found: &Optimised, measure: SpeedMeasure, rows: usize) -> String {
     let rows: Vec<_> = shown(found, measure, rows.clamp(2, SHOWN))
         .into_iter()

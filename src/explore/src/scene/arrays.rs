@@ -234,7 +234,7 @@ impl SceneArrays {
         let names = counts.and_then(|counts| self.names.get(counts));
         let Some(names) = names else {
             let message = format!(
-                "'{}' is no index: a number from 1, 'a..b' or '*'",
+                "'{}' is not an index: expected a number from 1, 'a..b' or '*'",
                 clip(word)
             );
             return Err(message.into());
@@ -275,8 +275,8 @@ fn joint_names(model: &Model) -> Vec<(String, u32)> {
     names
 }
 
-/// Points as `body.point`, `base.point` or, where only one bears it, by the
-/// name alone.
+/// Points as `body.point`, `base.point` or, where only one has it, by the name
+/// alone.
 fn point_names(model: &Model) -> Vec<(String, u32)> {
     let mut names = Vec::new();
     for (index, point) in model.points.iter().enumerate() {

@@ -16,7 +16,7 @@ pub(super) type DocumentTable<'t> = DeTable<'t>;
 /// A value with its place.
 pub(super) type DocumentValue<'t> = Spanned<DeValue<'t>>;
 
-/// The most messages about one file.
+/// The maximum number of messages about one file.
 const MAX_PROBLEMS: usize = 20;
 
 /// Message and advice about a word that is not allowed at its place.
@@ -192,7 +192,7 @@ pub(super) fn number(value: &DocumentValue<'_>, problems: &mut DocumentProblems)
     };
     let finite = number.filter(|number| number.is_finite());
     if finite.is_none() {
-        problems.add(value.span(), "this is no finite number");
+        problems.add(value.span(), "this is not a finite number");
     }
     finite
 }

@@ -60,7 +60,8 @@ pub(super) struct ElementStatements {
     elements: BTreeMap<(String, [u32; 2]), ElementStatement>,
 }
 
-/// The most elements a scene can speak of: far more than any system has.
+/// The maximum number of elements a scene can speak of: far more than any
+/// system has.
 const MAX_ELEMENTS: usize = 1_000_000;
 
 impl ElementStatements {

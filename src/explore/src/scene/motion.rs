@@ -15,7 +15,7 @@ use toml::de::DeValue;
 
 /// Length of the motion, in seconds.
 pub(super) const TIME: NumberLimit =
-    NumberLimit::real(1e-6, 1e3, "every candidate is simulated that long");
+    NumberLimit::real(1e-6, 1e3, "every candidate is simulated for this time");
 
 option_words! {
     /// A kind of thing that can be left out.
@@ -51,10 +51,10 @@ pub struct SceneMotion {
     pub laws: Option<PathBuf>,
     /// Length of the motion, s.
     pub time: f64,
-    /// The error allowed of every watched joint, in parts of its largest
+    /// The error allowed of every watched joint, relative to its largest
     /// displacement from its mean.
     pub error: f64,
-    /// The drift of energy allowed, in parts of the largest kinetic energy: what
+    /// The drift of energy allowed, relative to the largest kinetic energy: what
     /// no work of forces explains.
     pub energy: Option<f64>,
     /// The joints whose motion is watched, by index: those that the file

@@ -105,7 +105,7 @@ impl WatchedJoints {
         })
     }
 
-    /// The largest distance of one of them between two runs, in parts of its
+    /// The largest distance of one of them between two runs, relative to its
     /// largest displacement.
     pub fn share(&self, one: &SimulationRun, other: &SimulationRun) -> f64 {
         let watched = self.joints.iter().zip(&self.scales);

@@ -23,9 +23,8 @@ pub struct CpuTime {
     pub program: String,
     /// Operations of the function, sines and cosines apart.
     pub operations: usize,
-    /// Time of one evaluation in binary64 by straight-line C, sines and
-    /// cosines included: the least over many repetitions, µs of processor
-    /// time.
+    /// Time of one evaluation in binary64 by straight-line C, sines and cosines
+    /// included: the smallest over many repetitions, µs of processor time.
     pub microseconds: Option<f64>,
     /// The same by C with loops.
     pub rolled: Option<f64>,

@@ -107,7 +107,7 @@ pub(super) fn knee(program: &StudiedProgram<'_>) -> Option<Knee> {
     })
 }
 
-/// Maximum length of a schedule that counts as saturated, in parts of its
+/// Maximum length of a schedule that counts as saturated, relative to its
 /// longest chain, and maximum above full use of the scarcer kind that counts as
 /// parallel.
 pub(super) const SATURATED: f64 = 1.02;
@@ -167,7 +167,7 @@ pub(super) fn zone(facts: &ProgramFacts, placed: StudyPlacement<'_>) -> Zone {
     }
 }
 
-/// True when a run of so many cycles is as good as the longest chain.
+/// True when a run of this number of cycles is as good as the longest chain.
 pub(super) fn is_saturated(facts: &ProgramFacts, cycles: u32) -> bool {
     f64::from(cycles) <= SATURATED * f64::from(facts.asap_cycle)
 }

@@ -66,7 +66,7 @@ impl ProgramFacts {
         }
     }
 
-    /// The median and the worst error in binary32, in parts of the largest element of
+    /// The median and the worst error in binary32, relative to the largest element of
     /// an array.
     pub(super) fn errors(&self) -> [f64; 2] {
         let normwise = self.rounding[1].normwise;

@@ -21,7 +21,7 @@ pub struct Results {
     pub outcome: StudyOutcome,
 }
 
-/// A placement: what was asked for and what it gave.
+/// A placement: what was requested and what it gave.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StudyPlacement<'a> {
     pub(super) results: &'a Results,
@@ -253,7 +253,7 @@ impl Results {
         ordinary.or(if machines.is_empty() { None } else { Some(0) })
     }
 
-    /// The machine of the couple of operators with so many stages.
+    /// The machine of the couple of operators with this number of stages.
     pub(super) fn couple_machine(&self, stages: [u32; 2]) -> Option<usize> {
         let mut machines = self.plan.machines.iter();
         machines.position(|machine| machine.couple == Some(stages))

@@ -51,7 +51,7 @@ impl MachineDesign {
     }
 }
 
-/// Designs that are tried: every combination, but for numbers of adders and
+/// Designs that are tried: every combination, except for numbers of adders and
 /// multipliers that differ by more than a factor of [`DesignSpace::ratio`].
 #[derive(Clone, PartialEq, Debug)]
 pub struct DesignSpace {

@@ -15,7 +15,7 @@ use serde::Serialize;
 pub const WATTS: NumberLimit = NumberLimit::real(
     0.0,
     10_000.0,
-    "watts that a device or a core draws; energy is their product with the time",
+    "power in watts of a device or a core; energy is power multiplied by time",
 );
 
 /// Power of the device and of a core.
@@ -43,7 +43,7 @@ impl FunctionSweep {
         self.power = Some(power);
     }
 
-    /// The design of the least energy, and a comparison with the processor;
+    /// The design of the smallest energy, and a comparison with the processor;
     /// empty where neither power nor time of a processor is known.
     pub(super) fn energy(&self) -> Vec<String> {
         let fitting = || self.points.iter().filter(|point| point.share <= 1.0);

@@ -37,7 +37,7 @@ use robovec_passes::optimise::steps;
 use serde::Serialize;
 use std::sync::Arc;
 
-/// The most operations times designs that are placed at once.
+/// The maximum number of operations times designs that are placed at once.
 const MAX_WORK: u64 = 6_000_000_000;
 const MAX_DESIGNS: u64 = 1_000_000;
 
@@ -60,7 +60,7 @@ pub struct SweptProgram {
     pub module: Module,
 }
 
-/// A design with what came of it.
+/// A design with its result.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct SweepPoint {
     /// The design.
@@ -121,7 +121,7 @@ pub struct FunctionSweep {
     /// The power from which energies are computed, as the user gave it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub power: Option<PowerFigures>,
-    /// Reason why there is no such time, if it was asked for.
+    /// Reason why there is no such time, if it was requested.
     pub cpu_remark: String,
 }
 
@@ -383,7 +383,8 @@ mod tests {
         }
     }
 
-    /// A few machines, with so many instances at once, and all points of them.
+    /// A few machines, with this number of instances at once, and all points of
+    /// them.
     pub(super) fn small_sweep(instances: &[u32]) -> (DesignSpace, FunctionSweep) {
         let space = DesignSpace {
             instances: instances.to_vec(),

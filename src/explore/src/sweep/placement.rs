@@ -1,6 +1,6 @@
-//! Programs placed on the designs of a space, a share of them at a time; what
-//! came of a design is kept, so that several workers on one folder do the work
-//! of one, and one that was stopped loses nothing.
+//! Programs placed on the designs of a space, a share of them at a time; the
+//! result of a design is kept, so that several workers on one folder do the
+//! work of one, and one that was stopped loses nothing.
 //!
 //! **Invariant.** A kept placement is found again only by the same programs, on
 //! the same machine, by the same build of robovec.
@@ -26,11 +26,11 @@ pub(super) struct DesignPlacement {
     pub cycles: u32,
     /// No schedule of the same operations is shorter.
     pub lower_bound: u32,
-    /// The most words of one operand memory of an element.
+    /// The maximum number of words of one operand memory of an element.
     pub words: u32,
 }
 
-/// A design and what came of it: a placement, or why there is none.
+/// A design and its result: a placement, or why there is none.
 type PlacedDesign = (MachineDesign, Result<DesignPlacement, String>);
 
 /// Places programs on the designs of a share, in the order of the space; those that
@@ -74,7 +74,7 @@ fn interleaved(program: &SweptProgram, count: u32) -> Result<Module, Exploration
     transformed_by(&program.module, &passes, &thesis(), None)
 }
 
-/// Places the programs on a machine, but for those whose bound is no shorter
+/// Places the programs on a machine, except for those whose bound is no shorter
 /// than a schedule that is known.
 fn shortest(programs: &[Module], machine: &Machine) -> Result<DesignPlacement, String> {
     let bounds = programs.iter().enumerate().map(|(index, program)| {

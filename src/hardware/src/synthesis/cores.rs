@@ -26,7 +26,7 @@ pub struct Mapped {
     pub quick: Delays,
     /// The same with slow nets.
     pub slow: Delays,
-    /// The longest path between registers outside, with quick nets.
+    /// The longest path between registers outside, with fast nets.
     pub path: Option<Path>,
 }
 

@@ -29,7 +29,7 @@ pub enum SynthesisError {
         program: String,
         /// Its version.
         found: String,
-        /// The least version that is good enough.
+        /// The smallest version that is good enough.
         least: String,
     },
     /// It started and stopped with an error.

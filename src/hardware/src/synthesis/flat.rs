@@ -9,7 +9,7 @@ use super::SynthesisError;
 use super::netlist::{Bit, Netlist, NetlistCell, NetlistModule, PortDirection};
 use std::collections::BTreeMap;
 
-/// The most primitives that are taken apart.
+/// The maximum number of primitives that are taken apart.
 const MAX_CELLS: usize = 8_000_000;
 
 /// A net of the flat design; `None` is a constant or nothing at all.

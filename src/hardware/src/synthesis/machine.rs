@@ -41,7 +41,7 @@ pub struct MappedMachine {
     pub estimated: Vec<MachinePart>,
     /// Resources that yosys counts, in the same order: all of a part together.
     pub counted: Vec<ResourceUse>,
-    /// The longest path with quick nets.
+    /// The longest path with fast nets.
     pub quick: Option<Path>,
     /// The longest path with slow nets.
     pub slow: Option<Path>,

@@ -176,8 +176,8 @@ impl NetlistModule {
     }
 }
 
-/// A module's name for people: that of the source, without what yosys adds
-/// for parameters (`$paramod\name\WIDTH=s32'…`, `$paramod$hash\name`).
+/// A module's name for users: that of the source, without what yosys adds for
+/// parameters (`$paramod\name\WIDTH=s32'…`, `$paramod$hash\name`).
 pub fn readable(name: &str) -> &str {
     match name.strip_prefix("$paramod") {
         Some(rest) => rest.split('\\').nth(1).unwrap_or(rest),

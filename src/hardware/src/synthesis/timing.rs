@@ -90,7 +90,7 @@ impl Path {
     }
 }
 
-/// A design whose paths can be asked for.
+/// A design whose paths can be requested.
 #[derive(Debug)]
 pub struct NetlistTiming<'a> {
     flat: Flat<'a>,
@@ -109,7 +109,7 @@ struct Arrival {
     before: Net,
 }
 
-/// Represents an input of the top in place of a primitive.
+/// Represents an input of the top instead of a primitive.
 const INPUT: u32 = u32::MAX;
 
 impl<'a> NetlistTiming<'a> {
@@ -140,8 +140,8 @@ impl<'a> NetlistTiming<'a> {
         })
     }
 
-    /// The longest path when every net takes so many picoseconds; none when
-    /// no path is of the kinds asked for.
+    /// The longest path when every net takes this number of picoseconds; none
+    /// when no path is of the kinds requested.
     pub fn longest(&self, net: u32, paths: PathSelection) -> Option<Path> {
         let arrivals = self.arrivals(net, paths);
         let mut worst: Option<(u32, u32, Net)> = None;

@@ -160,7 +160,7 @@ pub(super) fn look(name: &str, bytes: &[u8]) -> FileLook {
     let bytes = &bytes[..bytes.len().min(HEAD)];
     let is_utf16 = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
     if bytes.contains(&0) && !is_utf16 {
-        return FileLook::Foreign("data that is no text");
+        return FileLook::Foreign("data that is not text");
     }
     let text = String::from_utf8_lossy(bytes);
     let text = text.trim_start_matches('\u{feff}');

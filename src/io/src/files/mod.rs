@@ -11,8 +11,7 @@
 //!   and what it points to is written.
 //! - Temporary files of a run that was killed go when the next run writes
 //!   into the same folder (`temporary`).
-//! - What somebody else wrote is not replaced unless that is asked for
-//!   (`own`).
+//! - What somebody else wrote is not replaced unless that is requested (`own`).
 //! - A folder of files that belong together has a file that seals it
 //!   ([`sealed`]).
 

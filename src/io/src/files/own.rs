@@ -1,4 +1,4 @@
-//! Permission to replace a file that is there.
+//! Permission to replace an existing file.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Files that a written file may replace.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Replace {
-    /// Whatever is there: the user asked for it, or the file is in a folder of
+    /// Whatever is there: the user requested it, or the file is in a folder of
     /// robovec's.
     Anything,
     /// Results: everything but files of programs and models that robovec did
@@ -51,8 +51,8 @@ pub fn set_force(force: bool) {
     FORCED.store(force, Ordering::Relaxed);
 }
 
-/// True when a file that is there may be replaced; of a symbolic link its name
-/// and that of what it leads to count.
+/// True when an existing file may be replaced; of a symbolic link its name and
+/// that of what it leads to count.
 pub(super) fn may_replace(path: &Path, replace: Replace) -> io::Result<bool> {
     if FORCED.load(Ordering::Relaxed) {
         return Ok(true);

@@ -28,7 +28,7 @@ const TRIES: usize = 64;
 /// Folders whose leftovers this run has removed.
 static CLEANED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// True the first time a folder is asked for.
+/// True the first time a folder is requested.
 fn is_first(folder: &Path) -> bool {
     let mut cleaned = CLEANED.lock().unwrap_or_else(PoisonError::into_inner);
     cleaned.insert(folder.to_owned())

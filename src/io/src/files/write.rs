@@ -25,8 +25,8 @@ pub enum FileWriteError {
     System(PathBuf, io::Error),
 }
 
-/// The most symbolic links that are followed, one after the other, before
-/// they are taken for a circle: as many as Linux follows.
+/// The maximum number of symbolic links that are followed, one after the other,
+/// before they are taken for a circle: as many as Linux follows.
 const MAX_LINKS: usize = 40;
 
 /// Makes a folder, with those above it.
@@ -137,7 +137,7 @@ fn parent(path: &Path) -> &Path {
         .unwrap_or(Path::new("."))
 }
 
-/// Writes a file in the place of one that is there and may be replaced.
+/// Writes a file instead of one that is there and may be replaced.
 fn replace_file(
     path: &Path,
     there: &Metadata,
@@ -167,16 +167,16 @@ fn replace_file(
     overwrite(path, file.as_file_mut())
 }
 
-/// Writes new content into a file that is there, which stays the same file.
+/// Writes new content into an existing file, which stays the same file.
 fn overwrite(path: &Path, from: &mut dyn io::Read) -> io::Result<()> {
     let mut target = File::options().write(true).truncate(true).open(path)?;
     io::copy(from, &mut target)?;
     target.flush()
 }
 
-/// Gives a new file the owner and the permissions of the file that is there;
-/// false when that cannot be, or the file that is there has other names (hard
-/// links), which would keep the old content.
+/// Gives a new file the owner and the permissions of the existing file; false
+/// when that cannot be, or the existing file has other names (hard links),
+/// which would keep the old content.
 #[cfg(unix)]
 fn takes_owner_and_permissions(file: &NamedTempFile, there: &Metadata) -> io::Result<bool> {
     use std::os::unix::fs::{MetadataExt, fchown};
@@ -192,8 +192,8 @@ fn takes_owner_and_permissions(file: &NamedTempFile, there: &Metadata) -> io::Re
     Ok(true)
 }
 
-/// Gives a new file the permissions of the file that is there, which is all
-/// that can be asked for here.
+/// Gives a new file the permissions of the existing file, which is all that can
+/// be requested here.
 #[cfg(not(unix))]
 fn takes_owner_and_permissions(file: &NamedTempFile, there: &Metadata) -> io::Result<bool> {
     file.as_file().set_permissions(there.permissions())?;

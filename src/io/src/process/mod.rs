@@ -129,7 +129,7 @@ impl ProgramCall {
         }
     }
 
-    /// A program asked for its version.
+    /// A program requested its version.
     pub fn version(program: impl AsRef<Path>, argument: &str) -> ProgramCall {
         ProgramCall::new(program).arguments([argument])
     }

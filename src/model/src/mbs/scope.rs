@@ -13,7 +13,7 @@ pub(super) const BASE: &str = "base";
 /// The name of a body's own frame, unless the body has a point of this name.
 pub(super) const ORIGIN: &str = "origin";
 
-/// The most points that a message lists.
+/// The maximum number of points that a message lists.
 const MAX_NAMED: usize = 8;
 
 /// The names of a model, for what refers to them. Indices are into

@@ -122,7 +122,7 @@ pub(super) fn number(
         .ok()
 }
 
-/// The same, with a default in place of `None`.
+/// The same, with a default instead of `None`.
 pub(super) fn number_or(
     node: Node<'_, '_>,
     attribute: &str,

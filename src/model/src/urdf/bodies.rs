@@ -147,8 +147,8 @@ impl RobotBuilder<'_> {
         }
     }
 
-    /// A body on one joint; its frame is that of the body before, but for the
-    /// turns that the axis needs.
+    /// A body on one joint; its frame is that of the body before, except for
+    /// the turns that the axis needs.
     fn single(&mut self, joint: &JointElement, frame: &LinkPlace) -> LinkPlace {
         let AxisFrame {
             mounting,
@@ -311,7 +311,7 @@ impl RobotBuilder<'_> {
     }
 }
 
-/// A joint that starts at zero and hangs on nothing yet.
+/// A joint that starts at zero and is attached to nothing yet.
 fn plain(name: String, kind: JointKind, mounting: JointMounting) -> Joint {
     Joint {
         name,

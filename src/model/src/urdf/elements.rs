@@ -261,7 +261,7 @@ fn end(
     };
     messages.error(
         place_of(child, "link"),
-        &format!("the {which} of {title} is no link of the robot"),
+        &format!("the {which} of {title} is not a link of the robot"),
         "there is no link of this name",
         &help,
     );
@@ -401,7 +401,10 @@ fn read_limits(
     if limits[0] > limits[1] {
         messages.warn(
             place_of(node, "lower"),
-            &format!("{title} is no range: from {} to {}", limits[0], limits[1]),
+            &format!(
+                "{title} is not a range: from {} to {}",
+                limits[0], limits[1]
+            ),
             "passed over",
             "the lower limit comes first",
         );

@@ -61,7 +61,7 @@ pub(super) fn of_axis(direction: Point3) -> AxisFrame {
 mod tests {
     use super::*;
 
-    /// The axis of the frame is the direction that was asked for, and the
+    /// The axis of the frame is the direction that was requested, and the
     /// number of turns is as small as it can be.
     #[test]
     fn the_axis_of_the_frame_is_the_direction() {

@@ -7,9 +7,9 @@
 //! collisions and whatever simulators add are passed over.
 //!
 //! Frames of bodies are chosen, not copied: the frame of a body is that of the
-//! body it hangs on, where all joints are at zero, unless the axis of its joint
-//! is no axis of that frame. So most constant rotations of a file are in no
-//! equation; those that remain turn by at most half a right angle.
+//! body it is attached to, where all joints are at zero, unless the axis of its
+//! joint is no axis of that frame. So most constant rotations of a file are in
+//! no equation; those that remain turn by at most half a right angle.
 //!
 //! **Invariants.** A model that is returned upholds
 //! [`Model::check`](super::Model::check); a file with any error returns none.

@@ -7,9 +7,9 @@ use robovec_num::limits::Amount;
 use robovec_robotran::conventions::JOINTS;
 
 pub(super) struct RobotOrder {
-    /// The link that hangs on nothing.
+    /// The link that is attached to nothing.
     pub(super) root: usize,
-    /// The joints such that each is after the one its parent hangs on: a
+    /// The joints such that each is after the one its parent is attached to: a
     /// branch as a whole before the next one, in the order of the file.
     pub(super) joints: Vec<usize>,
 }

@@ -15,7 +15,7 @@ use std::ops::Range;
 /// drawings included.
 const LARGEST_FILE: usize = 16 << 20;
 
-/// The most equals signs, hence attributes, of one tag.
+/// The maximum number of equals signs, hence attributes, of one tag.
 const ATTRIBUTE_LIMIT: usize = 200;
 
 /// Description of a kind of file, for messages.

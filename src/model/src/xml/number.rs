@@ -66,7 +66,7 @@ pub(crate) fn parse_number(text: &str) -> Result<f64, NumberRefusal> {
                 "write a number such as 0.5 or -1.2e-3"
             };
             refused(
-                format!(" is no number: '{}'", clip(text)),
+                format!(" is not a number: '{}'", clip(text)),
                 "this value",
                 help,
             )

@@ -1,6 +1,6 @@
 //! Labels at the ends of curves, moved apart where they would overlap.
 
-/// The least distance of two labels, in pixels.
+/// The smallest distance of two labels, in pixels.
 const SPACING: f64 = 12.5;
 
 /// New heights for labels that want the given heights, at least

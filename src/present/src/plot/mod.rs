@@ -67,7 +67,7 @@ pub fn draw_apart(figure: &Figure) -> Vec<String> {
     panels.map(draw).collect()
 }
 
-/// Draws panels of a figure in so many columns, with axes of a size.
+/// Draws panels of a figure in this number of columns, with axes of a size.
 fn drawing(figure: &Figure, panels: &[Panel], columns: usize, [width, height]: [f64; 2]) -> String {
     let beside = panels.iter().map(label_room).fold(12.0, f64::max);
     let cell = [LEFT + width + beside, ABOVE + height + BELOW];

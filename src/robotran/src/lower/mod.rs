@@ -51,7 +51,7 @@ pub(super) struct Lowering<'a, 't> {
     pub(super) module: Module,
     pub(super) errors: Vec<Diagnostic>,
     pub(super) warnings: Vec<Diagnostic>,
-    /// The file holds a message instead of equations, once it was asked for.
+    /// The file holds a message instead of equations, once it was requested.
     pub(super) guard: Option<bool>,
     /// Cost of the functions so far; see [`LARGEST_REPETITION`].
     pub(super) work: u64,

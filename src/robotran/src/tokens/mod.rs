@@ -39,7 +39,7 @@ pub(super) struct TokenStream<'s, 't, L: Surface<'s>> {
     lexer: Lexer<'s, L>,
     language: Language,
     symbols: &'t mut Symbols,
-    /// Python and C let a statement go on while a parenthesis is open.
+    /// Python and C let a statement continue while a parenthesis is open.
     open: Vec<u32>,
     pending: Vec<SpannedToken>,
     recent: [Option<SpannedToken>; 2],

@@ -230,7 +230,7 @@ impl RobotranFile<'_> {
     }
 
     /// True for a number handed to a user function under the name that its
-    /// temporary bears anyhow.
+    /// temporary has anyhow.
     fn is_its_own(&self, function: &Function, name: Symbol, assignment: &Assignment) -> bool {
         assignment.operand.value().is_some_and(|value| {
             let own = function.node(value).name;

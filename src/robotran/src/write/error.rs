@@ -30,7 +30,7 @@ pub enum RobotranWriteError {
         /// The other.
         second: String,
     },
-    /// An array cannot bear its name in the language.
+    /// An array cannot have its name in the language.
     #[error(
         "the array '{array}' of '{function}' has a name that is not possible in {language}: rename it"
     )]

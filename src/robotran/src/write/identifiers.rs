@@ -1,4 +1,4 @@
-//! Who bears which identifier in a file.
+//! Who has which identifier in a file.
 
 use super::arrays::{ArrayRole, FileArrays};
 use super::names::{FileIdentifiers, is_word};
@@ -41,7 +41,7 @@ pub(super) fn identifiers(
     names
 }
 
-/// The numbers handed to user functions whose temporaries bear their names.
+/// The numbers handed to user functions whose temporaries have their names.
 fn own_arguments(function: &Function) -> HashSet<Symbol, FxBuildHasher> {
     let own = function.assignments.iter().filter_map(|assignment| {
         let (array, _, rank) = function.output_element(assignment.output);

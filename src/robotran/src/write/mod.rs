@@ -1,9 +1,9 @@
 //! The writer of Robotran's files: the inverse of the reader.
 //!
 //! A module becomes the files Robotran itself would have written for it, with
-//! the same names and signatures, so that they take the place of Robotran's in
-//! a project of MBsysC, MBsysLab or MBsysPy; and reading them gives the
-//! functions back, node by node.
+//! the same names and signatures, so that they replace Robotran's in a project
+//! of MBsysC, MBsysLab or MBsysPy; and reading them gives the functions back,
+//! node by node.
 //!
 //! **What is not written.** Only the elements that the function sets are set,
 //! as in Robotran's files. Elements of `M` and `Jac` that are zero whatever

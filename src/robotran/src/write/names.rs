@@ -137,7 +137,7 @@ const ARRAYS: [&str; 22] = [
     "Jdqd", "lrod", "Z", "Zd", "Flink", "Flnk",
 ];
 
-/// True for a word that begins with a letter and goes on with letters, digits
+/// True for a word that begins with a letter and continues with letters, digits
 /// and underscores.
 pub(super) fn is_word(text: &str) -> bool {
     text.starts_with(|first: char| first.is_ascii_alphabetic())
@@ -153,13 +153,13 @@ pub(super) fn is_array_name(text: &str) -> bool {
 
 #[derive(Debug)]
 pub(super) struct FileIdentifiers {
-    /// Per symbol: a value bears it as its identifier.
+    /// Per symbol: a value has it as its identifier.
     plain: Vec<bool>,
-    /// Identifiers that are no symbol some value bears unchanged.
+    /// Identifiers that are no symbol some value has unchanged.
     made: HashMap<Name, Box<str>, FxBuildHasher>,
     /// Taken by the languages, by arrays, parameters and made identifiers.
     taken: HashSet<Box<str>, FxBuildHasher>,
-    /// For identifiers asked for again the number that was tried last.
+    /// For identifiers requested again the number that was tried last.
     numbers: HashMap<Box<str>, u32, FxBuildHasher>,
 }
 

@@ -2,7 +2,7 @@
 
 use crate::Language;
 
-/// Lines longer than this go on in the next where an operator allows it.
+/// Lines longer than this continue in the next where an operator allows it.
 const WIDTH: usize = 118;
 
 /// A file being written.

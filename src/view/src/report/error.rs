@@ -90,7 +90,7 @@ pub struct ElementReport {
     pub mixed: SpreadReport,
     /// The state with the largest relative error, counted from 0.
     pub worst_state: u32,
-    /// In how many states the element is zero but for rounding and was not
+    /// In how many states the element is zero except for rounding and was not
     /// computed as zero; these have no relative error.
     pub vanishing: u32,
     /// In how many states it is computed below the normal numbers.

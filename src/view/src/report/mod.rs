@@ -1,7 +1,7 @@
 //! The report of a compilation: what it costs and how exact it is.
 //!
 //! One structure, written as JSON ([`ModuleReport::to_json`]) for programs and as
-//! text ([`ModuleReport::to_text`]) for people. The names of the JSON form are an
+//! text ([`ModuleReport::to_text`]) for users. The names of the JSON form are an
 //! interface, documented in `docs/report.md`; a field may be added and none
 //! renamed. Numbers that are not finite are `null` there.
 
@@ -45,7 +45,7 @@ pub struct PassRunRecord {
     pub operations: usize,
     /// The longest chain after the pass, in cycles.
     pub asap_cycle: u32,
-    /// The semantic check of the pass; absent when it was not asked for.
+    /// The semantic check of the pass; absent when it was not requested.
     pub verdict: Option<CheckVerdict>,
     /// Rounding errors in binary32 before and after the pass; absent when
     /// they were not measured.
@@ -184,7 +184,7 @@ impl ModuleReport {
         json_text(self)
     }
 
-    /// The report for a person, at most 100 columns wide.
+    /// The report for a user, at most 100 columns wide.
     pub fn to_text(&self) -> String {
         text::print(self)
     }

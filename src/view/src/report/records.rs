@@ -21,7 +21,7 @@ pub struct PassReport {
     pub operations: usize,
     /// The longest chain afterwards, in cycles.
     pub asap_cycle: u32,
-    /// The semantic check, if it was asked for.
+    /// The semantic check, if it was requested.
     pub check: Option<CheckReport>,
     /// Its effect on the rounding errors in binary32.
     pub rounding: Option<RoundingReport>,

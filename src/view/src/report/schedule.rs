@@ -25,7 +25,7 @@ pub struct ScheduleReport {
     /// No schedule on this machine is shorter (proved).
     pub lower_bound: u32,
     /// The machine's clock with the elements of the schedule, and where it
-    /// comes from; absent when the machine at hand is another one than that
+    /// comes from; absent when the machine available is another one than that
     /// of the schedule.
     pub clock: Option<MachineClock>,
     /// Length at that clock, in microseconds.

@@ -1,4 +1,4 @@
-//! The report for a person.
+//! The report for a user.
 
 mod chart;
 

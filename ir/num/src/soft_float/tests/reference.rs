@@ -28,7 +28,7 @@ pub(super) fn written<const E: usize, const M: usize>(number: Other<E, M>) -> u6
     number.to_bits() as u64
 }
 
-/// True for zeros and for numbers below the least normal one.
+/// True for zeros and for numbers below the smallest normal one.
 pub(super) fn is_small<const E: usize, const M: usize>(word: u64) -> bool {
     word >> M & ((1 << E) - 1) == 0
 }

@@ -1,10 +1,10 @@
 //! Rotations by shifts and additions.
 //!
 //! The vector `(K, 0)` is turned by `± atan 2^-i` for `i = 0, 1, 2 …`, always
-//! towards the angle (Volder 1959). `K` makes up for the factor
-//! `sqrt(1 + 4^-i)` by which every such turn lengthens the vector. After `n`
-//! turns what is left of the angle is at most `atan 2^-(n-1)`; the rest of
-//! the error is that of the shifts, which cut.
+//! towards the angle (Volder 1959). `K` makes up for the factor `sqrt(1 +
+//! 4^-i)` by which every such turn lengthens the vector. After `n` turns the
+//! rest of the angle is at most `atan 2^-(n-1)`; the rest of the error is that
+//! of the shifts, which cut.
 
 use super::kernel::{fixed, half_unit};
 use crate::arithmetic::Arithmetic;

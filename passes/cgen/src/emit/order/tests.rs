@@ -33,7 +33,7 @@ fn waves(length: usize) -> String {
     text + "\n  c[1] = %B1_1\n  c[2] = %B2_1\n}\n"
 }
 
-/// The most values that wait to be read.
+/// The maximum number of values that wait to be read.
 fn waiting(function: &Function, steps: &[CodeStep]) -> usize {
     let mut last = vec![0; function.nodes().len()];
     let reads = |step: &CodeStep| match *step {

@@ -282,7 +282,7 @@ impl RolledLayout<'_> {
     }
 }
 
-/// Appends one copy to a run that goes on with it.
+/// Appends one copy to a run that continues with it.
 fn joins(run: &mut Copy, one: &Copy) -> bool {
     let count = i64::from(run.count);
     if run.space != one.space {

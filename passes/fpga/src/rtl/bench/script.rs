@@ -117,7 +117,7 @@ impl ScriptWriter<'_> {
         let window = self.window;
         let hash = |text: &str| {
             u64::from_str_radix(text, 16)
-                .map_err(|_| BenchError::Runs(format!("'{text}' is no hash")))
+                .map_err(|_| BenchError::Runs(format!("'{text}' is not a hash")))
         };
         let machine = halves(hash(&window.machine_hash)?);
         let schedule = halves(hash(&self.bench.manifest.schedule_hash)?);

@@ -1,9 +1,9 @@
 //! The floating-point operators of `hdl/cores`, and where to cut them.
 //!
-//! An operator is one Verilog module for every latency: between its steps
-//! are cuts, any of which may hold a register. Which of them do is chosen
-//! here, so that the slowest step between two registers is as quick as
-//! possible, from a model of the delay of every step ([`steps`]).
+//! An operator is one Verilog module for every latency: between its steps are
+//! cuts, any of which may hold a register. Which of them do is chosen here, so
+//! that the slowest step between two registers is as fast as possible, from a
+//! model of the delay of every step ([`steps`]).
 //!
 //! **Invariant.** The last cut, at the result, always holds a register: a
 //! result crosses the machine's interconnect in its own cycle.
@@ -83,12 +83,12 @@ impl OperatorCore {
         }
     }
 
-    /// Its steps on a device with quick nets, each with the cut at its end.
+    /// Its steps on a device with fast nets, each with the cut at its end.
     pub fn steps(self, format: NumberFormat, device: &Device) -> Vec<CoreStep> {
         self.steps_with_nets(format, device, device.nets.quick)
     }
 
-    /// The same where a net takes so many picoseconds.
+    /// The same where a net takes this number of picoseconds.
     pub fn steps_with_nets(self, format: NumberFormat, device: &Device, net: u32) -> Vec<CoreStep> {
         steps::of(self, format, device, net)
     }
@@ -121,10 +121,10 @@ impl Cuts {
     }
 }
 
-/// The cuts of an operator for so many pipeline stages: such that the slowest
-/// stage is as quick as possible, and among these choices the one with the
-/// fewest registers. Stages beyond the last cut are plain registers. No stages
-/// give no cut at all.
+/// The cuts of an operator for this number of pipeline stages: such that the
+/// slowest stage is as fast as possible, and among these choices the one with
+/// the fewest registers. Stages beyond the last cut are plain registers. No
+/// stages give no cut at all.
 pub fn cuts(core: OperatorCore, format: NumberFormat, stages: u32, device: &Device) -> Cuts {
     let steps = behind_memory(core, format, device);
     let places = steps.len() as u32;
@@ -161,7 +161,7 @@ fn delay(steps: &[CoreStep], first: usize, last: usize) -> u32 {
     stage_delay(&steps[first..=last])
 }
 
-/// The delay of the slowest stage at its best, with so many registers.
+/// The delay of the slowest stage at its best, with this number of registers.
 fn slowest(steps: &[CoreStep], count: usize) -> u32 {
     let least = steps.iter().map(|step| step.delay).fold(0, u32::max);
     let (mut low, mut high) = (least, delay(steps, 0, steps.len() - 1));

@@ -2,7 +2,7 @@
 //!
 //! Delays are those of the cells of a device and of the nets between them
 //! ([`Device`]). A stage takes what its steps let through one after the other,
-//! and at its end all of a step ([`stage_delay`]). It is a little quicker than
+//! and at its end all of a step ([`stage_delay`]). It is a little faster than
 //! that, because logic of one step shares tables with that of the next.
 //!
 //! **Invariant.** A list has one step per cut of the Verilog module, in the
@@ -30,7 +30,7 @@ fn digits_per_cut(mantissa: u32) -> u32 {
     if mantissa > 40 { 2 } else { 1 }
 }
 
-/// Levels of six-input tables that combine so many bits into one.
+/// Levels of six-input tables that combine this number of bits into one.
 fn reduction(bits: u32) -> u32 {
     let mut levels = 0;
     let mut left = bits;
@@ -56,7 +56,8 @@ pub fn stage_delay(steps: &[CoreStep]) -> u32 {
     longest
 }
 
-/// The steps of an operator on a device whose nets take so many picoseconds.
+/// The steps of an operator on a device whose nets take this number of
+/// picoseconds.
 pub(super) fn of(
     core: OperatorCore,
     format: NumberFormat,
@@ -133,8 +134,8 @@ impl CoreSteps<'_> {
         self.tables(levels) + self.chain(2 * bits - bits.div_ceil(pieces))
     }
 
-    /// A product of two numbers of so many bits: where one block does not do,
-    /// the products of the parts are added up.
+    /// A product of two numbers of this number of bits: where one block does
+    /// not do, the products of the parts are added up.
     fn multiplier(&self, bits: u32) -> u32 {
         self.block() + self.partial_sum(bits)
     }

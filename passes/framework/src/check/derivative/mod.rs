@@ -143,10 +143,10 @@ impl<'a> DerivativeCheck<'a> {
     }
 
     /// Compares in two prime fields, until both sides of every equation were
-    /// defined at as many points as were asked for: the equation that does
-    /// not hold, and where.
+    /// defined at as many points as were requested: the equation that does not
+    /// hold, and where.
     fn in_fields(&self, verdict: &mut CheckVerdict) -> Option<(usize, PrimeField)> {
-        /// Points beyond those asked for when some are undefined.
+        /// Points beyond those requested when some are undefined.
         const EXTRA_POINTS: u32 = 4;
         let functions = [self.before.function, self.after.function];
         let primes = primes(functions, &self.sizes, verdict.seed);

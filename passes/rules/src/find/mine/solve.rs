@@ -1,11 +1,11 @@
 //! Right sides for a left side that is given.
 //!
-//! The smallest terms of a few operations over the variables of a left side
-//! are enumerated once; a right side of more operations is found where the two
-//! ends meet: a small term is taken off the wanted value in all four ways in
-//! which an operation can hold it, until what remains is the value of an
-//! enumerated term. So every right side is found whose parts, but for the
-//! smallest ones, are one chain of operations on enumerated terms.
+//! The smallest terms of a few operations over the variables of a left side are
+//! enumerated once; a right side of more operations is found where the two ends
+//! meet: a small term is taken off the wanted value in all four ways in which
+//! an operation can hold it, until what remains is the value of an enumerated
+//! term. So every right side is found whose parts, except for the smallest
+//! ones, are one chain of operations on enumerated terms.
 
 use super::super::super::pattern::{Pattern, PatternNode};
 use super::super::enumerate::{EnumeratedTerms, POINTS, TermSpace};
@@ -35,8 +35,8 @@ struct Atoms {
     inverses: HashMap<u32, TermValue>,
 }
 
-/// Kinds of atoms of terms: so many variables, sine and cosine of an angle or
-/// not, and numbers by their bits.
+/// Kinds of atoms of terms: this number of variables, sine and cosine of an
+/// angle or not, and numbers by their bits.
 #[derive(Clone, PartialEq, Eq)]
 struct AtomKinds {
     variables: u32,

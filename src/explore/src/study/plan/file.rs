@@ -9,7 +9,7 @@ use toml::Spanned;
 #[serde(deny_unknown_fields)]
 pub(super) struct PlanFile {
     pub(super) name: String,
-    /// One line for people.
+    /// One line for users.
     #[serde(default)]
     pub(super) description: String,
     /// The model that the verdict at the top of the report is about.

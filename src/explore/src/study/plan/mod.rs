@@ -25,7 +25,7 @@ pub const THESIS: &str = include_str!("thesis.toml");
 /// The machine of sweeps that name none.
 pub const DEFAULT_MACHINE: &str = "thesis";
 
-/// The most adders or multipliers of a placement.
+/// The maximum number of adders or multipliers of a placement.
 pub const MAX_ELEMENTS: u32 = 1024;
 
 /// Adders or multipliers of a placement.
@@ -46,7 +46,7 @@ pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
 pub struct StudyPlan {
     /// Its name.
     pub name: String,
-    /// One line for people.
+    /// One line for users.
     pub description: String,
     /// The model the verdict is about.
     pub headline: usize,
@@ -171,7 +171,7 @@ impl PlacementRequest {
     }
 }
 
-/// Choices of the command line in place of the plan's own.
+/// Choices of the command line instead of the plan's own.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Selection<'a> {
     /// The folder of the plan's file, `None` for a built-in plan.

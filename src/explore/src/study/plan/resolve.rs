@@ -16,7 +16,8 @@ use std::path::Path;
 /// The name that means the model of the verdict.
 pub(super) const HEADLINE: &str = "headline";
 
-/// The most placements of a study; what lies beyond is a slip of the pen.
+/// The maximum number of placements of a study; what lies beyond is a slip of
+/// the pen.
 pub(super) const MAX_PLACEMENTS: usize = 1_000_000;
 
 /// Reads a machine by name or file; messages are the reader's own.
@@ -67,7 +68,7 @@ pub fn resolve(
     resolver.finish(name, text)
 }
 
-/// A plan on its way from names to indices.
+/// A plan during the run from names to indices.
 pub(super) struct PlanResolver<'a> {
     pub(super) plan: StudyPlan,
     problems: Vec<Diagnostic>,

@@ -100,7 +100,7 @@ fn per_square(operations: f64, dof: u32) -> f64 {
     operations / f64::from(dof * dof)
 }
 
-/// The least and the largest number of operations per square of the degrees
+/// The smallest and the largest number of operations per square of the degrees
 /// of freedom among the serial rows of the thesis.
 fn serial_range() -> String {
     let serial = thesis()

@@ -70,7 +70,7 @@ fn chain_start(ratio: f64) -> ([f64; 8], f64) {
     (start, f64::from((0.1 / ratio.sqrt()) as f32))
 }
 
-/// Every so many steps the case looks at the forces.
+/// Every this number of steps the case looks at the forces.
 const LOOKS: u32 = 40;
 
 /// The forces of the springs by positions in plain binary32.
