@@ -40,9 +40,11 @@ pub fn lines(findings: &[CaseFinding<'_>]) -> Vec<(&'static str, String)> {
     costs.sort_by(f64::total_cmp);
     if let (Some(least), Some(most)) = (costs.first(), costs.last()) {
         let middle = costs[costs.len() / 2];
-        let text = format!(
-            "{least:.2} to {most:.2} times the operations' cells in binary32, median {middle:.2}"
-        );
+        let unit = "times the operations' cells in binary32";
+        let text = match costs.len() {
+            1 => format!("{least:.2} {unit}"),
+            _ => format!("{least:.2} to {most:.2} {unit}, median {middle:.2}"),
+        };
         lines.push(("cost", text));
         let classes = by_class(findings).map(|(class, own)| {
             let cured = own.iter().filter(|(_, found)| found.cure.is_some());

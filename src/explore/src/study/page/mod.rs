@@ -7,7 +7,7 @@
 use super::cpu::CpuTime;
 use super::results::Results;
 use super::tables::processors;
-use super::verdict::{headline, lines, of_headline, verdicts};
+use super::verdict::{StudyVerdict, headline, lines, of_headline, verdicts};
 use robovec_ir::diagnostic::counted;
 use robovec_present::escape::Escaped;
 use robovec_present::json::json_script;
@@ -52,10 +52,7 @@ pub(super) fn page(
         ("tables", shown.map(table).collect()),
         ("figures", figures.iter().map(page::figure).collect()),
         ("method", method(results)),
-        (
-            "card",
-            page::card(&headline(&headlined), &lines(&headlined)),
-        ),
+        ("card", card(&headlined)),
         ("data", json_script(&data(results, times))),
     ];
     let parts: Vec<(&str, &str)> = parts
@@ -63,6 +60,16 @@ pub(super) fn page(
         .map(|(name, part)| (*name, part.as_str()))
         .collect();
     page::fill(TEMPLATE, &parts)
+}
+
+/// The card: the headline, and of every verdict its first sentence, since the
+/// whole follows below.
+fn card(verdicts: &[StudyVerdict]) -> String {
+    let lines = lines(verdicts).into_iter().map(|(pipeline, text)| {
+        let first = text.split_once(". ").map_or(&*text, |(first, _)| first);
+        (pipeline, first.to_owned())
+    });
+    page::card(&headline(verdicts), &lines.collect::<Vec<_>>())
 }
 
 /// A table as HTML, most with a link to their file; data of the thesis are
