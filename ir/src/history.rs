@@ -28,7 +28,7 @@ impl History {
 /// A pass that made a value or changed its definition.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub struct HistoryStep {
-    /// The history of what it was made from.
+    /// The history of its origin.
     pub before: History,
     /// The pass with its options, as in the pipeline.
     pub pass: String,

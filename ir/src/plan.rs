@@ -42,7 +42,7 @@ struct EvaluationStep {
 /// Lifetime of a value.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Lifetime {
-    /// Nothing wanted needs it.
+    /// No requested value needs it.
     Unused,
     /// Until this node, the last that reads it.
     Until(Value),

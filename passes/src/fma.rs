@@ -305,7 +305,7 @@ impl<'a> Contraction<'a> {
         new
     }
 
-    /// Time at which every value is there.
+    /// Time at which every value is available.
     fn times(&self, forms: &[ContractionForm]) -> ArrivalTimes {
         let mut times = ArrivalTimes::new(self.weights, forms.len());
         for (node, &form) in self.function.nodes().iter().zip(forms) {

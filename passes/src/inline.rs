@@ -62,7 +62,7 @@ struct InliningChoice<'a> {
     rewrites: &'a RewriteLimit,
     /// Inner nodes: those the function came with, and those chosen.
     inner: Vec<bool>,
-    /// Copies that give way to what they copy.
+    /// Copies that are replaced by their originals.
     skipped: Vec<bool>,
     extents: Vec<ExpressionExtent>,
 }

@@ -24,7 +24,7 @@ const USUAL: &str = "balance,cse,dce; factor{path=keep},balance,cse,dce; \
                      lookahead{grid=5 frontiers=80},balance,cse,dce; \
                      recurrence,balance,cse,dce";
 
-/// The maximum number of moves: all their results are there at once.
+/// The maximum number of moves: all their results are in memory at once.
 const MOST: usize = 64;
 
 impl OptionValue for Moves {

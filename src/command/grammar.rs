@@ -126,7 +126,7 @@ const WORDS: [GrammarWord; 20] = [
     ),
 ];
 
-/// Commands by what one does with them.
+/// Commands grouped by purpose.
 pub(super) const GROUPS: [(&str, &[&str]); 5] = [
     (
         "Get the best program",
@@ -284,7 +284,7 @@ fn about(program: &Command, name: &str) -> String {
     about.to_string().replace('\n', " ")
 }
 
-/// The commands by groups, with what they do.
+/// The commands by groups, with their descriptions.
 fn groups(command: &Command) -> String {
     let mut text = String::new();
     for (title, names) in GROUPS {

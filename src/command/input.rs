@@ -229,7 +229,7 @@ pub(crate) const USUAL_MACHINE: &str = "thesis";
 /// The machine without whose divider nothing could be placed.
 pub(crate) const WITH_DIVIDER: &str = "solver";
 
-/// The name of the machine for a function where nobody asks for one.
+/// The default machine for a function.
 pub(crate) fn usual_machine(function: &Function) -> Result<&'static str, CommandFailure> {
     let mut nodes = function.nodes().iter();
     let divides = nodes.any(|node| node.operation == Operation::Div);

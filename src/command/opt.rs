@@ -86,7 +86,7 @@ fn reproduced(
     })
 }
 
-/// Answer where no passes were named.
+/// Message when no passes are named.
 const NO_PASSES: &str = "no passes were named: these are the equations as read\n  \
     -passes='$shorten,place'  places them on the elements of a machine\n  \
     -passes='$cpu,codegen{target=c}' -o FOLDER  writes C\n  \

@@ -146,7 +146,7 @@ fn preloads(
             });
         }
         if previous == Some(preload.word) {
-            let message = || "two initial data lie in one word".to_owned();
+            let message = || "two initial values are in one word".to_owned();
             collector.add(subject, message);
         } else if previous > Some(preload.word) {
             let message = || "initial data is not in order of its words".to_owned();

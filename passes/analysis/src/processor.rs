@@ -63,7 +63,7 @@ enum Place {
     Constant(u32),
 }
 
-/// The registers, by what they hold.
+/// The registers and their contents.
 struct Registers {
     /// The uses of each place, the last first.
     uses: [Vec<Vec<u32>>; 3],
@@ -73,7 +73,7 @@ struct Registers {
     stored: Vec<bool>,
 }
 
-/// The next use of what is not used any more.
+/// The next use of a value that is no longer used.
 const NEVER: u32 = u32::MAX;
 
 impl Registers {

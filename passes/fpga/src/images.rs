@@ -194,7 +194,7 @@ impl Artifacts for Hashed<'_> {
     }
 }
 
-/// Hashes what it writes.
+/// Hashes the written bytes.
 struct HashedWriter<'a> {
     target: &'a mut dyn io::Write,
     hash: &'a mut Fnv,

@@ -18,7 +18,7 @@ use robovec_ir::{Array, Function, MAX_INPUT_ELEMENTS, MAX_OUTPUT_ELEMENTS, Shape
 /// The key of the metadata that shows which derivatives a function computes.
 pub const KEY: &str = "derivative";
 
-/// The derivative that is wanted of a function.
+/// The requested derivative of a function.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Differentiation {
     /// The output arrays that are differentiated.

@@ -18,7 +18,7 @@ pub const KEY: &str = "instances";
 pub struct Instances {
     /// The number of them.
     pub count: u32,
-    /// Names of the input arrays that are there once.
+    /// Names of the input arrays that all instances share.
     pub shared: InstanceNames,
 }
 

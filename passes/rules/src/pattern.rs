@@ -110,7 +110,7 @@ impl Pattern {
         needed
     }
 
-    /// A node with what it is computed from.
+    /// A node with its operands.
     pub(super) fn part(&self, node: usize) -> Pattern {
         let nodes = &self.nodes;
         let needed = self.needed(node);

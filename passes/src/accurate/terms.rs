@@ -71,7 +71,7 @@ pub(super) struct SumTerm {
 pub(super) struct SumPlan {
     pub(super) steps: Vec<SumStep>,
     pub(super) result: StepSource,
-    /// Time at which the result is there, in cycles.
+    /// Time at which the result is available, in cycles.
     #[cfg(test)]
     pub(super) arrival: u32,
     /// The weighted squares of all roundings, those of products that only

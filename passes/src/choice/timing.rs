@@ -15,7 +15,7 @@ use robovec_ir::Operation;
 #[derive(Clone, Default, Debug)]
 pub(crate) struct Arrivals(Vec<u32>);
 
-/// A class that nobody has given a form yet.
+/// A class without a form.
 pub(crate) const NEVER: u32 = u32::MAX;
 
 impl Arrivals {

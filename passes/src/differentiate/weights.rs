@@ -24,7 +24,7 @@ impl PathWeight {
         factor: None,
     };
 
-    /// The negated weight, if so asked.
+    /// The weight, negated on request.
     pub(super) fn flip(self, flip: bool) -> PathWeight {
         PathWeight {
             negative: self.negative ^ flip,

@@ -24,7 +24,7 @@ pub(crate) struct RewriteWindow {
     pub(crate) leaves: Vec<Operand>,
     /// Time at which each leaf is ready.
     pub(crate) times: Vec<u32>,
-    /// Operations of the interior that nobody else needs.
+    /// Operations of the interior that have no other users.
     pub(crate) own: u32,
 }
 

@@ -139,7 +139,7 @@ impl ArrivalTimes {
         operand.entry_or_default(&self.times)
     }
 
-    /// Time at which the last value is there.
+    /// Time at which the last value is available.
     pub(crate) fn longest(&self) -> u32 {
         longest(&self.times)
     }
@@ -151,7 +151,7 @@ impl ArrivalTimes {
         ready.fold(0, u32::max).saturating_add(weight)
     }
 
-    /// Records when the next value is there.
+    /// Records when the next value is available.
     pub(crate) fn note(&mut self, time: u32) {
         self.times.push(time);
     }

@@ -4,7 +4,7 @@ use super::options::CircularMethod;
 use robovec_ir::Format;
 use robovec_num::trigonometry::{Circular, Halved, MAX_ORDER, Polynomial};
 
-/// The user's wishes.
+/// The options of the user.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wish {
     pub(super) method: CircularMethod,

@@ -89,7 +89,7 @@ impl RecipeBuilder {
         results
     }
 
-    /// Keeps what the wanted results need.
+    /// Keeps the operations that the requested results need.
     fn finish(self, results: [Operand; 2], wanted: [bool; 2]) -> Recipe {
         let old = self.function;
         let mut needed = vec![false; old.nodes().len()];

@@ -1,4 +1,4 @@
-//! Speed of the same function in the hands of others.
+//! Comparison of the speed of a function with other libraries.
 //!
 //! A bench takes the equations of a function, or the model they come from, and
 //! times in one run: Robotran's file as it is, the C that robovec writes for

@@ -105,7 +105,7 @@ fn contestant(
     let Some((function, declaration, parameters)) = signature(text) else {
         return missing(
             question,
-            "its signature is not one of Robotran's functions".to_owned(),
+            "its signature is not that of a function of Robotran".to_owned(),
         );
     };
     let mut files = vec![("function.c".to_owned(), text.as_bytes().to_vec())];

@@ -59,7 +59,7 @@ pub(super) struct AttributionArguments {
 enum GivenWord {
     /// Inputs are numbers of the format, literals of binary64
     Held,
-    /// Inputs are real numbers, literals the decimals written
+    /// Inputs are real numbers, literals are the decimals as written
     Real,
 }
 

@@ -89,7 +89,8 @@ pub(super) struct ErrorArguments {
     /// Write CSV instead of text
     #[arg(long)]
     csv: bool,
-    /// Folder for the results as .csv, .json and, of passes and series, .svg
+    /// Folder for the results as .csv and .json, and as .svg for passes and
+    /// series
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
     // Last, since their headings hold for all that follow.

@@ -176,7 +176,7 @@ fn wanted_machine(
     Ok((usual != input::USUAL_MACHINE).then(|| usual.to_owned()))
 }
 
-/// The machine, with the numbers of elements that are wanted.
+/// The machine, with the requested numbers of elements.
 fn machine(
     arguments: &OptimiseArguments,
     scene: Option<&Scene>,

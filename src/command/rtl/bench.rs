@@ -156,7 +156,10 @@ pub(super) fn checked(
     }
     if let Some(door) = doors.iter().find(|door| !tool.doors().contains(door)) {
         return Err(CommandFailure::advised(
-            format!("this simulator has no bench through '{}'", door.name()),
+            format!(
+                "this simulator has no test bench for the interface '{}'",
+                door.name()
+            ),
             vec!["'--check iverilog' has".to_owned()],
         ));
     }

@@ -204,7 +204,7 @@ fn fits(arguments: &RtlArguments, hardware: &Hardware) -> Result<String, Command
     Ok(text)
 }
 
-/// Reason why a program does not fit, and what it would take.
+/// Reason why a program does not fit, and the remedy.
 fn notes(fit: &HardwareFit) -> Vec<String> {
     let mut notes = fit.reasons.clone();
     notes.push("hardware built for this program takes 'robovec rtl' without '--fits'".to_owned());
@@ -350,7 +350,7 @@ fn failure(error: &RtlError) -> CommandFailure {
     CommandFailure::advised(error.to_string(), notes)
 }
 
-/// Files that are written when all of them are there.
+/// Files that are written when all of them are complete.
 #[derive(Default)]
 struct CollectedFiles(Vec<(String, String)>);
 

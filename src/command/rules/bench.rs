@@ -263,7 +263,7 @@ impl RuleBench<'_> {
         key.with("")
     }
 
-    /// The table of an input, all of whose measurements are there.
+    /// The table of an input whose measurements are complete.
     fn table(&self, input: String, measured: &[RuleMeasurement]) -> RuleTable {
         let [none, all] = measured[0].programs;
         let rows = self.kinds.iter().zip(&measured[1..]);

@@ -163,7 +163,7 @@ struct SimArguments {
     /// CSV file to write instead of the standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Drawing of positions and energies to write (SVG)
+    /// SVG file for a drawing of positions and energies
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
 }

@@ -18,7 +18,7 @@ use std::path::PathBuf;
 pub(super) struct EquilibriumArguments {
     #[command(flatten)]
     subject: MovedModel,
-    /// JSON file for all numbers
+    /// JSON file to write all numbers to
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
@@ -37,7 +37,7 @@ enum PlaceChoice {
 pub(super) struct ModalArguments {
     #[command(flatten)]
     standing: EquilibriumArguments,
-    /// The state around which small motions are considered
+    /// State around which the small motions are computed
     #[arg(long, value_enum, default_value_t = PlaceChoice::Equilibrium)]
     at: PlaceChoice,
 }

@@ -1,4 +1,4 @@
-//! Numbers as people read them.
+//! Numbers formatted for users.
 
 /// A number rounded to some decimals, so that the last bits of sums do not
 /// show.

@@ -145,9 +145,9 @@ impl fmt::Display for ReadError {
 
 impl std::error::Error for ReadError {}
 
-/// Reads a file of Robotran's. The name serves messages, the source places of
-/// the module, and, where the text leaves it open, to find the language and
-/// the kind of file; `language` overrules what is found.
+/// Reads a file of Robotran's. The name is used in messages and for the source
+/// places of the module, and, where the text leaves it open, to find the
+/// language and the kind of file; `language` overrules what is found.
 ///
 /// # Errors
 ///

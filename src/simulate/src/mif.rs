@@ -88,7 +88,7 @@ pub struct MifError {
 /// Faults of memory initialisation files.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum MifProblem {
-    /// Something else is there.
+    /// Another token was found.
     #[error("expected {0}")]
     Expected(&'static str),
     /// A setting with an unknown name.

@@ -2,7 +2,7 @@
 
 use super::program::LoadedProgram;
 
-/// The use a program makes of its machine.
+/// The use of the machine by a program.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct MachineOccupation {
     /// Length of the program.

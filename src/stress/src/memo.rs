@@ -3,7 +3,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-/// A few results, by what they were computed for.
+/// A few results, with their keys.
 pub(super) struct Memo<K, V>(Mutex<Vec<(K, V)>>);
 
 impl<K, V> Default for Memo<K, V> {

@@ -166,7 +166,7 @@ fn section(text: &mut String, (case, found): &CaseFinding<'_>) {
     let _ = writeln!(
         text,
         "<details id=\"{}\"><summary><b>{}</b>: <span class=\"{colour}\">{}</span>, {} {} in f32, {} in \
-         f64{}</summary>\n<p>{}. Breaks {}. Condition {}; rounding the data once makes {}.</p>",
+         f64{}</summary>\n<p>{}. Breaks {}. Condition {}; rounding the data once causes an error of {}.</p>",
         Escaped(&case.name),
         EscapedContent(&case.name),
         found.verdict,

@@ -76,7 +76,7 @@ fn wanted_outputs(function: &Function, wanted: Option<TrackedItem>) -> Vec<usize
     }
 }
 
-/// The nodes that something wanted depends on.
+/// The nodes that a requested value depends on.
 fn needed(function: &Function, wanted: Option<TrackedItem>, outputs: &[usize]) -> Vec<bool> {
     let mut needed = vec![false; function.nodes().len()];
     for &index in outputs {

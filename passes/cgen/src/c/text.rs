@@ -27,7 +27,7 @@ pub(super) struct PlainWriter<'a> {
     values: Vec<String>,
 }
 
-/// The body of a part, and what it uses.
+/// The body of a part, and its variables.
 #[derive(Default)]
 struct PartBody {
     text: String,

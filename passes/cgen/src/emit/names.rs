@@ -54,7 +54,7 @@ impl CNames {
         }
     }
 
-    /// True for a word that C leaves to its users.
+    /// True for a word that C does not reserve.
     pub(crate) fn is_free(word: &str) -> bool {
         !RESERVED.contains(&word) && !ROOT.contains(&word)
     }

@@ -38,7 +38,7 @@ pub enum RolledDifference {
         /// The loop, counted from 0.
         number: usize,
     },
-    /// An output is not what it should be.
+    /// An output has a wrong value.
     #[error("output element {output} has another value after the loops")]
     Output {
         /// The element of the flattened outputs, counted from 0.

@@ -58,9 +58,9 @@ pub struct Config<'a> {
     pub verify_each: bool,
     /// Compare the function before and after every pass at this many points.
     pub check_each: Option<u32>,
-    /// Measure the rounding errors in binary32 before and after every pass, over
-    /// this number of states; [`usual_states`] of the function as it was read
-    /// for `Some(0)`.
+    /// Measure the rounding errors in binary32 before and after every pass,
+    /// over this number of states; `Some(0)` means [`usual_states`] of the
+    /// function as it was read.
     pub rounding: Option<u32>,
     /// The source of random states; their seed is also that of the points of
     /// the prime field.
@@ -124,7 +124,7 @@ impl<'a> Config<'a> {
     }
 }
 
-/// The record of what one pass did to one function.
+/// The record of one pass on one function.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PassRecord {
     /// The function.

@@ -1,4 +1,4 @@
-//! The trait of passes, what they are given and what they leave.
+//! The trait of passes, their inputs and their results.
 //!
 //! A pass rewrites one function. It declares the level it takes and gives,
 //! the properties it needs and destroys, and its numeric class; verification,

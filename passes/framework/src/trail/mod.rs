@@ -1,4 +1,4 @@
-//! The trail: how every value came to be what it is.
+//! The trail: the history of every value.
 //!
 //! A value of the last state of a compilation has little to do with the text
 //! of its equation. Two things show how it came about:

@@ -73,7 +73,7 @@ impl<'a> Joined<'a> {
         self.operands(wanted, nodes).next().is_some()
     }
 
-    /// A node with what it is computed from.
+    /// A node with its operands.
     pub(super) fn part(&self, node: usize) -> Pattern {
         self.pattern.part(node)
     }

@@ -1,5 +1,5 @@
-//! The zeros of the numbers that decide about a rule: what it divides by, what
-//! is under its roots, sums. There signs change and holes open.
+//! The zeros of the numbers that decide about a rule: divisors, radicands and
+//! sums. There signs change and holes open.
 
 use super::super::pattern::{Pattern, PatternNode};
 use super::counterexample::{Counterexample, compare, hole};

@@ -1,4 +1,4 @@
-//! Horner's scheme in many variables, and what it costs.
+//! Horner's scheme in many variables, and its cost.
 //!
 //! An order of the variables decides the scheme: what all terms have in common
 //! is taken out; the rest is split into the terms without the first variable

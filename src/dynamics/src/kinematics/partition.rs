@@ -91,7 +91,7 @@ impl Partition {
     /// The row of the constraints and the dependent joint that the loops
     /// determine least; its size is that of the pivot as a fraction of the
     /// smallest one of the best choice among the joints that are not driven.
-    /// `None` where nothing depends.
+    /// `None` without dependent joints.
     pub fn weakest(&self, jacobian: &DenseMatrix) -> Option<Pivot> {
         let count = self.dependent.len();
         let square = jacobian.select(&self.rows, &self.dependent);

@@ -25,10 +25,10 @@ pub struct Equilibrium {
     pub rounds: u32,
 }
 
-/// Rounds after which the search is given up.
+/// Maximum number of rounds of the search.
 const ROUNDS: u32 = 200;
 
-/// Halvings of a step before it is given up.
+/// Maximum number of halvings of a step.
 const HALVINGS: u32 = 30;
 
 /// Pivots of the stiffness smaller than this, relative to the largest, are

@@ -31,7 +31,7 @@ pub struct EventRecord {
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Watched {
     law: EventLaw,
-    /// The event's index; `None` for a contact nobody asked about.
+    /// The event's index; `None` for a contact without an event.
     event: Option<usize>,
     /// On which side of its value it was last seen; `None` before it left it.
     above: Option<bool>,

@@ -1,4 +1,4 @@
-//! A run in time: steps, samples and what they show of the whole.
+//! A run in time: its steps, its samples and a summary.
 
 use super::events::{EventBracket, EventRecord, EventWatch, Signal};
 use super::integrate::{dormand_prince, growth, runge_kutta};

@@ -191,7 +191,7 @@ struct StepPlan<'m> {
     rows: usize,
     /// Rows of constraints of the user.
     user_rows: usize,
-    /// The multipliers and the forces of driven joints are wanted.
+    /// True to compute the multipliers and the forces of driven joints.
     multipliers: bool,
 }
 

@@ -44,8 +44,8 @@ impl Front {
         [self.cycles(index, place), error]
     }
 
-    /// Points that no other beats in cycles and worst error, the fastest
-    /// first, each pair of figures once.
+    /// Pareto front of cycles and worst error, the fastest point first, without
+    /// duplicates.
     pub(super) fn steps(&self, place: usize) -> Vec<usize> {
         let points = 0..self.points.len();
         pareto::steps(points.map(|index| (index, self.plane(index, place))))

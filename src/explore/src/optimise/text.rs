@@ -61,7 +61,7 @@ const SHOWN: usize = 8;
 /// Maximum number of programs where more is requested.
 const SHOWN_MORE: usize = 40;
 /// Maximum number of characters of a name on the terminal.
-const NAME: usize = 34;
+const NAME: usize = 33;
 
 /// The table for the terminal: the Pareto front of speed against error, the
 /// fastest first, with the input and the program that was taken in it; of this

@@ -71,7 +71,7 @@ pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
     ("motion.start", INPUT, "the model's"),
 ];
 
-/// A scene with what it is about.
+/// A scene with its model or equations.
 #[derive(Debug)]
 pub struct SceneFile {
     /// Scene.

@@ -30,7 +30,7 @@ pub(super) struct Knee {
     pub is_exact: bool,
 }
 
-/// Adders and multipliers, and what they reach.
+/// Numbers of adders and multipliers, and the length of their schedule.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub(super) struct Split {
     /// Adders.

@@ -1,4 +1,4 @@
-//! A plan and what it gave, with the questions that tables and figures ask.
+//! A plan and its results, with the queries of tables and figures.
 
 use super::knee::{Zone, zone};
 use super::plan::{NamedPipeline, PlacementRequest, Printed, StudyPlan, StudySubject};
@@ -21,7 +21,7 @@ pub struct Results {
     pub outcome: StudyOutcome,
 }
 
-/// A placement: what was requested and what it gave.
+/// A placement: the request and its result.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StudyPlacement<'a> {
     pub(super) results: &'a Results,

@@ -175,7 +175,7 @@ impl StudyRunner<'_> {
         Ok(placed)
     }
 
-    /// One placement, from disk if it is there.
+    /// One placement, from disk if it is stored there.
     fn point(
         &self,
         prepared: &PreparedModel,

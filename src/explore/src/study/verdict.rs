@@ -137,7 +137,7 @@ fn answer(facts: &ProgramFacts, knee: &Knee, clock: MachineClock) -> String {
                 _ => counted(best.elements(), "processing element"),
             };
             format!(
-                "{model} is worth {worth}: {}. They compute it in {}, {} \
+                "{model} can use {worth}: {}. They compute it in {}, {} \
                  at {}; {beyond}.",
                 elements(best),
                 counted(best.cycles, "cycle"),
@@ -146,7 +146,7 @@ fn answer(facts: &ProgramFacts, knee: &Knee, clock: MachineClock) -> String {
             )
         }
         (None, Some(fastest)) => format!(
-            "{model} is worth more than the {} processing elements that were tried ({}): they \
+            "{model} can use more than the {} processing elements that were tried ({}): they \
              take {}, {} at {}, and the longest chain of operations takes {}.",
             fastest.elements(),
             elements(fastest),

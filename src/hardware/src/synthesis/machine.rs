@@ -23,7 +23,7 @@ const CLOSED: &str = "true_dual_port_memory.v";
 /// The module that takes one table per bit where it stays closed.
 const MULTIPLEXER: &str = "multiplexer_4";
 
-/// The modules of the parts, and what they are.
+/// The modules of the parts, and their kinds.
 const MODULES: [(&str, PartKind); 7] = [
     ("instruction_memory", PartKind::Instructions),
     ("pe_split", PartKind::Operands),

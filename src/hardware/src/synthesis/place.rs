@@ -106,7 +106,7 @@ pub fn place_and_route(
     Ok(routed)
 }
 
-/// The program and what it calls itself.
+/// The program and its version text.
 pub fn find() -> Result<(&'static str, String), SynthesisError> {
     for program in PROGRAMS {
         match ProgramCall::version(program, "--version").run() {

@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap;
 /// A joint that follows: `factor` times the leader, plus `offset`.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct ResolvedMimic {
-    /// The leader, which follows nobody; an index.
+    /// Index of the leader, which follows no other joint.
     pub(super) leader: usize,
     pub(super) factor: f64,
     pub(super) offset: f64,

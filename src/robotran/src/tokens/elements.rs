@@ -188,7 +188,7 @@ fn split_member(text: &str) -> (&str, &str) {
         .expect("the pattern of a member has an arrow or a point")
 }
 
-/// The function of one number that a word names in every language.
+/// The function of one number that has this name in every language.
 pub(super) fn function_named(word: &str) -> Option<Operation> {
     match word {
         "sin" => Some(Operation::Sin),

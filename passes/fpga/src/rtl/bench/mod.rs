@@ -58,7 +58,7 @@ pub struct Load {
 /// A result on the bus of an element.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct BusResult {
-    /// The cycle in which it is there.
+    /// The cycle in which it is on the bus.
     pub cycle: u32,
     /// The element, as the manifest counts them.
     pub element: u32,

@@ -33,7 +33,7 @@ const STATUS_DONE: u32 = 2;
 /// Notes at most, by the width of their field.
 const MAX_NOTES: usize = 1 << 24;
 
-/// The commands, and what they are about.
+/// The commands, and their comments.
 pub(super) struct Script {
     /// Text of `host.hex`.
     pub(super) commands: String,

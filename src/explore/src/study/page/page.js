@@ -39,7 +39,7 @@ function inShort(system) {
       make("td", {}, best ? `${verdict.knee.cheapest ? "" : "more than "}${best.n_add + best.n_multi} = ${best.n_add} adders + ${best.n_multi} multipliers` : ""),
       number(best && best.cycles / data.mhz), number(core));
   });
-  const heads = ["equations", "pipeline", "worth (processing elements)", `time with them at ${clock} (µs)`, "one CPU core (µs)"];
+  const heads = ["equations", "pipeline", "useful processing elements", `time with them at ${clock} (µs)`, "one CPU core (µs)"];
   const head = make("thead", {}, make("tr", {}, ...heads.map((text) => make("th", {}, text))));
   return make("table", {}, head, make("tbody", {}, ...rows));
 }
