@@ -63,7 +63,11 @@ fn a_refused_function_is_reduced_and_the_result_runs_again() {
     assert!(fixed.status.success(), "{}", stderr(&fixed));
     let none = opt_in(folder.path(), &["f.rvir", "--run-reproducer"]);
     assert_eq!(none.status.code(), Some(1));
-    assert!(stderr(&none).contains("no reproducer"), "{}", stderr(&none));
+    assert!(
+        stderr(&none).contains("not a reproducer"),
+        "{}",
+        stderr(&none)
+    );
 }
 
 #[test]

@@ -174,7 +174,7 @@ impl Sources {
     }
 
     /// The number of a set with several places, counted from 0 in order of
-    /// their making; `None` for one with none or a single place.
+    /// their making; `None` for a node with at most one place.
     #[inline]
     pub(crate) fn number_of_several(&self, set: SourceSet) -> Option<usize> {
         let several = set.0 & SEVERAL != 0;

@@ -32,7 +32,7 @@ option_words! {
 }
 
 option_words! {
-    /// Whose the parameters of a model are in batch code.
+    /// Parameters of the model in batch code: shared by all states, or separate for each.
     pub enum Parameters {
         /// One set for all states.
         Shared = "shared",
@@ -108,11 +108,11 @@ declare_pass! {
         /// States of a vector of batch code.
         pub lanes: u32 = 8 => NumberLimit::whole(
             1, 16, "processors have vectors of 1, 4, 8 and 16 numbers"),
-        /// Whose the parameters of a model are in batch code.
+        /// Parameters of the model in batch code: shared by all states, or separate for each.
         pub parameters: Parameters = Parameters::Shared,
         /// Way in which the C function is called.
         pub signature: Signature = Signature::Robotran,
-        /// Who computes sines and cosines in C.
+        /// Method for sines and cosines in C.
         pub sines: Sines = Sines::Inline,
         /// The order of statements in C.
         pub order: StatementOrder = StatementOrder::Depth,

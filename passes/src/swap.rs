@@ -8,7 +8,7 @@ use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_ir::Function;
 
 declare_pass! {
-    /// Lets the latest operand of every cascade join last.
+    /// Moves the latest operand of every cascade to its end.
     ///
     /// A cascade is a run of additions and subtractions, or of
     /// multiplications, down the left operands; its operands are sorted by

@@ -316,7 +316,7 @@ fn from_equations(
 /// The compilers of which the better one is taken for every program.
 const USUAL_COMPILERS: [&str; 2] = ["gcc", "clang"];
 
-/// The compilers that take part.
+/// The compilers to use.
 fn compilers(arguments: &BenchArguments) -> Result<Vec<Compiler>, CommandFailure> {
     let compilers = arguments.compilers.iter();
     let found = if arguments.compilers.is_empty() {

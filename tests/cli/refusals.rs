@@ -55,7 +55,7 @@ fn bad_text_is_refused_with_a_caret() {
         &[0, 159, 146, 150, 255, 254, 0, 1],
         "a.rvir",
         &[],
-        &["data that is no text"],
+        &["data that is not text"],
     );
     refused(&[b'('; 1 << 20], "a.rvir", &[], &["a.rvir:1:"]);
     let deep = format!("  o = {}x{}\n", "(".repeat(100_000), ")".repeat(99_999));

@@ -114,7 +114,11 @@ fn mistakes_are_named_and_placed() {
         ("rule r: a + a => 2*a", "1:21", "the file ends"),
         ("rule r: a + a => 1e999*a;", "1:18", "too large"),
         ("rule r: a + a => 2 a;", "1:20", "an operator"),
-        ("rule r: a @ a => 2*a;", "1:11", "no place"),
+        (
+            "rule r: a @ a => 2*a;",
+            "1:11",
+            "not allowed in a file of rules",
+        ),
         ("rules r: a;", "1:1", "'rule'"),
         ("rule : a;", "1:6", "the name of the rule"),
         ("rule r: (a + => b;", "1:14", "a number, a variable or '('"),
@@ -194,7 +198,7 @@ fn hostile_files_are_refused_quickly() {
     let wrong = "rule r: ;\n".repeat(100_000);
     assert!(message(&wrong).matches("error").count() <= 21);
     assert!(message(&" ".repeat(5 << 20)).contains("four megabytes"));
-    assert!(message("\u{0}\u{1}\u{202e}").contains("no place"));
+    assert!(message("\u{0}\u{1}\u{202e}").contains("not allowed in a file of rules"));
     assert!(RuleSet::parse("", "f").expect("no rules").rules.is_empty());
 }
 

@@ -41,12 +41,12 @@ declare_pass! {
     /// joints follow it. Every element of `M` whose new equations have the
     /// value of the old ones, at random points of two prime fields and in
     /// numbers, is replaced; and so are the forces `c` with the same values,
-    /// where that takes fewer operations. What else the function computes
-    /// stays, and so do elements that no tree explains, and a matrix that would
-    /// not become cheaper.
+    /// where that takes fewer operations. All other values of the function are
+    /// kept, and so are elements that do not follow from a tree, and a matrix
+    /// that would not become cheaper.
     ///
-    /// Masses are passed on as such only when sin^2 + cos^2 = 1. Robotran itself
-    /// relies on it when it adds masses up.
+    /// The masses are the same in all frames only if sin^2 + cos^2 = 1.
+    /// Robotran itself uses this when it adds masses.
     pub struct Composite("composite") {}
     takes: [Atomic],
     gives: Gives::Same,

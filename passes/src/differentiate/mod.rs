@@ -33,16 +33,16 @@ declare_pass! {
     /// it gives second derivatives: a gradient and then a direction are the
     /// product of a Hessian with a vector.
     ///
-    /// Whatever is found on the way is shared with the function itself. In
-    /// `mixed` mode every independent part of the function is counted forward,
-    /// in reverse, with the fewest products first and with the fewest new
-    /// edges first, and written in the cheapest order.
+    /// Common values are shared with the function itself. In `mixed` mode the
+    /// operations of every independent part of the function are counted in four
+    /// orders (forward, reverse, fewest products first, fewest new edges
+    /// first), and the part is written in the cheapest order.
     ///
-    /// Results of user functions are inputs, and count as constant unless
-    /// `by` names them. Where a root is zero there is no derivative; a remark
-    /// names these roots. Run it before the passes that look for speed or
-    /// accuracy: they work on derivatives as on anything else. The semantic
-    /// check compares the result with dual numbers of the function.
+    /// Results of user functions are inputs, and count as constant unless `by`
+    /// names them. Where a root is zero there is no derivative; a remark names
+    /// these roots. Run it before the passes for speed or accuracy, which also
+    /// work on derivatives. The semantic check compares the result with dual
+    /// numbers of the function.
     pub struct Differentiate("differentiate") {
         /// Output arrays that are differentiated.
         pub of: ArrayChoice = ArrayChoice::All,

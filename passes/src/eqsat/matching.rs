@@ -389,7 +389,8 @@ impl<'g> Matcher<'g> {
     }
 }
 
-/// Compound patterns before variables: they leave the smallest choice.
+/// Compound patterns come before variables, because they have the fewest
+/// matches.
 fn in_order<'p, T: Copy>(patterns: impl Iterator<Item = (T, &'p Bag)>) -> Vec<T> {
     let (mut compound, mut variables) = (Vec::new(), Vec::new());
     for (pattern, bag) in patterns {

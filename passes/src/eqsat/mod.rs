@@ -41,8 +41,8 @@ declare_pass! {
     /// Windows are taken one after the other along the function, so that each
     /// sees what those before it have gained. A round that makes the longest
     /// path no shorter, and with the same path saves no operation, is undone.
-    /// Rules that make what the machine cannot place are left out: quotients
-    /// and roots without an element for them, sines of sums of angles.
+    /// Rules are left out whose results the machine cannot place: quotients and
+    /// roots without an element for them, sines of sums of angles.
     pub struct Eqsat("eqsat") {
         /// Operations per window.
         pub window: u32 = 12 => NumberLimit::whole(

@@ -65,13 +65,14 @@ const CYCLES: NumberLimit = NumberLimit::whole(0, 1_000_000_000, "no function ta
 declare_pass! {
     /// Computes equal values once, takes common factors out, shares parts.
     ///
-    /// Values are known by what they are at random points of two prime fields,
-    /// so equal ones meet however they are written; what is zero, or the
-    /// negation or a copy of another value, is not computed. Then pairs of terms
-    /// or factors that several sums or products have in common become separate
-    /// values, and `a*b + a*c` becomes `a*(b + c)`, where that saves
-    /// operations: the pairs that save most first (Hosangadi, Fallah and
-    /// Kastner, 2006), in rounds until nothing is gained.
+    /// Values are identified by their residues at random points of two prime
+    /// fields, so equal values are found in whatever form they are written. A
+    /// value that is zero, or the negation or a copy of another value, is not
+    /// computed. Then pairs of terms or factors that several sums or products
+    /// have in common become separate values, and `a*b + a*c` becomes `a*(b +
+    /// c)`, where that saves operations: the pairs that save most first
+    /// (Hosangadi, Fallah and Kastner, 2006), in rounds until nothing is
+    /// gained.
     ///
     /// Fused operations are taken apart; `fma` makes them again.
     pub struct Factor("factor") {
@@ -105,9 +106,10 @@ declare_pass! {
 }
 
 declare_pass! {
-    /// As `factor`, and values are equal also by sin^2 + cos^2 = 1.
+    /// As `factor`, but also uses sin^2 + cos^2 = 1.
     ///
-    /// What `factor` does, with every sine and cosine on the unit circle.
+    /// The pass does the same as `factor`, with every sine and cosine on the
+    /// unit circle.
     pub struct FactorTrig("factor-trig") {
         /// With `keep` nothing is rewritten that would lengthen the longest
         /// path of the balanced function.

@@ -10,7 +10,8 @@ use robovec_framework::rewrite::Rewriter;
 use robovec_ir::{Function, Node, Operand, Operation};
 
 declare_pass! {
-    /// Computes what is known before the run: constants, `x + 0`, `x * 1`, `x - x` ….
+    /// Computes values that are known before the run: constants, `x + 0`, `x *
+    /// 1`, `x - x` ….
     ///
     /// Constants are combined only where the result is exact in every number
     /// format from binary32 up, so that not a bit changes whatever the

@@ -30,7 +30,7 @@ use robovec_ir::{Function, Level, View};
 use slice::SliceSignature;
 
 declare_pass! {
-    /// Keeps of a function what a scene needs (`--scene FILE`).
+    /// Keeps only the parts of a function that a scene needs (`--scene FILE`).
     ///
     /// Outputs the scene does not need are dropped with all that only they
     /// depended on; inputs it binds become numbers, and what depends on

@@ -306,8 +306,8 @@ const PAGE: &str = "optimise.html";
 /// where they are not those that came in.
 pub(super) const START: &str = "start.rvir";
 
-/// True when the program starts from the input itself, and that is a file:
-/// built-in models have none.
+/// True when the program starts from the input itself and the input is a file,
+/// not a built-in model.
 fn is_input(arguments: &OptimiseArguments, found: &Optimised) -> bool {
     found.start == 0 && Path::new(&arguments.input).is_file()
 }

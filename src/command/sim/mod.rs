@@ -104,7 +104,7 @@ struct SimArguments {
     #[arg(long, value_name = "SECONDS", default_value_t = 1.0,
           add = real(1e-12, 1e6, "the run is stopped after --max-steps"))]
     time: f64,
-    /// Rows of the result after the first, at equal intervals
+    /// Number of rows of the result after the first, at equal intervals
     #[arg(long, value_name = "N", default_value_t = 200,
           add = whole(1, 100_000, "each is a row of the result"))]
     samples: u32,

@@ -28,7 +28,7 @@ pub(super) struct EquilibriumArguments {
 enum PlaceChoice {
     /// State in which the forces balance
     Equilibrium,
-    /// The initial positions, at rest, whatever forces are left there
+    /// The initial positions, at rest, even if forces are not in balance
     Initial,
 }
 

@@ -242,7 +242,7 @@ fn body(model: &Model, equations: &Module, function: &Function, comparison: &mut
         .position(|other| metadata(other, "case") == case);
     let Some(index) = found else {
         comparison.stale(
-            format!("the model has nothing for '{}'", function.name),
+            format!("the model has no equations for '{}'", function.name),
             None,
             "a sensor was removed since; generate the file again",
         );

@@ -124,7 +124,7 @@ pub fn page(findings: &[CaseFinding<'_>]) -> String {
             },
         points: "Cases",
         tables,
-        method: "<p>Errors are relative, against double-double numbers; costs are the cells of \
+        method: "<p>Errors are relative, compared with double-double numbers; costs are the cells of \
                  the operations, those of a product the square of its bits, relative to the \
                  untreated program in binary32. The chosen cure is set in bold. Treatments that \
                  another beats in cost and error are in stress.csv.</p>",

@@ -67,7 +67,7 @@ fn what_robovec_has_not_is_left_out_with_a_warning() {
     for word in [
         "no operation 'pow'",
         "matches every value",
-        "'PI' is no variable",
+        "'PI' is not a variable",
         "rules.rkt:6:",
     ] {
         assert!(shown.contains(word), "{word}: {shown}");
@@ -111,8 +111,8 @@ fn commands_and_options_that_are_not_read_are_warned_of() {
     for word in [
         "ruleset 'fast'",
         "no such option",
-        "'rule' is no rewrite",
-        "'include' is no",
+        "'rule' is not a rewrite",
+        "'include' is not",
     ] {
         assert_eq!(shown.matches(word).count(), 1, "{word}: {shown}");
     }

@@ -30,7 +30,8 @@ fn meanings(array: &str) -> [IndexMeaning; 2] {
     }
 }
 
-/// The numbers of joints by frame, both from 1, and who is reversed.
+/// The number of the joint of each frame, both from 1, and whether it is
+/// reversed.
 #[derive(Clone, Default, Debug)]
 pub(super) struct JointNumbers {
     /// By frame: 0 for a constant rotation. Empty where frames are joints.

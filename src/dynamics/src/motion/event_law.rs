@@ -27,7 +27,7 @@ impl EventQuantity {
     }
 }
 
-/// In which direction a quantity has to pass its value.
+/// Direction in which a quantity must pass its value.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum EventDirection {

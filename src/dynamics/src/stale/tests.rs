@@ -129,7 +129,7 @@ fn ids_beyond_the_model_and_lost_sensors_are_found() {
         &fewer,
         &equations(&model, &[FunctionKind::Sensor]),
     ));
-    assert!(said.contains("nothing for 'sensor_2'"), "{said}");
+    assert!(said.contains("no equations for 'sensor_2'"), "{said}");
     let said = messages(&compare(
         &model,
         &equations(&fewer, &[FunctionKind::Sensor]),

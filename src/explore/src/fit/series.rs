@@ -39,7 +39,7 @@ pub enum SineTreatment {
 }
 
 impl SineTreatment {
-    /// The pass that writes it as a series; `None` for what is none.
+    /// The pass that writes it as a series; `None` if there is none.
     fn pass(self) -> Option<String> {
         match self {
             SineTreatment::True | SineTreatment::Unit(_) => None,

@@ -133,7 +133,7 @@ pub struct SweepQuestion<'a> {
     /// Pipelines that make the programs to be placed; programs are searched where
     /// there are none.
     pub passes: &'a [String],
-    /// Also time what a processor would run.
+    /// Also time the function on a processor.
     pub cpu: bool,
     /// Power of the device, where it is known.
     pub power: Option<PowerFigures>,

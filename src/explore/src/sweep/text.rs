@@ -278,7 +278,7 @@ impl Exploration for FunctionSweep {
         let last = fronts.columns.len() - 1;
         fronts.rows.retain(|row| !row[last].plain().is_empty());
         fronts.title = "Designs that no other one beats".to_owned();
-        fronts.caption = "Any other takes more of the device or more time.".to_owned();
+        fronts.caption = "Every other design takes more of the device or more time.".to_owned();
         figure + &page::table(&fronts, "explore.csv")
     }
 }

@@ -1,5 +1,5 @@
-//! Programs of the user's that robovec runs: compilers, simulators of
-//! hardware, yosys, Python, and what the compilers made.
+//! External programs that robovec runs: compilers, simulators of hardware,
+//! yosys, Python, and compiled programs.
 //!
 //! None of them is trusted to end or to print little.
 //! **Invariant.** A run ends: after its time, or after the last byte it may
@@ -370,7 +370,7 @@ mod tests {
     fn a_program_that_is_not_there_is_named() {
         let error = ProgramCall::new("no-such-program-at-all").run();
         let message = error.expect_err("it is not there").to_string();
-        assert!(message.starts_with("'no-such-program-at-all' does not run"));
+        assert!(message.starts_with("'no-such-program-at-all' cannot be run"));
     }
 
     #[test]

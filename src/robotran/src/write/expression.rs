@@ -1,4 +1,4 @@
-//! Expressions, so that reading gives the same tree.
+//! Printer of expressions; reading its text gives the same tree.
 //!
 //! The grammar of Robotran's files, which is also how the three languages
 //! read them: sums and products associate to the left, and a leading minus

@@ -166,7 +166,7 @@ impl TestBench<'_> {
                 |run: &BenchRun| run.results.iter().map(|r| (r.cycle, r.element)).collect();
             let (one, other): (Vec<_>, Vec<_>) = (places(first), places(run));
             if one != other {
-                return fail("results are in other places in other runs");
+                return fail("the places of results differ between runs");
             }
             if !one.is_sorted() {
                 return fail("results are not in order of cycle and element");

@@ -27,8 +27,8 @@ pub(super) struct DerivativeEquation {
     pub(super) after: Vec<(Factor, usize)>,
     /// The output element after that represents the equation.
     pub(super) element: u32,
-    /// For every column the output element after, where an equation has more
-    /// than one.
+    /// For every column the next output element of the same equation, if there
+    /// is one.
     pub(super) elements: Vec<u32>,
     /// Outputs whose sizes belong together.
     pub(super) array: usize,
