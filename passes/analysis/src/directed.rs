@@ -17,13 +17,13 @@ use robovec_num::interval::Interval;
 use robovec_num::random::{Random, mix};
 use robovec_num::soft_float::FormatArithmetic;
 
-/// Operations evaluated, of a search with all its states.
+/// Number of operations that a search evaluates.
 const WORK: usize = 1 << 27;
 
 /// Minimum and maximum number of states.
 const STATES: [usize; 2] = [64, 1 << 18];
 
-/// Of eight states so many are drawn; the others are bred.
+/// Number of every eight states that are drawn; the others are bred.
 const DRAWN_OF_EIGHT: usize = 3;
 
 /// The subject of a search.
@@ -99,7 +99,8 @@ pub fn largest_errors(subject: SearchSubject<'_>, seed: u64) -> FoundErrors {
 }
 
 impl SearchSubject<'_> {
-    /// A state within the ranges: of every four one of their ends and zeros.
+    /// A state within the ranges; in every fourth one most elements are at the
+    /// ends of their ranges or zero.
     fn drawn(&self, number: usize, random: &mut Random) -> Vec<f64> {
         let draw = |range: &Interval| {
             let place = random.unit();

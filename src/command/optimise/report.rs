@@ -18,7 +18,7 @@ use robovec_ir::{Module, print};
 use robovec_passes::registry::REGISTRY;
 use robovec_present::json::json_text;
 use robovec_present::number::or_nothing;
-use robovec_present::text::{cut, headed, labelled};
+use robovec_present::text::{WIDTH, cut, headed, labelled};
 use robovec_robotran::Language;
 use robovec_robotran::drop_in::{DropInOptions, drop_in};
 use robovec_robotran::write::{WriteOptions, write as write_equations};
@@ -38,8 +38,9 @@ pub(super) fn report(
     let commands = commands(arguments, given, found);
     let subject = subject(arguments, found);
     let mut lines = answer.lines();
-    let of_page = [lines.clone(), left_out(given, REASON)].concat();
-    lines.extend(left_out(given, 0));
+    let mut of_page = lines.clone();
+    of_page.extend(left_out(given, |why| cut(why, REASON)));
+    lines.extend(left_out(given, short_reason));
     let (last, rest) = match &arguments.output {
         None => {
             let again = "run again with '-o FOLDER', which writes it".to_owned();
@@ -49,8 +50,7 @@ pub(super) fn report(
             let mut files = program_files(question, found)?;
             files.extend(in_its_language(arguments, found)?);
             // The page lies in the folder; the terminal does not.
-            let in_folder = uses(arguments, Path::new(""), &files);
-            let in_folder = [of_page, in_folder].concat();
+            of_page.extend(uses(arguments, Path::new(""), &files));
             let last = uses(arguments, folder, &files);
             files.push(("commands.txt".to_owned(), commands.clone()));
             if !is_input(arguments, found) {
@@ -61,7 +61,7 @@ pub(super) fn report(
             let texts = OptimisationPage {
                 subject: &subject,
                 answer: &answer,
-                lines: &in_folder,
+                lines: &of_page,
                 commands: &commands,
                 code: code
                     .each_ref()
@@ -122,8 +122,6 @@ fn subject(arguments: &OptimiseArguments, found: &Optimised) -> String {
 
 /// Maximum number of lines of the report.
 const SCREEN: usize = 20;
-/// Maximum number of characters of a line, where paths allow it.
-const WIDTH: usize = 80;
 /// Lines of it around the rows of the table: its head, and blank ones.
 const FRAME: usize = 6;
 /// Minimum number of rows: the input and the program.
@@ -131,33 +129,31 @@ const LEAST_ROWS: usize = 2;
 /// Width of the labels of the answer.
 const LABELS: usize = "worst error  ".len();
 
-/// Maximum number of characters of a reason.
+/// Maximum number of characters of a reason on the page, and on the terminal.
 const REASON: usize = 120;
+const SHORT_REASON: usize = 34;
 
 /// Label of formulations that take no part.
 const LEFT_OUT: &str = "left out";
 
-/// Maximum number of characters of a reason on the terminal.
-const SHORT_REASON: usize = 34;
-
-/// Formulations of the model that take no part, and why the first does not: in
-/// so many characters, or for 0 in a part of a line.
-fn left_out(given: &GivenStarts, reason: usize) -> Vec<(&'static str, String)> {
-    let Some((_, why)) = given.left.first() else {
-        return Vec::new();
-    };
+/// Formulations of the model that take no part, and why the first does not.
+fn left_out(
+    given: &GivenStarts,
+    reason: impl Fn(&str) -> String,
+) -> Option<(&'static str, String)> {
+    let (_, why) = given.left.first()?;
     let names: Vec<&str> = given.left.iter().map(|(name, _)| name.as_str()).collect();
     let names = match names.as_slice() {
         [name] => (*name).to_owned(),
         names => counted(names.len(), "formulation"),
     };
-    let text = if reason == 0 {
-        let first = why.split(':').next().unwrap_or(why);
-        format!("{names}: {} (more with '-v')", cut(first, SHORT_REASON))
-    } else {
-        format!("{names}: {}", cut(why, reason))
-    };
-    vec![(LEFT_OUT, text)]
+    Some((LEFT_OUT, format!("{names}: {}", reason(why))))
+}
+
+/// The first part of a reason, for one line of the terminal.
+fn short_reason(why: &str) -> String {
+    let first = why.split(':').next().unwrap_or(why);
+    format!("{} (more with '-v')", cut(first, SHORT_REASON))
 }
 
 /// Files about what was tried.

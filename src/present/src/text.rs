@@ -50,7 +50,7 @@ pub fn text_lines(head: &str, rows: &[Vec<String>]) -> String {
 }
 
 /// Columns of a terminal.
-const WIDTH: usize = 80;
+pub const WIDTH: usize = 80;
 
 /// Texts after their labels, folded at 80 columns.
 pub fn labelled(lines: &[(&str, String)]) -> String {

@@ -1,6 +1,6 @@
 //! Sets of values as sums of layers: matrices in blocks times earlier sets.
 
-use super::terms::{NormTermKind, SumDefinition};
+use super::terms::{NormTermKind, SumDefinition, is_atom};
 use super::{Layers, SlotSet};
 use crate::adjoint::Tape;
 use robovec_ir::Operation;
@@ -27,7 +27,7 @@ pub(super) enum LayerFactor {
 }
 
 /// A block-diagonal matrix times a set.
-#[derive(Clone, Debug)]
+#[derive(Clone, Default, Debug)]
 pub(super) struct Layer {
     pub set: SlotSet,
     /// Some members of the set are not multiplied.
@@ -138,15 +138,12 @@ pub(super) fn is_pair(tape: &Tape, one: usize, other: usize) -> bool {
     }
 }
 
-/// Pairs of sine and cosine, and values without a definition, apart from the
-/// other members; `None` if there is nothing to part.
+/// The latest member, a sine with its cosine or another value without a
+/// definition, in a separate layer; `None` if there is no such member, or no
+/// other.
 fn split(tape: &Tape, order: &[usize]) -> Option<Layers> {
     let latest = *order.first()?;
-    let atom = latest < tape.nodes()
-        && matches!(
-            tape.operation(latest),
-            Operation::Sin | Operation::Cos | Operation::Sqrt
-        );
+    let atom = latest < tape.nodes() && is_atom(tape.operation(latest));
     if !atom || order.len() == 1 || order.len() == 2 && is_pair(tape, order[0], order[1]) {
         return None;
     }
@@ -160,9 +157,8 @@ fn split(tape: &Tape, order: &[usize]) -> Option<Layers> {
         Layer {
             set,
             kept: true,
-            blocks: Vec::new(),
             members,
-            products: Vec::new(),
+            ..Layer::default()
         }
     };
     let all = u64::MAX >> (64 - order.len());
@@ -291,9 +287,8 @@ impl Opened<'_> {
         let mut layer = Layer {
             set: kept.iter().map(|&(_, slot)| slot).collect(),
             kept: !kept.is_empty(),
-            blocks: Vec::new(),
             members: kept.iter().fold(0, |all, &(place, _)| all | 1 << place),
-            products: Vec::new(),
+            ..Layer::default()
         };
         let mut near: Option<usize> = None;
         while !rows.is_empty() {
@@ -324,8 +319,8 @@ impl Opened<'_> {
         }
     }
 
-    /// Takes one plain term out of every member that the layer has not yet,
-    /// the nearest to a time, by default that of the latest.
+    /// Moves one plain term of every member that the layer does not have into
+    /// it: the nearest to a time, by default to that of the latest term.
     fn take_plains(&mut self, near: Option<usize>, layer: &mut Layer) {
         let tape = self.tape;
         let plains = || self.members.iter().flat_map(|member| &member.plains);
@@ -349,16 +344,10 @@ impl Opened<'_> {
         }
     }
 
-    /// Layers of the values that are still there.
+    /// Layers of the remaining plain terms.
     fn plains(&mut self, parts: &mut Vec<Layer>) {
         loop {
-            let mut layer = Layer {
-                set: Vec::new(),
-                kept: false,
-                blocks: Vec::new(),
-                members: 0,
-                products: Vec::new(),
-            };
+            let mut layer = Layer::default();
             self.take_plains(None, &mut layer);
             if layer.members == 0 {
                 return;
@@ -412,6 +401,8 @@ impl Opened<'_> {
         }
     }
 
+    /// The factor of products in at least two members that has the largest
+    /// share of their products; of equal ones the latest.
     fn best_factor(&self) -> Option<usize> {
         let mut scores: Vec<(usize, f64, usize)> = Vec::new();
         for member in &self.members {
@@ -467,9 +458,9 @@ impl Opened<'_> {
                     operands: set.clone(),
                 }],
                 set,
-                kept: false,
                 members: 1 << member.place,
                 products,
+                ..Layer::default()
             });
         }
     }
@@ -485,8 +476,7 @@ fn scaled(factor: LayerFactor, elements: &[(usize, usize)]) -> Layer {
             operands: set.clone(),
         }],
         set,
-        kept: false,
         members: elements.iter().fold(0, |all, &(place, _)| all | 1 << place),
-        products: Vec::new(),
+        ..Layer::default()
     }
 }

@@ -2,7 +2,7 @@
 //! state, by norms of vectors in place of intervals.
 //!
 //! Along a chain of rotations the box of a vector grows at every joint, its
-//! *norm* does not, nor does the norm of its error. A goal is a set of values
+//! *norm* does not, nor does the norm of its error. A set of values is
 //! taken as a vector; its norm and that of its error follow from the
 //! definitions of its members, the latest first ([`layers`]):
 //!
@@ -22,6 +22,8 @@
 
 mod layers;
 mod terms;
+#[cfg(test)]
+mod tests;
 
 use crate::adjoint::{Tape, TapeSlot};
 use crate::interval::{GivenData, given, operate, rounded};
@@ -30,12 +32,12 @@ use robovec_ir::{Format, Operation};
 use robovec_num::interval::Interval;
 use std::collections::HashMap;
 
-/// LayerFactor that covers the roundings of the bounds' own arithmetic, fewer than
-/// a thousand operations of binary64 per rule.
+/// Factor that covers the roundings of the bounds' own arithmetic, fewer than a
+/// thousand operations of binary64 per rule.
 const OUTWARD: f64 = 1.0 + 1e-12;
 
-/// Maximum number of goals per node.
-const GOALS: usize = 64;
+/// Maximum number of sets bounded, per node.
+const SETS: usize = 64;
 
 /// Ranges and errors of all slots of a tape.
 #[derive(Clone, Debug)]
@@ -45,13 +47,11 @@ pub struct NormBounds {
     /// Largest absolute difference between the computed value and the exact
     /// one; infinite where nothing is proved.
     pub error: Vec<f64>,
-    /// Number of goals, a measure of the work.
-    pub goals: usize,
 }
 
 /// Norms of a set of values.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) struct SetNorm {
+struct SetNorm {
     /// Largest norm of the exact values.
     exact: f64,
     /// Largest norm of their errors.
@@ -79,7 +79,6 @@ pub fn norm_bounds(
         norms.value(node);
     }
     NormBounds {
-        goals: norms.known.len(),
         exact: norms.exact,
         error: norms.error,
     }
@@ -94,6 +93,7 @@ struct Norms<'a> {
     local: Vec<f64>,
     uses: Vec<u32>,
     known: HashMap<SlotSet, SetNorm>,
+    /// Maximum number of sets in `known`.
     most: usize,
 }
 
@@ -107,7 +107,7 @@ impl<'a> Norms<'a> {
             local: vec![0.0; tape.slots()],
             uses: terms::uses(tape),
             known: HashMap::new(),
-            most: GOALS * tape.nodes() + 4096,
+            most: SETS * tape.nodes() + 4096,
         };
         for slot in tape.nodes()..tape.slots() {
             let range = match tape.slot(slot) {
@@ -149,18 +149,14 @@ impl<'a> Norms<'a> {
         if !sum {
             return;
         }
-        let set = vec![node];
-        let norm = self.norm(set.clone());
+        let mut norm = self.norm(vec![node]);
         if norm.exact < self.exact[node].magnitude() {
             self.exact[node] = self.exact[node].clamped(Interval::within(norm.exact));
+            // In the smaller range its own rounding loses less.
             self.round(node, carried);
-            // Its own rounding is smaller now.
-            self.known.remove(&set);
-            self.error[node] = self.norm(set).error.min(self.error[node]);
-        } else {
-            self.error[node] = norm.error.min(self.error[node]);
+            norm = self.norm(vec![node]);
         }
-        self.known.remove(&vec![node]);
+        self.error[node] = norm.error.min(self.error[node]);
     }
 
     /// Sets the loss and the error of a node, given the error of its
@@ -183,7 +179,7 @@ impl<'a> Norms<'a> {
         };
     }
 
-    /// The error that a result has by those of its operands.
+    /// The error of a result that comes from the errors of its operands.
     fn carried(&self, operation: Operation, places: [usize; 3]) -> f64 {
         let [a, b, c] = places.map(|slot| self.error[slot]);
         let size = |operand: usize| self.exact[places[operand]].magnitude();
@@ -220,7 +216,8 @@ impl<'a> Norms<'a> {
     }
 
     /// The norms of a set, from the definitions of its members as far as
-    /// that is better than their intervals.
+    /// that is better than their intervals. Those of its parts are kept; its
+    /// own are not, since the bounds of a value change while it is bounded.
     fn norm(&mut self, set: SlotSet) -> SetNorm {
         let root = set.clone();
         let mut open: Vec<(SlotSet, Option<Layers>)> = vec![(set, None)];
@@ -257,7 +254,8 @@ impl<'a> Norms<'a> {
                 open.extend(wanted.into_iter().map(|set| (set, None)));
             }
         }
-        self.known[&root]
+        let found = self.known.remove(&root);
+        found.expect("the set is bounded after its parts")
     }
 
     /// The norms of a set by the bounds of its members alone.

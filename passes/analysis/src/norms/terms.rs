@@ -102,6 +102,7 @@ impl SumDefinition {
     }
 }
 
-fn is_atom(operation: Operation) -> bool {
+/// True for operations that are no sum of products.
+pub(super) fn is_atom(operation: Operation) -> bool {
     matches!(operation, Operation::Sin | Operation::Cos | Operation::Sqrt)
 }

@@ -1,10 +1,10 @@
 //! Ranges and errors of every output proved for all states, beside the
 //! largest errors that a search finds.
 
-use super::table::{ErrorSettings, ErrorTable, IntervalRow, OutputRow, interval};
+use super::table::{ErrorSettings, ErrorTable, OutputRow, interval};
 use super::view::{MAX_ROWS, small};
 use robovec_analysis::adjoint::{Tape, TapeSlot};
-use robovec_analysis::directed::{FoundErrors, SearchSubject, largest_errors};
+use robovec_analysis::directed::{SearchSubject, largest_errors};
 use robovec_analysis::interval::{
     Alarm, ConeWindow, Leaves, RangeBasis, input_ranges, integer_bits,
 };
@@ -67,52 +67,29 @@ pub(super) fn prove(
         let window = ConeWindow::new(tape, slot, settings.window);
         let whole = window.leaves.iter().all(|&leaf| leaf >= tape.nodes());
         let boxes = whole.then(|| interval(tape, &window, settings, &leaves));
-        let mut row = by_norms(settings, &bounds, slot);
-        row.ranges = basis;
-        if let Some(boxes) = &boxes {
-            row.improve(boxes, settings);
+        let (mut range, mut error, mut method) = (bounds.exact[slot], bounds.error[slot], "norms");
+        let mut largest = found.errors[output];
+        if let Some(boxes) = boxes {
+            range = range.clamped(Interval::new(boxes.low, boxes.high));
+            largest = largest.max(boxes.seen);
+            if boxes.error < error {
+                (error, method) = (boxes.error, "boxes");
+            }
         }
-        row.found = largest_found(&found, output, boxes.as_ref());
-        if row.error.is_infinite() {
-            row.reason = Some(reason(view, tape, &bounds, slot));
+        let unproved = error.is_infinite();
+        ProofRow {
+            low: range.low,
+            high: range.high,
+            error,
+            found: largest,
+            method,
+            ranges: basis,
+            alarm: Alarm::of(range, settings.format).map(Alarm::text),
+            integer_bits: integer_bits(range),
+            reason: unproved.then(|| reason(view, tape, &bounds, slot)),
         }
-        row
     });
     (rows.collect(), found.tried)
-}
-
-fn by_norms(settings: &ErrorSettings, bounds: &NormBounds, slot: usize) -> ProofRow {
-    let range = bounds.exact[slot];
-    ProofRow {
-        low: range.low,
-        high: range.high,
-        error: bounds.error[slot],
-        found: 0.0,
-        method: "norms",
-        ranges: "",
-        alarm: Alarm::of(range, settings.format).map(Alarm::text),
-        integer_bits: integer_bits(range),
-        reason: None,
-    }
-}
-
-impl ProofRow {
-    /// Takes the range and the error of boxes where they are smaller.
-    fn improve(&mut self, boxes: &IntervalRow, settings: &ErrorSettings) {
-        let range = Interval::new(self.low, self.high);
-        let range = range.clamped(Interval::new(boxes.low, boxes.high));
-        (self.low, self.high) = (range.low, range.high);
-        self.alarm = Alarm::of(range, settings.format).map(Alarm::text);
-        self.integer_bits = integer_bits(range);
-        if boxes.error < self.error {
-            self.error = boxes.error;
-            self.method = "boxes";
-        }
-    }
-}
-
-fn largest_found(found: &FoundErrors, output: usize, boxes: Option<&IntervalRow>) -> f64 {
-    found.errors[output].max(boxes.map_or(0.0, |boxes| boxes.seen))
 }
 
 /// The first operation before an output of which nothing is proved.
@@ -133,7 +110,7 @@ fn reason(view: View<'_>, tape: &Tape, bounds: &NormBounds, slot: usize) -> Stri
     )
 }
 
-/// The proofs of a table for a person, the largest errors first.
+/// The proofs of a table for a user, the largest errors first.
 pub(super) fn proof_text(errors: &ErrorTable) -> String {
     let mut rows: Vec<(&OutputRow, &ProofRow)> = errors
         .outputs

@@ -43,6 +43,7 @@ fn all_methods_agree_with_the_error() {
         function: &module.functions[0],
     };
     let all = [
+        ErrorMethod::Proof,
         ErrorMethod::Bound,
         ErrorMethod::Predict,
         ErrorMethod::Stochastic,
@@ -59,6 +60,9 @@ fn all_methods_agree_with_the_error() {
         let interval = row.interval.as_ref().expect("it was asked for");
         assert!(interval.low <= row.exact && row.exact <= interval.high);
         assert!(error <= interval.error && interval.ranges == "drawn");
+        let proof = row.proof.as_ref().expect("it was asked for");
+        assert!(proof.low <= row.exact && row.exact <= proof.high);
+        assert!(error <= proof.error && proof.found <= proof.error && proof.found > 0.0);
     }
     let shares: f64 = table
         .heat
@@ -77,6 +81,35 @@ fn all_methods_agree_with_the_error() {
     assert_eq!(csv.lines().count(), 3);
     let value: serde_json::Value = serde_json::from_str(&json(&[table])).expect("it is JSON");
     assert_eq!(value[0]["outputs"][1]["name"], "c[2]");
+}
+
+#[test]
+fn a_proof_is_printed_alone_or_before_the_state() {
+    let module = module();
+    let view = View {
+        tables: &module.tables,
+        function: &module.functions[0],
+    };
+    let shown = |methods: &[ErrorMethod], format| {
+        let table = ErrorTable::measure(view, &settings(methods, format));
+        text(&table.expect("nothing is sampled"))
+    };
+    let alone = shown(&[ErrorMethod::Proof], "f32");
+    assert!(
+        alone.contains("largest proved") && !alone.contains("at state"),
+        "{alone}"
+    );
+    let both = shown(&[ErrorMethod::Proof, ErrorMethod::Predict], "f32");
+    assert!(
+        both.contains("largest proved") && both.contains("predicted"),
+        "{both}"
+    );
+    let refused = shown(&[ErrorMethod::Proof], "fixed(2,8)");
+    assert!(refused.contains("may overflow"), "{refused}");
+    assert!(
+        refused.contains("without a bound, the first by %big"),
+        "{refused}"
+    );
 }
 
 #[test]

@@ -45,7 +45,13 @@ pub fn text(errors: &ErrorTable) -> String {
     let proofs = proof_text(errors);
     let first = errors.outputs.first();
     let has = |pick: fn(&OutputRow) -> bool| first.is_some_and(pick);
-    if has(|row| row.proof.is_some() && row.bound.is_none() && row.interval.is_none()) {
+    let of_state = |row: &OutputRow| {
+        row.predicted.is_some()
+            || row.bound.is_some()
+            || row.sigma.is_some()
+            || row.interval.is_some()
+    };
+    if !proofs.is_empty() && !first.is_some_and(of_state) {
         return proofs;
     }
     let mut text = proofs;
