@@ -408,7 +408,10 @@ fn what_no_machine_computes_is_told() {
         told.contains("no program can be placed on the machine"),
         "{told}"
     );
-    assert!(told.contains("'--machine' chooses another one"), "{told}");
+    assert!(
+        told.contains("'--machine' takes a name of 'robovec-opt --list-machines'"),
+        "{told}"
+    );
 }
 
 #[test]

@@ -27,16 +27,18 @@ fn optimised(words: &[&str]) -> tempfile::TempDir {
     let text = said(&robovec(&words));
     assert!(text.contains("\nproved       equal"), "{text}");
     assert_fits_a_screen(&text);
-    assert_shows(&text, &results(folder.path())["answer"]);
+    assert_shows(&text, &results(folder.path()));
     folder
 }
 
 /// The numbers on the screen are those of the JSON.
-fn assert_shows(text: &str, answer: &Value) {
+fn assert_shows(text: &str, results: &Value) {
+    let answer = &results["answer"];
     let number = |value: &Value| value.as_f64().expect("it was measured");
     let (before, after) = (number(&answer["before"]), number(&answer["after"]));
     let digits = |speed: f64| match answer["measure"].as_str() {
         Some("cycles" | "operations") => format!("{speed}"),
+        _ if speed < 1.0 => format!("{speed:.2}"),
         _ if speed < 100.0 => format!("{speed:.1}"),
         _ => format!("{speed:.0}"),
     };
@@ -46,6 +48,28 @@ fn assert_shows(text: &str, answer: &Value) {
         format!("{worst:.1e} -> {best:.1e} in "),
     ] {
         assert!(text.contains(&shown), "no {shown} in {text}");
+    }
+    assert!(text.contains(&format!("\n{} program", results["programs"])));
+    let points = results["points"].as_array().expect("a list");
+    let row = |point: &Value| {
+        let speed = ["cycles", "nanoseconds", "operations"]
+            .iter()
+            .find_map(|name| point[name].as_f64())?;
+        let error = point["errors"][1].as_f64()?;
+        Some(format!("{} {error:.1e}", digits(speed)))
+    };
+    let rows: BTreeSet<String> = points.iter().filter_map(row).collect();
+    let table = text
+        .lines()
+        .skip_while(|line| !line.starts_with('─'))
+        .skip(1);
+    for line in table.take_while(|line| !line.is_empty()) {
+        // Names have spaces: the columns after them are aligned to the right.
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let error = words.iter().position(|word| word.contains("e-"));
+        let error = error.expect("a row has an error");
+        let shown = words[error - 1..=error].join(" ");
+        assert!(rows.contains(&shown), "no {shown} in {rows:?}");
     }
 }
 

@@ -242,7 +242,9 @@ pub(crate) fn usual_machine(function: &Function) -> Result<&'static str, Command
 
 /// Advice where nothing could be placed on a machine.
 pub(crate) fn other_machine() -> Vec<String> {
-    vec!["'--machine' chooses another one, 'robovec-opt --list-machines' lists them".to_owned()]
+    let advice = "'--machine' takes a name of 'robovec-opt --list-machines' or a machine file, where \
+                  operations can be added to an element";
+    vec![advice.to_owned()]
 }
 
 /// The pipeline of an option that may be absent.

@@ -1,6 +1,7 @@
 //! The reasons that keep a function from being placed.
 
-use robovec_ir::{Level, Value};
+use robovec_ir::machine::BUILT_IN;
+use robovec_ir::{Level, Machine, Value};
 
 /// The reason why a function cannot be placed on a machine.
 ///
@@ -15,7 +16,10 @@ pub enum PlaceError {
         level: Level,
     },
     /// The machine has no kind of element for an operation.
-    #[error("no processing element of the machine '{machine}' performs {operation}")]
+    #[error(
+        "no processing element of the machine '{machine}' performs {operation}; {}",
+        performers(operation)
+    )]
     NotPerformed {
         /// The node.
         value: Value,
@@ -62,4 +66,20 @@ pub enum PlaceError {
         /// The largest length supported.
         limit: u64,
     },
+}
+
+/// Shipped machines that perform an operation, in words.
+fn performers(operation: &str) -> String {
+    let performs = |name: &str| {
+        let machine = Machine::built_in(name).expect("it ships");
+        let mut known = machine.elements.iter().flat_map(|kind| &kind.operations);
+        known.any(|known| known == operation)
+    };
+    let names = BUILT_IN.iter().map(|(name, _)| *name);
+    let names: Vec<&str> = names.filter(|name| performs(name)).collect();
+    if names.is_empty() {
+        "no shipped machine does".to_owned()
+    } else {
+        format!("{} does", names.join(", "))
+    }
 }

@@ -174,8 +174,7 @@ pub fn explain(error: &PlaceError, function: &Function, context: &Context<'_>) -
         PlaceError::NotPerformed {
             value, operation, ..
         } => about(value).help(format!(
-            "add '{operation}' to the operations of a kind in the machine file, or choose \
-             another machine"
+            "add '{operation}' to the operations of a kind in a machine file"
         )),
         PlaceError::ComputedAngle { value, .. } => about(value)
             .help("pass the angle as an input, and let the caller compute it".to_owned()),

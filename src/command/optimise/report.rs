@@ -48,10 +48,14 @@ pub(super) fn report(
         }
         Some(folder) => {
             let mut files = program_files(question, found)?;
-            files.extend(in_its_language(arguments, found)?);
+            files.extend(in_its_language(arguments, found));
             // The page lies in the folder; the terminal does not.
-            of_page.extend(uses(arguments, Path::new(""), &files));
-            let last = uses(arguments, folder, &files);
+            let uses = |place| match answer.is_slower() {
+                false => uses(arguments, place, &files),
+                true => vec![("use it", format!("keep {}: it is faster", arguments.input))],
+            };
+            of_page.extend(uses(Path::new("")));
+            let last = uses(folder);
             files.push(("commands.txt".to_owned(), commands.clone()));
             if !is_input(arguments, found) {
                 let start = print::print_module(&given.starts[found.start].module);
@@ -67,7 +71,7 @@ pub(super) fn report(
                     .each_ref()
                     .map(|(name, text)| (name.as_str(), text.as_str())),
             };
-            files.extend(results(found, &texts));
+            files.extend(results(found, &given.left, &texts));
             write(folder, &files)?;
             let pages = folder.join(PAGE);
             (
@@ -157,9 +161,18 @@ fn short_reason(why: &str) -> String {
 }
 
 /// Files about what was tried.
-fn results(found: &Optimised, texts: &OptimisationPage<'_>) -> Vec<(String, String)> {
+fn results(
+    found: &Optimised,
+    left_out: &[(String, String)],
+    texts: &OptimisationPage<'_>,
+) -> Vec<(String, String)> {
     let data = OptimisationResults {
         answer: texts.answer,
+        programs: found.points.len() - 1,
+        not_timed: found.untimed,
+        alike: found.alike,
+        not_made: found.skipped.len(),
+        left_out,
         points: &found.points,
     };
     let table = text::points_table(found);
@@ -206,6 +219,13 @@ fn code(
 #[derive(Serialize)]
 struct OptimisationResults<'a> {
     answer: &'a OptimisationAnswer,
+    /// Number of programs measured, beside the input.
+    programs: usize,
+    not_timed: usize,
+    alike: usize,
+    not_made: usize,
+    /// Formulations that take no part, with the reasons.
+    left_out: &'a [(String, String)],
     points: &'a [OptimisationPoint],
 }
 
@@ -280,19 +300,16 @@ fn uses(
     uses
 }
 
-/// The program in the language that came in, where that is not C.
-fn in_its_language(
-    arguments: &OptimiseArguments,
-    found: &Optimised,
-) -> Result<Vec<(String, String)>, CommandFailure> {
+/// The program in the language that came in, where that is not C and Robotran
+/// has such a function; other equations have the files of every target alone.
+fn in_its_language(arguments: &OptimiseArguments, found: &Optimised) -> Vec<(String, String)> {
     let extension = Path::new(&arguments.input).extension();
     let extension = extension.map(|extension| extension.to_string_lossy());
     let language = extension.and_then(|extension| Language::from_extension(&extension));
     let Some(language) = language.filter(|language| *language != Language::C) else {
-        return Ok(Vec::new());
+        return Vec::new();
     };
-    write_equations(&found.program, language, &WriteOptions::default())
-        .map_err(|error| CommandFailure::plain(error.to_string()))
+    write_equations(&found.program, language, &WriteOptions::default()).unwrap_or_default()
 }
 
 /// The name of the page.

@@ -210,17 +210,17 @@ fn loops_of_robovec(text: &str) -> Option<Diagnostic> {
         (
             "ROBOVEC_ANGLES",
             "robovec wrote the sines of this file as a loop",
-            "they are not the library's to the last bit; write it with `sines=library`, or compare the file it was written from",
+            "they are not the library's to the last bit: read the .rvir file that it was written from, or write it with `sines=library`",
         ),
         (
             "ROBOVEC_APART",
             "robovec wrote this file in several parts",
-            "write it with a `part` that holds all operations, or compare the file it was written from",
+            "read the .rvir file that it was written from, or write it with a `part` that holds all operations",
         ),
         (
             "for (",
             "robovec wrote this file with loops",
-            "only straight-line C is read; compare the file it was written from",
+            "only straight-line C is read: read the .rvir file that it was written from",
         ),
     ];
     kinds.into_iter().find_map(|(mark, message, note)| {

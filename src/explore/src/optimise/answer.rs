@@ -108,7 +108,7 @@ impl OptimisationAnswer {
         let before = self.measure.text(before);
         let gain = match (ratio, self.measure) {
             (ratio, measure) if (ratio - 1.0).abs() < measure.noise() => "no faster".to_owned(),
-            (ratio, _) if ratio < 1.0 => "slower than the input; keep the input".to_owned(),
+            (ratio, _) if ratio < 1.0 => "slower than the input".to_owned(),
             (ratio, SpeedMeasure::Operations) => format!("{} times shorter", times(ratio)),
             (ratio, _) => format!("{} times faster", times(ratio)),
         };
@@ -117,6 +117,11 @@ impl OptimisationAnswer {
             _ => String::new(),
         };
         format!("{gain}: {before} -> {after} {unit}{time}")
+    }
+
+    /// True where the input is faster by more than the noise.
+    pub fn is_slower(&self) -> bool {
+        (self.times_faster).is_some_and(|ratio| ratio <= 1.0 - self.measure.noise())
     }
 
     /// Lines after the headline, with their labels.
@@ -183,8 +188,7 @@ impl SpeedMeasure {
     pub(super) fn text(self, speed: f64) -> String {
         match self {
             SpeedMeasure::Cycles | SpeedMeasure::Operations => format!("{speed}"),
-            _ if speed < 100.0 => format!("{speed:.1}"),
-            _ => format!("{speed:.0}"),
+            _ => nanoseconds(speed),
         }
     }
 }
@@ -208,6 +212,15 @@ impl Optimised {
             points
                 .filter_map(|(index, point)| Some((index, [measure.of(point)?, point.errors?[1]]))),
         )
+    }
+}
+
+/// A time with three digits or less.
+pub(super) fn nanoseconds(time: f64) -> String {
+    match time {
+        _ if time < 1.0 => format!("{time:.2}"),
+        _ if time < 100.0 => format!("{time:.1}"),
+        _ => format!("{time:.0}"),
     }
 }
 
@@ -271,7 +284,8 @@ fn others(found: &Optimised, measure: SpeedMeasure) -> Vec<String> {
         let points = front.iter().map(|&index| &found.points[index]);
         points.filter(|point| !point.is_input)
     };
-    let faster = points().next().filter(|point| speed(point) < speed(taken));
+    let limit = speed(taken) * (1.0 - measure.noise());
+    let faster = points().next().filter(|point| speed(point) < limit);
     let exact = points().find(|point| speed(point) > speed(taken) && worst(point) < worst(taken));
     faster.into_iter().chain(exact).map(text).collect()
 }

@@ -1,6 +1,6 @@
 //! Programs that were tried, as a table for the terminal, a file and a figure.
 
-use super::answer::{OptimisationAnswer, SpeedMeasure};
+use super::answer::{OptimisationAnswer, SpeedMeasure, nanoseconds};
 use super::{OptimisationPoint, Optimised};
 use crate::captions;
 use robovec_error::yardstick::account::{ERROR_HEADS, measure_text};
@@ -47,7 +47,7 @@ fn columns<'a>(is_timed: bool) -> ColumnList<'a, &'a OptimisationPoint> {
         "bound (cycles)", [placed(All), All], |point| point.bound;
         "cycles", [placed(All), All], |point| point.cycles;
         "time (us)", [Hidden, Decimals(3)], |point| point.microseconds;
-        "C (ns per state)", [timed(Decimals(1)), Decimals(1)], |point| point.nanoseconds;
+        "C (ns per state)", [timed(Words(nanoseconds)), Decimals(3)], |point| point.nanoseconds;
         "share of device", [placed(Words(share_percent)), Decimals(4)], |point| point.share;
         "code (bytes)", [timed(All), All], |point| point.code_bytes;
         median, [Exponent(1), Exponent(3)], error(0);
@@ -75,7 +75,7 @@ pub fn front_table(found: &Optimised, measure: SpeedMeasure, rows: usize) -> Str
     let (digits, operations) = match measure {
         SpeedMeasure::Operations => (Digits::Decimals(0), Digits::Hidden),
         SpeedMeasure::Cycles => (Digits::Decimals(0), Digits::All),
-        _ => (Digits::Decimals(1), Digits::All),
+        _ => (Digits::Words(nanoseconds), Digits::All),
     };
     let list = columns! { &OptimisationPoint;
         "program", [All, All], |point| cut(&point.name, NAME);
