@@ -18,6 +18,7 @@ pub(crate) mod constants;
 mod evaluate;
 mod form;
 pub(crate) mod slice;
+pub mod support;
 pub(crate) mod write;
 
 use constants::KnownNumbers;
@@ -39,6 +40,10 @@ declare_pass! {
     /// becomes `(a+b)*x`), and terms with the same number are summed before
     /// they are multiplied. Sines and cosines of known angles are numbers.
     /// Numbers are combined in double-double and rounded once, to binary64.
+    ///
+    /// Inputs that the outputs do not depend on, though they are read, become
+    /// numbers as well: each is drawn anew at points of two prime fields, and
+    /// no output changes.
     ///
     /// Arrays of which nothing is read or set any more are dropped. Without a
     /// scene nothing is bound, and only numbers that occur in the function are
@@ -66,7 +71,17 @@ impl Pass for Specialise {
             tables: context.tables,
             function: &sliced,
         };
-        let bound = scene.bound.of(view);
+        let mut bound = scene.bound.of(view);
+        let known = count(&bound);
+        match support::without_influence(view, &bound, scene) {
+            None => context.remarks.push(support::TOO_LARGE.to_owned()),
+            Some(idle) => {
+                context.remarks.extend(support::remark(view, &idle));
+                for (place, number) in idle {
+                    bound[place] = Some(number);
+                }
+            }
+        }
         let made = specialised(&sliced, context, &bound, KnownNumbers::new());
         let SpecialisedFunction {
             numbered,
@@ -82,7 +97,8 @@ impl Pass for Specialise {
         context.statistics.extend([
             ("outputs not needed", outputs),
             ("operations not needed", unneeded),
-            ("input elements bound", count(&bound)),
+            ("input elements bound", known),
+            ("input elements without influence", count(&bound) - known),
             ("input arrays dropped", inputs as u64),
             ("operations on numbers", tally.known),
             ("operations absorbed", tally.absorbed),

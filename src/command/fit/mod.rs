@@ -272,6 +272,7 @@ fn write(
         "chosen": outcome.chosen,
         "challenge": outcome.challenge,
         "bound": outcome.bound,
+        "sources": outcome.sources,
         "motion": outcome.motion,
         "broken": outcome.broken,
         "drifted": outcome.drifted,

@@ -4,7 +4,8 @@
 use super::confirm::Confirmation;
 use super::text::percent;
 use super::{
-    Challenge, CostMeasure, FitCandidate, FitOutcome, FitTask, MotionShare, VALIDATION_FACTOR,
+    ACCEPTED, Challenge, CostMeasure, FitCandidate, FitOutcome, FitTask, MotionShare,
+    VALIDATION_FACTOR,
 };
 use robovec_error::yardstick::account::measure_text;
 use robovec_framework::scene::{Measure, OutputTolerance};
@@ -203,7 +204,11 @@ fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> Vec<
     }
     let broken = match outcome.broken {
         0 => String::new(),
-        broken => format!("; {} failed it", counted(broken, "cheaper choice")),
+        broken => format!(
+            "; {} came above {}",
+            counted(broken, "other choice"),
+            percent(ACCEPTED)
+        ),
     };
     let mut lines = vec![
         (
@@ -218,11 +223,26 @@ fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> Vec<
         (
             "searched",
             format!(
-                "{}, bred from the worst ones: at most {} of the tolerance{broken}",
+                "{}, at corners and bred from the worst: at most {} of the tolerance{broken}",
                 counted(challenge.directed, "more state"),
                 percent(challenge.used),
             ),
         ),
+        match outcome.sources {
+            None => (
+                "sources",
+                "not separated: values have their own formats".to_owned(),
+            ),
+            Some(sources) => (
+                "sources",
+                format!(
+                    "at the worst states: data {}, series {}, operations and series {}",
+                    percent(sources.data),
+                    percent(sources.series),
+                    percent(sources.operations)
+                ),
+            ),
+        },
         match outcome.bound {
             Some(bound) if bound.holds() => (
                 "proved",
@@ -248,8 +268,8 @@ fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> Vec<
             }
             None => (
                 "not proved",
-                "for every state: no bound was computed (the program is large, has series, or \
-                 reads inputs without a range)"
+                "for every state: no bound was computed (the program is large, has series or a \
+                 format for every value, or reads inputs without a range)"
                     .to_owned(),
             ),
         },

@@ -1,24 +1,30 @@
 //! Proof about a choice for every state in the ranges.
 //!
-//! Trials leave the states in between open. Enclosures over boxes cover them
-//! ([`robovec_analysis::interval`]): where the bound of an output's rounding
-//! error is within the smallest error that the scene allows, no state exceeds
-//! it. They are tight for small programs only; a bound that is too large
-//! neither proves nor refutes.
+//! Trials leave the states in between open. Bounds cover them, by norms over
+//! the whole program ([`robovec_analysis::norms`]) and, where it is small, by
+//! enclosures over boxes ([`robovec_analysis::interval`]): where the bound of
+//! an output's rounding error is within the smallest error that the scene
+//! allows, no state exceeds it. A bound that is too large neither proves nor
+//! refutes.
 
 use super::{FitProgram, FitTask, SineTreatment};
 use crate::program::view;
 use robovec_analysis::adjoint::Tape;
 use robovec_analysis::interval::{
-    ConeWindow, GivenData, Leaves, RangeBasis, WindowLeaves, subdivide,
+    ConeWindow, GivenData, Leaves, RangeBasis, WindowLeaves, input_ranges, subdivide,
 };
+use robovec_analysis::norms::norm_bounds;
 use robovec_framework::scene::Allowed;
 use robovec_ir::Format;
+use robovec_num::interval::Interval;
 use serde::Serialize;
 
-/// Maximum number of operations of a program that is bounded: enclosures of
-/// larger ones take too long or are too wide.
-const LARGEST: usize = 1000;
+/// Maximum number of operations of a program that is bounded, some seconds.
+const LARGEST: usize = 20_000;
+
+/// Maximum number of operations of a program that is enclosed over boxes:
+/// those of larger ones take too long or are too wide.
+const BOXED: usize = 1000;
 
 /// Enclosures of all outputs, times operations and leaves: some seconds.
 const WORK: usize = 1 << 24;
@@ -43,17 +49,24 @@ impl FitBound {
 }
 
 /// Bounds a program in a format; `None` for one that is too large, whose error
-/// is not of rounding alone, or that reads inputs without a range.
+/// is not of rounding alone, whose values have their own formats, or that
+/// reads inputs without a range.
 pub(super) fn bound(task: &FitTask<'_>, program: &FitProgram, format: Format) -> Option<FitBound> {
     let view = view(&program.module);
-    if program.treatment != SineTreatment::True || view.function.nodes().len() > LARGEST {
+    let operations = view.function.nodes().len();
+    if program.treatment != SineTreatment::True || program.mixture.is_some() || operations > LARGEST
+    {
         return None;
     }
     let allowed = Allowed::new(view, Some(task.scene), f64::INFINITY, &task.sizes);
     // Where all outputs are zero the least is allowed.
     let least = allowed.of(&vec![0.0; view.function.assignments.len()]);
     let tape = Tape::new(view.function);
-    let leaves = Leaves::new(view, &tape, &task.scene.states(task.seed), 0);
+    let states = task.scene.states(task.seed);
+    let inputs = input_ranges(view, &states);
+    let ranges: Vec<Interval> = inputs.iter().map(|input| input.range).collect();
+    let norms = norm_bounds(&tape, &ranges, format, GivenData::Real);
+    let leaves = Leaves::new(view, &tape, &states, 0);
     let wanted: Vec<(usize, f64)> = (least.into_iter().enumerate())
         .filter(|(_, least)| least.is_finite())
         .collect();
@@ -63,14 +76,19 @@ pub(super) fn bound(task: &FitTask<'_>, program: &FitProgram, format: Format) ->
         used: 0.0,
     };
     for (output, least) in wanted {
-        let window = ConeWindow::new(&tape, tape.output_slot(output), LARGEST);
+        let slot = tape.output_slot(output);
+        let window = ConeWindow::new(&tape, slot, LARGEST);
         let leaves = WindowLeaves::new(&tape, &window, format, GivenData::Real, &leaves);
         if leaves.knowledge != RangeBasis::Given {
             return None;
         }
-        let size = (window.nodes.len() + leaves.ranges.len() + 1) * result.outputs;
-        let found = subdivide(&tape, &window, &leaves, (WORK / size).max(1));
-        let used = match found.error {
+        let mut error = norms.error[slot];
+        if operations <= BOXED {
+            let size = (window.nodes.len() + leaves.ranges.len() + 1) * result.outputs;
+            let found = subdivide(&tape, &window, &leaves, (WORK / size).max(1));
+            error = error.min(found.error);
+        }
+        let used = match error {
             0.0 => 0.0,
             error => error / least,
         };

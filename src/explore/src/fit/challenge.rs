@@ -1,9 +1,10 @@
 //! The search for the state at which a choice is worst.
 //!
 //! A choice that held at some states may fail at others. Here it is tried at
-//! many states that nothing has seen, and then at states that are bred from the
-//! worst of them: nearer and further, with inputs of one instead of another's,
-//! with inputs at the ends of their ranges and at zero. Rounding errors jump
+//! many states that nothing has seen, at corners of the ranges, and then at
+//! states that are bred from the worst of them: nearer and further, with inputs
+//! of one instead of another's, with inputs at the ends of their ranges and at
+//! zero. Rounding errors jump
 //! from one number to the next, so that there is no slope to go down; what a
 //! state is worth is measured, and the worse of parent and child continues.
 //!
@@ -13,7 +14,7 @@
 //! same task gives the same states on any number of threads.
 
 use super::format::shares;
-use super::{FitError, FitProgram, FitTask};
+use super::{ACCEPTED, FitError, FitProgram, FitTask};
 use crate::program::view;
 use rayon::prelude::*;
 use robovec_error::yardstick::{Yardstick, results};
@@ -29,8 +30,12 @@ const WORK: u64 = 200_000_000;
 /// States tried at least, and at most for one unit of effort.
 const STATES: [u64; 2] = [4096, 1 << 20];
 
-/// Of eight states this number of are drawn; the others are bred.
+/// Of eight states this number of are drawn; the others are directed.
 const DRAWN_OF_EIGHT: u64 = 6;
+
+/// Of the directed states one in this number is a corner of the ranges; the
+/// others are bred.
+const CORNERS: u64 = 4;
 
 /// States measured before the next look at what was found.
 const BATCH: usize = 4096;
@@ -53,7 +58,7 @@ pub struct Challenge {
     pub fresh: u64,
     /// The largest error at them over what is allowed.
     pub fresh_used: f64,
-    /// States bred from the worst ones.
+    /// States at corners of the ranges, and bred from the worst ones.
     pub directed: u64,
     /// The largest error anywhere over what is allowed.
     pub used: f64,
@@ -63,9 +68,9 @@ pub struct Challenge {
 }
 
 impl Challenge {
-    /// True when no error was larger than allowed.
+    /// True when no error was larger than what is accepted of the tolerance.
     pub fn holds(&self) -> bool {
-        self.used <= 1.0
+        self.used <= ACCEPTED
     }
 
     /// The part of the states in the ranges, drawn uniformly, at which the
@@ -80,7 +85,7 @@ impl Challenge {
 type JudgedState = (f64, Vec<f64>);
 
 /// Tries a program in a format; ends at the first batch in which an error is
-/// larger than allowed. `number` is the number of the attempt: each attempt
+/// larger than what is accepted. `number` is the number of the attempt: each attempt
 /// draws other states.
 pub(super) fn challenge(
     task: &FitTask<'_>,
@@ -96,20 +101,36 @@ pub(super) fn challenge(
         ..Challenge::default()
     };
     let mut parents: Vec<JudgedState> = Vec::new();
-    while result.fresh < fresh && result.holds() {
-        let count = (fresh - result.fresh).min(BATCH as u64);
-        let numbers = result.fresh..result.fresh + count;
-        let draw = |number: u64| {
-            let state = source.draw(view(task.general), number as u32);
-            breed.refined(state, mix(seed ^ mix(number)))
+    let draw = |number: u64| {
+        let state = source.draw(view(task.general), number as u32);
+        breed.refined(state, mix(seed ^ mix(number)))
+    };
+    let corner = |number: u64| breed.corner(draw(number), mix(seed ^ mix(!number)));
+    while result.directed < directed && result.holds() {
+        let is_fresh = result.fresh < fresh;
+        let (tried, wanted) = match is_fresh {
+            true => (result.fresh, fresh),
+            false => (result.directed, directed / CORNERS),
         };
-        let states: Vec<Vec<f64>> = numbers.into_par_iter().map(draw).collect();
+        if tried >= wanted {
+            break;
+        }
+        let numbers = tried..wanted.min(tried + BATCH as u64);
+        let count = numbers.end - numbers.start;
+        let states: Vec<Vec<f64>> = match is_fresh {
+            true => numbers.into_par_iter().map(draw).collect(),
+            false => numbers.into_par_iter().map(corner).collect(),
+        };
         parents.extend(judged(task, (program, format), states)?);
         keep_worst(&mut parents);
-        result.fresh += count;
         result.used = parents.first().map_or(0.0, |worst| worst.0);
+        if is_fresh {
+            result.fresh += count;
+            result.fresh_used = result.used;
+        } else {
+            result.directed += count;
+        }
     }
-    result.fresh_used = result.used;
     let mut generation = 0;
     while result.directed < directed && result.holds() {
         let children: Vec<Vec<f64>> = (0..parents.len())
@@ -209,6 +230,20 @@ impl Breed {
             let step = state[input].abs() * f64::from(f32::EPSILON);
             let place = unit(mix(seed ^ input as u64)) - 0.5;
             self.set(&mut state, input, |number| number + step * place);
+        }
+        state
+    }
+
+    /// A state with inputs at the ends of their ranges and at zero: all of
+    /// them, or a part.
+    fn corner(&self, mut state: Vec<f64>, seed: u64) -> Vec<f64> {
+        let kinds = 2 + seed % 3;
+        for &input in &self.free {
+            let [low, high] = self.ranges[input].expect("a free input has a range");
+            let kind = mix(seed ^ mix(input as u64)) % kinds;
+            self.set(&mut state, input, |number| {
+                [low, high, 0.0, number][kind as usize]
+            });
         }
         state
     }

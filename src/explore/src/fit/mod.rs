@@ -48,6 +48,7 @@ pub mod page;
 mod search;
 mod series;
 mod size;
+mod sources;
 pub mod text;
 mod units;
 mod variants;
@@ -57,6 +58,7 @@ pub use challenge::Challenge;
 pub use mixture::ValueMixture;
 pub use motion::{EnergyDrift, MotionShare, MotionTolerance};
 pub use series::{SinePlace, SineTreatment};
+pub use sources::FitSources;
 
 use crate::ExplorationProgress;
 use crate::device::DeviceShare;
@@ -75,6 +77,13 @@ use std::sync::Arc;
 
 /// Maximum number of steps of motions, all choices together.
 const MOTION_STEPS: u64 = 2_000_000;
+
+/// The part of a tolerance that the largest error found may use up: what is
+/// accepted is not the last that holds.
+pub const ACCEPTED: f64 = 0.8;
+
+/// Relative uncertainty of estimated costs; smaller differences are ties.
+const UNCERTAINTY: f64 = 0.05;
 
 /// Measure of the cheapest.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Serialize)]
@@ -191,9 +200,9 @@ pub struct FitOutcome {
     pub programs: Vec<FitProgram>,
     /// Everything that was placed and measured.
     pub candidates: Vec<FitCandidate>,
-    /// Index of the cheapest candidate that meets everything, by the cost of
-    /// the task, then look-up tables (after cells the share of the device), then
-    /// cycles; `None` when none does.
+    /// Index of the candidate chosen of those that meet everything: of the
+    /// cheapest ones, whose costs differ by less than their uncertainty, the
+    /// fastest, then the most exact; `None` when none meets everything.
     pub chosen: Option<usize>,
     /// Challenge that the chosen one held.
     pub challenge: Option<Challenge>,
@@ -201,6 +210,9 @@ pub struct FitOutcome {
     pub motion: Option<MotionShare>,
     /// Bound of the chosen one; `None` where it has none.
     pub bound: Option<FitBound>,
+    /// Its errors by their source, at the worst states of the challenge;
+    /// `None` where values have their own formats.
+    pub sources: Option<FitSources>,
     /// Choices before it that did not hold when they were challenged.
     pub broken: u32,
     /// Choices before it that erred too much over time.
@@ -283,23 +295,34 @@ pub fn fit(task: &FitTask<'_>, progress: ExplorationProgress<'_>) -> Result<FitO
     }
 }
 
-/// The cheapest of the candidates that meet the scene.
+/// Of the candidates that meet the scene, and among the cheapest within the
+/// uncertainty of costs, the fastest, then the most exact, then the cheapest.
 fn cheapest(task: &FitTask<'_>, candidates: &[FitCandidate]) -> Option<usize> {
-    let eligible = candidates.iter().enumerate();
-    let eligible = eligible.filter(|(_, candidate)| candidate.meets);
-    let costs = |candidate: &FitCandidate| {
+    let cost = |candidate: &FitCandidate| match task.cost {
+        CostMeasure::Device => candidate.share,
+        CostMeasure::Cells => candidate.cells,
+    };
+    let eligible = || {
+        let all = candidates.iter().enumerate();
+        all.filter(|(_, candidate)| candidate.meets)
+    };
+    let least = eligible().map(|(_, candidate)| cost(candidate));
+    let limit = (1.0 + UNCERTAINTY) * least.fold(f64::INFINITY, f64::min);
+    let ties = eligible().filter(|(_, candidate)| cost(candidate) <= limit);
+    let measures = |candidate: &FitCandidate| {
         let tables = candidate.resources.look_up_tables;
-        let cycles = f64::from(candidate.cycles);
-        match task.cost {
-            CostMeasure::Device => [candidate.share, tables, cycles],
-            CostMeasure::Cells => [candidate.cells, candidate.share, cycles],
-        }
+        [
+            candidate.microseconds,
+            candidate.used,
+            cost(candidate),
+            tables,
+        ]
     };
     let order = |(_, a): &(usize, &FitCandidate), (_, b): &(usize, &FitCandidate)| {
-        let pairs = costs(a).into_iter().zip(costs(b));
+        let pairs = measures(a).into_iter().zip(measures(b));
         pairs.fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(&b)))
     };
-    eligible.min_by(order).map(|(index, _)| index)
+    ties.min_by(order).map(|(index, _)| index)
 }
 
 impl FitProgram {

@@ -3,8 +3,8 @@
 use super::challenge::Challenge;
 use super::format::{FormatErrors, FormatQuestion, MeasuredFormat, PART, WIDEST};
 use super::{
-    CostMeasure, FitCandidate, FitError, FitOutcome, FitProgram, FitTask, MOTION_STEPS, SinePlace,
-    SineTreatment, bound, mixture, series, size, units, variants,
+    ACCEPTED, CostMeasure, FitCandidate, FitError, FitOutcome, FitProgram, FitSources, FitTask,
+    MOTION_STEPS, SinePlace, SineTreatment, bound, mixture, series, size, units, variants,
 };
 use crate::ExplorationProgress;
 use crate::device::MachineFigures;
@@ -362,15 +362,21 @@ impl<'t, 'a> FitSearch<'t, 'a> {
     ) -> Result<FitOutcome, FitError> {
         let (chosen, challenge) = held.unzip();
         let mut bound = None;
+        let mut sources = None;
         if let Some(chosen) = chosen {
             let candidate = &candidates[chosen];
             let (index, elements) = (candidate.program, candidate.elements);
             let format = self.format_of(candidate);
-            bound = bound::bound(self.task, &self.programs[index], format);
+            let program = &self.programs[index];
+            bound = bound::bound(self.task, program, format);
+            if let Some(challenge) = &challenge {
+                sources = FitSources::at(self.task, program, format, &challenge.worst)?;
+            }
             candidates.extend(self.units_instead((index, format), elements)?);
         }
         Ok(FitOutcome {
             bound,
+            sources,
             motion: None,
             programs: self.programs,
             candidates,
@@ -495,7 +501,7 @@ fn candidate(
         cells: function_cost(function, format),
         meets: remark.is_empty()
             && in_time
-            && used <= 1.0
+            && used <= ACCEPTED
             // Infinite when a result was not finite, which a scene without
             // tolerances would let pass.
             && errors.normwise.worst.is_finite()
