@@ -3,7 +3,7 @@
 //! and threads change nothing.
 
 use crate::reference::random::ModelDraw;
-use crate::support::programs::{opt_in, robovec, robovec_in, said, stderr};
+use crate::support::programs::{assert_fits_a_screen, opt_in, robovec, robovec_in, said, stderr};
 use robovec_num::random::Random;
 use robovec_passes::registry::REGISTRY;
 use serde_json::Value;
@@ -71,14 +71,6 @@ fn assert_shows(text: &str, results: &Value) {
         let shown = words[error - 1..=error].join(" ");
         assert!(rows.contains(&shown), "no {shown} in {rows:?}");
     }
-}
-
-/// At most 20 lines of 80 columns.
-fn assert_fits_a_screen(text: &str) {
-    assert!(text.lines().count() <= 20, "{text}");
-    // Paths of temporary folders are as long as they are.
-    let is_wide = |line: &&str| line.chars().count() > 80 && !line.contains("/tmp");
-    assert_eq!(text.lines().find(is_wide), None);
 }
 
 fn results(folder: &Path) -> Value {

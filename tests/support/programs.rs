@@ -48,3 +48,11 @@ pub(crate) fn said(output: &Output) -> String {
     assert!(output.status.success(), "{}", stderr(output));
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
+
+/// At most 20 lines of 80 columns.
+pub(crate) fn assert_fits_a_screen(text: &str) {
+    assert!(text.lines().count() <= 20, "{text}");
+    // Paths of temporary folders are as long as they are.
+    let is_wide = |line: &&str| line.chars().count() > 80 && !line.contains("/tmp");
+    assert_eq!(text.lines().find(is_wide), None);
+}

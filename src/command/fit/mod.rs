@@ -68,7 +68,8 @@ pub(super) struct FitArguments {
           add = whole(1, 16, "the time grows with it, but the guaranteed share of states hardly"))]
     effort: u32,
     /// Folder for the choice (program.rvir, machine.toml) and fit.html, fit.csv, fit.json, fit.svg;
-    /// with --reduce for the reduced scene, its model and laws, the report and the motions
+    /// with --reduce for the reduced scene, its model and laws, and reduce.html, reduce.csv, reduce.json,
+    /// reduce.svg
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
 }

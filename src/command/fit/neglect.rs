@@ -1,13 +1,12 @@
 //! `robovec fit --reduce`: parts that a scene need not model.
 
 use super::FitArguments;
-use crate::command::{CommandFailure, input, output, progress};
+use crate::command::{CommandFailure, input, output, progress, telling};
 use robovec_explore::neglect::{self, NeglectError, NeglectTask};
 use robovec_explore::scene::SceneSubject;
 use robovec_io::files::{Replace, limited};
 use robovec_io::sources::display_name;
 use robovec_model::mbs::unsayable;
-use robovec_present::plot;
 
 /// Reduces the scene.
 pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
@@ -27,11 +26,6 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
         let notes = error.advice().map(str::to_owned).into_iter().collect();
         CommandFailure::advised(format!("{}: {error}", path.display()), notes)
     };
-    let motion = file
-        .motion
-        .as_ref()
-        .ok_or(NeglectError::NoMotion)
-        .map_err(fail)?;
     let folder = input::folder(path);
     let module = file.module().map_err(|error| fail(error.into()))?;
     if let (SceneSubject::Model(subject), true) = (&file.subject, arguments.output.is_some())
@@ -55,13 +49,6 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
     let findings = neglect::neglect(&task, &|what| bar.set_message(what.to_owned()));
     bar.finish_and_clear();
     let findings = findings.map_err(fail)?;
-    let text = neglect::text(
-        &file.scene.name,
-        &findings,
-        motion.error,
-        motion.time,
-        &machine,
-    );
     if let Some(folder) = &arguments.output {
         let own_machine = file.scene.machine.as_ref().filter(|name| {
             // A built-in machine goes by its name wherever the scene is.
@@ -74,12 +61,8 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
                 .expect("a machine that was read is one that can be written");
             files.push((name.to_owned(), machine));
         }
-        files.push(("neglect.txt".to_owned(), text.clone()));
-        files.push((
-            "neglect.svg".to_owned(),
-            plot::draw(&neglect::figure(&findings)),
-        ));
+        files.extend(neglect::report(&task, &findings));
         output::write_files(folder, &files)?;
     }
-    Ok(text)
+    Ok(neglect::text(&task, &findings, telling::is_verbose()))
 }

@@ -10,6 +10,8 @@ use crate::share::SharedWork;
 use robovec_dynamics::generate::Formulation;
 use robovec_error::yardstick::Yardstick;
 use robovec_error::yardstick::account::random_states;
+use robovec_fpga::hardware;
+use robovec_framework::scene::Scene;
 use robovec_ir::count::Counts;
 use robovec_ir::states::States;
 use robovec_ir::{Machine, Module};
@@ -18,6 +20,18 @@ use robovec_present::page::{self, PointsPage};
 use robovec_present::text::{headed, labelled};
 use robovec_present::{DataTable, Figure, plot};
 use serde::Serialize;
+
+/// The scene and the machine, under the title of a page.
+pub(crate) fn scene_subtitle(scene: &Scene, machine: &Machine) -> String {
+    let description = match scene.description.trim_end_matches('.') {
+        "" => String::new(),
+        description => format!("{description}. "),
+    };
+    let (name, about) = (&machine.name, &machine.description);
+    let clock = hardware::clock(machine).text();
+    let version = env!("CARGO_PKG_VERSION");
+    format!("{description}Machine {name}: {about}, {clock}. Computed by robovec {version}.")
+}
 
 /// A function to be explored.
 #[derive(Clone, Debug)]

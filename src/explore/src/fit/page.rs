@@ -4,7 +4,7 @@ use super::answer;
 use super::confirm::Confirmation;
 use super::text::{candidates_table, details, figure};
 use super::{FitOutcome, FitTask};
-use robovec_fpga::hardware;
+use crate::exploration::scene_subtitle;
 use robovec_present::json::json_script;
 use robovec_present::page::{self, PointsPage};
 
@@ -17,17 +17,7 @@ pub fn page(
     let lines = answer::lines(task, outcome, confirmation);
     let page = PointsPage {
         title: format!("Scene {}", task.scene.name),
-        subtitle: format!(
-            "{}Machine {}: {}, {}. Computed by robovec {}.",
-            match task.scene.description.trim_end_matches('.') {
-                "" => String::new(),
-                description => format!("{description}. "),
-            },
-            task.machine.name,
-            task.machine.description,
-            hardware::clock(task.machine).text(),
-            env!("CARGO_PKG_VERSION")
-        ),
+        subtitle: scene_subtitle(task.scene, task.machine),
         figures: page::card(&answer::headline(task, outcome), &lines)
             + &page::figure(&figure(task, outcome)),
         points: "All candidates",

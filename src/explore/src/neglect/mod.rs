@@ -25,7 +25,7 @@ pub use omission::Omission;
 pub use search::{
     NeglectFinding, NeglectFindings, NeglectTask, SceneFigures, WatchedCurve, neglect,
 };
-pub use text::{figure, text};
+pub use text::{report, text};
 
 use crate::program::ExplorationError;
 use crate::scene::EffectError;

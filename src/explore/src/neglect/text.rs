@@ -1,97 +1,124 @@
-//! Findings as text and as a figure.
+//! Findings as text, tables, a figure and a page.
 
-use super::search::{NeglectFindings, WatchedCurve};
-use robovec_ir::Machine;
+use super::search::{NeglectFinding, NeglectFindings, NeglectTask, SceneFigures, WatchedCurve};
+use crate::captions;
+use crate::exploration::scene_subtitle;
 use robovec_ir::diagnostic::counted;
-use robovec_present::number::{exponential, or_dash};
+use robovec_present::json::{json_script, json_text};
+use robovec_present::number::{exponential, share_percent};
+use robovec_present::page::{self, PointsPage};
 use robovec_present::text::{headed, labelled};
-use robovec_present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke, text_table};
+use robovec_present::{
+    AxisScale, ColumnList, Curve, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, columns,
+    plot,
+};
 
-/// The report: how much shorter and how exact the scene becomes, then speed,
-/// error and cost of the scenes, and what everything was worth.
-pub fn text(
-    scene: &str,
-    findings: &NeglectFindings,
-    allowed: f64,
-    time: f64,
-    machine: &Machine,
-) -> String {
-    let mut lines = verdict(findings, allowed);
-    let watched = findings.watched.iter();
-    let watched = watched.map(|(name, scale)| format!("{name} {}", exponential(*scale)));
-    let watched: Vec<String> = watched.collect();
-    lines.push((
-        "watched",
-        format!("{} (largest displacement, m, rad)", watched.join(", ")),
-    ));
-    lines.push((
-        "measured",
-        format!(
-            "operations of the function, with its sines and cosines, and of forces; cycles and \
-             rounding on {}, in {}; error of the motion: the largest over {time} s, in parts of \
-             the largest displacement; error of the equations: at states of the full motion, in \
-             parts of the largest element of the array, against double-double",
-            machine.name, machine.number
-        ),
-    ));
-    format!(
-        "{}{}\n{}\n\n{}",
-        headed(scene, &headline(findings)),
-        labelled(&lines),
-        figures(findings),
-        worth(findings)
+/// Maximum number of parts and of joints that the terminal lists.
+const SHOWN: usize = 6;
+
+/// The report for the terminal: the answer, then the scenes; every part and the
+/// explanation of the columns on request.
+pub fn text(task: &NeglectTask<'_>, findings: &NeglectFindings, is_verbose: bool) -> String {
+    let most = if is_verbose { usize::MAX } else { SHOWN };
+    let mut lines = lines(task, findings, most);
+    let mut parts = String::new();
+    if is_verbose {
+        lines.push(("measured", scenes_table(task, findings).caption));
+        parts = format!("\n{}", part_columns().text(&by_order(findings)));
+    }
+    let head = headed(&task.file.scene.name, &headline(findings)) + &labelled(&lines);
+    let scenes = scene_columns().text(&findings.figures);
+    format!("{head}\n{scenes}{parts}")
+}
+
+/// The page, the parts as tables, and the figure, by name.
+pub fn report(task: &NeglectTask<'_>, findings: &NeglectFindings) -> Vec<(String, String)> {
+    let scenes = scenes_table(task, findings);
+    let parts = captions::table("reduce", &[], &part_columns(), &by_order(findings));
+    let figure = figure(findings);
+    let page = PointsPage {
+        title: format!("Reduced scene {}", task.file.scene.name),
+        subtitle: scene_subtitle(&task.file.scene, task.machine),
+        figures: page::card(&headline(findings), &lines(task, findings, usize::MAX))
+            + &page::figure(&figure),
+        points: "Scenes and parts",
+        tables: page::table(&scenes, "") + &page::table(&parts, "reduce.csv"),
+        method: include_str!("method.html"),
+        data: json_script(&parts),
+    };
+    let files = [
+        ("reduce.html", page.to_html()),
+        ("reduce.csv", parts.to_csv()),
+        ("reduce.json", json_text(&[scenes, parts])),
+        ("reduce.svg", plot::draw(&figure)),
+    ];
+    files.map(|(name, text)| (name.to_owned(), text)).to_vec()
+}
+
+fn scene_columns<'a>() -> ColumnList<'a, SceneFigures> {
+    columns! { SceneFigures;
+        "scene", [All, All], |row| row.what;
+        "operations", [All, All], |row| row.operations.total();
+        "of forces", [Hidden, All], |row| row.operations.forces;
+        "longest chain", [Hidden, All], |row| row.effect.path;
+        "cycles", [All, All], |row| row.effect.placed.map(|(cycles, _)| cycles);
+        "of device", [Words(share_percent), Words(share_percent)],
+            |row| row.effect.placed.map(|(_, share)| share);
+        "rounding", [Exponent(1), Exponent(1)], |row| row.effect.normwise.worst;
+        "equations, median", [Hidden, Exponent(1)], |row| row.equations.median;
+        "equations, worst", [Hidden, Exponent(1)], |row| row.equations.worst;
+        "motion", [Exponent(1), Exponent(1)], |row| row.motion;
+    }
+}
+
+fn scenes_table(task: &NeglectTask<'_>, findings: &NeglectFindings) -> DataTable {
+    let time = (task.file.motion.as_ref()).map_or(0.0, |motion| motion.time);
+    let (machine, number) = (&task.machine.name, task.machine.number.to_string());
+    let words = [
+        ("time", &*time.to_string()),
+        ("machine", machine),
+        ("number", &number),
+    ];
+    captions::table(
+        "reduced-scenes",
+        &words,
+        &scene_columns(),
+        &findings.figures,
     )
 }
 
-fn figures(findings: &NeglectFindings) -> String {
-    let rows: Vec<Vec<String>> = findings
-        .figures
-        .iter()
-        .map(|figures| {
-            let effect = &figures.effect;
-            vec![
-                figures.what.to_owned(),
-                (figures.operations.function + figures.operations.sin_cos).to_string(),
-                figures.operations.forces.to_string(),
-                effect.path.to_string(),
-                or_dash(effect.placed, |(cycles, _)| cycles.to_string()),
-                or_dash(effect.placed, |(_, share)| {
-                    format!("{:.2} %", 100.0 * share)
-                }),
-                exponential(effect.normwise.worst),
-                exponential(figures.equations.median),
-                exponential(figures.equations.worst),
-                exponential(figures.motion),
-            ]
-        })
-        .collect();
-    let head = "scene | >operations | >of forces | >longest chain | >cycles | >of device | \
-                >rounding, worst | >equations, median | >worst | >motion";
-    text_table(head, &rows)
+fn part_columns<'a>() -> ColumnList<'a, &'a NeglectFinding> {
+    columns! { &NeglectFinding;
+        "left out", [All, All], |part| part.what.as_str();
+        "saves alone", [Decimals(0), Decimals(0)], |part| part.saved.map(|saved| saved as f64);
+        "error alone", [All, All], |part| match &part.alone {
+            Ok(error) => exponential(*error),
+            Err(reason) => reason.clone(),
+        };
+        "order", [All, All], |part| part.taken.map(|(place, _)| place);
+        "error of all so far", [Exponent(1), Exponent(1)],
+            |part| part.taken.map(|(_, error)| error);
+    }
 }
 
-fn worth(findings: &NeglectFindings) -> String {
+/// The parts in the order in which they were left out, then the others.
+fn by_order(findings: &NeglectFindings) -> Vec<&NeglectFinding> {
     let shown = findings.findings.iter().filter(|finding| !finding.within);
     let mut order: Vec<_> = shown.collect();
     order.sort_by_key(|finding| finding.taken.map_or(usize::MAX, |(place, _)| place));
-    let rows: Vec<Vec<String>> = order
-        .into_iter()
-        .map(|finding| {
-            let alone = match &finding.alone {
-                Ok(error) => exponential(*error),
-                Err(reason) => reason.clone(),
-            };
-            vec![
-                finding.what.clone(),
-                or_dash(finding.saved, |saved| saved.to_string()),
-                alone,
-                or_dash(finding.taken, |(place, _)| place.to_string()),
-                or_dash(finding.taken, |(_, error)| exponential(error)),
-            ]
-        })
-        .collect();
-    let head = "left out | >saves alone | >error alone | >order | >error of all so far";
-    text_table(head, &rows) + "\n"
+    order
+}
+
+/// A list of at most this number of texts.
+fn list(all: &[String], most: usize) -> String {
+    if all.is_empty() {
+        return "nothing".to_owned();
+    }
+    let shown = all[..all.len().min(most)].join(", ");
+    match all.len().saturating_sub(most) {
+        0 => shown,
+        more => format!("{shown} and {more} more (-v)"),
+    }
 }
 
 /// Operations of the full and of the reduced scene, in one line.
@@ -109,8 +136,16 @@ fn headline(findings: &NeglectFindings) -> String {
     )
 }
 
-/// Errors of the reduced scene, with their labels.
-fn verdict(findings: &NeglectFindings, allowed: f64) -> Vec<(&'static str, String)> {
+/// Lines after the headline, with their labels; of lists at most this number.
+fn lines(
+    task: &NeglectTask<'_>,
+    findings: &NeglectFindings,
+    most: usize,
+) -> Vec<(&'static str, String)> {
+    let allowed = (task.file.motion.as_ref()).map_or(0.0, |motion| motion.error);
+    let parts = by_order(findings).into_iter();
+    let parts = parts.filter(|part| part.taken.is_some());
+    let parts: Vec<String> = parts.map(|part| part.what.clone()).collect();
     let reduced = findings.figures.last();
     let reduced = reduced.expect("the reduced scene was measured");
     let excess = if reduced.motion > allowed {
@@ -119,13 +154,14 @@ fn verdict(findings: &NeglectFindings, allowed: f64) -> Vec<(&'static str, Strin
         ""
     };
     let error = exponential(reduced.motion);
-    let mut lines = vec![(
-        "error",
-        format!(
-            "{error} of the motion, {} allowed{excess}",
-            exponential(allowed)
+    let allowed_text = exponential(allowed);
+    let mut lines = vec![
+        ("left out", list(&parts, most)),
+        (
+            "error",
+            format!("{error} of the motion, {allowed_text} allowed{excess}"),
         ),
-    )];
+    ];
     if let Some(fresh) = findings.fresh {
         let holds = if fresh <= allowed {
             "holds"
@@ -150,11 +186,20 @@ fn verdict(findings: &NeglectFindings, allowed: f64) -> Vec<(&'static str, Strin
         "integrator",
         format!("adds {integration}; other motions may need more"),
     ));
+    let watched = findings.watched.iter();
+    let watched: Vec<String> = watched
+        .map(|(name, scale)| format!("{name} {}", exponential(*scale)))
+        .collect();
+    let watched = list(&watched, most / 2);
+    lines.push((
+        "watched",
+        format!("{watched} (largest displacement, m, rad)"),
+    ));
     lines
 }
 
 /// The watched joints in the first motion, full and reduced.
-pub fn figure(findings: &NeglectFindings) -> Figure {
+fn figure(findings: &NeglectFindings) -> Figure {
     let panels = findings.watched.iter().zip(&findings.curves);
     let panels = panels.map(|((name, _), WatchedCurve { full, reduced })| {
         let marks = |curve: &[(f64, f64)]| {
@@ -179,11 +224,5 @@ pub fn figure(findings: &NeglectFindings) -> Figure {
             curves,
         )
     });
-    Figure::new(
-        "neglect",
-        "Full and reduced model",
-        "The watched joints over the first motion, in the full model and with things left out.",
-        1,
-        panels.collect(),
-    )
+    captions::figure("reduce", "reduce", &[], panels.collect()).expect("a joint is watched")
 }
