@@ -10,7 +10,8 @@ use super::{
 use robovec_error::yardstick::account::measure_text;
 use robovec_framework::scene::{Measure, OutputTolerance};
 use robovec_ir::diagnostic::counted;
-use robovec_present::number::{exponential, share_percent};
+use robovec_present::number::{exponential, round, share_percent};
+use robovec_present::text::cut;
 
 type Line = (&'static str, String);
 
@@ -50,11 +51,78 @@ pub(super) fn headline(task: &FitTask<'_>, outcome: &FitOutcome) -> String {
         return format!("{own} {unit}; no program in binary32 meets the scene");
     };
     let ratio = cost(task, plain) / cost(task, chosen);
-    if ratio < 1.005 {
+    if chosen.format == "f32" {
         return format!("{own} {unit}, in binary32");
+    }
+    if ratio < 1.005 {
+        return format!("{own} {unit}, as much as in binary32");
     }
     let before = text(plain);
     format!("{ratio:.2} times cheaper than binary32: {before} -> {own} {unit}")
+}
+
+/// Maximum number of characters of a line that is folded on the terminal.
+const LONG: usize = 200;
+
+/// Lines for the terminal: the choice, its error, the states at which it held;
+/// or the reason why there is none.
+pub(super) fn brief(
+    task: &FitTask<'_>,
+    outcome: &FitOutcome,
+    confirmation: Option<&Confirmation>,
+) -> Vec<Line> {
+    let mut brief = lines(task, outcome, confirmation);
+    if let (Some(chosen), Some(challenge)) = (outcome.chosen, &outcome.challenge) {
+        brief.retain(|(label, _)| ["program", "sin, cos", "schedule"].contains(label));
+        let error = &outcome.candidates[chosen].normwise;
+        let [worst, median] = [error.worst, error.median].map(exponential);
+        let text = format!("worst {worst}, median {median}, of an array's largest element");
+        brief.push(("error", text));
+        let is_limited = (task.scene.outputs.iter()).any(|need| need.tolerance.is_some());
+        if is_limited {
+            let used = outcome.candidates[chosen].used;
+            brief.push(("tolerance", allowed(task, used)));
+        }
+        let proved = outcome.bound.filter(|bound| bound.holds());
+        let held = match proved {
+            _ if !is_limited => "no error of a state is limited".to_owned(),
+            Some(bound) => format!(
+                "at every state in the ranges (proved), at most {} of it",
+                percent(bound.used)
+            ),
+            None => format!(
+                "at {} states, at most {} of it; not proved for all",
+                challenge.fresh + challenge.directed,
+                percent(challenge.used.max(challenge.fresh_used))
+            ),
+        };
+        brief.push(("held", held));
+        brief.extend(outcome.motion.as_ref().map(|motion| {
+            let ratio = |[found, allowed]: [f64; 2]| {
+                format!("{} of {} allowed", exponential(found), exponential(allowed))
+            };
+            let energy = motion.energy;
+            let energy = energy.map(|energy| ratio([energy.drift, energy.allowed]));
+            let energy = energy.map(|text| format!("; energy {text}"));
+            let error = ratio([motion.error, motion.allowed]);
+            let text = format!("{error} in {} s{}", motion.time, energy.unwrap_or_default());
+            ("over time", text)
+        }));
+        brief.extend(confirmation.map(|confirmation| {
+            let runs = counted(confirmation.simulated, "run");
+            let cycles = counted(confirmation.cycles, "cycle");
+            let text = if confirmation.holds() {
+                format!("{runs} of {cycles} from memory images, all bit for bit equal")
+            } else {
+                run(confirmation)
+            };
+            ("simulated", text)
+        }));
+    }
+    for (_, text) in &mut brief {
+        *text = cut(text, LONG);
+    }
+    brief
 }
 
 /// Lines after the headline, with their labels.
@@ -148,7 +216,7 @@ fn choice(task: &FitTask<'_>, outcome: &FitOutcome, chosen: usize) -> Vec<Line> 
                 task.machine.device.device().name,
                 resources.look_up_tables,
                 resources.memory_blocks,
-                resources.multiplier_blocks,
+                round(resources.multiplier_blocks, 2),
                 candidate.cells
             ),
         ),

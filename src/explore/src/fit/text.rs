@@ -21,24 +21,33 @@ use robovec_present::{
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// Maximum number of rows of the front on the terminal.
-const SHOWN: usize = 10;
+/// Maximum number of rows of the front, and of all lines, on the terminal.
+const SHOWN: usize = 8;
+const SCREEN: usize = 20;
 
-/// The answer, and the front; units for sines and cosines, excluded candidates
-/// and the whole front for those who ask for more.
+/// The answer, and the front; all evidence, units for sines and cosines,
+/// excluded candidates and the whole front for those who ask for more.
 pub fn text(
     task: &FitTask<'_>,
     outcome: &FitOutcome,
     confirmation: Option<&Confirmation>,
     is_verbose: bool,
 ) -> String {
+    let lines = if is_verbose {
+        answer::lines
+    } else {
+        answer::brief
+    };
     let head = headed(&task.scene.name, &answer::headline(task, outcome))
-        + &labelled(&answer::lines(task, outcome, confirmation));
-    let mut text = format!("{head}\n{}\n", short_table(outcome));
+        + &labelled(&lines(task, outcome, confirmation));
+    // A blank line and the head of the table are three lines.
+    let rows = SHOWN.min(SCREEN.saturating_sub(head.lines().count() + 3));
+    let table = short_table(outcome, rows);
     if is_verbose {
-        text += &details(outcome);
+        format!("{head}\n{table}\n{}", details(outcome))
+    } else {
+        format!("{head}\n{table}")
     }
-    text
 }
 
 /// Units for sines and cosines, excluded candidates, and the front.
@@ -83,8 +92,9 @@ fn needed(outcome: &FitOutcome, program: usize) -> String {
     text.collect()
 }
 
-/// The front of time, error and cost, each row once, the fastest first.
-fn short_table(outcome: &FitOutcome) -> String {
+/// The front of time, error and cost, each row once, the fastest first, at most
+/// this number of rows.
+fn short_table(outcome: &FitOutcome, most: usize) -> String {
     let mut rows: Vec<usize> = Vec::new();
     let figures = |index: usize| {
         let FitCandidate {
@@ -100,9 +110,9 @@ fn short_table(outcome: &FitOutcome) -> String {
             rows.push(index);
         }
     }
-    let chosen = rows.len().min(outcome.chosen.iter().len());
+    let chosen = usize::from(outcome.chosen.is_some());
     let mut shown = rows[..chosen].to_vec();
-    shown.extend(thinned(&rows[chosen..], SHOWN - chosen));
+    shown.extend(thinned(&rows[chosen..], most.saturating_sub(chosen)));
     shown.sort_by_key(|&index| (outcome.candidates[index].cycles, index));
     let of = |index: &usize| &outcome.candidates[*index];
     let elements =
