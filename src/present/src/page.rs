@@ -19,6 +19,9 @@ const POINTS: &str = include_str!("page/points.html");
 /// Tables with more rows than this are shown when requested.
 const LONG_TABLE: usize = 50;
 
+/// Texts with more lines than this are shown when requested.
+const LONG_TEXT: usize = 12;
+
 /// Cells with longer texts are broken into lines.
 const LONG_CELL: usize = 60;
 
@@ -79,9 +82,16 @@ pub fn fill(template: &str, parts: &[(&str, &str)]) -> String {
     text + rest
 }
 
-/// Lines of text as they are, in letters of one width.
-pub fn lines(text: &str) -> String {
-    format!("<pre>{}</pre>", EscapedContent(text))
+/// Lines of text as they are, in letters of one width, under a title that folds
+/// them, open unless they are many.
+pub fn lines(title: &str, text: &str) -> String {
+    let open = open_unless(text.lines().count() > LONG_TEXT);
+    let text = EscapedContent(text);
+    format!("<details{open}><summary>{title}</summary>\n<pre>{text}</pre></details>\n")
+}
+
+fn open_unless(is_long: bool) -> &'static str {
+    if is_long { "" } else { " open" }
 }
 
 /// A card with an answer, and lines of evidence after their labels.
@@ -138,10 +148,17 @@ pub fn table(table: &DataTable, file: &str) -> String {
     folding_table(table, file, table.rows.len() <= LONG_TABLE)
 }
 
-/// As [`table`], open or not.
+/// As [`table`], open or not, without columns that are empty in every row.
 pub fn folding_table(table: &DataTable, file: &str, open: bool) -> String {
     let mut text = String::new();
-    let open = if open { " open" } else { "" };
+    let open = open_unless(!open);
+    let is_filled = |column: &usize| {
+        table
+            .rows
+            .iter()
+            .any(|row| !row[*column].plain().is_empty())
+    };
+    let filled: Vec<usize> = (0..table.columns.len()).filter(is_filled).collect();
     let file = match file {
         "" => String::new(),
         file => format!("File: {file}."),
@@ -155,14 +172,14 @@ pub fn folding_table(table: &DataTable, file: &str, open: bool) -> String {
         Escaped(&table.title),
         Escaped(&table.caption),
     );
-    for column in &table.columns {
-        let _ = write!(text, "<th>{}</th>", Escaped(column));
+    for &column in &filled {
+        let _ = write!(text, "<th>{}</th>", Escaped(&table.columns[column]));
     }
     text.push_str("</tr></thead><tbody>\n");
     for row in &table.rows {
         text.push_str("<tr>");
-        for value in row {
-            cell(&mut text, value);
+        for &column in &filled {
+            cell(&mut text, &row[column]);
         }
         text.push_str("</tr>\n");
     }

@@ -22,8 +22,7 @@ pub fn page(
             + &page::figure(&figure(task, outcome)),
         points: "All candidates",
         tables: page::table(&candidates_table(outcome), "fit.csv")
-            + "<h2>Excluded, and the front</h2>"
-            + &page::lines(&details(outcome)),
+            + &page::lines("Excluded, and the front", &details(outcome)),
         method: &page::fill(
             include_str!("method.html"),
             &[("device", &task.machine.device.device().name)],

@@ -226,8 +226,7 @@ pub fn page(found: &Optimised, texts: &OptimisationPage<'_>) -> String {
             + &page::side_by_side(code),
         points: "All that was tried",
         tables: page::table(&points_table(found), "optimise.csv")
-            + "<h2>How to make it again</h2>"
-            + &page::lines(commands),
+            + &page::lines("How to make it again", commands),
         method: include_str!("method.html"),
         data: json_script(&found.points),
     };
