@@ -7,7 +7,7 @@
 use super::cpu::CpuTime;
 use super::results::Results;
 use super::tables::processors;
-use super::verdict::{StudyVerdict, headline, lines, of_headline, verdicts};
+use super::verdict::{headline, of_headline, verdicts};
 use robovec_ir::diagnostic::counted;
 use robovec_present::escape::Escaped;
 use robovec_present::json::json_script;
@@ -43,7 +43,6 @@ pub(super) fn page(
         .chain(tables)
         .filter(|table| table.rows.len() <= LONGEST_TABLE);
     let title = format!("Study: {}", plan.name);
-    let headlined = of_headline(results);
     let parts = [
         ("title", Escaped(&title).to_string()),
         ("subtitle", Escaped(&subtitle).to_string()),
@@ -52,7 +51,7 @@ pub(super) fn page(
         ("tables", shown.map(table).collect()),
         ("figures", figures.iter().map(page::figure).collect()),
         ("method", method(results)),
-        ("card", card(&headlined)),
+        ("card", page::card(&headline(&of_headline(results)), &[])),
         ("data", json_script(&data(results, times))),
     ];
     let parts: Vec<(&str, &str)> = parts
@@ -60,16 +59,6 @@ pub(super) fn page(
         .map(|(name, part)| (*name, part.as_str()))
         .collect();
     page::fill(TEMPLATE, &parts)
-}
-
-/// The card: the headline, and of every verdict its first sentence, since the
-/// whole follows below.
-fn card(verdicts: &[StudyVerdict]) -> String {
-    let lines = lines(verdicts).into_iter().map(|(pipeline, text)| {
-        let first = text.split_once(". ").map_or(&*text, |(first, _)| first);
-        (pipeline, first.to_owned())
-    });
-    page::card(&headline(verdicts), &lines.collect::<Vec<_>>())
 }
 
 /// A table as HTML, most with a link to their file; data of the thesis are
@@ -137,7 +126,8 @@ fn method(results: &Results) -> String {
         multiplications. A pipeline of passes rewrites it; the placer gives every operation a \
         cycle and an element of the machine; a verifier accepts the result before it is counted. \
         Lower bounds are proved. Elements are counted as adders + multipliers (all together): \
-        the thesis uses both ways of counting.</p><ul>"
+        the thesis uses both ways of counting.</p>\
+        <details><summary>Pipelines, machines and models</summary><ul>"
         .to_owned();
     let mut item = |kind: &str, name: &str, about: &str| {
         text += &format!("<li>{kind} <b>{}</b>{about}</li>", Escaped(name));
@@ -164,5 +154,5 @@ fn method(results: &Results) -> String {
         let about = format!(": {}, equations {label}{stands}", model.source);
         item("Model", &model.name, &Escaped(&about).to_string());
     }
-    text + "</ul>"
+    text + "</ul></details>"
 }

@@ -29,8 +29,8 @@ const cpuSentence = (verdict) => {
   return `The same function on one core of ${found.processor}: ${found.microseconds.toFixed(2)} µs in double precision (${found.compiler}).${relation}`;
 };
 // One line per kind of equations and pipeline of the same system.
-function inShort(system) {
-  const rows = data.verdicts.filter((verdict) => verdict.system === system).map((verdict) => {
+function inShort(verdicts) {
+  const rows = verdicts.map((verdict) => {
     const best = verdict.knee.cheapest ?? verdict.knee.fastest;
     const core = data.cpu.find((cpu) => cpu.model === verdict.model && cpu.pipeline === verdict.pipeline)?.microseconds;
     const number = (value) => make("td", { class: "n" }, value === undefined || value === null ? "" : value.toFixed(2));
@@ -45,7 +45,9 @@ function inShort(system) {
 }
 function showVerdicts(model) {
   const list = data.verdicts.filter((verdict) => verdict.model === model);
-  byId("short").replaceChildren(...(list.length ? [inShort(list[0].system)] : []));
+  // The verdicts of this model follow as cards; a table compares them with others only.
+  const same = data.verdicts.filter((verdict) => verdict.system === list[0]?.system);
+  byId("short").replaceChildren(...(same.length > list.length ? [inShort(same)] : []));
   cards.replaceChildren(...list.map((verdict) => {
     const zones = make("table", { class: "zones" }, make("tbody", {},
       ...verdict.zones.map((zone) => make("tr", {}, ...zone.map((text) => make("td", {}, text))))));
