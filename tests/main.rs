@@ -29,6 +29,7 @@ mod docs;
 mod drop_in;
 mod exact_outputs;
 mod faults;
+mod fit;
 mod fpcore;
 mod front;
 mod generate_cli;

@@ -1,19 +1,20 @@
-//! Differences that cancel, written in forms that do not: the passes
+//! Sums that cancel, written in forms that do not: the passes
 //! `accurate-roots` and `accurate-trig`.
 //!
-//! Both look for a form of a difference that is equal wherever the difference
-//! is defined, and take it where the ranges of the scene prove that it is
+//! Both look for a form of a sum ([`forms`]) that is equal wherever the sum is
+//! defined, and take it where the ranges of the scene prove that it is
 //! better: the error that the operations after it can lose together, bounded
 //! over all states in the ranges ([`robovec_analysis::interval`]), is at most
 //! half of what it was. Without ranges nothing is proved, and nothing is
 //! rewritten.
 
-mod difference;
+mod cancelling_sum;
+mod forms;
 #[cfg(test)]
 mod tests;
 mod trial;
 
-use difference::Difference;
+use cancelling_sum::CancellingSum;
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::{Rewriter, without_dead};
@@ -23,15 +24,20 @@ use std::collections::BTreeMap;
 use trial::Trial;
 
 declare_pass! {
-    /// Writes differences of square roots without cancellation.
+    /// Writes sums with square roots and quotients without cancellation.
     ///
     /// `sqrt(a) - sqrt(b)` becomes `(a - b)/(sqrt(a) + sqrt(b))`, in which
     /// terms that `a` and `b` have in common are left out: of
-    /// `sqrt(x + 1) - sqrt(x)` remains `1/(sqrt(x + 1) + sqrt(x))`.
+    /// `sqrt(x + 1) - sqrt(x)` remains `1/(sqrt(x + 1) + sqrt(x))`. Likewise
+    /// `p + sqrt(q)` becomes `(p*p - q)/(p - sqrt(q))` where terms of the
+    /// numerator cancel, with either sign, as in the roots of a quadratic
+    /// equation. Sums of quotients get a common denominator where terms of the
+    /// numerator cancel: `1/(x + 1) - 1/x` becomes `-1/((x + 1)*x)`.
     ///
-    /// Two conditions are proved. The new divisor has no zero: `a - b` is a
-    /// number other than zero, or bounds show that `a` or `b` is positive
-    /// whatever the inputs. And the ranges of the scene show that the largest
+    /// Two conditions are proved. The new divisor has no zero in the ranges;
+    /// of a difference of roots, `a - b` is a number other than zero, or
+    /// bounds show that `a` or `b` is positive whatever the inputs. And the
+    /// ranges of the scene show that the largest
     /// error in `format` of any state in them is at most half of what it was.
     /// A remark has both bounds. Inputs without a range in the scene prove
     /// nothing, so what depends on them stays as it is.
@@ -51,10 +57,14 @@ declare_pass! {
 }
 
 declare_pass! {
-    /// Writes `1 - cos(x)` without cancellation.
+    /// Writes `1 - cos(x)` and differences of sines and of cosines without
+    /// cancellation.
     ///
     /// `1 - cos(x)` becomes `2*s*s` with `s = sin(0.5*x)`, and `cos(x) - 1`
-    /// its negation, which holds for every angle. The condition that is
+    /// its negation. `sin(a) - sin(b)` becomes `2*cos(h)*sin(d)` and
+    /// `cos(a) - cos(b)` becomes `-2*sin(h)*sin(d)`, with `h = 0.5*(a + b)` and
+    /// `d = 0.5*(a - b)`, without the terms that `a` and `b` have in common.
+    /// This holds for every angle. The condition that is
     /// proved from the ranges of the scene is that the largest error in
     /// `format` of any state in them is at most half of what it was; a remark
     /// has both bounds. Inputs without a range in the scene prove nothing.
@@ -82,25 +92,34 @@ const SEED: u64 = 0;
 /// Maximum work of a pass, in values of the function times differences.
 const WORK: usize = 1 << 24;
 
-/// A form of a difference that need not cancel.
-#[derive(Clone, Debug)]
+/// A form of a sum that need not cancel.
+#[derive(Clone, PartialEq, Debug)]
 enum BetterForm {
-    /// A numerator over the sum of two roots.
-    Conjugate {
-        numerator: Difference,
-        roots: [Operand; 2],
-    },
-    /// Twice the square of the sine of half an angle, times a sign.
-    HalfAngle { angle: Operand, factor: f64 },
+    Operand(Operand),
+    Number(f64),
+    Sum(CancellingSum),
+    /// An operation on other forms.
+    Apply(Operation, Vec<BetterForm>),
 }
 
-/// Finds a form of a difference that is equal to it.
+impl BetterForm {
+    fn apply<const N: usize>(operation: Operation, operands: [BetterForm; N]) -> BetterForm {
+        BetterForm::Apply(operation, operands.into())
+    }
+}
+
+/// Finds a form of a sum or a difference that is equal to it.
 type FormFinder = fn(&Function, &Node) -> Option<BetterForm>;
 
 impl Pass for AccurateRoots {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let settings = (self.format, self.boxes as usize);
-        rewrite(function, context, settings, ("roots", conjugate));
+        rewrite(
+            function,
+            context,
+            settings,
+            ("roots", forms::without_cancellation),
+        );
         Ok(())
     }
 }
@@ -108,37 +127,14 @@ impl Pass for AccurateRoots {
 impl Pass for AccurateTrig {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let settings = (self.format, self.boxes as usize);
-        rewrite(function, context, settings, ("half angle", half_angle));
+        rewrite(
+            function,
+            context,
+            settings,
+            ("half angle", forms::of_angles),
+        );
         Ok(())
     }
-}
-
-/// The operand of the operation of this kind that gives an operand.
-fn argument(function: &Function, operand: Operand, operation: Operation) -> Option<Operand> {
-    let node = function.node(operand.value()?);
-    (node.operation == operation).then_some(node.operands[0])
-}
-
-fn conjugate(function: &Function, node: &Node) -> Option<BetterForm> {
-    let roots = [node.operands[0], node.operands[1]];
-    let root = |operand| argument(function, operand, Operation::Sqrt);
-    let (a, b) = (root(roots[0])?, root(roots[1])?);
-    let numerator = Difference::new(function, a, b);
-    let positive = || trial::is_positive(function, a) || trial::is_positive(function, b);
-    let safe = numerator.number().is_some_and(|number| number != 0.0) || positive();
-    safe.then_some(BetterForm::Conjugate { numerator, roots })
-}
-
-fn half_angle(function: &Function, node: &Node) -> Option<BetterForm> {
-    let [a, b, _] = node.operands;
-    let cosine = |operand| argument(function, operand, Operation::Cos);
-    let one = |operand| function.number(operand) == Some(1.0);
-    let (angle, factor) = match (cosine(a), cosine(b)) {
-        (None, Some(angle)) if one(a) => (angle, 2.0),
-        (Some(angle), None) if one(b) => (angle, -2.0),
-        _ => return None,
-    };
-    Some(BetterForm::HalfAngle { angle, factor })
 }
 
 /// Rewrites every difference that a form is proved better for.
@@ -156,7 +152,7 @@ fn rewrite(
     let most = WORK / function.nodes().len().max(1);
     let differences = function
         .values()
-        .filter(|(_, node)| node.operation == Operation::Sub);
+        .filter(|(_, node)| matches!(node.operation, Operation::Add | Operation::Sub));
     let found = differences.filter_map(|(value, node)| Some((value, form(function, node)?)));
     let found: Vec<(Value, BetterForm)> = found.take(most).collect();
     let trial = Trial::new(context.tables, scene, settings);
@@ -221,45 +217,98 @@ fn written(
     (rewriter.finish(), operand)
 }
 
-/// Writes a form instead of a difference, whose name the result has.
+/// Writes a form in place of a sum, whose name the result has.
 fn write(
     form: &BetterForm,
     rewriter: &mut Rewriter<'_>,
     node: Node,
     names: &mut FreshNames,
 ) -> Operand {
-    let mut push = |rewriter: &mut Rewriter<'_>, operation, operands: [Operand; 2]| {
+    let BetterForm::Apply(operation, operands) = form else {
+        unreachable!("a form is an operation");
+    };
+    let operands = write_operands(operands, rewriter, node, names);
+    let result = Node {
+        operation: *operation,
+        operands: listed(&operands),
+        ..node
+    };
+    rewriter.new.push(result).into()
+}
+
+fn listed(operands: &[Operand]) -> [Operand; 3] {
+    match *operands {
+        [a] => Operand::list([a]),
+        [a, b] => Operand::list([a, b]),
+        _ => unreachable!("operations of forms have one or two operands"),
+    }
+}
+
+/// Writes operands, one that occurs twice once.
+fn write_operands(
+    forms: &[BetterForm],
+    rewriter: &mut Rewriter<'_>,
+    node: Node,
+    names: &mut FreshNames,
+) -> Vec<Operand> {
+    if let [a, b] = forms
+        && a == b
+    {
+        return vec![write_part(a, rewriter, node, names); 2];
+    }
+    let write = |form| write_part(form, rewriter, node, names);
+    forms.iter().map(write).collect()
+}
+
+/// Writes a part of a form.
+fn write_part(
+    form: &BetterForm,
+    rewriter: &mut Rewriter<'_>,
+    node: Node,
+    names: &mut FreshNames,
+) -> Operand {
+    let mut push = |rewriter: &mut Rewriter<'_>, operation, operands: &[Operand]| {
         let new = Node {
             name: names.fresh(node.name.base),
-            operands: match operation {
-                Operation::Sin => Operand::list([operands[0]]),
-                _ => Operand::list(operands),
-            },
+            operands: listed(operands),
             operation,
             ..node
         };
         Operand::from(rewriter.new.push(new))
     };
-    let (operation, operands) = match form {
-        BetterForm::Conjugate { numerator, roots } => {
-            let roots = roots.map(|root| rewriter.translate(root));
-            let above = numerator.write(rewriter, &mut push);
-            let below = push(rewriter, Operation::Add, roots);
-            (Operation::Div, [above, below])
+    match form {
+        BetterForm::Operand(operand) => rewriter.translate(*operand),
+        BetterForm::Number(number) => rewriter.new.constant(*number).into(),
+        BetterForm::Apply(operation, operands) => {
+            let operands = write_operands(operands, rewriter, node, names);
+            let new = Node {
+                name: names.fresh(node.name.base),
+                operands: listed(&operands),
+                operation: *operation,
+                ..node
+            };
+            rewriter.new.push(new).into()
         }
-        BetterForm::HalfAngle { angle, factor } => {
-            let angle = rewriter.translate(*angle);
-            let [half, factor] = [0.5, *factor].map(|number| rewriter.new.constant(number).into());
-            let half = push(rewriter, Operation::Mul, [half, angle]);
-            let sine = push(rewriter, Operation::Sin, [half, half]);
-            let square = push(rewriter, Operation::Mul, [sine, sine]);
-            (Operation::Mul, [factor, square])
+        BetterForm::Sum(terms) => {
+            let mut sum: Option<Operand> = None;
+            for (product, number) in terms.ordered() {
+                let is_subtracted = number == -1.0 && !product.is_empty();
+                let factor = (number.abs() != 1.0 || product.is_empty())
+                    .then(|| Operand::from(rewriter.new.constant(number)));
+                let operands = product.iter().map(|operand| rewriter.translate(*operand));
+                let operands: Vec<Operand> = operands.chain(factor).collect();
+                let mut term = operands[0];
+                for &operand in &operands[1..] {
+                    term = push(rewriter, Operation::Mul, &[term, operand]);
+                }
+                sum = Some(match (sum, is_subtracted) {
+                    (Some(sum), true) => push(rewriter, Operation::Sub, &[sum, term]),
+                    (Some(sum), false) => push(rewriter, Operation::Add, &[sum, term]),
+                    (None, true) => push(rewriter, Operation::Neg, &[term]),
+                    (None, false) => term,
+                });
+            }
+            sum.unwrap_or_else(|| rewriter.new.constant(0.0).into())
         }
-    };
-    let result = Node {
-        operation,
-        operands: Operand::list(operands),
-        ..node
-    };
-    rewriter.new.push(result).into()
+    }
 }

@@ -3,24 +3,36 @@
 use crate::registry::REGISTRY;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::scene::Scene;
+use robovec_ir::evaluate::evaluate;
 use robovec_ir::parse::parse_module;
-use robovec_ir::{Machine, Module, Operation};
+use robovec_ir::states::States;
+use robovec_ir::{Format, Machine, Module, Operation, View};
+use robovec_num::arithmetic::Arithmetic;
+use robovec_num::double_double::DoubleDouble;
+use robovec_num::soft_float::FormatArithmetic;
 
 /// The function of an expression of `x` and `y` after a pass, checked; and
 /// whether a difference was rewritten.
 fn run(pass: &str, expression: &str, x: Option<[f64; 2]>) -> (Module, bool) {
-    let text =
-        format!("function f equations {{\n  in x\n  in y\n  out o\n  o = {expression}\n}}\n");
+    let ranges: Vec<(&str, [f64; 2])> = x.iter().flat_map(|&x| [("x", x), ("y", x)]).collect();
+    run_in(pass, expression, &ranges)
+}
+
+/// The same with the ranges of inputs.
+fn run_in(pass: &str, expression: &str, ranges: &[(&str, [f64; 2])]) -> (Module, bool) {
+    let text = format!(
+        "function f equations {{\n  in x\n  in y\n  in z\n  out o\n  o = {expression}\n}}\n"
+    );
     let mut module = parse_module("f", &text).expect("it is sound");
     let machine = Machine::built_in("ideal").expect("it ships");
     let mut scene = Scene::default();
-    if let Some([low, high]) = x {
-        scene.ranges.set("x", [0, 0], low, high);
-        scene.ranges.set("y", [0, 0], low, high);
+    for (name, [low, high]) in ranges {
+        scene.ranges.set(name, [0, 0], *low, *high);
     }
     let mut log = Vec::new();
     let config = Config {
         check_each: Some(8),
+        states: scene.states(1),
         scene: Some(&scene),
         ..Config::new(&machine, &mut log)
     };
@@ -90,5 +102,104 @@ fn one_less_a_cosine_needs_a_small_angle() {
             better,
             "{expression} {x:?}"
         );
+    }
+}
+
+/// Lost bits of a function in binary32 in ranges: the logarithm of one more
+/// than its largest relative error in units of the last place.
+fn lost_bits(module: &Module, exact: &Module, ranges: &[(&str, [f64; 2])]) -> f64 {
+    let view = |module| -> View<'_> {
+        let module: &Module = module;
+        View {
+            tables: &module.tables,
+            function: &module.functions[0],
+        }
+    };
+    let mut scene = Scene::default();
+    for (name, [low, high]) in ranges {
+        scene.ranges.set(name, [0, 0], *low, *high);
+    }
+    let source: States = scene.states(3);
+    let single = FormatArithmetic::new(Format::BINARY32);
+    let mut largest = 0.0f64;
+    for number in 0..2000 {
+        // Data that binary32 holds: only the operations err.
+        let state = source.draw(view(exact), number);
+        let state: Vec<f64> = state.iter().map(|&one| single.literal(one)).collect();
+        let computed = evaluate(view(module).function, &single, &state)[0];
+        let inputs: Vec<_> = state.iter().map(|&one| DoubleDouble.literal(one)).collect();
+        let exact = evaluate(view(exact).function, &DoubleDouble, &inputs)[0].high;
+        largest = largest.max((computed - exact).abs() / exact.abs());
+    }
+    (1.0 + largest / f64::from(f32::EPSILON)).log2()
+}
+
+/// Cores of Hamming's third chapter, in ranges in which they cancel.
+#[test]
+fn hamming_s_cores_keep_their_bits() {
+    const FAR: [f64; 2] = [1e2, 1e5];
+    const ANGLE: [f64; 2] = [0.2, 1.0];
+    const SMALL: [f64; 2] = [1e-5, 1e-3];
+    const SIZE: [f64; 2] = [1e2, 1e3];
+    let (roots, trig) = ("accurate-roots", "accurate-trig");
+    for (name, pass, expression, ranges) in [
+        ("3.1", roots, "sqrt(x + 1.0) - sqrt(x)", vec![("x", FAR)]),
+        (
+            "3.3",
+            trig,
+            "sin(x + y) - sin(x)",
+            vec![("x", ANGLE), ("y", SMALL)],
+        ),
+        ("3.4", trig, "(1.0 - cos(x))/sin(x)", vec![("x", SMALL)]),
+        (
+            "3.6",
+            roots,
+            "1.0/sqrt(x) - 1.0/sqrt(x + 1.0)",
+            vec![("x", FAR)],
+        ),
+        ("3.3.1", roots, "1.0/(x + 1.0) - 1.0/x", vec![("x", FAR)]),
+        (
+            "3.3.3",
+            roots,
+            "(1.0/(x + 1.0) - 2.0/x) + 1.0/(x - 1.0)",
+            vec![("x", FAR)],
+        ),
+        (
+            "3.3.5",
+            trig,
+            "cos(x + y) - cos(x)",
+            vec![("x", ANGLE), ("y", SMALL)],
+        ),
+        (
+            "p42+",
+            roots,
+            "(-y + sqrt(y*y - 4.0*(x*z)))/(2.0*x)",
+            vec![("x", [0.5, 1.0]), ("y", SIZE), ("z", [0.5, 1.0])],
+        ),
+        (
+            "p42-",
+            roots,
+            "(-y - sqrt(y*y - 4.0*(x*z)))/(2.0*x)",
+            vec![("x", [0.5, 1.0]), ("y", [-1e3, -1e2]), ("z", [0.5, 1.0])],
+        ),
+        (
+            "3.2.1+",
+            roots,
+            "(-y + sqrt(y*y - x*z))/x",
+            vec![("x", [0.5, 1.0]), ("y", SIZE), ("z", [0.5, 1.0])],
+        ),
+        (
+            "3.2.1-",
+            roots,
+            "(-y - sqrt(y*y - x*z))/x",
+            vec![("x", [0.5, 1.0]), ("y", [-1e3, -1e2]), ("z", [0.5, 1.0])],
+        ),
+        ("3.4.1", trig, "(1.0 - cos(x))/(x*x)", vec![("x", SMALL)]),
+    ] {
+        let (plain, _) = run_in("cse", expression, &ranges);
+        let (module, _) = run_in(pass, expression, &ranges);
+        let [before, after] = [&plain, &module].map(|one| lost_bits(one, &plain, &ranges));
+        println!("{name}: {before:.1} -> {after:.1} bits");
+        assert!(before > 6.0 && after <= 2.0, "{name}: {before} -> {after}");
     }
 }

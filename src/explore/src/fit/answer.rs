@@ -73,15 +73,13 @@ pub(super) fn brief(
 ) -> Vec<Line> {
     let mut brief = lines(task, outcome, confirmation);
     if let (Some(chosen), Some(challenge)) = (outcome.chosen, &outcome.challenge) {
-        brief.retain(|(label, _)| ["program", "sin, cos", "schedule"].contains(label));
-        let error = &outcome.candidates[chosen].normwise;
-        let [worst, median] = [error.worst, error.median].map(exponential);
-        let text = format!("worst {worst}, median {median}, of an array's largest element");
-        brief.push(("error", text));
+        let kept = ["program", "sin, cos", "schedule", "worst error"];
+        brief.retain(|(label, _)| kept.contains(label));
         let is_limited = (task.scene.outputs.iter()).any(|need| need.tolerance.is_some());
         if is_limited {
             let used = outcome.candidates[chosen].used;
             brief.push(("tolerance", allowed(task, used)));
+            brief.push(("sources", sources(outcome)));
         }
         let proved = outcome.bound.filter(|bound| bound.holds());
         let held = match proved {
@@ -91,7 +89,7 @@ pub(super) fn brief(
                 percent(bound.used)
             ),
             None => format!(
-                "at {} states, at most {} of it; not proved for all",
+                "at {} states (searched), at most {} of it; not proved for all",
                 challenge.fresh + challenge.directed,
                 percent(challenge.used.max(challenge.fresh_used))
             ),
@@ -296,21 +294,7 @@ fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> Vec<
                 percent(challenge.used),
             ),
         ),
-        match outcome.sources {
-            None => (
-                "sources",
-                "not separated: values have their own formats".to_owned(),
-            ),
-            Some(sources) => (
-                "sources",
-                format!(
-                    "at the worst states: data {}, series {}, operations and series {}",
-                    percent(sources.data),
-                    percent(sources.series),
-                    percent(sources.operations)
-                ),
-            ),
-        },
+        ("sources", sources(outcome)),
         match outcome.bound {
             Some(bound) if bound.holds() => (
                 "proved",
@@ -353,6 +337,16 @@ fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> Vec<
         lines.push(("parts", text.to_owned()));
     }
     lines
+}
+
+/// Errors by their source.
+fn sources(outcome: &FitOutcome) -> String {
+    let Some(sources) = outcome.sources else {
+        return "not separated: values have their own formats".to_owned();
+    };
+    let [data, series, operations] =
+        [sources.data, sources.series, sources.operations].map(percent);
+    format!("data {data}, series {series}, operations {operations}, at the worst states")
 }
 
 /// Result of the scene's motion.
