@@ -20,6 +20,7 @@ use robovec_framework::scene::Scene;
 use robovec_framework::trail::Trail;
 use robovec_io::files::{Replace, limited, set_force};
 use robovec_io::sources::ReadEquations;
+use robovec_ir::diagnostic::counted;
 use robovec_ir::diagnostic::{Diagnostic, Label, Report};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, SourceSet, print};
@@ -297,6 +298,28 @@ pub(super) fn completion(program: &str, shell: &str) -> Result<String, CommandFa
         .write_registration("COMPLETE", program, program, program, &mut script)
         .map_err(|error| CommandFailure::plain(format!("cannot write the completion: {error}")))?;
     Ok(String::from_utf8_lossy(&script).into_owned())
+}
+
+/// Keeps one function of a module: the one asked for, else direct dynamics,
+/// else the only one.
+pub(super) fn select_one(
+    module: &mut Module,
+    input: &str,
+    function: Option<&str>,
+) -> Result<(), CommandFailure> {
+    let wanted = function.unwrap_or("dirdyna");
+    let is_there = module.functions.iter().any(|known| known.name == wanted);
+    if module.functions.len() != 1 && (function.is_some() || is_there) {
+        select(module, wanted)?;
+    }
+    if module.functions.len() == 1 {
+        return Ok(());
+    }
+    let names: Vec<&str> = module.functions.iter().map(|f| f.name.as_str()).collect();
+    Err(CommandFailure::advised(
+        format!("{input} holds {}", counted(names.len(), "function")),
+        vec![format!("choose one with --function: {}", names.join(", "))],
+    ))
 }
 
 pub(super) fn select(module: &mut Module, name: &str) -> Result<(), CommandFailure> {

@@ -6,7 +6,6 @@ use robovec_dynamics::generate::{GenerationRequest, generate_asked};
 use robovec_explore::optimise::start::{self, OptimisationStart};
 use robovec_explore::scene::{SceneFile, SceneSubject};
 use robovec_framework::scene::Scene;
-use robovec_ir::diagnostic::counted;
 use robovec_model::Model;
 use robovec_robotran::FunctionKind;
 use std::path::{Path, PathBuf};
@@ -103,21 +102,7 @@ fn equations(
             (module, model, words.unwrap_or_default())
         }
     };
-    let is_there = module.functions.iter().any(|known| known.name == wanted);
-    if module.functions.len() != 1 && (function.is_some() || is_there) {
-        opt::select(&mut module, wanted)?;
-    }
-    if module.functions.len() != 1 {
-        let names: Vec<&str> = module.functions.iter().map(|f| f.name.as_str()).collect();
-        return Err(CommandFailure::advised(
-            format!(
-                "{} holds {}",
-                arguments.input,
-                counted(names.len(), "function")
-            ),
-            vec![format!("choose one with --function: {}", names.join(", "))],
-        ));
-    }
+    opt::select_one(&mut module, &arguments.input, function)?;
     let (mut formulations, mut left) = (Vec::new(), Vec::new());
     if let (Some(model), Some(kind)) = (&model, FunctionKind::with_name(&module.functions[0].name))
     {

@@ -162,11 +162,15 @@ fn section(text: &mut String, (case, found): &CaseFinding<'_>) {
         "hard problem" => "hard",
         _ => "bad",
     };
+    let breaks = match case.breaks.as_str() {
+        "" => String::new(),
+        breaks => format!(" Breaks {}.", EscapedContent(breaks)),
+    };
     // As above, writing cannot fail.
     let _ = writeln!(
         text,
         "<details id=\"{}\"><summary><b>{}</b>: <span class=\"{colour}\">{}</span>, {} {} in f32, {} in \
-         f64{}</summary>\n<p>{}. Breaks {}. Condition {}; rounding the data once causes an error of {}.</p>",
+         f64{}</summary>\n<p>{}.{} Condition {}; rounding the data once causes an error of {}.</p>",
         Escaped(&case.name),
         EscapedContent(&case.name),
         found.verdict,
@@ -179,7 +183,7 @@ fn section(text: &mut String, (case, found): &CaseFinding<'_>) {
             trial.cost
         )),
         EscapedContent(&case.construction),
-        EscapedContent(&case.breaks),
+        breaks,
         short(found.condition),
         short(found.floor),
     );

@@ -64,7 +64,7 @@ impl CaseMember {
             class: CaseClass::from_name(&family.class).expect("a class"),
             construction: self.fill(&family.construction),
             breaks: family.breaks.clone(),
-            expected: self.expected,
+            expected: Some(self.expected),
             long: self.long,
             subject: subject.expect("a known subject"),
         }
