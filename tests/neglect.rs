@@ -1,6 +1,7 @@
 //! Parts that scenes leave out: measured against mechanics, written as they
 //! were judged, refused where they mean nothing.
 
+use crate::reference::random::{self, ModelDraw, Recipe};
 use crate::support::programs::{assert_fits_a_screen, robovec, stderr, unfolded};
 use robovec::explore::program::{transformed_by, view};
 use robovec::generate::{GenerationRequest, generate};
@@ -9,19 +10,26 @@ use robovec::model::build::{BASE, ModelBuilder};
 use robovec::model::family::built_in;
 use robovec::model::mbs::{read_mbs, write_mbs};
 use robovec::model::{Axis, JointKind};
-use robovec::motion::Laws;
-use robovec::neglect::{self, NeglectFindings, NeglectTask};
+use robovec::motion::{
+    EVENT_TOLERANCE, IntegrationMethod, Laws, SimulationPlan, SimulationRun, simulate,
+};
+use robovec::neglect::{self, NeglectError, NeglectFindings, NeglectTask};
 use robovec::robotran::FunctionKind;
 use robovec::scene::{PIPELINE, SceneFile, read};
 use robovec_ir::Machine;
 use robovec_ir::count::Counts;
 use robovec_ir::evaluate::evaluate;
 use robovec_num::arithmetic::Binary64;
+use robovec_num::random::Random;
 use std::fs;
 use std::path::Path;
 
 /// A scene file in a folder, searched.
 fn searched(folder: &Path, name: &str) -> NeglectFindings {
+    try_searched(folder, name).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn try_searched(folder: &Path, name: &str) -> Result<NeglectFindings, NeglectError> {
     let text = fs::read_to_string(folder.join(name)).expect("it was written");
     let file =
         read(name, &text, folder).unwrap_or_else(|report| panic!("{}", report.render_plain()));
@@ -39,7 +47,7 @@ fn searched(folder: &Path, name: &str) -> NeglectFindings {
         laws: Laws::parse(&subject.model, &laws).expect("laws"),
         machine: &Machine::built_in("solver").expect("it ships"),
     };
-    neglect::neglect(&task, &|_| ()).unwrap_or_else(|error| panic!("{error}"))
+    neglect::neglect(&task, &|_| ())
 }
 
 /// Two carts in line, the second on the first.
@@ -122,6 +130,151 @@ fn a_locked_joint_costs_what_mechanics_says() {
         (found / expected - 1.0).abs() < 0.01,
         "{found} for {expected}"
     );
+}
+
+/// Duration of the random motions, s, and the error that they allow.
+const RANDOM_TIME: f64 = 1.5;
+const RANDOM_ERROR: f64 = 0.02;
+
+/// The motion of a scene file under a file of laws, from a start.
+fn motion_of(folder: &Path, scene: &str, laws: &str, start: &[(usize, f64)]) -> SimulationRun {
+    let file = SceneFile::load(&folder.join(scene));
+    let file = file.unwrap_or_else(|report| panic!("{}", report.render_plain()));
+    let robovec::scene::SceneSubject::Model(subject) = &file.subject else {
+        panic!("a scene of a model");
+    };
+    let laws = fs::read_to_string(folder.join(laws)).expect("written");
+    let laws = Laws::parse(&subject.model, &laws).expect("laws");
+    let machine = Machine::built_in("solver").expect("it ships");
+    let tolerance = 1e-8;
+    let plan = SimulationPlan {
+        duration: RANDOM_TIME,
+        samples: 300,
+        method: IntegrationMethod::DormandPrince {
+            relative: tolerance,
+            absolute: tolerance,
+        },
+        step_limit: 1_000_000,
+        event_tolerance: EVENT_TOLERANCE,
+    };
+    let run = file.moving((&laws, &machine), start, None, |system, initial| {
+        simulate(system, initial, &plan, &mut |_| ())
+    });
+    run.unwrap_or_else(|error| panic!("{scene}: {error}"))
+}
+
+/// A random tree on springs and dampers: its scene is searched, then every
+/// corner of the starts and 50 draws inside compare the files that are written.
+/// The number of parts left out, the largest error and the largest that the
+/// search found; `None` where the watched joint rests.
+fn random_errors(seed: u64) -> Option<(usize, f64, f64)> {
+    let mut random = Random::new(seed);
+    let recipe = Recipe {
+        bodies: 2 + random.below(3),
+        zeros: 0.3,
+        massless: false,
+        driven: false,
+        placed: false,
+        cuts: 0,
+        devices: 0,
+    };
+    let model = random::model(&mut random, &recipe);
+    let mut laws = String::new();
+    for joint in &model.joints {
+        let (stiffness, damping) = (random.between(20.0, 400.0), random.between(0.5, 4.0));
+        let name = &joint.name;
+        laws += &format!(
+            "[[joint]]\nname = '{name}'\nstiffness = {stiffness:?}\ndamping = {damping:?}\n\
+             neutral = 0.0\n"
+        );
+    }
+    let count = model.joints.len();
+    let mut free: Vec<usize> = (0..2 + random.below(2))
+        .map(|_| random.below(count))
+        .collect();
+    free.sort_unstable();
+    free.dedup();
+    let ranges: Vec<(usize, [f64; 2])> = free
+        .iter()
+        .map(|&joint| {
+            (
+                joint,
+                [-random.between(0.05, 0.5), random.between(0.05, 0.5)],
+            )
+        })
+        .collect();
+    let named = |&(joint, range): &(usize, [f64; 2])| format!("j{} = {range:?}", joint + 1);
+    let start: Vec<String> = ranges.iter().map(named).collect();
+    let watched = random.below(count);
+    let name = &model.joints[watched].name;
+    let scene = format!(
+        "model = 'random.mbs'\nfunction = 'accelred'\nparameters = 'from-model'\n\
+         [[output]]\nelements = 'qdd[{name}]'\n\
+         [motion]\nlaws = 'laws.toml'\ntime = {RANDOM_TIME:?}\nerror = {RANDOM_ERROR}\n\
+         start = {{ {} }}\n",
+        start.join(", ")
+    );
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("room");
+    write("random.mbs", &write_mbs(&model));
+    write("random.scene.toml", &scene);
+    write("laws.toml", &laws);
+    let findings = match try_searched(folder.path(), "random.scene.toml") {
+        Ok(findings) => findings,
+        Err(NeglectError::Motion(_)) => return None,
+        Err(error) => panic!("seed {seed}: {error}"),
+    };
+    for (name, text) in neglect::files(&findings, "less", None) {
+        write(&name, &text);
+    }
+    let scale = findings.watched[0].1;
+    let mut worst: f64 = 0.0;
+    for draw in 0..(1 << ranges.len()) + 50 {
+        let place = |(bit, &(joint, [low, high])): (usize, &(usize, [f64; 2]))| {
+            let position = if draw >= 1 << ranges.len() {
+                random.between(low, high)
+            } else if draw >> bit & 1 == 1 {
+                high
+            } else {
+                low
+            };
+            (joint, position)
+        };
+        let start: Vec<(usize, f64)> = ranges.iter().enumerate().map(place).collect();
+        let full = motion_of(folder.path(), "random.scene.toml", "laws.toml", &start);
+        let less = motion_of(folder.path(), "less.scene.toml", "less.laws.toml", &start);
+        worst = worst.max(full.distance(&less, watched) / scale);
+    }
+    let taken = findings.findings.iter().filter(|one| one.taken.is_some());
+    let searched = findings.searched.expect("starts vary");
+    Some((taken.count(), worst, searched.worst))
+}
+
+fn assert_random_scenes_hold(count: usize) {
+    let mut over = Vec::new();
+    let found = (1..).filter_map(|seed| Some((seed, random_errors(seed)?)));
+    for (seed, (taken, worst, searched)) in found.take(count) {
+        println!("seed {seed}: {taken} left out, {worst:.2e}, search {searched:.2e}");
+        assert!(searched <= RANDOM_ERROR, "seed {seed}: {searched}");
+        if worst > RANDOM_ERROR {
+            over.push((seed, worst));
+        }
+    }
+    assert!(over.is_empty(), "over {RANDOM_ERROR}: {over:?}");
+}
+
+/// What is left out stays within the allowed error from corners and from starts
+/// that the search has not compared.
+#[test]
+fn random_scenes_stay_within_their_allowance() {
+    assert_random_scenes_hold(3);
+}
+
+/// The same for 20 scenes.
+#[test]
+#[ignore = "minutes"]
+fn twenty_random_scenes_stay_within_their_allowance() {
+    assert_random_scenes_hold(20);
 }
 
 /// The example of the leg, for a short motion and few kinds.

@@ -6,8 +6,9 @@
 //! operations this saves are counted and the motion is compared; then things
 //! are left out together, the least harmful first, as long as the watched
 //! joints stay within the error the scene allows of their largest
-//! displacement. What is found is confirmed from starts that the search has
-//! not seen and with a finer integration.
+//! displacement. What is found has to hold at corners of the ranges of starts,
+//! at draws inside and at what a directed search from the worst of them adds
+//! ([`StartSearch`]); the integration is repeated with a finer tolerance.
 //!
 //! **Invariants.** What is measured is the scene as its file is read back:
 //! the file that is written is the one that was judged. Nothing depends on
@@ -17,6 +18,7 @@ mod document;
 mod judge;
 mod omission;
 mod search;
+mod starts;
 mod text;
 
 pub use document::files;
@@ -25,6 +27,7 @@ pub use omission::Omission;
 pub use search::{
     NeglectFinding, NeglectFindings, NeglectTask, SceneFigures, WatchedCurve, neglect,
 };
+pub use starts::StartSearch;
 pub use text::{report, text};
 
 use crate::program::ExplorationError;

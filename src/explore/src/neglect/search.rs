@@ -4,6 +4,7 @@ use super::NeglectError;
 use super::document::SceneTable;
 use super::judge::{FULL_STEPS, NeglectJudge, ReducedScene, STEP_FACTOR, SceneOperations, Start};
 use super::omission::{Omission, candidates};
+use super::starts::StartSearch;
 use crate::program::{transformed_by, view};
 use crate::scene::{
     EffectError, PIPELINE, SceneEffect, SceneFile, SceneSubject, WatchedJoints, effects,
@@ -17,10 +18,11 @@ use robovec_model::Model;
 use std::collections::VecDeque;
 use std::path::Path;
 
-/// Starts that the search compares motions from, and further ones that only
-/// confirm what it found.
-const SEARCHED: u32 = 2;
-const FRESH: u32 = 3;
+/// Number of starts that parts are left out by before any is refused.
+const DRAWS: u32 = 2;
+
+/// Maximum number of searches for parts, each with the worst starts of the last.
+const REFUSALS: usize = 6;
 
 /// One of this number of samples of a motion is a state that equations are
 /// compared at.
@@ -91,9 +93,9 @@ pub struct NeglectFindings {
     pub figures: Vec<SceneFigures>,
     /// Everything that was tried alone.
     pub findings: Vec<NeglectFinding>,
-    /// The largest error of the reduced scene from starts that the search has
-    /// not seen; `None` where every start is the same.
-    pub fresh: Option<f64>,
+    /// Starts at which the reduced scene was compared; `None` where every start
+    /// is the same.
+    pub searched: Option<StartSearch>,
     /// The part of the error allowed that leaving things out does not use up,
     /// of all motions that were compared.
     pub rest: f64,
@@ -119,16 +121,21 @@ pub struct WatchedCurve {
 }
 
 /// Motions of the full model, and what they are measured by.
-struct FullMotion {
-    scene: ReducedScene,
-    runs: Vec<(Start, SimulationRun)>,
-    watched: WatchedJoints,
+pub(super) struct FullMotion {
+    pub(super) scene: ReducedScene,
+    /// Motions that parts are left out by.
+    pub(super) runs: Vec<(Start, SimulationRun)>,
+    pub(super) watched: WatchedJoints,
 }
 
 /// The search of a scene: its judge, the full motion, and the model as it was read.
-struct NeglectSearch<'a> {
-    judge: NeglectJudge<'a>,
-    full: FullMotion,
+pub(super) struct NeglectSearch<'a> {
+    pub(super) judge: NeglectJudge<'a>,
+    pub(super) full: FullMotion,
+    /// Motions from all starts that what is left out has to hold at.
+    pub(super) known: Vec<(Start, SimulationRun)>,
+    /// Number of steps of motions from them.
+    pub(super) steps: u64,
     model: &'a Model,
 }
 
@@ -161,12 +168,17 @@ pub fn neglect(
     };
     progress("the motion of the full model");
     let full = full_motion(&mut judge, &subject.general)?;
-    let search = NeglectSearch {
+    let mut search = NeglectSearch {
         judge,
         full,
+        known: Vec::new(),
+        steps: 0,
         model: &subject.general,
     };
-    let (judge, full) = (&search.judge, &search.full);
+    if wish.varies() {
+        search.learn_listed();
+    }
+    let judge = &search.judge;
     let own = search.without(&[])?;
     let own_model = &own.subject().model;
     let all = candidates(own_model, &judge.laws, &task.file.neglect, &wish.watch);
@@ -175,11 +187,10 @@ pub fn neglect(
     let alone = |&one: &Omission| (one, search.alone(operations, one));
     let mut tried: Vec<(Omission, NeglectFinding)> = all.par_iter().map(alone).collect();
     progress("omissions together");
-    let taken = search.together(&mut tried);
+    let (taken, worst) = search.confirmed(&mut tried, progress)?;
     let taken = without_subsumed(&taken, &mut tried);
     let reduced = search.without(&taken)?;
-    progress("the reduced scene from fresh starts");
-    let fresh = search.fresh(&reduced)?;
+    let (judge, full) = (&search.judge, &search.full);
     let fine = judge.motion(&full.scene, &full.runs[0].0, wish.tolerance() / 100.0)?;
     let integration = full.watched.share(&full.runs[0].1, &fine);
     let scenes = [
@@ -188,18 +199,23 @@ pub fn neglect(
         ("with things left out", &reduced),
     ];
     let figures = scenes.map(|(what, scene)| search.figures_of(what, scene));
-    let figures = figures.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let mut figures = figures.into_iter().collect::<Result<Vec<_>, _>>()?;
     let curves = search.curves(&reduced)?;
-    let last = figures.last().expect("three scenes were measured");
-    let used = last.motion.max(fresh.unwrap_or(0.0));
+    let last = figures.last_mut().expect("three scenes were measured");
+    last.motion = last.motion.max(worst);
+    let rest = wish.error - last.motion;
     let joints = &full.scene.subject().model.joints;
     let names = wish.watch.iter().map(|&joint| joints[joint].name.clone());
     Ok(NeglectFindings {
         watched: names.zip(full.watched.scales.iter().copied()).collect(),
         figures,
         findings: tried.into_iter().map(|(_, finding)| finding).collect(),
-        rest: wish.error - used,
-        fresh,
+        rest,
+        searched: wish.varies().then_some(StartSearch {
+            starts: search.known.len(),
+            steps: search.steps,
+            worst,
+        }),
         integration,
         curves,
         model: reduced.subject().general.clone(),
@@ -221,7 +237,7 @@ fn settled(task: &NeglectTask<'_>, own: &SceneTable) -> Result<Laws, NeglectErro
 /// The full model from every start; sets the judge's means and steps.
 fn full_motion(judge: &mut NeglectJudge<'_>, model: &Model) -> Result<FullMotion, NeglectError> {
     let scene = judge.build(&judge.own.full(), model, &[])?;
-    let draws = if judge.wish.varies() { SEARCHED } else { 1 };
+    let draws = if judge.wish.varies() { DRAWS } else { 1 };
     let starts: Vec<Start> = (0..draws).map(|draw| judge.wish.start(draw)).collect();
     let runs: Result<Vec<SimulationRun>, MotionError> = starts
         .par_iter()
@@ -247,18 +263,23 @@ impl NeglectSearch<'_> {
         self.judge.build(&self.judge.own, self.model, omitted)
     }
 
-    fn run(&self, scene: &ReducedScene, start: &Start) -> Result<SimulationRun, MotionError> {
+    pub(super) fn run(
+        &self,
+        scene: &ReducedScene,
+        start: &Start,
+    ) -> Result<SimulationRun, MotionError> {
         self.judge.motion(scene, start, self.judge.wish.tolerance())
     }
 
     /// The largest error of a scene over some of the searched motions.
     fn error(&self, scene: &ReducedScene, motions: usize) -> Result<f64, MotionError> {
-        let mut worst: f64 = 0.0;
-        for (start, run) in self.full.runs.iter().take(motions) {
+        let runs = &self.full.runs[..motions.min(self.full.runs.len())];
+        let errors = runs.par_iter().map(|(start, run)| {
             let other = self.run(scene, start)?;
-            worst = worst.max(self.full.watched.share(run, &other));
-        }
-        Ok(worst)
+            Ok(self.full.watched.share(run, &other))
+        });
+        let errors = errors.collect::<Result<Vec<f64>, MotionError>>()?;
+        Ok(errors.into_iter().fold(0.0, f64::max))
     }
 
     /// Effect of leaving out one thing alone, judged by the first motion.
@@ -282,11 +303,42 @@ impl NeglectSearch<'_> {
         finding
     }
 
+    /// Parts that can be left out together at every known start, with the
+    /// largest error there. A refused list is searched again with the worst
+    /// starts; after the last refusal, lists are shortened from their ends.
+    fn confirmed(
+        &mut self,
+        tried: &mut [(Omission, NeglectFinding)],
+        progress: &(dyn Fn(&str) + Sync),
+    ) -> Result<(Vec<Omission>, f64), NeglectError> {
+        let mut taken = Vec::new();
+        for refusals in 0.. {
+            if refusals < REFUSALS && !self.is_exhausted() {
+                taken = self.together(tried);
+            } else {
+                taken.truncate(taken.len() * 3 / 4);
+                for (_, finding) in tried.iter_mut().filter(|(one, _)| !taken.contains(one)) {
+                    finding.taken = None;
+                }
+            }
+            progress("the worst start of the reduced scene");
+            let scene = self.without(&taken)?;
+            let worst = self.worst(&scene);
+            if worst <= self.judge.wish.error || taken.is_empty() {
+                return Ok((taken, worst));
+            }
+        }
+        unreachable!("nothing left out ends the search")
+    }
+
     /// Leaves things out together: those that save something alone first, then,
     /// as long as there are any, those that save something now that others are
     /// left out (the last joint across a plane, the mass beyond a locked
     /// joint).
     fn together(&self, tried: &mut [(Omission, NeglectFinding)]) -> Vec<Omission> {
+        tried
+            .iter_mut()
+            .for_each(|(_, finding)| finding.taken = None);
         let harm = |finding: &NeglectFinding| finding.alone.clone().unwrap_or(f64::INFINITY);
         // What does too much alone is not tried with others; what could not be
         // judged alone is, last.
@@ -357,23 +409,6 @@ impl NeglectSearch<'_> {
         }
     }
 
-    /// The largest error of the reduced scene from starts the search has not seen.
-    fn fresh(&self, reduced: &ReducedScene) -> Result<Option<f64>, NeglectError> {
-        if self.full.runs.len() < SEARCHED as usize {
-            return Ok(None);
-        }
-        let shares: Result<Vec<f64>, MotionError> = (SEARCHED..SEARCHED + FRESH)
-            .into_par_iter()
-            .map(|draw| {
-                let start = self.judge.wish.start(draw);
-                let run = self.run(&self.full.scene, &start)?;
-                let other = self.run(reduced, &start)?;
-                Ok(self.full.watched.share(&run, &other))
-            })
-            .collect();
-        Ok(Some(shares?.into_iter().fold(0.0, f64::max)))
-    }
-
     /// Speed, error and cost of a scene.
     fn figures_of(
         &self,
@@ -405,7 +440,7 @@ impl NeglectSearch<'_> {
             element,
         })?;
         let mut states = Vec::new();
-        for (start, run) in &self.full.runs {
+        for (start, run) in self.full.runs.iter().take(DRAWS as usize) {
             let samples = run.samples.iter().step_by(COMPARED);
             let loaded = self.judge.moved(&self.full.scene, start, |system, _| {
                 Ok(samples

@@ -162,16 +162,12 @@ fn lines(
             format!("{error} of the motion, {allowed_text} allowed{excess}"),
         ),
     ];
-    if let Some(fresh) = findings.fresh {
-        let holds = if fresh <= allowed {
-            "holds"
-        } else {
-            "does not hold"
-        };
-        let fresh = exponential(fresh);
+    if let Some(searched) = findings.searched {
+        let (starts, steps) = (searched.starts, searched.steps);
+        let worst = exponential(searched.worst);
         lines.push((
-            "fresh",
-            format!("{fresh} from starts the search has not seen: it {holds} there"),
+            "searched",
+            format!("{starts} starts: at most {worst} of {allowed_text} allowed ({steps} steps)"),
         ));
     }
     if findings.rest > 0.0 {
