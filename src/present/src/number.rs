@@ -17,19 +17,20 @@ pub(crate) fn trimmed(number: f64) -> String {
     }
 }
 
-/// Two digits and an exponent; a dash for what has no such number.
+/// Two digits and an exponent; a plain 0, and a dash for what has no such number.
 pub fn exponential(number: f64) -> String {
     if number.is_nan() {
         "-".to_owned()
+    } else if number == 0.0 {
+        "0".to_owned()
     } else {
         format!("{number:.1e}")
     }
 }
 
-/// Two digits and an exponent where two decimals would not do; a plain 0.
+/// Two digits and an exponent where two decimals would not do.
 pub fn scientific(number: f64) -> String {
     match number {
-        0.0 => "0".to_owned(),
         number if (0.1..1000.0).contains(&number) => format!("{number:.2}"),
         number => exponential(number),
     }

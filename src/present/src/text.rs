@@ -70,13 +70,14 @@ pub fn labelled(lines: &[(&str, String)]) -> String {
     text
 }
 
-/// A headline after its subject; below it where both do not fit into a line.
+/// A headline after its subject; below it where both do not fit into a line. A
+/// subject longer than a line is cut.
 pub fn headed(subject: &str, headline: &str) -> String {
     let one = format!("{subject}  {headline}\n");
     if one.chars().count() <= WIDTH {
         one
     } else {
-        format!("{subject}\n  {headline}\n")
+        format!("{}\n  {headline}\n", cut(subject, WIDTH))
     }
 }
 
