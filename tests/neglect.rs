@@ -466,7 +466,8 @@ fn an_error_over_time_chooses_a_format() {
     assert!(error > 1e-6, "a wider format than needed: {error}");
     let drifted = json["drifted"].as_u64().expect("a number");
     assert!(drifted > 0, "narrower ones were tried");
-    // The chosen one is the cheapest that was not refused.
+    // The chosen one is as cheap as any that was not refused, within the
+    // uncertainty of costs.
     let chosen = json["chosen"].as_u64().expect("one holds") as usize;
     let candidates = json["candidates"].as_array().expect("a list");
     let share = |candidate: &serde_json::Value| candidate["share"].as_f64().expect("a number");
@@ -474,7 +475,7 @@ fn an_error_over_time_chooses_a_format() {
     assert!(
         meeting
             .map(share)
-            .all(|other| share(&candidates[chosen]) <= other)
+            .all(|other| share(&candidates[chosen]) <= 1.05 * other)
     );
     let cheaper = candidates
         .iter()
