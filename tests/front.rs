@@ -102,6 +102,7 @@ fn fit(scene: &str, options: &[&str]) -> FittedScene {
         scene,
         "--formulation=composite",
         "--states=12",
+        "-v",
         "-o",
         &path,
     ];
