@@ -21,13 +21,13 @@ pub(super) struct CancellingSum {
 
 impl CancellingSum {
     /// One operand.
-    pub(super) fn single(operand: Operand) -> CancellingSum {
+    fn single(operand: Operand) -> CancellingSum {
         CancellingSum {
             terms: BTreeMap::from([(vec![operand], 1.0)]),
         }
     }
 
-    pub(super) fn number(number: f64) -> CancellingSum {
+    fn number(number: f64) -> CancellingSum {
         let mut constant = CancellingSum::default();
         if number != 0.0 {
             constant.terms.insert(Vec::new(), number);
@@ -99,7 +99,7 @@ impl CancellingSum {
         }
     }
 
-    /// Two operands of which it is the difference, the greater one first.
+    /// Two operands of which it is the difference, the minuend first.
     pub(super) fn as_difference(&self) -> Option<[Operand; 2]> {
         let [(a, first), (b, second)] = *self.terms.iter().collect::<Vec<_>>() else {
             return None;

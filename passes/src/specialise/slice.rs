@@ -31,6 +31,19 @@ pub(super) fn needed(view: View<'_>, scene: &Scene) -> (Function, [u64; 2]) {
     (sliced, [outputs, gone])
 }
 
+/// For every input element whether the function reads it.
+pub(super) fn read_inputs(function: &Function) -> Vec<bool> {
+    let mut read = vec![false; function.input_len()];
+    let operands = function.nodes().iter().flat_map(|node| node.operands());
+    let set = function.assignments.iter().map(|set| &set.operand);
+    for operand in operands.chain(set) {
+        if let Some(input) = operand.input() {
+            read[input.index()] = true;
+        }
+    }
+    read
+}
+
 /// The arrays of a function without those that nothing of is read or set, and
 /// the new places of elements.
 pub(crate) struct SliceSignature {
@@ -57,14 +70,7 @@ impl SliceSignature {
     /// user's functions.
     pub(super) fn of(view: View<'_>) -> SliceSignature {
         let function = view.function;
-        let mut read = vec![false; function.input_len()];
-        let operands = function.nodes().iter().flat_map(|node| node.operands());
-        let set = function.assignments.iter().map(|set| &set.operand);
-        for operand in operands.chain(set) {
-            if let Some(input) = operand.input() {
-                read[input.index()] = true;
-            }
-        }
+        let read = read_inputs(function);
         let mut given = vec![false; function.output_len()];
         for assignment in &function.assignments {
             given[assignment.output.index()] = true;

@@ -6,6 +6,7 @@
 //! probability below its degree over 2^60 (Schwartz and Zippel). The semantic
 //! check of the pass proves the result again, at other points.
 
+use super::slice::read_inputs;
 use robovec_framework::scene::Scene;
 use robovec_ir::diagnostic::counted;
 use robovec_ir::evaluate::evaluate;
@@ -89,14 +90,7 @@ fn takes_roots(function: &Function) -> bool {
 /// Inputs that are read, not bound and not given by a user's function.
 fn tested(view: View<'_>, bound: &[Option<f64>]) -> Vec<usize> {
     let function = view.function;
-    let mut is_read = vec![false; function.input_len()];
-    let operands = function.nodes().iter().flat_map(|node| node.operands());
-    let set = function.assignments.iter().map(|set| &set.operand);
-    for operand in operands.chain(set) {
-        if let Some(input) = operand.input() {
-            is_read[input.index()] = true;
-        }
-    }
+    let is_read = read_inputs(function);
     let is_result = |place: usize| {
         let (array, ..) = function.input_element(Input(place as u32));
         let name = view.tables.symbols.text(array.name);

@@ -50,9 +50,12 @@ pub(super) fn report(
             let mut files = program_files(question, found)?;
             files.extend(in_its_language(arguments, found));
             // The page lies in the folder; the terminal does not.
-            let uses = |place| match answer.is_slower() {
-                false => uses(arguments, place, &files),
-                true => vec![("use it", format!("keep {}: it is faster", arguments.input))],
+            let uses = |place| {
+                if answer.is_slower() {
+                    vec![("use it", format!("keep {}: it is faster", arguments.input))]
+                } else {
+                    uses(arguments, place, &files)
+                }
             };
             of_page.extend(uses(Path::new("")));
             let last = uses(folder);

@@ -16,7 +16,7 @@ use super::units::Units;
 use robovec_analysis::adjoint::Tape;
 use robovec_analysis::directed::{SearchSubject, largest_errors};
 use robovec_analysis::interval::{GivenData, input_ranges};
-use robovec_dynamics::kinematics::{LoopClosure, MotionState};
+use robovec_dynamics::kinematics::{LoopClosure, MotionState, StateError};
 use robovec_dynamics::motion::{EquationSetting, MotionEquations};
 use robovec_ir::print::print_module;
 use robovec_ir::states::States;
@@ -205,7 +205,7 @@ fn singular_pose(model: &Model, draw: &mut Draw) -> Result<(MotionState, f64, us
     };
     let program = ModelProgram::new(model, FunctionKind::Dirdyna, recipe)?;
     let size = model.joints.len();
-    let measure = |state: &MotionState| {
+    let measure = |state: &mut MotionState| {
         let numbers = WorkingPrecision::In(Format::BINARY64);
         let flat = program.evaluate(numbers, Units::SI, &program.inputs(state));
         let entries = program.array("M", &flat, size * size).into_iter();
@@ -213,7 +213,7 @@ fn singular_pose(model: &Model, draw: &mut Draw) -> Result<(MotionState, f64, us
         Some(estimated_condition(size, &entries)).filter(|condition| condition.is_finite())
     };
     let each = program.function.nodes().len() + 200 * size * size;
-    Ok(climb(model, draw, each, &|state| measure(state)))
+    Ok(climb(model, draw, each, &measure))
 }
 
 /// Poses drawn, then changed joint by joint where that makes a measure larger.
@@ -228,13 +228,9 @@ fn climb(
     let mut best = MotionState::initial(model);
     let mut largest = measure(&mut best).unwrap_or(0.0);
     for pose in 0..poses {
-        let fresh = drawn(model, draw);
-        let mut state = if pose < poses / 4 {
-            fresh.clone()
-        } else {
-            best.clone()
-        };
+        let mut state = drawn(model, draw);
         if pose >= poses / 4 {
+            let fresh = std::mem::replace(&mut state, best.clone());
             let joint = (draw.bits() % model.joints.len() as u64) as usize;
             let scale = 0.5f64.powi((draw.bits() % 16) as i32);
             state.q[joint] += scale * (fresh.q[joint] - state.q[joint]);
@@ -243,9 +239,7 @@ fn climb(
             (best, largest) = (state, found);
         }
     }
-    for (joint, fresh) in drawn(model, draw).qd.into_iter().enumerate() {
-        best.qd[joint] = fresh;
-    }
+    best.qd = drawn(model, draw).qd;
     (best, largest, poses)
 }
 
@@ -255,9 +249,9 @@ fn of_loops(model: &Model) -> Result<Vec<StressCase>, StressError> {
         model,
         constraints: equations.constraints(),
     };
-    let failed = |error: &dyn std::fmt::Display| StressError::Passes(error.to_string());
+    let failed = |error: StateError| StressError::Passes(error.to_string());
     let mut start = MotionState::initial(model);
-    let partition = loops.start(&mut start).map_err(|error| failed(&error))?;
+    let partition = loops.start(&mut start).map_err(failed)?;
     let measure = |state: &mut MotionState| {
         for &joint in &partition.dependent {
             state.q[joint] = start.q[joint];
@@ -272,9 +266,7 @@ fn of_loops(model: &Model) -> Result<Vec<StressCase>, StressError> {
     let each = 100 * (size + partition.rows.len()).pow(3);
     let mut draw = Draw::new(SEED);
     let (mut hard, worst, tried) = climb(model, &mut draw, each, &measure);
-    loops
-        .close(&mut hard, &partition)
-        .map_err(|error| failed(&error))?;
+    loops.close(&mut hard, &partition).map_err(failed)?;
     let closed = |state: MotionState| LoopsSubject::in_states([(model.clone(), state)]);
     Ok(vec![
         case(

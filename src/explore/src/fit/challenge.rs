@@ -108,18 +108,20 @@ pub(super) fn challenge(
     let corner = |number: u64| breed.corner(draw(number), mix(seed ^ mix(!number)));
     while result.directed < directed && result.holds() {
         let is_fresh = result.fresh < fresh;
-        let (tried, wanted) = match is_fresh {
-            true => (result.fresh, fresh),
-            false => (result.directed, directed / CORNERS),
+        let (tried, wanted) = if is_fresh {
+            (result.fresh, fresh)
+        } else {
+            (result.directed, directed / CORNERS)
         };
         if tried >= wanted {
             break;
         }
         let numbers = tried..wanted.min(tried + BATCH as u64);
         let count = numbers.end - numbers.start;
-        let states: Vec<Vec<f64>> = match is_fresh {
-            true => numbers.into_par_iter().map(draw).collect(),
-            false => numbers.into_par_iter().map(corner).collect(),
+        let states: Vec<Vec<f64>> = if is_fresh {
+            numbers.into_par_iter().map(draw).collect()
+        } else {
+            numbers.into_par_iter().map(corner).collect()
         };
         parents.extend(judged(task, (program, format), states)?);
         keep_worst(&mut parents);
