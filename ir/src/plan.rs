@@ -159,8 +159,8 @@ impl EvaluationPlan {
         memory.extend(literals.map(|&number| arithmetic.literal(number)));
         memory.resize(self.places, arithmetic.literal(0.0));
         for step in &self.steps {
-            let operands = step.operands.map(|place| memory[place as usize]);
-            memory[step.result as usize] = arithmetic.apply(step.operation, operands);
+            let operands = step.operands.map(|place| &memory[place as usize]);
+            memory[step.result as usize] = arithmetic.apply_read(step.operation, operands);
         }
         let outputs = self.outputs.iter();
         outputs.map(|&place| memory[place as usize]).collect()

@@ -34,19 +34,26 @@ pub trait Arithmetic {
     /// The result of an operation; it ignores what lies after its operands.
     #[inline]
     fn apply(&self, operation: Operation, [a, b, c]: [Self::Number; 3]) -> Self::Number {
+        self.apply_read(operation, [&a, &b, &c])
+    }
+
+    /// As [`Arithmetic::apply`], of operands that lie elsewhere: of wide
+    /// numbers only those that the operation takes are read.
+    #[inline(always)]
+    fn apply_read(&self, operation: Operation, [a, b, c]: [&Self::Number; 3]) -> Self::Number {
         match operation {
-            Operation::Copy => a,
-            Operation::Neg => self.neg(a),
-            Operation::Add => self.add(a, b),
-            Operation::Sub => self.sub(a, b),
-            Operation::Mul => self.mul(a, b),
-            Operation::Div => self.div(a, b),
-            Operation::Sin => self.sin(a),
-            Operation::Cos => self.cos(a),
-            Operation::Sqrt => self.sqrt(a),
-            Operation::Fma => self.fma(a, b, c),
-            Operation::Fms => self.fms(a, b, c),
-            Operation::Fnma => self.fnma(a, b, c),
+            Operation::Copy => *a,
+            Operation::Neg => self.neg(*a),
+            Operation::Add => self.add(*a, *b),
+            Operation::Sub => self.sub(*a, *b),
+            Operation::Mul => self.mul(*a, *b),
+            Operation::Div => self.div(*a, *b),
+            Operation::Sin => self.sin(*a),
+            Operation::Cos => self.cos(*a),
+            Operation::Sqrt => self.sqrt(*a),
+            Operation::Fma => self.fma(*a, *b, *c),
+            Operation::Fms => self.fms(*a, *b, *c),
+            Operation::Fnma => self.fnma(*a, *b, *c),
         }
     }
 

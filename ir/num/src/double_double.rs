@@ -263,7 +263,7 @@ fn large_product_error(a: f64, b: f64, product: f64) -> f64 {
 
 /// Dekker's product: the error of `product` from the halves of the factors.
 #[inline]
-fn product_error(a: f64, b: f64, product: f64) -> f64 {
+pub(crate) fn product_error(a: f64, b: f64, product: f64) -> f64 {
     let (a_high, a_low) = split(a);
     let (b_high, b_low) = split(b);
     ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low

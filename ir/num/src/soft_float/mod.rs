@@ -33,6 +33,7 @@
 //! root of a negative number, and a NaN from outside.
 
 mod exact;
+mod lanes;
 mod odd;
 mod rounding;
 #[cfg(test)]
@@ -42,6 +43,7 @@ mod word;
 use crate::NumberFormat;
 use crate::arithmetic::Arithmetic;
 use crate::format::Format;
+pub use lanes::FormatLanes;
 use rounding::Rounding;
 
 /// The arithmetic of one format.

@@ -19,7 +19,7 @@ const MAX_OPERAND: f64 = f64::from_bits((1023 + 1000) << 52);
 
 /// True where error terms are exact.
 #[inline]
-fn is_tame(number: f64) -> bool {
+pub(super) fn is_tame(number: f64) -> bool {
     let size = number.abs();
     (LEAST..=MAX_OPERAND).contains(&size)
 }
@@ -27,7 +27,7 @@ fn is_tame(number: f64) -> bool {
 /// The neighbour with an odd last bit, given the nearest number of something
 /// and a number with the sign of what is missing.
 #[inline]
-fn odd(nearest: f64, error: f64) -> f64 {
+pub(super) fn odd(nearest: f64, error: f64) -> f64 {
     let bits = nearest.to_bits();
     let inexact = u64::from(error != 0.0);
     let beyond = (bits ^ error.to_bits()) >> 63 & inexact;
@@ -36,7 +36,7 @@ fn odd(nearest: f64, error: f64) -> f64 {
 
 /// `a + b` rounded to odd; both far below the largest number.
 #[inline]
-fn odd_sum(a: f64, b: f64) -> f64 {
+pub(super) fn odd_sum(a: f64, b: f64) -> f64 {
     let (sum, error) = two_sum(a, b);
     odd(sum, error)
 }

@@ -74,12 +74,12 @@ pub(super) struct FloatRounding {
     smallest: i32,
     largest_exponent: i32,
     /// The smallest normal number.
-    least: f64,
+    pub(super) least: f64,
     /// The largest finite number.
-    largest: f64,
+    pub(super) largest: f64,
     /// 2^52 times the smallest subnormal number: adding it rounds to multiples
     /// of that number.
-    shift: f64,
+    pub(super) shift: f64,
     flush: bool,
 }
 
@@ -124,7 +124,7 @@ impl FloatRounding {
     /// A positive number without the bits that the format lacks; a carry runs
     /// into the exponent, as it should.
     #[inline]
-    fn drop_bits(&self, bits: u64) -> u64 {
+    pub(super) fn drop_bits(&self, bits: u64) -> u64 {
         if self.dropped == 0 {
             return bits;
         }
@@ -171,9 +171,9 @@ pub(super) struct FixedRounding {
     /// The exponent of the unit.
     unit: i32,
     lowest: f64,
-    highest: f64,
+    pub(super) highest: f64,
     /// 2^52 units.
-    shift: f64,
+    pub(super) shift: f64,
 }
 
 impl FixedRounding {

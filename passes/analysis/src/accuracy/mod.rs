@@ -44,7 +44,7 @@ use robovec_ir::{Function, Output, Shape, View};
 use robovec_num::arithmetic::{Arithmetic, Binary32, Binary64};
 use robovec_num::batch::Batch;
 use robovec_num::format::Format;
-use robovec_num::soft_float::FormatArithmetic;
+use robovec_num::soft_float::{FormatArithmetic, FormatLanes};
 use robovec_num::trigonometry::host;
 pub(super) use samples::Samples;
 pub use spread::StateSpread;
@@ -409,12 +409,26 @@ impl<'a> FormatEvaluator<'a> {
     fn run(&mut self, inputs: &[Vec<f64>; LANES]) -> Vec<[f64; LANES]> {
         let plan = &self.plan;
         match &mut self.memory {
-            FormatMemory::Binary32(memory) => run_lanes(plan, Binary32, inputs, memory)
-                .into_iter()
-                .map(|lanes| lanes.map(f64::from))
-                .collect(),
-            FormatMemory::Binary64(memory) => run_lanes(plan, Binary64, inputs, memory),
-            FormatMemory::Soft(arithmetic, memory) => run_lanes(plan, *arithmetic, inputs, memory),
+            FormatMemory::Binary32(memory) => {
+                let lanes = Batch([Binary32; LANES]);
+                let results = run_lanes(plan, &lanes, |number| number as f32, inputs, memory);
+                let results = results.into_iter();
+                results.map(|lanes| lanes.map(f64::from)).collect()
+            }
+            FormatMemory::Binary64(memory) => {
+                let lanes = Batch([Binary64; LANES]);
+                run_lanes(plan, &lanes, |number| number, inputs, memory)
+            }
+            FormatMemory::Soft(single, memory) => {
+                let lanes = FormatLanes::<LANES>(*single);
+                run_lanes(
+                    plan,
+                    &lanes,
+                    |number| single.convert(number),
+                    inputs,
+                    memory,
+                )
+            }
             FormatMemory::Mixed(format) => {
                 let lanes = inputs
                     .each_ref()
@@ -427,16 +441,17 @@ impl<'a> FormatEvaluator<'a> {
     }
 }
 
-fn run_lanes<A: Arithmetic + Copy>(
+fn run_lanes<N: Copy, A: Arithmetic<Number = [N; LANES]>>(
     plan: &EvaluationPlan,
-    arithmetic: A,
-    inputs: &[Vec<f64>; LANES],
-    memory: &mut Vec<[A::Number; LANES]>,
-) -> Vec<[A::Number; LANES]> {
-    let inputs: Vec<[A::Number; LANES]> = (0..inputs[0].len())
-        .map(|index| array::from_fn(|lane| arithmetic.literal(inputs[lane][index])))
+    arithmetic: &A,
+    input: impl Fn(f64) -> N,
+    states: &[Vec<f64>; LANES],
+    memory: &mut Vec<[N; LANES]>,
+) -> Vec<[N; LANES]> {
+    let inputs: Vec<[N; LANES]> = (0..states[0].len())
+        .map(|place| array::from_fn(|lane| input(states[lane][place])))
         .collect();
-    plan.run(&Batch([arithmetic; LANES]), &inputs, memory)
+    plan.run(arithmetic, &inputs, memory)
 }
 
 /// The outputs of a function in a state, in the order of its assignments.

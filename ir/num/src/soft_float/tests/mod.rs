@@ -3,6 +3,7 @@
 
 mod fixed;
 mod floats;
+mod lanes;
 mod mixed;
 mod operands;
 mod reference;
