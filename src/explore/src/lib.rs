@@ -22,6 +22,7 @@
 //!   an axis where it is exact or fast enough, `sweep` and `study` place on all
 //!   cores; all but `fit` keep their points.
 
+mod adversary;
 pub mod axes;
 mod captions;
 pub mod device;

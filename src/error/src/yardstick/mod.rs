@@ -8,22 +8,26 @@
 //! everything at once: model, series and rounding. [`account`] prints it.
 
 pub mod account;
+mod quick;
+
+pub use quick::{QuickMemory, QuickYardstick};
 
 use robovec_analysis::reference::{ExactOutput, ReferenceEffort, ReferenceEvaluator};
 use robovec_framework::scene::Allowed;
-use robovec_ir::evaluate::{evaluate, evaluate_mixed};
+use robovec_ir::evaluate::evaluate_mixed;
+use robovec_ir::plan::EvaluationPlan;
 use robovec_ir::print::{print_operand, print_output};
 use robovec_ir::states::States;
 use robovec_ir::{Format, Input, Output, View};
 use robovec_num::arithmetic::{Arithmetic, Binary32, Binary64};
 use robovec_num::batch::Batch;
 use robovec_num::double_double::Double;
-use robovec_num::soft_float::FormatArithmetic;
+use robovec_num::soft_float::{FormatArithmetic, FormatLanes};
 use std::array;
 use std::collections::BTreeMap;
 
 /// States evaluated at a time.
-const LANES: usize = 4;
+pub const LANES: usize = 8;
 
 /// An element that is below this part of the largest of its array is zero
 /// except for the rounding of the reference itself, as in
@@ -176,19 +180,18 @@ impl Yardstick {
     ///
     /// See [`Unmeasurable`].
     pub fn inputs(&self, view: View<'_>) -> Result<Vec<Vec<f64>>, Unmeasurable> {
-        let names = input_names(view);
-        let places: Result<Vec<usize>, Unmeasurable> = names
-            .into_iter()
-            .map(|name| {
-                self.places
-                    .get(&name)
-                    .copied()
-                    .ok_or(Unmeasurable::Input(name))
-            })
-            .collect();
-        let places = places?;
+        let places = self.input_places(view)?;
         let pick = |state: &Vec<f64>| places.iter().map(|&place| state[place]).collect();
         Ok(self.states.iter().map(pick).collect())
+    }
+
+    /// The place in a state of every input of a program.
+    fn input_places(&self, view: View<'_>) -> Result<Vec<usize>, Unmeasurable> {
+        let place = |name: String| {
+            let place = self.places.get(&name).copied();
+            place.ok_or(Unmeasurable::Input(name))
+        };
+        input_names(view).into_iter().map(place).collect()
     }
 
     /// The errors of a program computed in a format.
@@ -395,23 +398,29 @@ pub fn input_names(view: View<'_>) -> Vec<String> {
 /// The outputs of a program at states, in a format, as binary64 (which holds
 /// the numbers of every format).
 pub fn results(view: View<'_>, format: Format, states: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    // What says itself how its values are computed is asked.
+    // A function whose values have their own formats computes in them.
     if view.function.formats.is_some() {
         let run = |state: &Vec<f64>| evaluate_mixed(view.function, format, state);
         return states.iter().map(run).collect();
     }
+    let single = FormatArithmetic::new(format);
     if let Some(unit) = view.function.trigonometry_unit() {
         let unit = unit.expect("the verifier accepts only names of units");
-        return in_lanes(view, unit.within(FormatArithmetic::new(format)), states);
+        let lanes = Batch([unit.within(single); LANES]);
+        return in_lanes(view, &lanes, |number| single.convert(number), states);
     }
     match format {
-        Format::BINARY64 => in_lanes(view, Binary64, states),
+        Format::BINARY64 => in_lanes(view, &Batch([Binary64; LANES]), |number| number, states),
         Format::BINARY32 => {
-            let results = in_lanes(view, Binary32, states);
+            let lanes = Batch([Binary32; LANES]);
+            let results = in_lanes(view, &lanes, |number| number as f32, states);
             let wide = |row: Vec<f32>| row.into_iter().map(f64::from).collect();
             results.into_iter().map(wide).collect()
         }
-        other => in_lanes(view, FormatArithmetic::new(other), states),
+        _ => {
+            let lanes = FormatLanes::<LANES>(single);
+            in_lanes(view, &lanes, |number| single.convert(number), states)
+        }
     }
 }
 
@@ -424,27 +433,31 @@ fn exact(view: View<'_>, states: &[Vec<f64>]) -> Vec<Vec<Double>> {
 }
 
 /// The outputs of a function at states, a few at a time.
-fn in_lanes<A: Arithmetic + Clone>(
+fn in_lanes<N: Copy, A: Arithmetic<Number = [N; LANES]>>(
     view: View<'_>,
-    arithmetic: A,
+    arithmetic: &A,
+    input: impl Fn(f64) -> N,
     states: &[Vec<f64>],
-) -> Vec<Vec<A::Number>> {
-    let batch: Batch<A, LANES> = Batch(array::from_fn(|_| arithmetic.clone()));
+) -> Vec<Vec<N>> {
+    let plan = EvaluationPlan::new(view.function);
+    let mut memory = Vec::new();
     let mut results = Vec::with_capacity(states.len());
     for group in states.chunks(LANES) {
-        let inputs: [Vec<A::Number>; LANES] = array::from_fn(|lane| {
-            // A last group that is not full repeats its first state.
-            let state = group.get(lane).unwrap_or(&group[0]);
-            state
-                .iter()
-                .map(|&number| arithmetic.literal(number))
-                .collect()
-        });
-        let inputs = Batch::<A, LANES>::gather(&inputs);
-        let outputs = evaluate(view.function, &batch, &inputs);
+        let inputs = gathered(group, &input);
+        let outputs = plan.run(arithmetic, &inputs, &mut memory);
         for lane in 0..group.len() {
             results.push(outputs.iter().map(|lanes| lanes[lane]).collect());
         }
     }
     results
+}
+
+/// The inputs of at most as many states as there are lanes, input by input; a
+/// group that is not full repeats its first state.
+fn gathered<N: Copy>(group: &[Vec<f64>], input: impl Fn(f64) -> N) -> Vec<[N; LANES]> {
+    let number = |place: usize, lane: usize| group.get(lane).unwrap_or(&group[0])[place];
+    let inputs = 0..group[0].len();
+    inputs
+        .map(|place| array::from_fn(|lane| input(number(place, lane))))
+        .collect()
 }

@@ -289,7 +289,7 @@ fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> Vec<
         (
             "searched",
             format!(
-                "{}, at corners and bred from the worst: at most {} of the tolerance{broken}",
+                "{}, at corners and in climbs from the worst: at most {} of the tolerance{broken}",
                 counted(challenge.directed, "more state"),
                 percent(challenge.used),
             ),

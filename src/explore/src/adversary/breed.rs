@@ -1,0 +1,109 @@
+//! New states from bad ones: nearer and further, with inputs of one instead of
+//! another's, at the ends of their ranges and at zero.
+//!
+//! **Invariant.** Every state lies in the ranges.
+
+use robovec_ir::{Input, View};
+use robovec_num::random::{mix, unit};
+
+/// Operators that make new states of a scene from known ones.
+pub(crate) struct StateBreeder {
+    /// The range of every input; `None` for inputs without one, which keep the
+    /// values that are drawn.
+    ranges: Vec<Option<[f64; 2]>>,
+    /// The array of every input.
+    arrays: Vec<usize>,
+    /// The inputs with a range of more than one number.
+    free: Vec<usize>,
+}
+
+impl StateBreeder {
+    /// Operators for a function, given the range of every input element, by
+    /// its number from 0.
+    pub(crate) fn new(view: View<'_>, range: impl Fn(u32) -> Option<[f64; 2]>) -> StateBreeder {
+        let function = view.function;
+        let inputs = 0..function.input_len() as u32;
+        let ranges: Vec<Option<[f64; 2]>> = inputs.clone().map(range).collect();
+        let array = |input: u32| {
+            let (own, _, _) = function.input_element(Input(input));
+            let same = |array: &robovec_ir::Array| array.name == own.name;
+            function.inputs().iter().position(same)
+        };
+        let is_free = |input: &usize| ranges[*input].is_some_and(|[low, high]| low < high);
+        StateBreeder {
+            arrays: inputs
+                .map(|input| array(input).expect("an input belongs to an array"))
+                .collect(),
+            free: (0..ranges.len()).filter(is_free).collect(),
+            ranges,
+        }
+    }
+
+    /// A state whose numbers use all digits of binary64: what is drawn is
+    /// rounded to binary32.
+    pub(crate) fn refined(&self, mut state: Vec<f64>, seed: u64) -> Vec<f64> {
+        for &input in &self.free {
+            let step = state[input].abs() * f64::from(f32::EPSILON);
+            let place = unit(mix(seed ^ input as u64)) - 0.5;
+            self.set(&mut state, input, |number| number + step * place);
+        }
+        state
+    }
+
+    /// A state with inputs at the ends of their ranges and at zero: all of
+    /// them, or a part.
+    pub(crate) fn corner(&self, mut state: Vec<f64>, seed: u64) -> Vec<f64> {
+        let kinds = 2 + seed % 3;
+        for &input in &self.free {
+            let [low, high] = self.ranges[input].expect("a free input has a range");
+            let kind = mix(seed ^ mix(input as u64)) % kinds;
+            self.set(&mut state, input, |number| {
+                [low, high, 0.0, number][kind as usize]
+            });
+        }
+        state
+    }
+
+    /// A new state from one and, in part, from another of bad ones.
+    pub(crate) fn child(&self, parent: &[f64], others: &[Vec<f64>], seed: u64) -> Vec<f64> {
+        let mut random = mix(seed);
+        let mut next = || {
+            random = mix(random);
+            random
+        };
+        let mut state = parent.to_vec();
+        if self.free.is_empty() || next().is_multiple_of(8) {
+            // Whole arrays of another state: what belongs together stays so.
+            let other = &others[(next() % others.len() as u64) as usize];
+            let taken = next();
+            for (input, number) in state.iter_mut().enumerate() {
+                if mix(taken ^ self.arrays[input] as u64).is_multiple_of(2) {
+                    *number = other[input];
+                }
+            }
+            return state;
+        }
+        for _ in 0..1 + next() % 3 {
+            let input = self.free[(next() % self.free.len() as u64) as usize];
+            let [low, high] = self.ranges[input].expect("a free input has a range");
+            let (kind, place, depth) = (next() % 8, unit(next()), next() % 40);
+            let other = &others[(next() % others.len() as u64) as usize];
+            self.set(&mut state, input, |number| match kind {
+                0 => low,
+                1 => high,
+                2 => 0.0,
+                3 => low + (high - low) * place,
+                4 => other[input],
+                // From half of the range down to the last digits.
+                _ => number + (high - low) * 0.5f64.powi(depth as i32) * (place - 0.5),
+            });
+        }
+        state
+    }
+
+    /// Changes an input within its range.
+    fn set(&self, state: &mut [f64], input: usize, change: impl FnOnce(f64) -> f64) {
+        let [low, high] = self.ranges[input].expect("a free input has a range");
+        state[input] = change(state[input]).clamp(low, high);
+    }
+}

@@ -1,0 +1,149 @@
+//! Climbs to states at which a choice is worse, step by step.
+//!
+//! Rounding errors jump from one number to the next, so that there is no slope
+//! to go down. A climb measures some children of its state at a time and goes
+//! on from the worst of them if it is at least as bad; where nothing was worse
+//! for long it begins anew. Every other climb looks at a single output, since
+//! the worst output of one state is seldom that of the worst state.
+//!
+//! **Invariant.** Climbs meet only between rounds: the same task gives the same
+//! states on any number of threads.
+
+use super::breed::StateBreeder;
+use rayon::prelude::*;
+use robovec_error::yardstick::{LANES, QuickMemory, QuickYardstick};
+use robovec_num::random::mix;
+
+/// Number of climbs side by side.
+const CLIMBS: u64 = 16;
+
+/// Generations of a climb in one round.
+const GENERATIONS: u64 = 32;
+
+/// Generations without a larger error after which a climb begins anew.
+const PATIENCE: u32 = 250;
+
+/// Number of states of one round of all climbs.
+pub(crate) const ROUND: u64 = CLIMBS * GENERATIONS * LANES as u64;
+
+/// Climbs from bad states.
+pub(crate) struct Climbs<'c, D> {
+    quick: &'c QuickYardstick<'c>,
+    breeder: &'c StateBreeder,
+    /// A new state to begin from, by a number.
+    draw: D,
+    seed: u64,
+    climbs: Vec<Climb>,
+    rounds: u64,
+}
+
+/// One climb.
+struct Climb {
+    number: u64,
+    /// The output it looks at, as a place among the assignments; `None` for
+    /// the worst of all.
+    output: Option<usize>,
+    state: Vec<f64>,
+    /// Error of the state over what is allowed.
+    share: f64,
+    /// Generations since the error grew.
+    since: u32,
+    /// The largest error of any output that was ever met.
+    worst: f64,
+    /// Its state, if it was met in this round.
+    found: Option<Vec<f64>>,
+    memory: QuickMemory,
+}
+
+impl<'c, D: Fn(u64) -> Vec<f64> + Sync> Climbs<'c, D> {
+    /// Climbs from these states, of which there is one at least.
+    pub(crate) fn new(
+        (quick, breeder): (&'c QuickYardstick<'c>, &'c StateBreeder),
+        states: &[Vec<f64>],
+        draw: D,
+        seed: u64,
+    ) -> Climbs<'c, D> {
+        let climb = |number: u64| {
+            let state = states[number as usize % states.len()].clone();
+            Climb {
+                number,
+                output: (number % 2 == 1).then(|| (number / 2) as usize % quick.outputs().max(1)),
+                worst: 0.0,
+                found: None,
+                state,
+                share: 0.0,
+                since: 0,
+                memory: QuickMemory::default(),
+            }
+        };
+        Climbs {
+            quick,
+            breeder,
+            draw,
+            seed,
+            climbs: (0..CLIMBS).map(climb).collect(),
+            rounds: 0,
+        }
+    }
+
+    /// One round of all climbs: the states in it that are worse than all
+    /// before of their climb.
+    pub(crate) fn round(&mut self) -> Vec<Vec<f64>> {
+        let others: Vec<Vec<f64>> = (self.climbs.iter())
+            .map(|climb| climb.state.clone())
+            .collect();
+        let mut climbs = std::mem::take(&mut self.climbs);
+        climbs.par_iter_mut().for_each(|climb| {
+            for generation in 0..GENERATIONS {
+                let number = (self.rounds * GENERATIONS + generation) * CLIMBS + climb.number;
+                self.step(climb, &others, number);
+            }
+        });
+        self.climbs = climbs;
+        self.rounds += 1;
+        let found = self.climbs.iter_mut();
+        found.filter_map(|climb| climb.found.take()).collect()
+    }
+
+    /// The largest error that was met, over what is allowed.
+    pub(crate) fn worst(&self) -> f64 {
+        self.climbs
+            .iter()
+            .map(|climb| climb.worst)
+            .fold(0.0, f64::max)
+    }
+
+    /// One generation of a climb; `number` is its own among all.
+    fn step(&self, climb: &mut Climb, others: &[Vec<f64>], number: u64) {
+        if climb.since > PATIENCE {
+            (climb.share, climb.since) = (0.0, 0);
+            climb.state = (self.draw)(number);
+            climb.output = climb
+                .output
+                .map(|output| (output + 1) % self.quick.outputs());
+        }
+        let child = |lane: usize| {
+            let seed = self.seed ^ mix(number * LANES as u64 + lane as u64);
+            self.breeder.child(&climb.state, others, seed)
+        };
+        let children: Vec<Vec<f64>> = (0..LANES).map(child).collect();
+        let shares = self.quick.shares(&children, &mut climb.memory);
+        climb.since += 1;
+        for (lane, child) in children.into_iter().enumerate() {
+            let all = shares
+                .iter()
+                .fold(0.0, |most: f64, lanes| most.max(lanes[lane]));
+            let share = climb.output.map_or(all, |output| shares[output][lane]);
+            if all > climb.worst {
+                (climb.worst, climb.found) = (all, Some(child.clone()));
+            }
+            // Equal ones move on, so that a climb does not stay in one place.
+            if share >= climb.share {
+                if share > climb.share {
+                    climb.since = 0;
+                }
+                (climb.share, climb.state) = (share, child);
+            }
+        }
+    }
+}
