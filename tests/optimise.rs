@@ -43,9 +43,14 @@ fn assert_shows(text: &str, results: &Value) {
         _ => format!("{speed:.0}"),
     };
     let [worst, best] = [0, 1].map(|place| number(&answer["worst_errors"][place]));
+    let found = number(&answer["found_error"]);
+    if let Some(proved) = answer["proved_error"].as_f64() {
+        assert!(found <= proved, "{found:e} was found, {proved:e} proved");
+    }
     for shown in [
         format!("{} -> {} ", digits(before), digits(after)),
         format!("{worst:.1e} -> {best:.1e} in "),
+        format!("up to {found:.1e}, found"),
     ] {
         assert!(text.contains(&shown), "no {shown} in {text}");
     }

@@ -1,12 +1,14 @@
 //! Answer of a search: how much faster than the input, how exact, and what was
 //! proved.
 
+use super::text::SHOWN;
 use super::{OptimisationPoint, OptimisationQuestion, OptimisationTarget, Optimised};
 use crate::pareto;
 use robovec_error::yardstick::account::measure_text;
 use robovec_fpga::hardware;
 use robovec_ir::Machine;
 use robovec_present::number::{exponential, percent};
+use robovec_present::text::thinned;
 use serde::Serialize;
 
 /// Label of the line with other choices.
@@ -48,6 +50,12 @@ pub struct OptimisationAnswer {
     pub input: String,
     /// Worst errors of both, relative to the largest element of an array.
     pub worst_errors: [Option<f64>; 2],
+    /// Operations of both.
+    pub operations: [usize; 2],
+    /// Largest error of the program that a directed search found.
+    pub found_error: Option<f64>,
+    /// Bound of its error for every state in the ranges.
+    pub proved_error: Option<f64>,
     /// Median error of the program.
     pub median_error: Option<f64>,
     /// Number format of the target.
@@ -79,6 +87,9 @@ impl OptimisationAnswer {
             target: target(question, best),
             input: input.remark.clone(),
             worst_errors: [input, best].map(|point| point.errors.map(|errors| errors[1])),
+            operations: [input, best].map(|point| point.operations),
+            found_error: best.found,
+            proved_error: best.proved,
             median_error: best.errors.map(|errors| errors[0]),
             format: found.errors.format.to_string(),
             states: found.errors.states.clone(),
@@ -135,6 +146,10 @@ impl OptimisationAnswer {
                 format!("{}; input: {}", self.target, self.input),
             )),
         }
+        if self.measure != SpeedMeasure::Operations {
+            let [before, after] = self.operations;
+            lines.push(("operations", format!("{before} -> {after}")));
+        }
         let [before, after] = self.worst_errors.map(error_text);
         lines.push((
             "worst error",
@@ -145,6 +160,15 @@ impl OptimisationAnswer {
                 measure_text(&self.states)
             ),
         ));
+        lines.extend(self.found_error.map(|found| {
+            let bound = match self.proved_error {
+                Some(bound) => format!("never above {}, proved", exponential(bound)),
+                None => "no bound was proved".to_owned(),
+            };
+            let found = exponential(found);
+            let text = format!("up to {found}, found by a search; {bound}");
+            ("any state", text)
+        }));
         lines.push(("proved", self.proof.clone()));
         lines.extend(self.schedule.clone().map(|text| (SCHEDULE, text)));
         if !self.others.is_empty() {
@@ -212,6 +236,25 @@ impl Optimised {
             points
                 .filter_map(|(index, point)| Some((index, [measure.of(point)?, point.errors?[1]]))),
         )
+    }
+
+    /// Places of the rows: the front, thinned where it is long, the input and the
+    /// program that was taken.
+    pub(super) fn shown(&self, measure: SpeedMeasure, most: usize) -> Vec<usize> {
+        let front = self.front(measure);
+        let mut rows: Vec<usize> = vec![0, self.best];
+        let others: Vec<usize> = front
+            .into_iter()
+            .filter(|index| !rows.contains(index))
+            .collect();
+        // The first and the last stay, the fastest and the most exact; fewer rows
+        // are some of those that were searched for large errors.
+        let searched = thinned(&others, SHOWN - rows.len());
+        rows.extend(thinned(&searched, most - rows.len()));
+        let speed = |index: &usize| measure.of(&self.points[*index]).unwrap_or(f64::INFINITY);
+        rows.sort_by(|a, b| speed(a).total_cmp(&speed(b)).then(a.cmp(b)));
+        rows.dedup();
+        rows
     }
 }
 

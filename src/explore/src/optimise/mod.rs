@@ -21,6 +21,7 @@ mod processor;
 mod proof;
 pub mod start;
 pub mod text;
+mod worst;
 
 use crate::device;
 use crate::placing::words_of_a_side;
@@ -121,6 +122,12 @@ pub struct OptimisationPoint {
     /// every state its largest error over its largest element, the median and
     /// the worst.
     pub errors: Option<[f64; 2]>,
+    /// The largest error of a directed search in the ranges, of rows of the
+    /// front: over the largest element of the array or, if that is larger, the
+    /// usual size of the array.
+    pub found: Option<f64>,
+    /// Bound of that error for every state in the ranges, where there is one.
+    pub proved: Option<f64>,
     /// Reason why it was not measured.
     pub remark: String,
     /// True for the function as it came.
@@ -211,6 +218,7 @@ pub fn optimise(
     progress("proving the best");
     let proof = proof::prove(&prepared, trial, question).map_err(OptimisationError::Proof)?;
     let mut points = vec![measured.input];
+    let mut modules = vec![prepared.starts[0].clone()];
     let is_timed = measured
         .figures
         .iter()
@@ -220,6 +228,7 @@ pub fn optimise(
         if is_timed && figures.nanoseconds.is_none() && figures.remark.is_empty() {
             continue;
         }
+        modules.push(trial.program.module.clone());
         points.push(OptimisationPoint {
             name: trial.name.clone(),
             start: starts[trial.start].name.clone(),
@@ -235,6 +244,8 @@ pub fn optimise(
                 .map(|(cycles, words)| share(ScheduleSize { cycles, words }, question.machine)),
             code_bytes: figures.code_bytes,
             errors: figures.errors,
+            found: None,
+            proved: None,
             remark: if figures.remark.is_empty() {
                 trial.remark.to_owned()
             } else {
@@ -246,7 +257,7 @@ pub fn optimise(
     }
     let skipped = outcome.skipped.iter();
     let taken = points.iter().position(|point| point.taken);
-    Ok(Optimised {
+    let mut optimised = Optimised {
         untimed: outcome.trials.len() + 1 - points.len(),
         points,
         best: taken.expect("the best was timed, where any was"),
@@ -266,7 +277,17 @@ pub fn optimise(
                 question.scene.is_some(),
             ),
         },
-    })
+    };
+    progress("searching for the largest errors");
+    let front = optimised.shown(optimised.measure(question), text::SHOWN);
+    let exact = &prepared.starts[0];
+    for index in front {
+        let worst = worst::worst(exact, &modules[index], question);
+        let worst = worst.map_err(ExplorationError::from)?;
+        optimised.points[index].found = Some(worst.found);
+        optimised.points[index].proved = worst.proved;
+    }
+    Ok(optimised)
 }
 
 /// The share of the device that a machine takes for a program that was placed.

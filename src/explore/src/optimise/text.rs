@@ -8,7 +8,7 @@ use robovec_ir::diagnostic::counted;
 use robovec_present::json::json_script;
 use robovec_present::number::{exponential, share_percent};
 use robovec_present::page::{self, PointsPage};
-use robovec_present::text::{cut, thinned};
+use robovec_present::text::cut;
 use robovec_present::{
     AxisScale, ColumnList, Curve, DataTable, Digits, Figure, Mark, Paint, Panel, PlotAxis, Stroke,
     columns,
@@ -52,56 +52,42 @@ fn columns<'a>(is_timed: bool) -> ColumnList<'a, &'a OptimisationPoint> {
         "code (bytes)", [timed(All), All], |point| point.code_bytes;
         median, [Exponent(1), Exponent(3)], error(0);
         worst, [Exponent(1), Exponent(3)], error(1);
+        "found", [Exponent(1), Exponent(3)], |point| point.found;
+        "proved", [Exponent(1), Exponent(3)], |point| point.proved;
         "note", [All, All], |point| match mark(point) { "" => point.remark.as_str(), mark => mark };
     }
 }
 
 /// Maximum number of programs in the table for the terminal.
-const SHOWN: usize = 8;
+pub(super) const SHOWN: usize = 8;
 /// Maximum number of programs where more is requested.
 const SHOWN_MORE: usize = 40;
 /// Maximum number of characters of a name on the terminal.
-const NAME: usize = 33;
+const NAME: usize = 24;
 
 /// The table for the terminal: the Pareto front of speed against error, the
 /// fastest first, with the input and the program that was taken in it; of this
 /// number of rows, at least two and at most eight.
 pub fn front_table(found: &Optimised, measure: SpeedMeasure, rows: usize) -> String {
-    let rows: Vec<_> = shown(found, measure, rows.clamp(2, SHOWN))
+    let rows: Vec<_> = found
+        .shown(measure, rows.clamp(2, SHOWN))
         .into_iter()
         .map(|index| &found.points[index])
         .collect();
     let [_, worst] = ERROR_HEADS;
-    let (digits, operations) = match measure {
-        SpeedMeasure::Operations => (Digits::Decimals(0), Digits::Hidden),
-        SpeedMeasure::Cycles => (Digits::Decimals(0), Digits::All),
-        _ => (Digits::Words(nanoseconds), Digits::All),
+    let digits = match measure {
+        SpeedMeasure::Operations | SpeedMeasure::Cycles => Digits::Decimals(0),
+        _ => Digits::Words(nanoseconds),
     };
     let list = columns! { &OptimisationPoint;
         "program", [All, All], |point| cut(&point.name, NAME);
         measure.unit(), [digits, All], move |point| measure.of(point);
         worst, [Exponent(1), All], |point| point.errors.map(|errors| errors[1]);
-        "operations", [operations, All], |point| point.operations;
+        "found", [Exponent(1), All], |point| point.found;
+        "proved", [Exponent(1), All], |point| point.proved;
         "", [All, All], |point| mark(point);
     };
     list.text(&rows)
-}
-
-/// Places of the rows: the front, thinned where it is long, the input and the
-/// program that was taken.
-fn shown(found: &Optimised, measure: SpeedMeasure, most: usize) -> Vec<usize> {
-    let front = found.front(measure);
-    let mut rows: Vec<usize> = vec![0, found.best];
-    let others: Vec<usize> = front
-        .into_iter()
-        .filter(|index| !rows.contains(index))
-        .collect();
-    // The first and the last stay, the fastest and the most exact.
-    rows.extend(thinned(&others, most - rows.len()));
-    let speed = |index: &usize| measure.of(&found.points[*index]).unwrap_or(f64::INFINITY);
-    rows.sort_by(|a, b| speed(a).total_cmp(&speed(b)).then(a.cmp(b)));
-    rows.dedup();
-    rows
 }
 
 fn mark(point: &OptimisationPoint) -> &str {
@@ -177,6 +163,18 @@ pub fn figure(found: &Optimised, measure: SpeedMeasure) -> Figure {
         Curve::new("tried", Paint::Distinct(3), Stroke::Points, tried),
         Curve::new(label, Paint::Distinct(0), Stroke::Steps, front),
     ];
+    type Error = fn(&OptimisationPoint) -> Option<f64>;
+    let limits: [(&str, usize, Error); 2] = [
+        ("found for any state", 4, |point| point.found),
+        ("proved", 5, |point| point.proved),
+    ];
+    for (label, colour, error) in limits {
+        let place = |point| Some(Mark::at(measure.of(point)?, error(point)?));
+        let marks: Vec<Mark> = found.points.iter().filter_map(place).collect();
+        if !marks.is_empty() {
+            curves.push(Curve::points(label, colour, marks));
+        }
+    }
     for (name, index, colour) in [("input", 0, 1), ("taken", found.best, 2)] {
         let point = &found.points[index];
         if let Some((speed, error)) = place(point) {

@@ -1,0 +1,89 @@
+//! The largest errors of programs over all states in the ranges of their
+//! inputs: found by a directed search, a lower bound, and proved, an upper one.
+//!
+//! Errors are those of an output over the largest element of its array in the
+//! same state, or over the usual size of the array where that is larger: an
+//! array that vanishes has no relative error. Inputs are real numbers, whose
+//! rounding to the format counts.
+
+use super::{OptimisationQuestion, measure};
+use crate::adversary::{Climbs, ROUND, StateBreeder};
+use crate::program::view;
+use robovec_analysis::adjoint::Tape;
+use robovec_analysis::interval::{GivenData, input_ranges};
+use robovec_analysis::norms::norm_bounds;
+use robovec_error::yardstick::{QuickYardstick, Unmeasurable};
+use robovec_framework::scene::{Allowed, ArraySizes};
+use robovec_ir::{Input, Module};
+use robovec_num::interval::Interval;
+
+/// Operations that a search evaluates, about a second.
+const WORK: u64 = 300_000_000;
+
+/// Maximum number of states of a search, and of states it begins from.
+const STATES: u64 = 1 << 18;
+const STARTS: u32 = 64;
+
+/// Maximum number of operations of a program that is bounded, about a second.
+const LARGEST: usize = 6000;
+
+/// Largest errors of a program.
+#[derive(Clone, Copy, PartialEq, Default, Debug)]
+pub(super) struct WorstErrors {
+    /// The largest error that was found.
+    pub(super) found: f64,
+    /// Bound for all states; `None` where there is none.
+    pub(super) proved: Option<f64>,
+}
+
+/// The largest errors of a program for the function `exact`.
+pub(super) fn worst(
+    exact: &Module,
+    program: &Module,
+    question: &OptimisationQuestion<'_>,
+) -> Result<WorstErrors, Unmeasurable> {
+    let (exact, program) = (view(exact), view(program));
+    let format = measure::format(question);
+    let sizes = ArraySizes::of(exact, question.scene);
+    let allowed = Allowed::new(program, None, 1.0, &sizes);
+    let least = allowed.of(&vec![0.0; program.function.assignments.len()]);
+    let quick = QuickYardstick::new(exact, (program, format), allowed)?;
+    let ranges: Vec<Interval> = (input_ranges(exact, question.states).iter())
+        .map(|input| input.range)
+        .collect();
+    let breeder = StateBreeder::new(exact, |input| {
+        let (array, indices, _) = exact.function.input_element(Input(input));
+        let name = exact.tables.symbols.text(array.name);
+        let is_given = question.states.ranges().get(name, indices).is_some();
+        // Inertia tensors that are drawn are symmetric, which climbs do not keep.
+        let Interval { low, high } = ranges[input as usize];
+        (is_given || name != "In").then_some([low, high])
+    });
+    let seed = question.states.seed();
+    let draw = |number: u64| question.states.draw(exact, number as u32);
+    let starts: Vec<Vec<f64>> = (0..u64::from(STARTS)).map(draw).collect();
+    let mut climbs = Climbs::new((&quick, &breeder), &starts, draw, seed);
+    for _ in 0..(quick.states_of(WORK).min(STATES) / ROUND).max(1) {
+        climbs.round();
+    }
+    let is_plain = program.function.formats.is_none()
+        && program.function.trigonometry_unit().is_none()
+        && program.function.nodes().len() <= LARGEST;
+    let proved = is_plain.then(|| {
+        let tape = Tape::new(program.function);
+        let ranges: Vec<Interval> = (input_ranges(program, question.states).iter())
+            .map(|input| input.range)
+            .collect();
+        let bounds = norm_bounds(&tape, &ranges, format, GivenData::Real);
+        let outputs = least.iter().enumerate();
+        let shares = outputs.map(|(output, least)| {
+            let error = bounds.error[tape.output_slot(output)];
+            if error == 0.0 { 0.0 } else { error / least }
+        });
+        shares.fold(0.0, f64::max)
+    });
+    Ok(WorstErrors {
+        found: climbs.worst(),
+        proved: proved.filter(|bound| bound.is_finite()),
+    })
+}
