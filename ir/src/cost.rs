@@ -1,10 +1,10 @@
 //! Cost of arithmetic in a number format, for comparing formats.
 //!
-//! A multiplier has as many cells as the square of the bits of the
-//! significand, an adder and a word as many as bits; so has what is computed
-//! in a loop of multiplications. This is the one account of it: the pass
-//! `mixed` chooses formats by it, and stress tests compare treatments. What a
-//! machine takes of a device is counted by parts instead
+//! A multiplier has as many cells as the square of the bits of the significand,
+//! an adder and a word as many as bits; operations computed in a loop of
+//! multiplications count as a multiplier. This is the one account of it: the
+//! pass `mixed` chooses formats by it, and stress tests compare treatments. The
+//! resources that a machine takes of a device are counted by parts instead
 //! (`robovec_fpga::hardware`), whose blocks come in whole numbers.
 
 use crate::function::Function;
@@ -12,8 +12,8 @@ use robovec_num::format::Format;
 use robovec_num::operation::Operation;
 use std::ops::{Add, Mul};
 
-/// Arithmetic without a format: how many operations cost the square of the
-/// bits, and how many cost the bits.
+/// Arithmetic without a format: the number of operations that cost the square
+/// of the bits, and of those that cost the bits.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub struct OperationWork {
     /// Products, quotients, roots.

@@ -32,10 +32,10 @@ pub struct Counts {
     pub sin_cos: usize,
     /// Signs: negations, or subtractions from a literal zero.
     pub negations: usize,
-    /// The thesis' "vectors": into how many groups the equations fall when
-    /// each group needs only those before it. This is the number of equations
-    /// on the longest chain of equations, outputs included, sines and cosines
-    /// (which the host prepares) not.
+    /// The thesis' "vectors": the number of groups of equations when each group
+    /// depends only on those before it. This is the number of equations on the
+    /// longest chain of equations, outputs included, sines and cosines (which
+    /// the host prepares) not.
     pub vectors: usize,
 }
 

@@ -1,12 +1,11 @@
-//! Messages about what the user wrote, with a caret under the place.
+//! Messages about the user's text, with a caret under the place.
 //!
-//! A thin layer over codespan-reporting, which draws the snippets. What it
-//! adds: a [`Report`] that owns the texts and the messages about them, plain
-//! and coloured rendering, and protection against hostile texts. Only an
-//! excerpt of the lines a message points at is handed to the renderer, cut to
-//! a window around the label, so that a caret into a line of ten megabytes
-//! prints two hundred characters, and control characters never reach the
-//! terminal.
+//! A thin layer over codespan-reporting, which draws the snippets. Additions: a
+//! [`Report`] that owns the texts and the messages about them, plain and
+//! coloured rendering, and protection against hostile texts. Only an excerpt of
+//! the lines a message points at is handed to the renderer, cut to a window
+//! around the label, so that a caret into a line of ten megabytes prints two
+//! hundred characters, and control characters never reach the terminal.
 //!
 //! Library code returns plain [`Diagnostic`]s whose labels use the file
 //! number it was given (0 for a parser of one text); the program puts them
@@ -119,7 +118,7 @@ impl Report {
         report
     }
 
-    /// Adds a text and returns the number that labels refer to it by.
+    /// Adds a text and returns its number for labels.
     pub fn add_file(&mut self, name: &str, text: impl Into<String>) -> FileId {
         self.files.push(SourceText {
             name: name.to_owned(),
@@ -215,7 +214,7 @@ impl Report {
         text
     }
 
-    /// Writes all messages, in colour when the writer takes it.
+    /// Writes all messages, in colour when the writer supports it.
     ///
     /// # Errors
     ///

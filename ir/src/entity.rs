@@ -63,11 +63,11 @@ const INDEX_MASK: u32 = (1 << KIND_SHIFT) - 1;
 pub const CAPACITY: usize = INDEX_MASK as usize;
 
 /// An operand of a node: another value, an input element or a constant, packed
-/// into 32 bits. [`Operand::kind`] takes it apart.
+/// into 32 bits. [`Operand::kind`] decodes it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Operand(u32);
 
-/// An [`Operand`] taken apart.
+/// An [`Operand`], decoded.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum OperandKind {
     /// The result of a node.
@@ -85,8 +85,8 @@ impl Operand {
     pub const NONE: Operand = Operand(u32::MAX);
 
     /// The maximum number of operands an operation takes: a fused multiply-add
-    /// has three. They lie inside the node, which grows by four bytes for the
-    /// third; a table beside the nodes would save them and cost every
+    /// has three. They are part of the node, which grows by four bytes for the
+    /// third; a table beside the nodes would save them and slow down every
     /// traversal.
     pub const MAX_COUNT: usize = 3;
 
@@ -99,7 +99,7 @@ impl Operand {
         operands
     }
 
-    /// The operand taken apart.
+    /// The decoded operand.
     #[inline]
     pub fn kind(self) -> OperandKind {
         match self.0 >> KIND_SHIFT {
@@ -125,8 +125,8 @@ impl Operand {
         table.get(self.0 as usize)
     }
 
-    /// The same, or the default of what is no value: inputs and constants are
-    /// there from the start.
+    /// The entry of a value, or the default for an input or constant, which is
+    /// available from the start.
     #[inline]
     pub fn entry_or_default<T: Copy + Default>(self, table: &[T]) -> T {
         self.entry(table).copied().unwrap_or_default()

@@ -178,7 +178,7 @@ pub struct Boundary {
     /// The user's function.
     pub callee: String,
     /// The arguments as written; those that name an output array of this
-    /// function are computed by it.
+    /// function contain its computed values.
     pub arguments: Vec<String>,
     /// The input array that holds the result; `None` for a call without one.
     pub result: Option<String>,
@@ -214,7 +214,7 @@ impl Timing {
 pub struct Function {
     /// Its name (`dirdyna`; `sensor_3` for the third case of a sensor file).
     pub name: String,
-    /// The level it has been lowered to.
+    /// The present level of the function.
     pub level: Level,
     /// The entries of the file's header: `model`, `generator`, `joints` ….
     pub metadata: Vec<(String, String)>,
@@ -263,8 +263,8 @@ impl Function {
     }
 
     /// A function with the same name, signature and metadata and no body: the
-    /// start of a pass that rewrites the body. What belongs to single nodes,
-    /// such as their formats, is for the pass to carry over.
+    /// start of a pass that rewrites the body. Properties of single nodes, such
+    /// as their formats, must be copied by the pass.
     pub fn skeleton(&self, level: Level) -> Function {
         Function {
             metadata: self.metadata.clone(),
@@ -408,7 +408,7 @@ impl Function {
         counts
     }
 
-    /// A generator of names no value of this function has.
+    /// A generator of names that no value of this function has.
     pub fn fresh_names(&self) -> FreshNames {
         FreshNames::new(self.nodes.iter().map(|node| node.name))
     }

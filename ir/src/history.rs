@@ -1,10 +1,10 @@
 //! The histories of values: the passes that made or changed them, and the rules
 //! these applied.
 //!
-//! Kept only when somebody asks, beside the nodes and not in them: a table of
-//! steps that all values share, and four bytes per value. A history is a
-//! chain, each step naming the one before it, so that the thousands of values
-//! which went the same way through a pipeline share one.
+//! Kept only on request, beside the nodes and not in them: a table of steps
+//! that all values share, and four bytes per value. A history is a chain, each
+//! step naming the one before it, so that the thousands of values with the same
+//! passes share one.
 
 use hashbrown::HashMap;
 use rustc_hash::FxBuildHasher;
@@ -14,11 +14,11 @@ use rustc_hash::FxBuildHasher;
 pub struct History(u32);
 
 impl History {
-    /// That of a value which is as it was read.
+    /// The history of a value that was read and not changed since.
     pub const NONE: History = History(0);
 
-    /// The place of the last step in the table; `None` for a value that is as
-    /// it was read.
+    /// The place of the last step in the table; `None` for a value that was
+    /// read and not changed since.
     #[inline]
     pub fn index(self) -> Option<usize> {
         (self.0 as usize).checked_sub(1)
@@ -50,7 +50,7 @@ pub struct Histories {
 }
 
 impl Histories {
-    /// Histories of a function that is as it was read.
+    /// Histories of a function without changes since it was read.
     pub fn new(values: usize, outputs: usize) -> Histories {
         Histories {
             values: vec![History::NONE; values],
@@ -75,7 +75,7 @@ impl Histories {
         History(next)
     }
 
-    /// All steps; each comes after those before it.
+    /// All steps; each comes after its predecessors.
     pub fn steps(&self) -> &[HistoryStep] {
         &self.steps
     }
@@ -97,8 +97,8 @@ impl Histories {
         chain
     }
 
-    /// Takes the steps out, for writing the histories of the next state on
-    /// top of them.
+    /// Returns the steps, for writing the histories of the next state after
+    /// them.
     #[must_use]
     pub fn with_subjects(self, values: Vec<History>, outputs: Vec<History>) -> Histories {
         Histories {
@@ -108,8 +108,8 @@ impl Histories {
         }
     }
 
-    /// For every step the number it is printed under, counted from 1; 0 for
-    /// those no value or output needs.
+    /// For every step its printed number, counted from 1; 0 for those no value
+    /// or output needs.
     pub(crate) fn numbers(&self) -> Vec<u32> {
         let mut needed = vec![0; self.steps.len()];
         for index in self.subjects().filter_map(|history| history.index()) {
@@ -136,8 +136,8 @@ impl Histories {
 }
 
 /// True when the values and outputs of two functions have the same histories;
-/// how steps are numbered inside does not count, and no table is as good as
-/// one in which nothing happened.
+/// the internal numbering of steps does not count, and no table equals an empty
+/// one.
 pub(crate) fn same_histories(left: Option<&Histories>, right: Option<&Histories>) -> bool {
     let mut common = Histories::default();
     let mut renumbered = |histories: Option<&Histories>| {

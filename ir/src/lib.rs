@@ -3,8 +3,8 @@
 //! A [`Module`] holds [`Function`]s; a function is a straight-line list of SSA
 //! nodes between named input and output arrays. It has a text form
 //! ([`mod@print`]), a verifier, an evaluator generic over the kind of number
-//! ([`evaluate`]), and the description of the machine it is compiled for.
-//! This crate holds no pass and no front end, and touches no file.
+//! ([`evaluate`]), and the description of the target machine. This crate holds
+//! no pass and no front end, and touches no file.
 
 pub mod cost;
 pub mod count;

@@ -3,8 +3,8 @@
 //! A machine is a set of *kinds* of processing elements (PEs), each fully
 //! pipelined and able to start one operation per cycle, with a memory after
 //! every element, a buffer for late transfers and a crossbar between them
-//! (thesis 1.1 to 1.3). Nothing about a machine is a constant in code: all of
-//! it comes from a TOML file (`machines/`), described field by field below.
+//! (thesis 1.1 to 1.3). No property of a machine is a constant in code: all are
+//! in a TOML file (`machines/`), described field by field below.
 
 pub mod device;
 pub mod fields;
@@ -37,8 +37,8 @@ pub struct Machine {
         deserialize_with = "fields::clock_mhz::deserialize"
     )]
     pub clock_mhz: Option<f64>,
-    /// Origin of that clock. A published one is that of other hardware, so only
-    /// studies of published results use it.
+    /// Origin of that clock. A published clock is that of other hardware, so
+    /// only studies of published results use it.
     #[serde(default)]
     pub clock_origin: ClockOrigin,
     /// The family of devices it is built on.
@@ -72,8 +72,8 @@ pub struct Machine {
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ElementDescription {
-    /// Its name: lower-case letters only, since the text form appends a
-    /// number, and not `host`, which represents the host there.
+    /// Its name: lower-case letters only, since the text form appends a number,
+    /// and not `host`, which represents the host in it.
     pub kind: String,
     /// The operations it performs: `add`, `sub`, `mul`, `div`, `sqrt`, and the
     /// fused `fma` (a*b + c), `fms` (a*b - c) and `fnma` (c - a*b).
@@ -115,11 +115,11 @@ impl ElementDescription {
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MemoryStyle {
-    /// One memory per element with two ports and twice the clock: both
-    /// operands are read in the first half of a cycle, up to `writes` words
-    /// are written in the second. An element that performs a fused operation
-    /// reads three: its memory is there twice, written alike, and the second
-    /// copy hands out the addend.
+    /// One memory per element with two ports and twice the clock: both operands
+    /// are read in the first half of a cycle, up to `writes` words are written
+    /// in the second. An element that performs a fused operation reads three:
+    /// it has two copies of its memory with the same content, and the second
+    /// copy supplies the addend.
     Unified,
     /// One memory per operand side, each with one read and one write port, on
     /// one clock: an operand must lie in the memory of its side.
@@ -127,7 +127,7 @@ pub enum MemoryStyle {
     /// One memory per element with two read and two write ports on one clock,
     /// as larger devices have (thesis, conclusion): the schedule is that of
     /// [`MemoryStyle::Unified`], without the doubled clock. A third operand
-    /// comes from a second copy as there.
+    /// comes from a second copy, as there.
     FourPort,
 }
 
@@ -301,7 +301,7 @@ impl Machine {
         Ok(machine)
     }
 
-    /// Checks what a machine file must satisfy beyond its syntax.
+    /// Checks the rules for a machine file beyond its syntax.
     /// [`Machine::parse`] has done so; machines made or changed in code need
     /// it.
     ///
@@ -383,8 +383,8 @@ impl Machine {
     }
 
     /// Compares every number with its limit. The numbers of a machine that is
-    /// read from text were compared where they are read, so that an error
-    /// shows its place; this is for machines made or changed in code.
+    /// read from text are checked by the reader, so that an error shows its
+    /// place; this function is for machines made or changed in code.
     fn check_fields(&self) -> Result<(), String> {
         fields::clock_mhz::check(&self.clock_mhz)?;
         if let Format::Float(float) = &self.number {
@@ -419,8 +419,8 @@ impl Machine {
         Ok(())
     }
 
-    /// Index into [`Machine::elements`] of the kind that performs an
-    /// operation: at most one does. `None` when none does.
+    /// Index into [`Machine::elements`] of the kind that performs an operation:
+    /// at most one kind does. `None` when no kind does.
     pub fn kind_of(&self, operation: Operation) -> Option<usize> {
         self.elements
             .iter()
@@ -428,11 +428,11 @@ impl Machine {
     }
 
     /// Cycles from the issue of an operation to the first issue that can read
-    /// its result ([`ElementDescription::weight`] of its kind). 0 for what
-    /// costs the machine nothing (copies, and sine and cosine, which the host
-    /// evaluates); a minus counts as a subtraction. What the machine cannot
-    /// perform counts as its slowest operation, so that paths through it can
-    /// still be compared; the placer refuses it.
+    /// its result ([`ElementDescription::weight`] of its kind); 0 for
+    /// operations that take no time on the machine (copies, and sine and
+    /// cosine, which the host evaluates); a minus counts as a subtraction. An
+    /// operation that the machine cannot perform counts as its slowest one, so
+    /// that paths through it can still be compared; the placer refuses it.
     pub fn weight(&self, operation: Operation) -> u32 {
         let performed = match operation {
             Operation::Copy | Operation::Sin | Operation::Cos => return 0,

@@ -33,7 +33,7 @@ pub enum TreeKind {
     List(Vec<u32>),
 }
 
-/// A tree with the place it is at.
+/// A tree with its place.
 #[derive(Clone, Debug)]
 pub struct TextTree {
     /// An atom, or a list of trees.
@@ -104,7 +104,7 @@ pub fn error(span: Range<usize>, message: impl Into<String>) -> Diagnostic {
 ///
 /// # Errors
 ///
-/// Fails where a parenthesis or a quote is alone.
+/// Fails at an unmatched parenthesis or quote.
 pub fn read(text: &str) -> Result<Forest<'_>, Diagnostic> {
     let mut forest = Forest {
         text,

@@ -4,11 +4,11 @@
 //! and `print(parse(t)) == t` for printed `t`. Text written by hand may be
 //! laid out freely (`docs/text-format.md`).
 //!
-//! The grammar (`grammar.lalrpop`) knows single statements; the `builder` it
-//! calls knows which function and line it is in and makes nodes at once. After
-//! an error reading continues at the next line. What the grammar cannot see is
-//! left to the [verifier](crate::verify), whose answers get the place of what
-//! they are about; so text that parses is always a verified module.
+//! The grammar (`grammar.lalrpop`) describes single statements; its `builder`
+//! has the state of the function and line, and makes nodes immediately. After
+//! an error reading continues at the next line. Rules beyond the grammar are
+//! left to the [verifier](crate::verify), whose answers get places in the text;
+//! so text that parses is always a verified module.
 
 mod attributes;
 mod body;
@@ -44,8 +44,7 @@ use builder::ModuleBuilder;
 use lexer::Tokens;
 use robovec_num::limits::NumberLimit;
 
-/// The limits of numbers in the text form: name, limit, and what it is when
-/// the text does not specify it.
+/// The limits of numbers in the text form: name, limit, and the default.
 pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
     ("elements of all inputs", header::INPUT_ELEMENTS, ""),
     ("elements of all outputs", header::OUTPUT_ELEMENTS, ""),
@@ -68,7 +67,7 @@ pub fn parse_module(name: &str, text: &str) -> Result<Module, Vec<Diagnostic>> {
     parse_with(name, text, None)
 }
 
-/// A machine, and whether a function of a name is to be verified for it.
+/// A machine, and the test for functions, by name, that are verified for it.
 #[derive(Clone, Copy)]
 pub struct VerificationTarget<'a> {
     /// The machine.

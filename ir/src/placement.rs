@@ -1,16 +1,15 @@
 //! The parts of a function that the levels `scheduled` and `placed` add.
 //!
 //! Cycle conventions, fixed here for the placer, the text form and the memory
-//! images alike (facts of the pipeline, thesis 2.3 and Table 2.1): an
-//! operation *issued* at cycle `t` on a processing element with `L` stages and
-//! a transfer of 2 cycles has its result on the crossbar in cycle `t + L + 1`
-//! (its *write-back* cycle) and can be read by an issue at `t + L + 2`, the
-//! weight of the operation. A *direct* write happens in exactly the write-back
-//! cycle; an *indirect* one goes through the element's buffer and happens in a
-//! later cycle. A word written in cycle `w` can be read by an issue at
-//! `w + 1`. That holds for a crossbar; over a network a write happens as many
-//! cycles after the departure of the word as its route takes
-//! ([`crate::machine::interconnect`]).
+//! images alike (facts of the pipeline, thesis 2.3 and Table 2.1): an operation
+//! *issued* at cycle `t` on a processing element with `L` stages and a transfer
+//! of 2 cycles has its result on the crossbar in cycle `t + L + 1` (its
+//! *write-back* cycle) and can be read by an issue at `t + L + 2`, the weight
+//! of the operation. A *direct* write happens in exactly the write-back cycle;
+//! an *indirect* one goes through the element's buffer and happens in a later
+//! cycle. A word written in cycle `w` can be read by an issue at `w + 1`. That
+//! holds for a crossbar; over a network a write happens after the departure of
+//! the word plus the cycles of its route ([`crate::machine::interconnect`]).
 
 use crate::entity::{Operand, Value};
 use crate::index_types;
@@ -41,7 +40,7 @@ index_types! {
 pub struct Slot {
     /// The cycle of issue, from 0.
     pub cycle: u32,
-    /// The element that it is issued on.
+    /// The element on which it is issued.
     pub element: Element,
 }
 
@@ -114,7 +113,7 @@ impl Schedule {
     }
 }
 
-/// The memory of a processing element that an address lies in.
+/// The memory of a processing element that has an address.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Bank {
     /// The one memory of a true dual-port element.
@@ -142,7 +141,7 @@ pub struct Word {
 pub struct Preload {
     /// The word that is filled.
     pub word: Word,
-    /// The operand that it is filled with.
+    /// The operand that fills it.
     pub operand: Operand,
 }
 
@@ -176,7 +175,7 @@ pub struct Placement {
     pub write_starts: Vec<u32>,
     /// All writes, node after node, each node's in order of cycle and word.
     pub writes: Vec<Write>,
-    /// For each assignment, in order, the word that holds it at the end;
+    /// For each assignment, in order, the word with its value at the end;
     /// `None` when it is an input, a constant or a value of the host.
     pub homes: Vec<Option<Word>>,
 }

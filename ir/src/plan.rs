@@ -1,15 +1,15 @@
 //! A function made ready to be evaluated many times.
 //!
-//! [`evaluate`](crate::evaluate::evaluate) keeps the value of every node,
-//! which for wide numbers (batches of double-double, derivatives) is far more
-//! memory than a processor's caches hold. A [`EvaluationPlan`] gives a value a place
-//! only as long as somebody will still read it, as a compiler allocates
-//! registers: the working set is that of the values alive at a time, and
-//! places are reused from one evaluation to the next. It also leaves out what
-//! the wanted outputs do not need.
+//! [`evaluate`](crate::evaluate::evaluate) keeps the value of every node, which
+//! for wide numbers (batches of double-double, derivatives) is far more memory
+//! than a processor's caches hold. A [`EvaluationPlan`] keeps a place for a
+//! value only until its last read, as a compiler allocates registers: the
+//! working set is that of the values alive at a time, and places are reused
+//! from one evaluation to the next. It also leaves out values on which no
+//! wanted output depends.
 //!
 //! **Invariant.** A place is written by a step only after the last step that
-//! reads what was in it; places of inputs, literals and outputs are never
+//! reads its earlier content; places of inputs, literals and outputs are never
 //! reused.
 
 use crate::entity::{Operand, OperandKind, Value};
@@ -166,10 +166,9 @@ impl EvaluationPlan {
         outputs.map(|&place| memory[place as usize]).collect()
     }
 
-    /// The values of the wanted outputs in numbers that are not copied, such
-    /// as those of arbitrary precision: `literal` makes the number of an
-    /// input or literal, `apply` does an operation on as many operands as it
-    /// takes.
+    /// The values of the wanted outputs in numbers that are not copied, such as
+    /// those of arbitrary precision: `literal` makes the number of an input or
+    /// literal, `apply` does an operation on its operands.
     ///
     /// # Panics
     ///

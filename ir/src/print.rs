@@ -47,7 +47,7 @@ pub fn print_module(module: &Module) -> String {
     text_of(bytes)
 }
 
-/// A vector takes everything that is written into it.
+/// Message of a write into a vector, which never fails.
 const NEVER_FULL: &str = "a vector takes every byte";
 
 /// The text that was printed into a vector.
@@ -118,8 +118,8 @@ struct FunctionPrinter<'a> {
     sets: Vec<SourceSet>,
     /// Numbers of the steps of histories; 0 for those not needed.
     steps: Vec<u32>,
-    /// The name of every processing element and its length; of none where one
-    /// is longer, and where a definition is printed alone.
+    /// The name of every processing element and its length; empty where one is
+    /// longer, and where a definition is printed alone.
     elements: Vec<([u8; 16], usize)>,
 }
 
@@ -265,7 +265,7 @@ impl<'a> FunctionPrinter<'a> {
         Ok(())
     }
 
-    /// The attribute of a value or output that is not as it was read.
+    /// The attribute of a value or output that was changed since it was read.
     fn history(&self, text: &mut Text<'_>, history: Option<&History>) {
         // A definition printed alone has no header to refer to.
         let index = history.and_then(|history| history.index());

@@ -43,7 +43,7 @@ impl SourceSet {
 /// The files, places and sets of a module.
 #[derive(Clone, Default, Debug)]
 pub struct Sources {
-    /// Names of the files, as the user gave them.
+    /// Names of the files, as given by the user.
     pub files: Vec<String>,
     places: Vec<SourcePlace>,
     /// Places to their index; empty as long as the places come in increasing

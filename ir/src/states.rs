@@ -1,7 +1,7 @@
 //! Random states: inputs drawn with physical scales.
 //!
 //! Rounding errors depend on the sizes of the numbers, so the numeric checks
-//! draw every array of Robotran with the scale of what it means, in SI units:
+//! draw every array of Robotran with the scale of its quantity, in SI units:
 //!
 //! | array | meaning | drawn from |
 //! |---|---|---|
@@ -18,8 +18,8 @@
 //! | `tsim` | time | uniform, 0 to 10 |
 //! | any other | | uniform, ±1 |
 //!
-//! Where somebody knows better what an element can be ([`Ranges`]: a scene's),
-//! it is drawn uniformly from that range instead.
+//! Where the range of an element is given ([`Ranges`], from a scene), it is
+//! drawn uniformly from that range instead.
 //!
 //! No component is drawn as zero on purpose: a zero would hide the terms it
 //! multiplies. Every number that is drawn is rounded to binary32, so that narrow
@@ -52,9 +52,8 @@ pub struct Ranges {
 type ElementRanges = BTreeMap<[u32; 2], [f64; 2]>;
 
 impl Ranges {
-    /// Records that an element of an array, by its indices from 1 (0 for those
-    /// it does not have), lies between two numbers, in SI units; equal ones
-    /// show what it is.
+    /// Records the range of an element of an array, by its indices from 1 (0
+    /// for absent ones), in SI units; equal ends give its value.
     pub fn set(&mut self, array: &str, indices: [u32; 2], low: f64, high: f64) {
         debug_assert!(
             low <= high,
@@ -96,7 +95,7 @@ impl Ranges {
 #[derive(Clone, Copy)]
 enum Scale {
     Uniform(f64, f64),
-    /// The low end, and how many octaves above it are equally likely; inside
+    /// The low end, and the number of equally likely octaves above it; inside
     /// an octave numbers are uniform, so that no logarithm of the platform's
     /// library decides a bit.
     Octaves(f64, u32),
@@ -180,8 +179,8 @@ impl States {
 }
 
 /// The binary32 number at a place of a range; outside it only when it holds
-/// none. A range of one number shows what the element is: that number, whatever
-/// its bits, since a program into which it was compiled holds it so.
+/// none. A range of one number gives the value of the element with exactly its
+/// bits, since a program into which it was compiled contains it so.
 fn inside([low, high]: [f64; 2], place: f64) -> f64 {
     if low == high {
         return low;

@@ -187,7 +187,7 @@ impl Symbols {
     }
 
     /// The bytes of a string that fits into eight of them, zeros after it, and
-    /// its length; copying all eight costs less than finding out how many.
+    /// its length; copying all eight costs less than a test of the length.
     #[inline]
     pub(crate) fn short_text(&self, symbol: Symbol) -> Option<([u8; 8], usize)> {
         let stored = self.strings[symbol.index()];
@@ -327,8 +327,8 @@ impl Name {
 
 /// Hands out names that no value of a function has yet.
 ///
-/// The state is computed from the function alone, so a pass names its values
-/// alike whether the function came from another pass or from text.
+/// The state is computed from the function alone, so a pass gives its values
+/// the same names for a function from another pass as for one from text.
 #[derive(Clone, Debug)]
 pub struct FreshNames {
     next: Vec<u32>,
@@ -349,7 +349,7 @@ impl FreshNames {
     }
 
     /// A new name derived from a symbol: the symbol itself when no value has
-    /// it, else the symbol with the next free number.
+    /// it, else the symbol with the next unused number.
     ///
     /// # Panics
     ///

@@ -47,7 +47,7 @@ impl ValueFormats {
         Some(self.table[index])
     }
 
-    /// Gives a value a format, or takes it away.
+    /// Sets or removes the format of a value.
     ///
     /// # Panics
     ///

@@ -1,8 +1,8 @@
-//! The verifier: what every function keeps to, after every pass.
+//! The verifier: the invariants of every function, after every pass.
 //!
-//! [`verify`] collects all violations instead of stopping at the first. It
-//! runs after every pass, so it takes linear time (sorting aside) and few
-//! allocations. What needs the machine is checked by [`verify_placement`].
+//! [`verify`] collects all violations instead of stopping at the first. It runs after
+//! every pass, so it takes linear time (sorting aside) and few allocations. Rules that
+//! depend on the machine are checked by [`verify_placement`].
 //!
 //! # Invariants
 //!
@@ -19,8 +19,8 @@
 //!    itself end like a derived name (`x.1`), and its number is at most
 //!    999,999,999.
 //! 5. Constants are finite.
-//! 6. Assignments are in order of the output elements, each set once; what
-//!    they are set to exists. An output array with elements has at least one
+//! 6. Assignments are in order of the output elements, each assigned once; the
+//!    assigned values exist. An output array with elements has at least one
 //!    that is set.
 //! 7. The result of a user call is an input array.
 //!
@@ -129,8 +129,8 @@ pub struct Violation {
 }
 
 impl Violation {
-    /// A place of the user's file that the violation is about, when known:
-    /// that of the value, output or call. For an array or a constant, that of
+    /// A place of the user's file that the violation is about, when known: that
+    /// of the value, output or call. For an array or a constant, the place of
     /// the first node that reads it.
     pub fn place(&self, view: View<'_>) -> Option<SourcePlace> {
         let function = view.function;
@@ -191,8 +191,8 @@ pub fn is_valid(module: &Module) -> bool {
 }
 
 /// Checks the invariants of the function's level. The result is empty for a
-/// well-formed function. It holds at most 100 violations; when there are
-/// more, a last entry shows how many.
+/// well-formed function. It holds at most 100 violations; when there are more,
+/// a last entry gives their number.
 pub fn verify(view: View<'_>) -> Vec<Violation> {
     let mut collector = ViolationCollector::new(view);
     header::check(&mut collector);
@@ -340,7 +340,7 @@ fn all_differ(numbers: impl Iterator<Item = usize>, bound: usize) -> bool {
     true
 }
 
-/// A value for a message: its name, or that of the definition around it.
+/// A value for a message: its name, or that of the definition that contains it.
 fn describe(view: View<'_>, value: Value) -> String {
     let symbols = &view.tables.symbols;
     let name = |value: Value| {

@@ -1,4 +1,4 @@
-//! Rounds numbers to a format and gives by how much.
+//! Rounding of numbers to a format, with the rounding error.
 //!
 //!     cargo run -p robovec-num --example round -- f16 0.1 3.14159 70000
 

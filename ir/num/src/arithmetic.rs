@@ -1,4 +1,4 @@
-//! Number types as objects: what an evaluator computes with.
+//! Number types as objects: the arithmetic of an evaluator.
 //!
 //! An [`Arithmetic`] is a value, not only a type, because some of them carry
 //! data: the prime field its random seed, a custom float format its widths.
@@ -31,7 +31,7 @@ pub trait Arithmetic {
     /// `a * b + c`, rounded once.
     fn fma(&self, a: Self::Number, b: Self::Number, c: Self::Number) -> Self::Number;
 
-    /// The result of an operation; it ignores what lies after its operands.
+    /// The result of an operation; operands beyond its number of operands are ignored.
     #[inline]
     fn apply(&self, operation: Operation, [a, b, c]: [Self::Number; 3]) -> Self::Number {
         self.apply_read(operation, [&a, &b, &c])

@@ -4,9 +4,9 @@
 //! within it (running error analysis: Wilkinson 1963; Higham, *Accuracy and
 //! Stability of Numerical Algorithms*, 2002, section 3.3). Radii treat errors
 //! as if they always added up, and along a chain of joints they grow by about
-//! half a bit per joint more than errors do; double-double has some fifty
-//! bits to spare for that. What is left uncertain is computed again with more
-//! bits by whoever needs it.
+//! half a bit per joint more than errors do; double-double has some fifty bits
+//! to spare for that. A caller that needs a decision computes an uncertain
+//! result again with more bits.
 //!
 //! The radii are themselves rounded; [`SLACK`] covers that for any function
 //! that fits into memory.
@@ -29,7 +29,7 @@ const WAVE_UNIT: f64 = 1.0 / (1u128 << 98) as f64;
 /// is formed in double-double.
 const REDUCTION: f64 = WAVE_UNIT * (f64::EPSILON / 16.0);
 
-/// Nothing is claimed of the sine of a larger angle.
+/// No bound is claimed for the sine of a larger angle.
 const LARGEST_ANGLE: f64 = (1u64 << 40) as f64;
 
 /// The largest error of products and quotients below [`SMALLEST_WHOLE`].
@@ -68,14 +68,14 @@ impl<const LANES: usize> Ball<LANES> {
         numbers.iter().all(|number| number.is_finite()) && self.radius[lane].is_finite()
     }
 
-    /// The largest size that the exact number of a lane can have.
+    /// The largest possible absolute value of the exact number of a lane.
     #[inline]
     pub fn reach(&self, lane: usize) -> f64 {
         self.value.high[lane].abs() + self.radius[lane]
     }
 
-    /// Tests whether the exact numbers of a lane, of which something is known,
-    /// can be one.
+    /// Tests whether the exact numbers of a lane, of which bounds are known,
+    /// can be equal.
     #[inline]
     pub fn touches(&self, other: &Ball<LANES>, lane: usize) -> bool {
         let [low, other_low] = [self, other].map(|ball| ball.value.low[lane]);
@@ -123,7 +123,7 @@ fn may_be_other((number, radius): (f64, f64)) -> bool {
     (number != 0.0) | (radius != 0.0)
 }
 
-/// Tests whether it is one or minus one, by which nothing sinks.
+/// Tests whether it is one or minus one: products with it do not underflow.
 #[inline]
 fn is_unit((number, radius): (f64, f64)) -> bool {
     (number.abs() == 1.0) & (radius == 0.0)

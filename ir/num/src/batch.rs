@@ -1,8 +1,8 @@
 //! Several evaluations at once.
 //!
-//! Most of the time of an evaluation goes into finding out what to do next;
-//! doing it for several states at a time divides that by their number and
-//! keeps the processor's pipelines full.
+//! Most of the time of an evaluation is spent on decoding operations; decoding
+//! once for several states divides that by their number and keeps the
+//! processor's pipelines full.
 
 use crate::arithmetic::Arithmetic;
 use std::array;

@@ -9,9 +9,8 @@
 //! some 50 bits to spare over the binary64 results it judges.
 //!
 //! Limits, all inherited from the exponent range of binary64: below about
-//! 10⁻²⁹² the second half sinks into the subnormals and accuracy falls back
-//! towards that of binary64; what overflows is an infinity without a second
-//! half.
+//! 10⁻²⁹² the second half becomes subnormal and accuracy decreases to that of
+//! binary64; an overflow is an infinity without a second half.
 
 mod lanes;
 
@@ -43,8 +42,8 @@ impl Double {
         low: 0.0,
     };
 
-    /// The difference to a binary64 number, rounded to binary64: how far a
-    /// computed `number` lies from this reference.
+    /// The difference to a binary64 number, rounded to binary64: the error of a
+    /// computed `number` relative to this reference.
     pub fn distance(self, number: f64) -> f64 {
         (self - Double::from(number)).high.abs()
     }
@@ -67,7 +66,7 @@ impl Double {
         fast_two_sum(joined.high, joined.low + rest.low)
     }
 
-    /// A sum on the way to which something was not finite: an infinity or NaN
+    /// A sum with an intermediate result that is not finite: an infinity or NaN
     /// was added, or numbers near the largest ones, whose error can overflow
     /// although the sum does not.
     #[cold]

@@ -4,11 +4,11 @@
 //! derivative of a rational function is exact, so that a program for it is
 //! refuted by one point (Clifford 1871; Griewank and Walther, *Evaluating
 //! Derivatives*, 2008, section 3.1). Sine and cosine are each other's
-//! derivative whatever represents them, and the derivative of a root is
-//! half of one over it.
+//! derivative in every representation, and the derivative of a root is half of
+//! one over it.
 //!
-//! What does not depend on the direction has no derivative rather than one of
-//! zero: a root of a constant zero is then no `0/0`.
+//! A number that does not depend on the direction has no derivative instead of
+//! a zero one: a root of a constant zero is then no `0/0`.
 
 use crate::arithmetic::Arithmetic;
 
@@ -21,7 +21,7 @@ pub struct Duals<A>(pub A);
 pub struct Dual<N> {
     /// The number.
     pub value: N,
-    /// The derivative; `None` for what does not depend on the direction.
+    /// The derivative; `None` for a number that does not depend on the direction.
     pub slope: Option<N>,
 }
 

@@ -1,8 +1,8 @@
 //! A hash of bytes that is the same on every system and in every version:
 //! 64-bit FNV-1a.
 //!
-//! It distinguishes files and machines that differ by mistake. It protects
-//! against nobody who makes two of the same hash on purpose.
+//! It distinguishes files and machines that differ by mistake. It gives no
+//! protection against deliberate collisions.
 
 use std::fmt;
 use std::str::FromStr;
@@ -25,7 +25,7 @@ impl Fnv {
         hash
     }
 
-    /// Takes more bytes in.
+    /// Adds bytes to the hash.
     pub fn update(&mut self, bytes: &[u8]) {
         for &byte in bytes {
             self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
@@ -58,7 +58,7 @@ pub struct FnvError;
 impl FromStr for Fnv {
     type Err = FnvError;
 
-    /// Reads what [`Fnv`] prints, and nothing else.
+    /// Reads exactly the texts that [`Fnv`] prints.
     fn from_str(text: &str) -> Result<Fnv, FnvError> {
         let digit = |byte: u8| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte);
         if text.len() != 16 || !text.bytes().all(digit) {

@@ -1,4 +1,4 @@
-//! Number formats: what a machine, a value or a measurement computes in.
+//! Number formats of machines, values and measurements.
 //!
 //! A format is data, so that a search can walk through formats and a machine
 //! file can name one. Names are those of [`Format::from_str`]: `f16`, `bf16`,

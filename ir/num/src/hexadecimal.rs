@@ -3,7 +3,7 @@
 
 use crate::decimal::is_lost;
 
-/// Writes a number as C's `%a` does.
+/// Writes a number in the format of C's `%a`.
 pub fn format(number: f64) -> String {
     let bits = number.to_bits();
     let sign = if number.is_sign_negative() { "-" } else { "" };
@@ -29,9 +29,9 @@ pub fn format(number: f64) -> String {
     format!("{sign}0x{leading}{point}{digits}p{exponent:+}")
 }
 
-/// Reads a number as C's `%a` writes it, or a decimal one. `None` for
-/// anything else, for a hexadecimal number with more digits than a 64-bit
-/// float holds, and for a number other than 0 that would become 0.
+/// Reads a number as C's `%a` writes it, or a decimal one. `None` for any other
+/// text, for a hexadecimal number with more digits than a 64-bit float has, and
+/// for a number other than 0 that would become 0.
 pub fn parse(text: &str) -> Option<f64> {
     let (sign, rest) = match text.strip_prefix('-') {
         Some(rest) => (-1.0, rest),

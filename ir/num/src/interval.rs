@@ -1,9 +1,9 @@
 //! Intervals of real numbers with ends in binary64.
 //!
 //! Every operation gives an interval that holds all real results; ends are
-//! moved outwards by one number of binary64 unless they are known to be
-//! exact. What is undefined somewhere (a division by an interval that holds
-//! zero, the root of one that reaches below it) is the whole line.
+//! moved outwards by one number of binary64 unless they are known to be exact.
+//! An operation that is undefined somewhere (a division by an interval that
+//! contains zero, the root of one that extends below it) gives the whole line.
 //!
 //! The library's sine and cosine are taken to be within four units in the
 //! last place, which every one in use keeps.
@@ -30,7 +30,7 @@ impl Interval {
         high: f64::INFINITY,
     };
 
-    /// Nothing but zero.
+    /// The interval of zero alone.
     pub const ZERO: Interval = Interval {
         low: 0.0,
         high: 0.0,
@@ -48,7 +48,7 @@ impl Interval {
         }
     }
 
-    /// Nothing but one number; the whole line for NaN.
+    /// The interval of one number; the whole line for NaN.
     pub fn point(number: f64) -> Interval {
         Interval::new(number, number)
     }
@@ -93,8 +93,8 @@ impl Interval {
         }
     }
 
-    /// The members that lie in another interval too; `self` when there are
-    /// none, which rounding alone can bring about.
+    /// The members that are in another interval too; `self` when there are
+    /// none, which only rounding can cause.
     #[must_use]
     pub fn clamped(self, other: Interval) -> Interval {
         let (low, high) = (self.low.max(other.low), self.high.min(other.high));

@@ -1,4 +1,4 @@
-//! Numbers and their operations. Nothing here depends on functions or
+//! Numbers and their operations. This crate does not depend on functions or
 //! programs.
 //!
 //! - The [`operation`]s, and the [`arithmetic`] trait that evaluation is

@@ -1,14 +1,14 @@
-//! Limits: which numbers a user may write, and what more would cost.
+//! Limits: the numbers that a user may write, and the cost of larger ones.
 //!
 //! Every number that comes from outside (an option of a pass, a flag of a
-//! program, a field of a file) is declared with an [`NumberLimit`] beside it. The
-//! reader of the number asks it, the message beyond the limit is made from it,
-//! and so is the table of all limits (`docs/limits.md`), which tests walk
+//! program, a field of a file) is declared with an [`NumberLimit`] beside it.
+//! The reader of the number uses it, the message beyond the limit is made from
+//! it, and so is the table of all limits (`docs/limits.md`), which tests walk
 //! through. No limit is in another place.
 //!
-//! **Invariant.** Within what is allowed nothing overflows, and a small input
-//! is treated in seconds; the reason shows what more would cost, or what could
-//! not be represented.
+//! **Invariant.** Within the limits nothing overflows, and a small input is
+//! treated in seconds; the reason gives the cost of a larger number, or the
+//! quantity that could not be represented.
 
 mod field;
 
@@ -114,7 +114,7 @@ impl NumberLimit {
         )
     }
 
-    /// Reports what is wrong with a number, if anything is.
+    /// Checks a number; the error is the reason why it is refused.
     ///
     /// # Errors
     ///
@@ -217,7 +217,7 @@ impl fmt::Display for NumberLimit {
 pub struct LimitRow {
     /// The place of the number: a pass, a program, a kind of file.
     pub place: String,
-    /// Its name there.
+    /// Its name in that source.
     pub name: String,
     /// Allowed numbers.
     pub limit: NumberLimit,

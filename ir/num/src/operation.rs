@@ -74,8 +74,8 @@ impl Operation {
         matches!(self, Operation::Fma | Operation::Fms | Operation::Fnma)
     }
 
-    /// True for sine and cosine, which the thesis' machine takes from the
-    /// host and never counts.
+    /// True for sine and cosine, which the thesis' machine takes from the host
+    /// and never counts.
     #[inline]
     pub fn is_trigonometric(self) -> bool {
         matches!(self, Operation::Sin | Operation::Cos)

@@ -1,20 +1,20 @@
 //! Sorting of indices by numbers of 32 bits, in linear time.
 //!
-//! What is sorted in a compiler of large functions is nearly always the
-//! numbers of values by a cycle or a count. Comparing costs twenty steps for
-//! each of 600,000 of them; counting the keys costs two where these are few,
-//! and distributing by eleven bits of the key at a time two for each of these.
+//! A compiler of large functions sorts mostly numbers of values by a cycle or a
+//! count. Comparing costs twenty steps for each of 600,000 of them; counting
+//! the keys costs two where these are few, and distributing by eleven bits of
+//! the key at a time two for each of these.
 //!
 //! # Invariant
 //!
-//! The order is stable: equal keys keep the order they came in. So to sort by
-//! a pair, sort by the second part first.
+//! The order is stable: equal keys keep their original order. So to sort by a
+//! pair, sort by the second part first.
 
 /// Bits of a key that are considered in one pass.
 const DIGIT_BITS: u32 = 11;
 
-/// Keys of this number of bits are counted all at once: their counts still lie
-/// in a cache of second level.
+/// Maximum number of key bits counted in one pass: their counts still fit into
+/// a second-level cache.
 const COUNTED_BITS: u32 = 17;
 
 /// Sequences up to this length are compared, which costs less than the counts

@@ -1,10 +1,10 @@
 //! Evaluation where every value may have its own format.
 //!
-//! An operation takes its operands as they are, in whatever format they were
-//! computed, and its exact result is rounded once into the format of its
-//! value. A constant is rounded into the format of the operation that reads
-//! it, which is where such a machine would keep it; inputs, and constants
-//! that are outputs, are in the format of the run.
+//! An operation takes its operands in the formats in which they were computed,
+//! and its exact result is rounded once into the format of its value. A
+//! constant is rounded into the format of the operation that reads it, which is
+//! where such a machine would keep it; inputs, and constants that are outputs,
+//! are in the format of the run.
 
 use super::evaluate_nodes;
 use crate::entity::{Operand, OperandKind, Value};
@@ -64,12 +64,12 @@ pub fn evaluate_mixed_nodes(function: &Function, default: Format, inputs: &[f64]
     evaluate_nodes_in(function, function.formats.as_ref(), default, inputs)
 }
 
-/// As [`evaluate_mixed_nodes`], with other formats than the function's own:
-/// for trying them.
+/// As [`evaluate_mixed_nodes`], with other formats than the function's own, for
+/// trials.
 ///
 /// # Panics
 ///
-/// As [`evaluate_nodes`], and when there are not as many formats as nodes.
+/// As [`evaluate_nodes`], and when the numbers of formats and nodes differ.
 pub fn evaluate_nodes_in(
     function: &Function,
     formats: Option<&ValueFormats>,

@@ -1,8 +1,8 @@
 //! The devices that machines are built on, as data.
 //!
-//! A machine file names a family; what its cells and nets take, how wide a
-//! multiplier block is and what there is of everything is in a TOML file
-//! per family (`devices/`), with the origin of the figures. Clocks, cuts of
+//! A machine file names a family; the cost of its cells and nets, the width of
+//! a multiplier block and the number of all resources are in a TOML file per
+//! family (`devices/`), with the origin of the figures. Clocks, cuts of
 //! operators and shares of a device all come from there.
 
 use serde::{Deserialize, Serialize};
@@ -16,10 +16,10 @@ use std::sync::LazyLock;
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum DeviceFamily {
-    /// That of the thesis' board, by Intel.
+    /// The family of the thesis' board, by Intel.
     #[default]
     CycloneV,
-    /// By Lattice; open tools place and route it.
+    /// By Lattice; open tools support placement and routing for it.
     Ecp5,
 }
 
@@ -165,11 +165,11 @@ pub struct DeviceBlocks {
     /// Words and bits per word that a block memory with one read and one
     /// write port can have, the narrowest first.
     pub memory_shapes: Vec<[u32; 2]>,
-    /// The same with two ports that both read and write.
+    /// The same for two ports that both read and write.
     pub dual_port_shapes: Vec<[u32; 2]>,
 }
 
-/// Resources of a device in all.
+/// Total resources of a device.
 #[derive(Clone, Copy, PartialEq, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DeviceCapacity {

@@ -51,7 +51,7 @@ limited_fields! {
         0, 1_000_000_000, "no device has more");
 }
 
-/// The limits of machine files, those of its number format among them.
+/// The limits of machine files, with those of its number format.
 pub fn rows() -> Vec<LimitRow> {
     let all = [FIELDS, robovec_num::format::fields::FIELDS].concat();
     limits::rows("machine file", &all)

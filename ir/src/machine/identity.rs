@@ -1,9 +1,9 @@
 //! The content of a machine as far as a placed program depends on it, as a
 //! hash.
 //!
-//! A name means nothing: a copy of a machine file keeps it while stages,
-//! memories and ports change, and a program placed for the one does wrong on
-//! the other. So a schedule carries the hash of its machine
+//! A name is no identity: a copy of a machine file keeps it while stages,
+//! memories and ports change, and a program placed for the one is wrong on the
+//! other. So a schedule has the hash of its machine
 //! ([`Schedule::machine_hash`]), and so do the manifests of images.
 
 use super::Machine;
@@ -11,11 +11,11 @@ use crate::placement::Schedule;
 use robovec_num::fnv::Fnv;
 
 impl Machine {
-    /// 64-bit FNV-1a of what a program depends on: the compact JSON of
-    /// `[number, elements, memory, buffer, interconnect]` of the machine
-    /// file with every element's `count` set to 1, since placement may be
-    /// given other counts and records which it used. Name, description, clock,
-    /// device, instruction memories and resources change no placement.
+    /// 64-bit FNV-1a of the properties on which a program depends: the compact
+    /// JSON of `[number, elements, memory, buffer, interconnect]` of the
+    /// machine file with every element's `count` set to 1, since placement may
+    /// use other counts and records them. Name, description, clock, device,
+    /// instruction memories and resources change no placement.
     pub fn content_hash(&self) -> Fnv {
         let mut elements = self.elements.clone();
         for element in &mut elements {
@@ -36,7 +36,7 @@ impl Machine {
 /// A schedule and a machine that do not belong together.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum MachineMismatch {
-    /// The schedule knows its machine by name only, and this is another.
+    /// The schedule names a machine of another content.
     #[error("the schedule is for the machine '{own}', not '{other}'")]
     Name {
         /// Of the schedule.

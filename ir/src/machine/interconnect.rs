@@ -3,17 +3,17 @@
 //!
 //! # Conventions
 //!
-//! A word *departs* in the cycle in which it is on its element's result bus,
-//! or is shown by the element's buffer. Over the crossbar it arrives in the
-//! same cycle. Over a network it passes *links*, each in its own cycle:
-//! the `k`-th of them, from 0, `k * hop` cycles after the departure, and it
-//! arrives `hop` cycles after the last. A word of an element's own memory
-//! passes no link and arrives at once.
+//! A word *departs* in the cycle in which it is on its element's result bus, or
+//! is shown by the element's buffer. Over the crossbar it arrives in the same
+//! cycle. Over a network it passes *links*, each in its own cycle: the `k`-th
+//! of them, from 0, `k * hop` cycles after the departure, and it arrives `hop`
+//! cycles after the last. A word of an element's own memory passes no link and
+//! arrives immediately.
 //!
 //! Routes are static: the way from one element to another is always the same,
 //! and the ways of one word form a tree. A link carries `words` words in a
-//! cycle; one word that departed once counts once, however many elements it
-//! goes to, because switches copy it where its ways part.
+//! cycle; one word from one departure counts once, for any number of target
+//! elements, because switches copy it where its paths separate.
 //!
 //! The elements are in the network in the order of their numbers, the kinds
 //! taking turns (`add0`, `multi0`, `add1`, `multi1`, …), so that elements that
@@ -65,11 +65,11 @@ pub enum Topology {
     /// A rectangle of routers with a link in each direction between
     /// neighbours; words go along the row first, then along the column.
     Mesh,
-    /// A mesh whose rows and columns are rings; words go the shorter way
-    /// round, upwards where both are equal.
+    /// A mesh whose rows and columns are rings; words take the shorter
+    /// direction, upwards where both are equal.
     Torus,
-    /// Stages of two-by-two switches after perfect shuffles, as many as the
-    /// number of a place has bits; a word enters on the line of its element.
+    /// Stages of two-by-two switches after perfect shuffles, one stage per bit
+    /// of the number of a place; a word enters on the line of its element.
     Omega,
     /// Routers whose numbers differ in one bit are neighbours; words correct
     /// the bits from the lowest up.

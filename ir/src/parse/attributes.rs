@@ -1,7 +1,7 @@
 //! The attributes after an expression: cycle, addresses, times, places.
 //!
-//! Attributes may be in any order. They are collected here and given to
-//! the definition or assignment when its line ends.
+//! Attributes may be in any order. They are collected here and attached to the
+//! definition or assignment at the end of its line.
 
 use super::builder::{ADDRESS, CYCLE, ModuleBuilder};
 use super::parts::Span;

@@ -22,7 +22,7 @@ const FUNCTIONS: [Operation; 6] = [
     Operation::Fnma,
 ];
 
-/// The arguments of a function: the first ones, and how many there are.
+/// The arguments of a function: the first ones, and their number.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arguments {
     operands: [Operand; Operand::MAX_COUNT],

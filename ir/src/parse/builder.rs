@@ -1,9 +1,9 @@
-//! The state of reading: what the actions of the grammar change.
+//! The state of the reader, which the actions of the grammar change.
 //!
-//! There is always a function being read: outside the braces it is one that
-//! is thrown away, so that no action has to ask. Nodes are pushed as their
-//! expressions are reduced; the head of a statement shows where its nodes
-//! start, its end gives the last of them the name.
+//! There is always a function being read: outside the braces it is a discarded
+//! one, so that no action needs a test. Nodes are pushed as their expressions
+//! are reduced; the head of a statement shows where its nodes start, its end
+//! gives the last of them the name.
 
 use super::VerificationTarget;
 use super::names::{NameTable, Recent};
@@ -103,7 +103,7 @@ impl Open<'_> {
     }
 }
 
-/// Everything read so far.
+/// The parts of the module read so far.
 pub(super) struct ModuleBuilder<'t> {
     pub(super) text: &'t str,
     pub(super) module: Module,
@@ -237,7 +237,7 @@ impl<'t> ModuleBuilder<'t> {
         content
     }
 
-    /// Forgets what was read of a statement.
+    /// Discards the parts of a statement read so far.
     pub(super) fn next_statement(&mut self) {
         self.head = Head::Other;
         self.start = self.open.node_count();
@@ -249,7 +249,7 @@ impl<'t> ModuleBuilder<'t> {
         self.machine_hash = None;
     }
 
-    /// The module, or what is wrong with the text.
+    /// The module, or the faults of the text.
     pub(super) fn finish(mut self) -> Result<Module, Vec<Diagnostic>> {
         if let Some(head) = self.open.head {
             if !self.is_full() {

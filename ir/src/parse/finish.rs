@@ -1,4 +1,4 @@
-//! The end of a function: what could not be done before all of it was read.
+//! The end of a function: the steps that need the complete function.
 
 use super::builder::{ModuleBuilder, Open};
 use super::parts::{PendingAssignment, Span};
@@ -50,7 +50,7 @@ impl<'t> ModuleBuilder<'t> {
         }
     }
 
-    /// The violations of a function, on the machine as well where there is one.
+    /// The violations of a function, also on the machine if there is one.
     fn violations(&self, view: View<'_>) -> Vec<Violation> {
         let found = verify(view);
         let (Some(target), Some(schedule), []) = (self.target, &view.function.schedule, &found[..])
@@ -183,8 +183,8 @@ impl<'t> ModuleBuilder<'t> {
         }
     }
 
-    /// Nodes of assignments have no histories, and neither times
-    /// nor slots; the verifier rejects them, but wants tables that fit.
+    /// Nodes of assignments have no histories, times or slots; the verifier
+    /// rejects them, but requires tables of full length.
     fn complete_tables(&mut self) {
         let count = self.open.node_count() as usize;
         let function = &mut self.open.function;

@@ -1,9 +1,9 @@
 //! Tokens of the text form.
 //!
-//! A token is one byte and a range of the text; what it states is read from the
-//! text by whoever needs it, so nothing is copied or allocated here. Line
-//! ends are tokens because they end statements, which is also what an error
-//! recovers at; [`Tokens`] drops those between a line and its continuation.
+//! A token is one byte and a range of the text; its content is read from the
+//! text on demand, so nothing is copied or allocated here. Line ends are tokens
+//! because they end statements, and recovery from an error continues there;
+//! [`Tokens`] drops those between a line and its continuation.
 
 use logos::{Lexer, Logos};
 
@@ -31,7 +31,7 @@ pub(super) enum ModuleToken {
     /// `"…"`.
     #[regex(r#""([^"\\\r\n]|\\[^\r\n])*""#)]
     String,
-    /// A string whose line ends before it does.
+    /// A string whose end is not on its line.
     #[regex(r#""([^"\\\r\n]|\\[^\r\n])*"#)]
     OpenString,
     /// `@1/43:3-44:20`: a place.
@@ -40,7 +40,7 @@ pub(super) enum ModuleToken {
     /// `@!3`: a reference to a set of places.
     #[regex(r"@![0-9]+")]
     SetReference,
-    /// `!3`: a set of places, where it is declared.
+    /// `!3`: a set of places, at its declaration.
     #[regex(r"![0-9]+")]
     Set,
     #[token("source")]
@@ -139,7 +139,7 @@ impl ModuleToken {
     }
 }
 
-/// A token with the bytes it is at.
+/// A token with the range of its bytes.
 pub(super) type Spanned = (u32, ModuleToken, u32);
 
 /// The tokens of a text; every statement ends with exactly one
@@ -180,7 +180,7 @@ impl<'t> Tokens<'t> {
         self.joined
     }
 
-    /// Drops the rest of the statement that the last token belongs to.
+    /// Drops the rest of the statement of the last token.
     pub(super) fn skip_statement(&mut self) {
         while self.previous != ModuleToken::Newline && self.next().is_some() {}
     }

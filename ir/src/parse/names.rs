@@ -2,8 +2,8 @@
 //!
 //! Names derived from one symbol are numbered almost without gaps, so their
 //! values are in a vector per symbol; only numbers far beyond the rest go
-//! through a hash map. Entries carry the number of the function they were
-//! made for, so that starting the next function costs nothing.
+//! through a hash map. Entries have the number of their function, so that
+//! starting the next function costs nothing.
 
 use crate::entity::{Operand, Value};
 use crate::symbol::{Name, Symbol};
@@ -71,7 +71,7 @@ impl<'t> Recent<'t> {
 struct NameEntry {
     function: u32,
     /// The value that has the symbol itself. Operands here are values or none,
-    /// in half the room that an `Option` takes.
+    /// in half the memory of an `Option`.
     plain: Operand,
     /// Values by number, from 1.
     numbered: Vec<Operand>,

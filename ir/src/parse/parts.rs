@@ -1,5 +1,5 @@
 //! Parts of a function while it is read: places, the statement being read with
-//! its attributes, and what waits for the end of the function.
+//! its attributes, and the parts that are processed at the end of the function.
 
 use crate::entity::{Operand, Output};
 use crate::function::Timing;
@@ -67,9 +67,9 @@ pub(super) enum Head {
     /// Neither of the two.
     #[default]
     Other,
-    /// `%x =`: the name and where it is.
+    /// `%x =`: the name and its place.
     Definition(Name, Span),
-    /// `M[1,2] =`: the element, when it exists, and where it is.
+    /// `M[1,2] =`: the element, when it exists, and its place.
     Assignment(Option<Output>, Span),
 }
 

@@ -20,7 +20,7 @@ impl Problems {
         }
     }
 
-    /// True when nothing was found.
+    /// True when there are no errors.
     pub(super) fn is_empty(&self) -> bool {
         self.list.is_empty()
     }

@@ -76,8 +76,8 @@ impl ModuleBuilder<'_> {
         });
     }
 
-    /// Ends a statement that could not be read: what it defines or declares
-    /// counts as known, so that its uses are no errors.
+    /// Ends a statement that could not be read: its definitions and
+    /// declarations count as known, so that their uses are no errors.
     fn abandon(&mut self, statement: u32) {
         let first = self.token_at(statement);
         let second = first.and_then(|(_, _, end)| self.token_at(end));

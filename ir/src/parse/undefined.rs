@@ -1,8 +1,8 @@
 //! Values that are used before they are defined, or never defined.
 //!
 //! Which of the two is known at the end of the function. Then a name gets one
-//! message: that it is defined later, that its definition goes in a circle
-//! (shown), or what may have been meant.
+//! message: a later definition, a circular definition (with the circle), or a
+//! similar name.
 
 use super::builder::ModuleBuilder;
 use super::parts::{FastMap, Span};

@@ -12,7 +12,7 @@ use std::io;
 
 const FLUSH_AT: usize = 1 << 16;
 
-/// Room that is made at once: more than a line takes.
+/// Number of bytes reserved at a time, more than the length of a line.
 const LEAST_ROOM: usize = 512;
 
 /// Every number below a thousand as three digits, and a byte of zeros.
@@ -51,7 +51,7 @@ impl<'w> Text<'w> {
         }
     }
 
-    /// Writes these bytes after the text, without making them part of it.
+    /// Copies these bytes to the end of the text, without adding them to its length.
     #[inline]
     fn put(&mut self, bytes: &[u8]) {
         // Whether there is room is asked once, by the place itself.
@@ -98,7 +98,7 @@ impl<'w> Text<'w> {
         self.length += length;
     }
 
-    /// Appends so many of these bytes; copying all of them costs less.
+    /// Appends this number of these bytes; copying all of them costs less.
     #[inline]
     pub(super) fn short(&mut self, bytes: &[u8; 16], length: usize) {
         self.put(bytes);
@@ -123,8 +123,8 @@ impl<'w> Text<'w> {
         self.six_digits(number % 1_000_000, false);
     }
 
-    /// The last six digits, without leading zeros where so asked, but with a
-    /// digit at least.
+    /// The last six digits, without leading zeros on request, but with a digit
+    /// at least.
     #[inline]
     fn six_digits(&mut self, number: u32, leading: bool) {
         let group = |number: u32| u64::from(u32::from_le_bytes(GROUPS[number as usize]));

@@ -21,7 +21,7 @@ pub(super) fn check(collector: &mut ViolationCollector<'_>) -> bool {
     true
 }
 
-/// The limits of what can be an operand of a node.
+/// The limits for operands of a node.
 struct Bounds {
     /// By kind, as [`Operand::parts`] numbers them; none has no index.
     limits: [usize; 4],
@@ -149,8 +149,8 @@ fn atomic(collector: &mut ViolationCollector<'_>) {
     }
 }
 
-/// Inner nodes, with a stack of those not yet used: what an operation reads
-/// must lie on top, and a definition must leave nothing on it.
+/// Checks inner nodes with a stack of those not yet used: the operands of an
+/// operation must be on top, and a definition must leave the stack empty.
 fn expressions(collector: &mut ViolationCollector<'_>) {
     let function = collector.view.function;
     let named: Vec<bool> = function
@@ -226,8 +226,8 @@ fn sources(collector: &mut ViolationCollector<'_>, inner: std::ops::Range<u32>, 
     }
 }
 
-/// The expressions of assignments: what is open after the definitions, in
-/// the order of the assignments.
+/// The expressions of assignments: the nodes still open after the definitions,
+/// in the order of the assignments.
 fn trees_of_assignments(
     collector: &mut ViolationCollector<'_>,
     open: &[Value],

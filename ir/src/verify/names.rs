@@ -4,9 +4,9 @@ use super::{ViolationCollector, all_differ};
 use crate::entity::Value;
 use crate::symbol::{Name, Symbol};
 
-/// Bits for each node that show which names are borne: what the keys that
-/// would be sorted instead take. Names derived from one symbol are numbered
-/// almost without gaps, so that only a text written by hand has more.
+/// Bits per node of the set of names in use: the size of the keys that would be
+/// sorted instead. Names derived from one symbol are numbered almost without
+/// gaps, so that only a text written by hand has more.
 const BITS_PER_NODE: usize = 64;
 
 pub(super) fn check(collector: &mut ViolationCollector<'_>) {

@@ -2,7 +2,7 @@
 //!
 //! The verifier walks every word from switch to switch by the conventions of
 //! [`crate::machine::interconnect`] and records which wire it is on in which
-//! cycle. Nothing is shared with the placer.
+//! cycle. No code is shared with the placer.
 
 use crate::machine::interconnect::{Interconnect, LinkNetwork, Topology, places};
 use crate::placement::Element;
@@ -43,7 +43,7 @@ impl Routes {
         self.network.topology.name()
     }
 
-    /// The wires between two elements, in the order a word takes them.
+    /// The wires between two elements, in the order of a word's path.
     fn wires(&self, from: Element, to: Element) -> Vec<NetworkWire> {
         let (mut at, end) = (self.places[from.index()], self.places[to.index()]);
         let mut wires = Vec::new();

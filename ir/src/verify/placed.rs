@@ -1,6 +1,6 @@
-//! Invariants 17 to 19 of [`verify`](super): what of a placement can be
-//! checked without knowing the machine. Cycles and ports, which need it, are
-//! checked by [`verify_placement`](super::verify_placement).
+//! Invariants 17 to 19 of [`verify`](super): the rules of a placement that do
+//! not depend on the machine. Cycles and ports, which need it, are checked by
+//! [`verify_placement`](super::verify_placement).
 //!
 //! Cycles count from 0, and processing elements over all kinds from 0. The
 //! schedule has passed its own checks (14 to 16): it has a slot for every
@@ -10,7 +10,7 @@ use super::{ViolationCollector, ViolationSubject};
 use crate::entity::{Operand, OperandKind, Value};
 use crate::placement::{Placement, Schedule, Word};
 
-/// Adds what is wrong with a placement to the violations.
+/// Adds the faults of a placement to the violations.
 pub(super) fn check(
     collector: &mut ViolationCollector<'_>,
     schedule: &Schedule,

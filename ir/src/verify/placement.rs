@@ -1,10 +1,10 @@
 //! The placement, checked against the machine.
 //!
-//! This is the machine's view: nothing is taken from how the placer works,
-//! only from the conventions of [`crate::placement`]. An operation issued at
-//! cycle `t` on an element of `L` stages has its result on the crossbar at
-//! `t + L + 1`; a word written in cycle `w` can be read from `w + 1` on; a
-//! write later than the result comes from the buffer of the element.
+//! This is the machine's view: it depends only on the conventions of
+//! [`crate::placement`], not on the placer. An operation issued at cycle `t` on
+//! an element of `L` stages has its result on the crossbar at `t + L + 1`; a
+//! word written in cycle `w` can be read from `w + 1` on; a write later than
+//! the result comes from the buffer of the element.
 
 use super::network::{NetworkWire, Routes};
 use super::{ViolationCollector, ViolationSubject};
@@ -18,7 +18,7 @@ use robovec_num::operation::Operation;
 #[derive(Clone, Copy)]
 struct ElementFacts {
     stages: u32,
-    /// By operation, whether it is the element's kind that performs it.
+    /// By operation, true when the element's kind performs it.
     performs: [bool; Operation::ALL.len()],
 }
 

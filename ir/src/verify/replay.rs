@@ -1,10 +1,9 @@
 //! A placement, replayed cycle by cycle.
 //!
-//! In every cycle first the operations that start read their operands, then
-//! the writes of the cycle happen. Each word keeps what it holds and when it
-//! was written, each port how often it was used in the cycle, so all rules
-//! about contents and ports are checked in one pass over the events in order
-//! of time.
+//! In every cycle first the operations that start read their operands, then the
+//! writes of the cycle happen. Each word has its content and the cycle of its
+//! write, each port its number of uses in the cycle, so all rules about
+//! contents and ports are checked in one pass over the events in order of time.
 
 use super::placement::PlacementCheck;
 use super::{ViolationCollector, ViolationSubject, describe, describe_operand};
@@ -40,7 +39,7 @@ struct WordStore<Content> {
 }
 
 impl<Content: Copy + Default> WordStore<Content> {
-    /// Room for the words used, unless they lie far apart.
+    /// Storage for the words used, dense unless they are far apart.
     fn with(extent: MemoryExtent) -> WordStore<Content> {
         let dense = if extent.words <= 8 * extent.uses + 64 {
             extent.words as usize
@@ -119,7 +118,7 @@ struct Port {
 }
 
 impl Port {
-    /// Counts a use and returns how many there are in the cycle.
+    /// Counts a use and returns the number in the cycle.
     fn take(&mut self, cycle: u64) -> u32 {
         if self.cycle != cycle {
             *self = Port { cycle, uses: 0 };
@@ -238,8 +237,8 @@ impl PlacementReplay<'_, '_, '_> {
         self.enter_buffer(value);
     }
 
-    /// A buffer word is taken by the values of its element in the order in
-    /// which they start, since all take as many stages.
+    /// The values of an element enter a buffer in the order of their start,
+    /// since all take the same number of stages.
     fn enter_buffer(&mut self, value: Value) {
         let check = self.check;
         let Some(word) = check.placement.buffers[value.index()] else {

@@ -1,12 +1,12 @@
-//! Invariants 14 to 16: what of a schedule can be checked without knowing the
+//! Invariants 14 to 16: the rules of a schedule that do not depend on the
 //! machine.
 
 use super::{ViolationCollector, ViolationSubject, all_differ, describe};
 use crate::entity::Value;
 use crate::placement::{Schedule, Slot};
 
-/// Bits for each node that show which slots are taken: what the keys that
-/// would be sorted instead take.
+/// Bits per node of the set of slots in use: the size of the keys that would be
+/// sorted instead.
 const BITS_PER_NODE: usize = 64;
 
 /// True when every node has a slot on an element that exists.

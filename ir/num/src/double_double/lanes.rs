@@ -51,8 +51,8 @@ impl<const LANES: usize> DoubleLanes<LANES> {
         result
     }
 
-    /// True when all lanes are finite and nothing was lost on the way: an
-    /// infinity or NaN anywhere in an operation makes the low half NaN.
+    /// True when all lanes and all intermediate results are finite: an infinity
+    /// or NaN anywhere in an operation makes the low half NaN.
     #[inline]
     fn is_regular(&self) -> bool {
         // NaN and infinity times zero are NaN, and a sum with NaN is NaN.

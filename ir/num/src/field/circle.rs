@@ -1,17 +1,17 @@
 //! The field with angles that add up.
 //!
-//! In [`PrimeField`](super::PrimeField) the sine of a sum of angles has
-//! nothing to do with the sines of the angles. Here it has: beside its value
-//! modulo `p`, every number carries what it is as an angle, a number modulo
+//! In [`PrimeField`](super::PrimeField) the sine of a sum of angles is
+//! unrelated to the sines of the angles. Here they are related: beside its
+//! value modulo `p`, every number has a residue as an angle, a number modulo
 //! the prime order `r` of a subgroup of the circle over the field. Sums,
-//! differences, products and quotients of angles are taken modulo `r`, and
-//! the sine and cosine of an angle `a` are the coordinates of the point
-//! `a·G` for a generator `G` of the subgroup. So `sin(a + b)`, `cos(2*a)` and
-//! `sin(a/3)` are what the theorems of addition state, for any expression of
-//! angles that is rational in the inputs.
+//! differences, products and quotients of angles are taken modulo `r`, and the
+//! sine and cosine of an angle `a` are the coordinates of the point `a·G` for a
+//! generator `G` of the subgroup. So `sin(a + b)`, `cos(2*a)` and `sin(a/3)`
+//! follow the addition theorems, for any expression of angles that is rational
+//! in the inputs.
 //!
-//! What has passed through a sine, a cosine or a root is a new angle,
-//! drawn from its value.
+//! The result of a sine, a cosine or a root is a new angle, drawn from its
+//! value.
 //!
 //! Two functions that agree here at a random point agree over the reals except
 //! for a chance of `degree / r`, as in the plain field: both images are rings,
@@ -20,7 +20,7 @@
 use super::{DrawRole, Field, FieldPoint, PrimeField, either_undefined};
 use crate::arithmetic::Arithmetic;
 
-/// A number and what it is as an angle.
+/// A number and its residue as an angle.
 #[derive(Clone, Copy, Debug)]
 pub struct Angular {
     /// Modulo `p`; [`PrimeField::UNDEFINED`] as there.
@@ -29,7 +29,7 @@ pub struct Angular {
     angle: u64,
 }
 
-/// Two numbers are equal when their values are.
+/// Two numbers are equal when their values are equal.
 impl PartialEq for Angular {
     fn eq(&self, other: &Angular) -> bool {
         self.value == other.value

@@ -1,12 +1,12 @@
 //! Prime fields: exact comparison of whole functions.
 //!
-//! Over the reals a Robotran function is a rational function of its inputs
-//! and of the sines and cosines in it. Two such functions that differ take
-//! different values at a random point of a finite field with probability at
-//! least `1 - degree / p` (Schwartz and Zippel), provided that their
-//! difference does not vanish modulo `p`. The proviso is why primes are drawn
-//! at random and come in pairs ([`Prime::pair`]): modulo 2⁶¹ − 1 the constant
-//! 2⁶¹ is 1, and whoever trusts that field alone drops it.
+//! Over the reals a Robotran function is a rational function of its inputs and
+//! of its sines and cosines. Two such functions that differ take different
+//! values at a random point of a finite field with probability at least `1 -
+//! degree / p` (Schwartz and Zippel), provided that their difference does not
+//! vanish modulo `p`. Primes are therefore drawn at random and come in pairs
+//! ([`Prime::pair`]): modulo 2⁶¹ − 1 the constant 2⁶¹ is 1, and a pass that
+//! trusts that field alone drops it.
 //!
 //! Representations:
 //!
@@ -15,18 +15,18 @@
 //! - Division multiplies by the inverse. Dividing by zero, or a literal that is
 //!   not finite, gives [`PrimeField::UNDEFINED`], and so does every operation
 //!   on it: such a point means nothing and must be drawn again.
-//! - `sin` and `cos` are drawn from the seed and the argument's value, so
-//!   equal arguments give equal results. They keep what a pass may always
-//!   use, `sin(0) = 0`, `cos(0) = 1`, `sin(-x) = -sin(x)`, `cos(-x) = cos(x)`,
-//!   and on the circle also `sin² + cos² = 1`. The theorems for sums of
-//!   angles hold in [`CircleField`] alone.
+//! - `sin` and `cos` are drawn from the seed and the argument's value, so equal
+//!   arguments give equal results. They keep the identities that every pass may
+//!   use: `sin(0) = 0`, `cos(0) = 1`, `sin(-x) = -sin(x)`, `cos(-x) = cos(x)`,
+//!   and on the circle also `sin² + cos² = 1`. The theorems for sums of angles
+//!   hold in [`CircleField`] alone.
 //! - `sqrt` is drawn likewise and has no law but that the roots of squares of
 //!   short literals are right (`sqrt(2.25) = 1.5`), and those of the numbers
-//!   the prime was drawn for and of their squares: `sqrt(x)*sqrt(x)` is not
-//!   `x` here. In [`RootField`] it is.
+//!   the prime was drawn for and of their squares: `sqrt(x)*sqrt(x)` is not `x`
+//!   here. In [`RootField`] they are equal.
 //!
-//! A field knows neither which numbers are positive nor where a function is
-//! not defined; numbers decide what depends on that.
+//! A field has no positive numbers and no domains of functions; questions that
+//! depend on them are decided with numbers.
 
 mod circle;
 mod prime;
@@ -93,7 +93,7 @@ pub struct PrimeField {
     pub circle: bool,
 }
 
-/// The role of a random element; it keeps the draws apart.
+/// The role of a random element; draws for different roles are independent.
 #[derive(Clone, Copy)]
 enum DrawRole {
     Input = 1,
@@ -102,7 +102,7 @@ enum DrawRole {
     Root = 4,
     /// The place of an input on the circle.
     Turn = 5,
-    /// The place on the circle of what a sine, cosine or root gave.
+    /// The point on the circle for the result of a sine, cosine or root.
     Angle = 6,
     /// The point of the circle that generates its subgroup.
     Generator = 7,
@@ -130,8 +130,8 @@ impl PrimeField {
         number >> 63 != 0
     }
 
-    /// The number or its negation, and whether it is the negation: numbers
-    /// that differ in sign only have this in common. One is not the negation
+    /// The number or its negation, and a flag: true for the negation. Numbers
+    /// that differ in sign only have the same result. One is not the negation
     /// of anything.
     #[inline]
     pub fn without_sign(&self, number: u64) -> (u64, bool) {
@@ -149,8 +149,8 @@ impl PrimeField {
     }
 
     /// A random element that represents the inverse of a number, odd in the
-    /// number, and for nothing else: `x*(1/y)*y` is not `x` with it, since
-    /// the one has a value where `y` is zero and the other has none.
+    /// number, and for nothing else: With it, `x*(1/y)*y` differs from `x`,
+    /// since only the latter has a value where `y` is zero.
     pub fn guarded_inverse(&self, number: u64) -> u64 {
         if PrimeField::is_undefined(number) || number == 0 {
             return PrimeField::UNDEFINED;

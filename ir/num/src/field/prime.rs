@@ -27,7 +27,7 @@ pub struct Modulus {
     inverse: u64,
     /// The number 1.
     one: u64,
-    /// 2¹²⁸ modulo the modulus: what brings a number into Montgomery's form.
+    /// 2¹²⁸ modulo the modulus, the factor that brings a number into Montgomery's form.
     square: u64,
 }
 
@@ -154,8 +154,8 @@ impl Modulus {
     }
 }
 
-/// Number of values that can be made squares: each halves the primes that will
-/// do.
+/// Number of values that can be made squares: each halves the number of usable
+/// primes.
 pub const MAX_RADICANDS: usize = 6;
 
 /// A prime of the form `24r − 1` with `r` prime, between 2⁶⁰ and 2⁶¹.
@@ -177,8 +177,8 @@ impl Prime {
 
     /// As [`Prime::pair`], but the first [`MAX_RADICANDS`] of these positive
     /// numbers are squares modulo both primes, and the fields know their roots.
-    /// The root of a product is the product of roots then, as it is of real
-    /// numbers. Costs a millisecond on average for six of them.
+    /// The root of a product is then the product of the roots, as for real
+    /// numbers. It takes a millisecond on average for six of them.
     pub fn pair_for(seed: u64, radicands: &[f64]) -> [Prime; 2] {
         let radicands = &radicands[..radicands.len().min(MAX_RADICANDS)];
         let first = Prime::draw(mix(seed), radicands);

@@ -1,12 +1,11 @@
 //! The prime field with square roots that are roots.
 //!
-//! In [`PrimeField`](super::PrimeField) the square of a root has nothing to do
-//! with what is under it, so that `(√a − √b)(√a + √b)` is not `a − b`.
-//! Half of its elements are no squares; but −1 is none of them, and with a
-//! root `i` of −1 every element has one: that of `a`, or `i` times that of
-//! `−a`. So numbers are `re + i·im` here. A root of a number that has an
-//! imaginary part itself (a root under a root) is drawn from it, and has no
-//! law.
+//! In [`PrimeField`](super::PrimeField) the square of a root is unrelated to
+//! its argument, so that `(√a − √b)(√a + √b)` is not `a − b`. Half of its
+//! elements are no squares; but −1 is none of them, and with a root `i` of −1
+//! every element has one: that of `a`, or `i` times that of `−a`. So numbers
+//! are `re + i·im` here. A root of a number that has an imaginary part itself
+//! (a root under a root) is drawn from it, and has no law.
 //!
 //! Of the two roots of a square that is taken which is a square itself, as in
 //! the rules' field; the signs of roots are decided by numbers.
@@ -42,8 +41,8 @@ impl Gaussian {
 }
 
 impl RootField {
-    /// An element that represents a number in draws, odd in it: its size and
-    /// whether it is the negation.
+    /// An element that represents a number in draws, odd in it: its size and a
+    /// flag, true for the negation.
     fn size(&self, a: Gaussian) -> (u64, bool) {
         let (real, negative) = self.plain.without_sign(a.real);
         if a.imaginary == 0 {

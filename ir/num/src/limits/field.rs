@@ -1,8 +1,8 @@
 //! Limited fields of files that are read by `serde`.
 //!
-//! A field is read as whatever number is written, then compared: so the
-//! message is the same for one too many, for a minus sign and for 10^30, and
-//! a reader that knows places puts the caret under the value.
+//! A field is read as any number, then compared: so the message is the same for
+//! one too many, for a minus sign and for 10^30, and a reader with places puts
+//! the caret under the value.
 
 use super::{Amount, NumberLimit};
 use serde::de::{self, Visitor};
@@ -15,8 +15,8 @@ pub trait LimitedField: Sized {
     fn from_amount(amount: Amount) -> Self;
     /// The number a value represents, if it represents one.
     fn amount(&self) -> Option<Amount>;
-    /// The value of a field that is there and means nothing (`null`), where
-    /// that is one.
+    /// The value of a field that is present but empty (`null`), where that is
+    /// allowed.
     fn nothing() -> Option<Self> {
         None
     }

@@ -1,4 +1,4 @@
-//! Exact results as integers, for what binary64 cannot show.
+//! Exact results as integers, for results beyond binary64.
 //!
 //! Every function returns `None` where binary64's own result is exact: for
 //! operands or results that are zero, and for infinities and NaN.
@@ -45,7 +45,7 @@ impl ExactNumber {
         self.exponent + self.significand.ilog2() as i32
     }
 
-    /// The same number with its leading bit at [`LEADING`]; what is shifted
+    /// The same number with its leading bit at [`LEADING`]; the bits shifted
     /// out must be zeros.
     fn aligned(self) -> ExactNumber {
         let place = self.significand.ilog2();
@@ -67,8 +67,8 @@ impl ExactNumber {
         }
     }
 
-    /// The sum. Terms have at most 106 significant bits, so that of the
-    /// smaller one nothing is lost where leading bits can cancel.
+    /// The sum. Terms have at most 106 significant bits, so that no bit of the
+    /// smaller one is lost where leading bits can cancel.
     fn plus(self, other: ExactNumber) -> Option<ExactNumber> {
         let (a, b) = (self.aligned(), other.aligned());
         let (large, small) = if (a.exponent, a.significand) >= (b.exponent, b.significand) {

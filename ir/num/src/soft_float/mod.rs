@@ -1,9 +1,9 @@
 //! Arithmetic in any number format, bit for bit.
 //!
-//! The numbers of every format up to binary64 are binary64 numbers and are
-//! stored as such: formats need no conversion, and an operation of one format
-//! reads the results of another as they are. Formats differ only in how an
-//! exact result is rounded ([`rounding`]).
+//! The numbers of every format up to binary64 are stored as binary64 numbers:
+//! formats need no conversion, and an operation of one format reads the results
+//! of another unchanged. Formats differ only in how an exact result is rounded
+//! ([`rounding`]).
 //!
 //! An operation is rounded once, in the fastest of these ways that is correct:
 //!
@@ -26,11 +26,11 @@
 //! which is the cheaper test in hardware; conversions after it. Sums that small
 //! are exact, so only products and quotients can show the difference.
 //!
-//! **Fixed point** knows neither infinities nor NaN, and only one zero.
-//! Results beyond the range saturate. What would be an infinity saturates
-//! too, so a quotient by zero is the largest number with the dividend's sign
-//! (zero counts as positive); what would be no number is zero: `0/0`, the
-//! root of a negative number, and a NaN from outside.
+//! **Fixed point** has neither infinities nor NaN, and only one zero. Results
+//! beyond the range saturate. An infinite result saturates too, so a quotient
+//! by zero is the largest number with the dividend's sign (zero counts as
+//! positive); a NaN becomes zero: `0/0`, the root of a negative number, and a
+//! NaN from outside.
 
 mod exact;
 mod lanes;
@@ -111,8 +111,8 @@ impl FormatArithmetic {
         self.format
     }
 
-    /// The nearest number of the format, ties to even: what a literal or an
-    /// input becomes.
+    /// The nearest number of the format, ties to even: the conversion of
+    /// literals and inputs.
     #[inline]
     pub fn convert(&self, number: f64) -> f64 {
         match self.method {
@@ -121,7 +121,7 @@ impl FormatArithmetic {
         }
     }
 
-    /// The hardware's result where it is the right one; `general` elsewhere.
+    /// The hardware's result where it is correct; `general` elsewhere.
     #[inline(always)]
     fn choose<const COUNT: usize>(
         &self,

@@ -1,12 +1,12 @@
 //! Binary64 results rounded to odd, then once into the format.
 //!
-//! Rounding to odd takes, of the two neighbours of a result that is not
-//! exact, the one whose last bit is set. That bit then states "and a little
-//! more or less", so the second rounding sees on which side of a tie the
-//! exact result lies, as long as the format has two bits less than binary64.
-//! The error-free transformations that show the error of the first rounding
-//! hold only far from the ends of binary64's range; near them, and for formats
-//! with more bits, [`exact`] computes with integers instead.
+//! Rounding to odd takes, of the two neighbours of a result that is not exact,
+//! the one whose last bit is set. That bit then means "and a little more or
+//! less", so the second rounding knows the side of a tie on which the exact
+//! result is, if the format has at least two bits less than binary64. The
+//! error-free transformations that show the error of the first rounding hold
+//! only far from the ends of binary64's range; near them, and for formats with
+//! more bits, [`exact`] computes with integers instead.
 
 use super::exact;
 use super::rounding::Rounding;
@@ -24,8 +24,8 @@ pub(super) fn is_tame(number: f64) -> bool {
     (LEAST..=MAX_OPERAND).contains(&size)
 }
 
-/// The neighbour with an odd last bit, given the nearest number of something
-/// and a number with the sign of what is missing.
+/// The neighbour with an odd last bit, from the nearest binary64 number of a
+/// value and a number with the sign of the difference.
 #[inline]
 pub(super) fn odd(nearest: f64, error: f64) -> f64 {
     let bits = nearest.to_bits();
@@ -41,7 +41,7 @@ pub(super) fn odd_sum(a: f64, b: f64) -> f64 {
     odd(sum, error)
 }
 
-/// `a + b` to nearest and what that leaves out (Knuth).
+/// `a + b` to nearest and its rounding error (Knuth).
 #[inline]
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;

@@ -1,10 +1,10 @@
 //! Numbers of a format as the bits of a word.
 //!
-//! A float's word is sign, exponent and mantissa from the top down, laid out
-//! as IEEE's interchange formats; a fixed-point number's is the two's
-//! complement of its multiple of the unit, `2^-fraction`. The number itself
-//! travels as binary64, so both directions move bits between two layouts and
-//! round nothing: every number of a format is a binary64 number.
+//! A float's word is sign, exponent and mantissa from the top down, laid out as
+//! IEEE's interchange formats; a fixed-point number's is the two's complement
+//! of its multiple of the unit, `2^-fraction`. The number itself is passed as
+//! binary64, so both directions move bits between two layouts without rounding:
+//! every number of a format is a binary64 number.
 
 use super::FormatArithmetic;
 use crate::NumberFormat;

@@ -2,13 +2,13 @@
 //!
 //! With `t = x^2`, the polynomial less the function's own series is a power
 //! series in `t` whose first coefficients are known to some 100 bits; cut off
-//! far beyond the polynomial's degree it is a polynomial `D(t)` and a
-//! remainder below Lagrange's bound. On an interval of `t` a polynomial lies
+//! far beyond the polynomial's degree it is a polynomial `D(t)` and a remainder
+//! below Lagrange's bound. On an interval of `t` the values of a polynomial are
 //! between the smallest and the largest of its Bernstein coefficients, which
-//! are computed from the expansion about the interval's lower end. That
-//! enclosure closes in on the true range with the square of the interval's
-//! width, and it never cancels what it should not: the small differences are
-//! formed before anything is rounded to binary64.
+//! are computed from the expansion about the interval's lower end. The width of
+//! the enclosure beyond the true range decreases with the square of the
+//! interval's width, and there is no harmful cancellation: small differences
+//! are formed before anything is rounded to binary64.
 //!
 //! Rounding inside the computation: every double-double operation has a
 //! relative error below 2^-103; none of the fewer than 2^15 operations of an
@@ -26,7 +26,7 @@ pub struct ErrorEnclosure {
     of: Circular,
     /// `D(t)`, without the factor `x` of a sine.
     difference: Vec<Double>,
-    /// Bounds what the cut and the computation add to `D`.
+    /// Bounds of the contributions of truncation and computation to `D`.
     margin: f64,
 }
 

@@ -1,16 +1,16 @@
 //! Polynomials fitted to a range: the exchange algorithm of Remez (1934).
 //!
 //! Of all polynomials with a number of terms the one sought has the smallest
-//! largest error. Its error takes that size, with alternating signs, once
-//! more often than it has coefficients (Chebyshev); so in turn the
-//! coefficients are found that level the error at given angles, and the
-//! angles are moved to where the error is largest. Everything is computed in
-//! double-double, so the result does not depend on the platform. Nothing here
-//! is trusted: [`Polynomial::proved_error`] judges what comes out.
+//! largest error. Its error takes that size, with alternating signs, once more
+//! often than it has coefficients (Chebyshev); so in turn the coefficients are
+//! found that level the error at given angles, and the angles are moved to
+//! where the error is largest. Everything is computed in double-double, so the
+//! result does not depend on the platform. Nothing here is trusted:
+//! [`Polynomial::proved_error`] bounds the error of the result.
 //!
-//! Coefficients that must be numbers of a narrow format are rounded one after
-//! the other, the lowest power first, and the others fitted again each time:
-//! they make up for most of what the rounding spoiled.
+//! Coefficients that must be numbers of a narrow format are rounded in
+//! sequence, the lowest power first, and the others fitted again each time:
+//! they compensate for most of the rounding error.
 
 use super::polynomial::{Circular, LARGEST_RANGE, Polynomial};
 use crate::arithmetic::Arithmetic;
@@ -18,8 +18,8 @@ use crate::double_double::{Double, DoubleDouble};
 use crate::format::Format;
 use crate::soft_float::FormatArithmetic;
 
-/// Grid points between two extrema, as many as leave the largest error found
-/// within a thousandth of the true one.
+/// Number of grid points between two extrema, such that the largest error found
+/// is within a thousandth of the true one.
 const GRID: usize = 24;
 
 /// Exchanges; the algorithm converges quadratically, five are the rule.
@@ -28,7 +28,7 @@ const MAX_EXCHANGES: usize = 20;
 impl Polynomial {
     /// The polynomial with powers up to an order whose largest absolute error
     /// for angles of at most `range` radians is smallest, and of which each
-    /// coefficient is a number of `format`, when there is one.
+    /// coefficient is a number of `format`, if given.
     ///
     /// The series of Taylor where nothing can be fitted: to a range of zero,
     /// or beyond [`LARGEST_RANGE`].
@@ -72,8 +72,8 @@ impl Polynomial {
     /// is a number of `format`. Kernels begin with the series' own `1` and
     /// `-1/2`, whose products are exact, to lose nothing for small angles.
     ///
-    /// `None` where nothing can be fitted: no room after the leading
-    /// coefficients, a range of zero or beyond [`LARGEST_RANGE`].
+    /// `None` where no fit is possible: no room after the leading coefficients,
+    /// a range of zero or beyond [`LARGEST_RANGE`].
     pub fn minimax_behind(
         of: Circular,
         leading: &[f64],
@@ -98,7 +98,7 @@ impl Polynomial {
     }
 }
 
-/// A grid on the range with what is to be approximated there.
+/// A grid on the range with the values of the approximated function.
 struct Grid {
     /// Angles over the range, increasing from 0 or just above it to 1.
     places: Vec<Double>,
@@ -233,9 +233,9 @@ fn level(grid: &Grid, chosen: &[usize], first: u32) -> Option<Vec<Double>> {
     Some(solution)
 }
 
-/// The places of the largest errors of alternating signs, as many as wanted:
-/// the largest of every run of one sign, and of too many the run at either
-/// end with the smaller error goes.
+/// The places of the largest errors of alternating signs, at most the wanted
+/// number: the largest of every run of one sign; if there are too many, the run
+/// at either end with the smaller error is dropped.
 fn extrema(errors: &[f64], wanted: usize) -> Option<Vec<usize>> {
     let mut found: Vec<usize> = Vec::new();
     for (index, error) in errors.iter().enumerate() {

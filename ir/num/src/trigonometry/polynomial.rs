@@ -71,7 +71,7 @@ pub const LARGEST_RANGE: f64 = 32.0;
 pub struct Polynomial {
     /// The function that it represents.
     pub of: Circular,
-    /// Its coefficients, as they are used.
+    /// Its coefficients, rounded to the format.
     pub coefficients: Vec<f64>,
 }
 

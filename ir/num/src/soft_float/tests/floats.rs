@@ -11,7 +11,7 @@ use crate::random::Random;
 use crate::soft_float::FormatArithmetic;
 use rustc_apfloat::{Float, Round};
 
-/// A format with and without subnormal numbers, and how it is compared.
+/// A format with and without subnormal numbers, and its comparison.
 struct Pair<const E: usize, const M: usize> {
     kept: FormatArithmetic,
     flushed: FormatArithmetic,

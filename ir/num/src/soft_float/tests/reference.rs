@@ -4,7 +4,7 @@ use rustc_apfloat::ieee::{Double, IeeeFloat, Quad, Semantics};
 use rustc_apfloat::{Float, FloatConvert, Round, Status, StatusAnd};
 use std::cmp::Ordering;
 
-/// A format of so many exponent and mantissa bits.
+/// A format with these numbers of exponent and mantissa bits.
 pub(super) struct Custom<const EXPONENT: usize, const MANTISSA: usize>;
 
 impl<const EXPONENT: usize, const MANTISSA: usize> Semantics for Custom<EXPONENT, MANTISSA> {

@@ -4,10 +4,10 @@ use super::TrigonometricUnit;
 use crate::arithmetic::Arithmetic;
 
 /// An arithmetic that takes sines and cosines from a unit, rounded to its own
-/// numbers; everything else is as it was.
+/// numbers; all other operations are unchanged.
 #[derive(Clone, Copy, Debug)]
 pub struct WithTrigonometry<'a, A> {
-    /// Computes everything else.
+    /// The arithmetic of all other operations.
     pub arithmetic: A,
     /// Computes sines and cosines.
     pub unit: &'a TrigonometricUnit,

@@ -19,7 +19,7 @@ pub(super) fn product(a: i64, b: i64, bits: u32) -> i64 {
     ((exact + (1i128 << (bits - 1))) >> bits) as i64
 }
 
-/// Half a unit: what rounding one result can do.
+/// Half a unit in the last place: the largest rounding error of one result.
 pub(super) fn half_unit(bits: u32) -> f64 {
     2f64.powi(-(bits as i32) - 1)
 }

@@ -1,16 +1,16 @@
 //! Sines and cosines computed before the run.
 //!
-//! A host, or an input unit in front of the processing elements, has what
-//! straight-line code has not: comparisons, shifts and tables. It reduces any
-//! angle to an eighth of a turn ([`reduction`]) and continues with a
+//! A host, or an input unit in front of the processing elements, has
+//! comparisons, shifts and tables, which straight-line code has not. It reduces
+//! any angle to an eighth of a turn ([`reduction`]) and continues with a
 //! polynomial, with a table and a polynomial, or with CORDIC. All of it is
 //! integer arithmetic, so that the same angle gives the same bits on every
 //! platform, and hardware can do the same; results are multiples of `2^-bits`
 //! with a *proved* absolute error ([`TrigonometricUnit::proved_error`]).
 //!
-//! Which implementation a function's sines and cosines have is recorded under
-//! the key [`KEY`] of its metadata; a function without the entry has those of
-//! the arithmetic it is evaluated in.
+//! The implementation of a function's sines and cosines is recorded under the
+//! key [`KEY`] of its metadata; a function without the entry has those of the
+//! arithmetic in which it is evaluated.
 
 mod arithmetic;
 mod cordic;

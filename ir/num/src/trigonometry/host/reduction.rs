@@ -1,12 +1,12 @@
 //! Any angle, reduced to an eighth of a turn.
 //!
-//! Which octant an angle lies in, and where in it, is the integer part and
+//! The octant of an angle, and the place within it, are the integer part and
 //! the fraction of the angle times `4/π`. For an angle of thousands of turns
 //! the fraction needs many more digits of `4/π` than a number has; so the
 //! product is formed in full (Payne and Hanek 1983), from the 53 bits of the
-//! angle and 192 bits of `4/π` after the point. Its fraction is right to
-//! 2^-62 for every angle below [`LARGEST`]: the wheel of a train that has run
-//! for years, or an accumulated yaw, is reduced as exactly as 1 radian.
+//! angle and 192 bits of `4/π` after the point. Its fraction is right to 2^-62
+//! for every angle below [`LARGEST`]: the wheel of a train that has run for
+//! years, or an accumulated yaw, is reduced as exactly as 1 radian.
 
 /// Angles from here on are not reduced: 2^50 rad.
 pub const LARGEST: f64 = (1u64 << 50) as f64;
