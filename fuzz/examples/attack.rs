@@ -4,9 +4,9 @@
 //!     cargo run --release -p robovec-fuzz --example attack -- programs 100000
 //!     cargo run --release -p robovec-fuzz --example attack -- bodies 600 round_trip
 //!
-//! `programs COUNT [SEED] [WITHOUT…]` runs so many programs with hostile
-//! constants through random pipelines ([`robovec_fuzz::results`]), those of
-//! the passes named at the end left out, and lists what it found, the smallest
+//! `programs COUNT [SEED] [WITHOUT…]` runs that many programs with hostile
+//! constants through random pipelines ([`robovec_fuzz::results`]), without the
+//! passes named at the end, and lists the faults found, with the smallest
 //! program of each pass in full. `bodies SECONDS [NAME…]` runs the named
 //! bodies, or all, for so many seconds of the processor each. A finding gives
 //! exit code 1; the number of a case reproduces it with `case BODY NUMBER`;

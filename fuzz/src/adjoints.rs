@@ -8,7 +8,7 @@ use robovec_analysis::adjoint::{self, OutputError, Tape};
 use robovec_ir::states::States;
 use robovec_ir::{Format, View, print};
 
-/// Number of times [`errors_are_predicted`] ran, and on what.
+/// Number of runs of [`errors_are_predicted`], with their inputs.
 pub static STATISTICS: Statistics = Statistics::new("errors_are_predicted");
 
 const STATES: u32 = 3;
@@ -35,7 +35,7 @@ const CONTENTS: Contents = Contents {
 ///
 /// # Panics
 ///
-/// Panics when an error is larger than its bound, or is not what was predicted.
+/// Panics when an error is larger than its bound, or differs from the prediction.
 pub fn errors_are_predicted(data: &[u8]) {
     let result = run(&mut Unstructured::new(data));
     STATISTICS.record(&result);

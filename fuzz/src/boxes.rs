@@ -1,4 +1,4 @@
-//! No error is larger than what is proved over boxes, and cutting boxes never
+//! No error is larger than its proved bound over boxes, and cutting boxes never
 //! loses a state.
 
 use crate::equations::{Contents, equations};

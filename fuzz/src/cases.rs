@@ -3,7 +3,7 @@
 
 use arbitrary::{Result, Unstructured};
 
-/// Tries a property with so many cases of so many bytes.
+/// Tries a property with this number of cases, each of this number of bytes.
 pub(crate) fn of_one_size(
     count: u64,
     size: u64,
@@ -31,8 +31,8 @@ pub(crate) fn on_all_cores(
     });
 }
 
-/// Tries a property with so many cases of up to so many bytes, and half as
-/// many at the least.
+/// Tries a property with this number of cases of up to this number of bytes,
+/// and at least half of it.
 pub(crate) fn of_sizes(
     count: u64,
     size: u64,
@@ -45,7 +45,7 @@ pub(crate) fn of_sizes(
     of_seeds(seeds, property);
 }
 
-/// The lower half of a seed is how many bytes it represents.
+/// The lower half of a seed is the number of bytes it represents.
 fn of_seeds(
     seeds: impl Iterator<Item = u64>,
     mut property: impl FnMut(&mut Unstructured<'_>) -> Result<()>,
@@ -58,8 +58,8 @@ fn of_seeds(
     }
 }
 
-/// Damages text that was sound in up to so many places, where pieces of up to
-/// so many bytes come again.
+/// Damages sound text at up to this number of places, where pieces of up to
+/// this number of bytes are repeated.
 pub(crate) fn damage(
     bytes: &mut Unstructured<'_>,
     text: &mut Vec<u8>,

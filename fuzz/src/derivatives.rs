@@ -17,14 +17,14 @@ use robovec_num::ball::{Ball, Balls};
 use robovec_passes::registry::REGISTRY;
 use robovec_rules::RuleSet;
 
-/// Number of times [`derivatives_hold`] ran, and on what.
+/// Number of runs of [`derivatives_hold`], with their inputs.
 pub static STATISTICS: Statistics = Statistics::new("derivatives_hold");
 
 const POINTS: u32 = 2;
 const STATES: u32 = 2;
 /// Larger derivatives are those near a pole.
 const LARGEST: f64 = 1e9;
-/// Steps of differences; adding them to what is drawn is exact.
+/// Steps of differences; their addition to the drawn numbers is exact.
 const STEPS: [f64; 2] = [1.0 / (1u32 << 17) as f64, 1.0 / (1u32 << 20) as f64];
 const CONTENTS: Contents = Contents {
     definitions: 12,
@@ -51,8 +51,8 @@ const OTHERS: [&str; 8] = [
 ///
 /// # Panics
 ///
-/// Panics when the check refuses a derivative or lets a wrong one pass, or when
-/// a Jacobian is not what differences are.
+/// Panics when the check refuses a correct derivative or accepts a wrong one,
+/// or when a Jacobian differs from central differences.
 pub fn derivatives_hold(data: &[u8]) {
     // Bytes that run out make a smaller case, never a failure.
     let result = run(&mut Unstructured::new(data));
@@ -112,7 +112,7 @@ fn passes(bytes: &mut Unstructured<'_>, first: &str) -> Result<String> {
     Ok(text)
 }
 
-/// Runs a pipeline under the check; what a pass refuses is the error.
+/// Runs a pipeline under the check; the refusal of a pass is the error.
 fn execute(module: &mut Module, text: &str, seed: u64) -> std::result::Result<(), RunError> {
     let pipeline = REGISTRY.pipeline(text).expect("made of known passes");
     let machine = Machine::built_in("ideal").expect("it ships");
@@ -180,8 +180,8 @@ fn compare(before: &Module, after: &Module, seed: u64) {
     }
 }
 
-/// Central differences of all outputs by one input, each with what rounding
-/// can make of it; `None` where nothing is known.
+/// Central differences of all outputs by one input, each with a bound of its
+/// rounding error; `None` where no bound is known.
 fn slopes(
     function: &Function,
     inputs: &[f64],
@@ -228,9 +228,8 @@ fn name_of_input(view: View<'_>, input: usize) -> String {
     format!("{name} {}", input as u32 - array.offset)
 }
 
-/// The output that holds the derivative of an element by another, when there
-/// is one: by the names of the arrays and what the manual states of their
-/// extents.
+/// The output that holds the derivative of an element by another, if any: by
+/// the names of the arrays and the manual's rules about their extents.
 fn element(view: View<'_>, row: &str, column: &str) -> Option<usize> {
     let (by, place) = column.split_once(' ')?;
     let (of, indices) = row.split_once('[').unwrap_or((row, ""));
@@ -258,7 +257,7 @@ fn element(view: View<'_>, row: &str, column: &str) -> Option<usize> {
     Some(array.offset as usize + row * columns + place.parse::<usize>().ok()?)
 }
 
-/// Changes one operation of a derivative; whether that showed and was refused.
+/// Changes one operation of a derivative; returns whether the change was visible and was refused.
 fn plant(
     bytes: &mut Unstructured<'_>,
     before: &Module,

@@ -1,4 +1,4 @@
-//! Pairs of functions that differ only in where they are defined.
+//! Pairs of functions that differ only in their domains.
 
 use arbitrary::{Result, Unstructured};
 use robovec_analysis::class::NumericClass;
@@ -35,7 +35,7 @@ const BOTH_SIGNS: [&str; 7] = [
 /// The finding about a pair: refused, or equal with the qualification.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum DomainFinding {
-    /// A point was found where one has a value and the other none.
+    /// A point was found at which one has a value and the other none.
     Refused,
     /// Equal where both are defined.
     Qualified,

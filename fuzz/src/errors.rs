@@ -18,7 +18,7 @@ use robovec_num::double_double::DoubleDouble;
 use robovec_passes::registry::REGISTRY;
 use robovec_rules::RuleSet;
 
-/// Number of times [`errors_stay_within_bounds`] ran, and on what.
+/// Number of runs of [`errors_stay_within_bounds`], with their inputs.
 pub static STATISTICS: Statistics = Statistics::new("errors_stay_within_bounds");
 
 const STATES: u32 = 3;
@@ -102,8 +102,8 @@ fn execute(
     }
 }
 
-/// The smallest program that shows what goes wrong; the whole one when only
-/// the first rewrites of a pass go wrong.
+/// The smallest program that shows the failure; the whole program when the
+/// failure is in the first rewrites of a pass.
 pub(crate) fn reduced(module: &Module, pipeline: &Pipeline, rules: RuleSet, seed: u64) -> String {
     let setting = TrialSetting {
         machine: &Machine::built_in("ideal").expect("it ships"),
@@ -160,7 +160,7 @@ struct Found {
 }
 
 impl Found {
-    /// `None` where numbers come near what binary32 can hold.
+    /// `None` where numbers approach the limits of binary32.
     fn new(old: &Function, new: &Function, inputs: &[f64]) -> Option<Found> {
         let wide: Vec<_> = inputs.iter().map(|&number| number.into()).collect();
         let narrow: Vec<f32> = inputs.iter().map(|&number| number as f32).collect();

@@ -1,6 +1,6 @@
-//! The reader of FPCore must read or refuse any text: never panic, never hang,
-//! and what it reads must be a sound function that is written and read again
-//! as it is.
+//! Target for the FPCore reader: it reads or refuses any text without panic or
+//! hang, and a function that it reads is sound and unchanged after it is
+//! written and read again.
 
 use crate::robotran::text_of_pieces;
 use arbitrary::{Result, Unstructured};
@@ -60,8 +60,8 @@ const PIECES: [&str; 44] = [
     "#| a |# ",
 ];
 
-/// Reads the bytes as they are, as a choice of pieces, and as a core whose
-/// parentheses fit.
+/// Reads the bytes unchanged, as a choice of pieces, and as a core with
+/// balanced parentheses.
 ///
 /// # Panics
 ///

@@ -19,8 +19,8 @@ pub enum Kind {
     /// of inputs.
     Placeable,
     /// Operations that Robotran writes: moderate constants, sine and cosine of
-    /// inputs only, now and then a division or a root. Passes and checks make
-    /// sense of it.
+    /// inputs only, now and then a division or a root. The result is valid for
+    /// passes and checks.
     Tame,
     /// As [`Kind::Tame`], with constants that are easily taken for others.
     Hostile,

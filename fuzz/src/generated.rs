@@ -193,9 +193,9 @@ fn same_dynamics(model: &Model, request: &GenerationRequest, module: &Module) {
     assert!(verdict.holds(), "{request:?}: {verdict}");
 }
 
-/// True when the functions only declare their inputs in another order (the
-/// reader declares the results of user calls as they are first read) and
-/// compute the same.
+/// True when the functions compute the same and only declare their inputs in
+/// another order (the reader declares the results of user calls in the order of
+/// their first read).
 fn same_in_another_order(before: View<'_>, after: View<'_>) -> bool {
     let names = |view: View<'_>| -> Vec<String> {
         let inputs = view.function.inputs().iter();

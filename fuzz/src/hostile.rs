@@ -1,11 +1,11 @@
 //! Constants chosen to be taken for other ones.
 //!
-//! A check that computes modulo a number takes what differs by that number
-//! for equal, one that computes in floating point what differs by less than a
-//! rounding, and a pass that folds constants may round, overflow or lose a
-//! sign. So: powers of two around 61 and 122, the primes around them as sums
-//! of two literals, neighbours of one, numbers that decimals and powers of two
-//! cannot both hold, the ends of the range, and both zeros.
+//! A check modulo a number confuses numbers that differ by it, a check in
+//! floating point those that differ by less than a rounding, and a pass that
+//! folds constants may round, overflow or lose a sign. So: powers of two around
+//! 61 and 122, the primes around them as sums of two literals, neighbours of
+//! one, numbers that decimals and powers of two cannot both hold, the ends of
+//! the range, and both zeros.
 
 use arbitrary::{Result, Unstructured};
 
@@ -13,7 +13,7 @@ use arbitrary::{Result, Unstructured};
 /// that end the precision of a format.
 const EXPONENTS: [i32; 14] = [61, 62, 60, 63, 64, 122, 123, 121, 183, 53, 52, 24, 31, 127];
 
-/// Numbers that are worth it as they are.
+/// Numbers that are tested unchanged.
 const PLAIN: [f64; 16] = [
     1.0,
     -1.0,

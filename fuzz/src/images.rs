@@ -27,7 +27,7 @@ pub fn simulate_garbage(data: &[u8]) {
     let _ = damage_and_run(&mut Unstructured::new(data));
 }
 
-/// As [`simulate_garbage`]; whether the damaged images ran to the end.
+/// As [`simulate_garbage`]; true when the damaged images ran to the end.
 ///
 /// # Errors
 ///
@@ -91,8 +91,8 @@ fn sound_images(bytes: &mut Unstructured<'_>, machine: &Machine) -> Result<Vec<(
     Ok(images(view, machine, None).expect("a placed function has images"))
 }
 
-/// One small change of a text: what an editor, a broken disk or a wrong
-/// generator would do.
+/// One small change of a text, as an editor, a broken disk or a wrong generator
+/// makes.
 fn damage(bytes: &mut Unstructured<'_>, text: &mut String) -> Result<()> {
     if text.is_empty() {
         return Ok(());

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 ///
 /// # Panics
 ///
-/// Panics when something else comes out, or an equation is too large.
+/// Panics when the result differs, or an equation is too large.
 pub fn inline_undoes_atomise(data: &[u8]) {
     // Too few bytes for a function are no finding.
     let _ = run(&mut Unstructured::new(data));
@@ -61,11 +61,11 @@ fn largest(function: &Function) -> u32 {
     sizes.into_iter().max().unwrap_or(0)
 }
 
-/// Expressions with their numbers, how often each occurs, and the outputs.
+/// Expressions with their numbers of occurrences, and the outputs.
 type Shape = (BTreeMap<String, usize>, Vec<u32>, Vec<(u32, String)>);
 
-/// Number of times each expression is computed, and those the outputs are set
-/// to, whatever names and order.
+/// Number of computations of each expression, and the expressions of the
+/// outputs, for any names and order.
 fn shape(function: &Function) -> Shape {
     let mut known: BTreeMap<String, usize> = BTreeMap::new();
     let mut counts: Vec<u32> = Vec::new();

@@ -75,7 +75,7 @@ fn moves(bytes: &mut Unstructured<'_>) -> Result<()> {
     Ok(())
 }
 
-/// A short run, and whether it came near a dead point.
+/// A short run; true when it came near a dead point.
 fn run(
     model: &Model,
     setting: &EquationSetting<'_>,

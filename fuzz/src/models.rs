@@ -6,9 +6,9 @@ use robovec::model::mbs::{read_mbs, write_mbs};
 use robovec::model::{Asks, CutKind, JointKind, Model, Nature, UserModel};
 use robovec_ir::diagnostic::Report;
 
-/// Any bytes: reading neither panics nor hangs, complains with places inside
-/// the text, and what it accepts is sound and is read back from what is
-/// written of it.
+/// Reads arbitrary bytes: the reader neither panics nor hangs, its messages
+/// point into the text, and a model that it accepts is sound and unchanged
+/// after it is written and read again.
 ///
 /// # Panics
 ///
@@ -23,8 +23,8 @@ pub fn read_model(data: &[u8]) {
     }
 }
 
-/// A refusal gives a reason, with places inside the text, and no more of them
-/// than one reads.
+/// A refusal gives a reason, with places inside the text, and at most a
+/// readable number of messages.
 pub(crate) fn check_refusal(report: &Report) {
     assert!(report.has_errors(), "a refusal gives a reason");
     let files = report.files();
@@ -37,8 +37,8 @@ pub(crate) fn check_refusal(report: &Report) {
     assert!(shown.len() < 200_000, "{} bytes of messages", shown.len());
 }
 
-/// A random model with everything that models can have: it is read as it was
-/// written.
+/// A random model with every kind of element: it is unchanged after it is
+/// written and read.
 ///
 /// # Panics
 ///
@@ -53,7 +53,7 @@ fn check_random(bytes: &mut Unstructured<'_>) -> Result<()> {
     Ok(())
 }
 
-/// A model is read as it was written.
+/// A model is unchanged after it is written and read.
 pub(crate) fn check_round_trip(model: &Model) {
     assert!(model.check());
     let text = write_mbs(model);
@@ -273,7 +273,7 @@ mod tests {
         });
     }
 
-    /// Damage to sound text finds more than noise does.
+    /// Damaged sound text finds more faults than random bytes.
     #[test]
     fn damaged_models_are_read_or_refused() {
         let mut accepted = 0;

@@ -40,7 +40,7 @@ const OPERATIONS: [Operation; 14] = [
 /// Fate of a planted mutation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Mutant {
-    /// It changed a number in double-double, and the check caught it.
+    /// It changed a number in double-double, and the check detected it.
     Caught,
     /// It changed no number, so it may be an identity.
     Harmless,
@@ -61,7 +61,7 @@ pub fn check_catches_mutants(data: &[u8]) {
     let _ = plant(&mut Unstructured::new(data));
 }
 
-/// As [`check_catches_mutants`], and returns what became of the mutation.
+/// As [`check_catches_mutants`], and returns the fate of the mutation.
 ///
 /// # Errors
 ///
@@ -129,8 +129,8 @@ pub fn plant(bytes: &mut Unstructured<'_>) -> Result<Mutant> {
     Ok(Mutant::Caught)
 }
 
-/// Changes the format of one value: where that changes a bit, the check must
-/// state it, and it must accept the function as it was.
+/// Changes the format of one value: the check must report this if a bit of a
+/// result changes, and must accept the unchanged function.
 fn plant_format(
     bytes: &mut Unstructured<'_>,
     tables: &Tables,
@@ -168,8 +168,8 @@ fn plant_format(
     Ok(Mutant::Caught)
 }
 
-/// True when an output differs beyond doubt, or is gone, at most of the
-/// points that its own referee looks at.
+/// True when an output certainly differs, or is missing, at most of the points
+/// of its own referee.
 fn referee_sees(tables: &Tables, [before, after]: [&Function; 2], seed: u64) -> bool {
     let mut referee = Referee::new(BITS[0]);
     let differ = (0..SEEN).filter(|&state| {
@@ -189,7 +189,7 @@ fn view<'a>(tables: &'a Tables, function: &'a Function) -> View<'a> {
     View { tables, function }
 }
 
-/// A random function whose outputs are the values nothing else reads.
+/// A random function whose outputs are the values without readers.
 fn function(bytes: &mut Unstructured<'_>, tables: &mut Tables) -> Result<Function> {
     let mut function = Function::new("random", Level::Equations);
     function.add_input(tables.symbols.intern("x"), Shape::Vector(INPUTS));
@@ -276,7 +276,7 @@ fn commuted(original: &Function) -> Function {
     commuted
 }
 
-/// True when some output differs beyond doubt in double-double.
+/// True when some output certainly differs in double-double.
 pub(crate) fn differ(tables: &Tables, original: &Function, mutated: &Function, seed: u64) -> bool {
     (0..STATES).any(|state| {
         let inputs: Vec<_> = States::new(seed)

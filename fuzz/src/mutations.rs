@@ -22,8 +22,8 @@ const FACTORS: [f64; 8] = [
     0.999_999,
 ];
 
-/// The function with what an output is set to replaced by something that a
-/// careless rewrite takes for it; `None` where no output is a value.
+/// The function with one output replaced by a value that a careless rewrite
+/// would confuse with it; `None` where no output is a value.
 ///
 /// # Errors
 ///
@@ -104,8 +104,8 @@ pub(crate) fn formats(bytes: &mut Unstructured<'_>, original: &Function) -> Resu
     Ok([before, after])
 }
 
-/// The outputs in the formats of their values; `None` where something on the
-/// way is not finite.
+/// The outputs in the formats of their values; `None` where an intermediate
+/// value is not finite.
 pub(crate) fn outputs(function: &Function, format: Format, inputs: &[f64]) -> Vec<Option<f64>> {
     let values = evaluate_mixed_nodes(function, format, inputs);
     let whole = values.iter().all(|value| value.is_finite());

@@ -1,6 +1,6 @@
-//! No value is outside its range, and no error above its bound, where both
-//! are proved by norms of vectors: in programs made of rotations, of what
-//! nearly is one, and of sums, products and quotients of their elements.
+//! No value is outside its range, and no error above its bound, where both are
+//! proved by norms of vectors: in programs of exact and approximate rotations,
+//! and of sums, products and quotients of their elements.
 
 use arbitrary::{Result, Unstructured};
 use robovec_analysis::adjoint::Tape;

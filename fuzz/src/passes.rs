@@ -18,8 +18,8 @@ pub fn pipeline(bytes: &mut Unstructured<'_>, most: u32) -> Result<String> {
     Ok(chosen(bytes, most, &["accurate", "mixed", "differentiate"])?.join(","))
 }
 
-/// As [`pipeline`], one text for each pass, and with every pass that leaves
-/// the function what it is.
+/// Draws passes as [`pipeline`] does, one text for each pass; includes passes
+/// that leave the function unchanged.
 ///
 /// # Errors
 ///

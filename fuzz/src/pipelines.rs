@@ -13,7 +13,7 @@ use robovec_passes::registry::REGISTRY;
 /// # Panics
 ///
 /// Panics when a pass breaks an invariant or changes the function, or when the
-/// text of the result reads back as something else.
+/// text of the result reads back as a different function.
 pub fn random_pipeline(data: &[u8]) {
     // Bytes that run out make a smaller case, never a failure.
     let _ = run(&mut Unstructured::new(data));

@@ -1,12 +1,12 @@
-//! A second opinion on what a function computes, which shares nothing with the
-//! checks of the compiler.
+//! Independent evaluation of functions, which shares no code with the checks of
+//! the compiler.
 //!
-//! Over the real numbers: every value between two numbers of some hundred
-//! bits, rounded outwards at every operation. Two results that do not overlap
-//! are different numbers, whatever the constants; there is no tolerance, and
-//! no field in which a constant could be zero. A pole or the root of a
-//! negative number is no number; what the bits do not decide is unknown, and
-//! asked again with more of them.
+//! Over the real numbers: every value between two numbers of some hundred bits,
+//! rounded outwards at every operation. Two disjoint results are different
+//! numbers, for any constants; there is no tolerance, and no field in which a
+//! constant could be zero. A pole and the root of a negative number are no
+//! numbers; a result that the bits leave undecided is unknown, and is computed
+//! again with more bits.
 //!
 //! In binary64 and binary32: the operations of the processor, in order.
 
@@ -16,14 +16,14 @@ use robovec_ir::{Function, Operand, OperandKind, Operation};
 /// Bits of the first attempt, and of the last.
 pub(crate) const BITS: [usize; 2] = [320, 4096];
 
-/// Angles beyond this power of two are any angle: reducing them takes as many
-/// bits.
+/// Angles beyond this power of two are treated as arbitrary: reducing them
+/// takes as many bits.
 const LARGEST_ANGLE: i32 = 150;
 
 /// Knowledge about a real number.
 #[derive(Clone, Debug)]
 pub(crate) enum Real {
-    /// It lies between these, both included.
+    /// It is between these numbers, inclusive.
     Between(Box<[BigFloat; 2]>),
     /// There is no such number.
     Undefined,
@@ -217,8 +217,8 @@ impl Referee {
         )
     }
 
-    /// A sine or cosine: its slope is at most one, so that it lies as close to
-    /// that of the lower end as the angle does.
+    /// Sine or cosine of an interval: the slope is at most one, so the result
+    /// differs from that of the lower end by at most the width of the angle.
     fn circular(&mut self, operation: Operation, a: &[BigFloat; 2], leniency: Leniency) -> Real {
         let large = |number: &BigFloat| number.exponent().is_some_and(|e| e > LARGEST_ANGLE);
         let one = BigFloat::from_f64(1.0, self.bits);
@@ -260,7 +260,7 @@ fn between(low: BigFloat, high: BigFloat) -> Real {
     }
 }
 
-/// A binary64 number as it is; `None` for what is not finite.
+/// A binary64 number, exactly; `None` for infinities and NaN.
 fn exact(number: f64, bits: usize) -> Option<BigFloat> {
     if !number.is_finite() {
         return None;
@@ -299,7 +299,7 @@ fn look_up<'a>(
 /// Verdict of two versions of a number on each other.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Opinion {
-    /// They overlap, in a stretch that leaves no other wrong term.
+    /// They overlap, within a range that contains no other wrong term.
     Same,
     /// They overlap, but could be many numbers.
     Vague,
@@ -307,7 +307,7 @@ pub(crate) enum Opinion {
     Different,
     /// There was a number, and there is none.
     Lost,
-    /// There was a number; the bits of the other do not show it.
+    /// There was a number; the bits of the other number do not decide.
     Open,
     /// There was none.
     Nothing,

@@ -1,5 +1,5 @@
-//! A pass that believes every rule: what a false one does when no check
-//! is before it.
+//! A pass that applies every rule unchecked, to show the effect of a false
+//! rule.
 
 #![allow(unreachable_pub, reason = "the macro declares public passes")]
 
@@ -10,8 +10,7 @@ use robovec_ir::{FreshNames, Function, Node, Operand, Operation, Symbol, Tables}
 use robovec_rules::{Pattern, PatternNode, Rule};
 
 declare_pass! {
-    /// Applies the rules wherever they fit as they are written, the first
-    /// that fits, whether or not they are true.
+    /// Applies the rules unchecked wherever they match, the first match first.
     pub struct Believe("believe") {}
     takes: [Atomic],
     gives: Gives::Same,

@@ -1,5 +1,5 @@
-//! The reader must read or refuse any text: never panic, never hang, and what
-//! it reads must be a sound module.
+//! The reader must read or refuse any text without panic or hang, and its
+//! result must be a sound module.
 
 use arbitrary::{Result, Unstructured};
 use robovec::robotran::{Language, read};
@@ -116,8 +116,8 @@ const PIECES: [&str; 104] = [
     "\n",
 ];
 
-/// Reads the bytes as they are, and as a choice of pieces, in the language the
-/// first byte names.
+/// Reads the bytes unchanged, and as a choice of pieces, in the language that
+/// the first byte selects.
 ///
 /// # Panics
 ///

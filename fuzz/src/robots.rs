@@ -4,9 +4,9 @@ use crate::models::{check_refusal, check_round_trip};
 use robovec::model::mbs::unsayable;
 use robovec::model::urdf::{RobotBase, read_urdf};
 
-/// Any bytes, on both bases: reading neither panics nor hangs, complains with
-/// places inside the text, and what it accepts is sound; where a `.mbs` file
-/// can state it, it is read back from one, but for its limits.
+/// Reads arbitrary bytes, on both bases: the reader neither panics nor hangs,
+/// its messages point into the text, and an accepted robot is sound; where a
+/// `.mbs` file can express it, it is read back from one, except for its limits.
 ///
 /// # Panics
 ///
@@ -137,7 +137,7 @@ mod tests {
         assert!(accepted > 0, "all were refused, so little was tried");
     }
 
-    /// Sound robots are read; damage to their text finds more than noise does.
+    /// Sound robots are read; damage to their text finds more faults than random bytes.
     #[test]
     fn damaged_robots_are_read_or_refused() {
         let mut accepted = 0;

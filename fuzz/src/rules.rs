@@ -1,6 +1,6 @@
-//! Random rules over random programs: true ones never break anything, false
-//! ones are refuted before they are used, and one that is used all the same
-//! is caught and reduced to itself.
+//! Random rules over random programs: true ones never break a program, false
+//! ones are refuted before they are used, and one that is used nevertheless is
+//! detected and reduced to itself.
 
 use crate::equations::{Contents, equations};
 use crate::errors::reduced;
@@ -20,7 +20,7 @@ use robovec_passes::registry::REGISTRY;
 use robovec_rules::check::{RuleVerdict, check};
 use robovec_rules::{Rule, RuleSet};
 
-/// Number of times [`false_rules_are_caught`] ran, and on what.
+/// Number of runs of [`false_rules_are_caught`], with their inputs.
 pub static STATISTICS: Statistics = Statistics::new("false_rules_are_caught");
 
 const CONTENTS: Contents = Contents {
@@ -29,12 +29,11 @@ const CONTENTS: Contents = Contents {
     hostile: false,
 };
 
-/// Trials of the rule check; the proof does not depend on them.
+/// Number of trials of the rule check; the proof does not depend on it.
 const TRIALS: usize = 20;
 
-/// Makes some random rules, of which one may be false, and a random program
-/// in which their left sides occur, and runs a random pipeline that believes
-/// them.
+/// Makes some random rules, of which one may be false, and a random program in
+/// which their left sides occur, and runs a random pipeline that trusts them.
 ///
 /// # Panics
 ///
@@ -134,7 +133,7 @@ fn differ(left: &Term, right: &Term) -> bool {
     })
 }
 
-/// The rule check must prove what is true and refute what is false.
+/// The rule check must prove true rules and refute false ones.
 fn judge(rule: &Rule) {
     let verdict = check(rule, TRIALS).verdict;
     let right = if rule.name.starts_with("true") {
@@ -182,8 +181,8 @@ fn program(bytes: &mut Unstructured<'_>, rules: &RuleSet) -> Result<Module> {
     Ok(module)
 }
 
-/// A pipeline in which the rules are used, and whether by the pass that
-/// believes them.
+/// A pipeline that uses the rules, and a flag: true when the trusting pass uses
+/// them.
 fn pipeline(bytes: &mut Unstructured<'_>) -> Result<(Pipeline, bool)> {
     let parse = |text: &str| REGISTRY.pipeline(text).expect("made of known passes").steps;
     let mut steps = parse("atomise");
@@ -245,7 +244,7 @@ fn small(module: &Module, pipeline: &Pipeline, rules: &RuleSet, seed: u64) -> Re
     reduce(module, pipeline, setting, WORK).expect("it went wrong a moment ago")
 }
 
-/// The small program is the left side of the rule and nothing else.
+/// Asserts that the small program is exactly the left side of the rule.
 fn is_minimal(found: &Reduction, rule: &Rule) {
     let text = || format!("{rule:?}\n{found}{}", print::print_module(&found.program));
     let rewrite = found.small_rewrite.as_ref();

@@ -1,4 +1,4 @@
-//! Polynomials for sine and cosine keep the errors that are proved of them.
+//! The errors of polynomials for sine and cosine are within their proved bounds.
 
 use arbitrary::{Result, Unstructured};
 use robovec_ir::{FixedFormat, Format};
@@ -16,7 +16,7 @@ const SAMPLES: u32 = 24;
 ///
 /// # Panics
 ///
-/// Panics when an error is larger than what is proved.
+/// Panics when an error is larger than the proved bound.
 pub fn series_keep_their_errors(data: &[u8]) {
     // Bytes that run out test nothing, and are no failure.
     let _ = run(&mut Unstructured::new(data));

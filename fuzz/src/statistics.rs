@@ -1,7 +1,7 @@
 //! Record of a fuzz target so far.
 //!
-//! A generator that rots makes nothing but invalid programs, and a target
-//! that tests nothing finds nothing: both show here and nowhere else.
+//! A broken generator makes only invalid programs, and a target that tests
+//! nothing finds nothing: only this test detects both.
 
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -13,7 +13,7 @@ pub struct Run {
     pub operations: u64,
     /// Passes that ran.
     pub passes: u64,
-    /// Rewrites they asked for.
+    /// Number of rewrites requested.
     pub rewrites: u64,
     /// Faults that were planted.
     pub planted: u64,
@@ -49,9 +49,9 @@ impl Statistics {
         }
     }
 
-    /// Adds what came of an input; bytes that do not make a program are
-    /// invalid. Reports on the standard error how far the target is, after 1024
-    /// inputs, 2048, and so on.
+    /// Adds the result of an input; bytes that do not make a program are
+    /// invalid. Reports the progress of the target on the standard error, after
+    /// 1024 inputs, 2048, and so on.
     pub fn record(&self, result: &arbitrary::Result<Run>) {
         let add = |counter: &AtomicU64, number| counter.fetch_add(number, Ordering::Relaxed);
         let before = add(&self.inputs, 1);
@@ -78,7 +78,7 @@ impl Statistics {
         self.inputs.load(Ordering::Relaxed) - self.invalid.load(Ordering::Relaxed)
     }
 
-    /// Rewrites that passes asked for.
+    /// Number of rewrites requested by passes.
     pub fn rewrites(&self) -> u64 {
         self.rewrites.load(Ordering::Relaxed)
     }

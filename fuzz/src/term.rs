@@ -1,10 +1,10 @@
-//! Random terms, and what rewriting makes of them: the two sides of rules.
+//! Random terms and their rewritten forms, as the two sides of rules.
 
 use arbitrary::{Result, Unstructured};
 use robovec_ir::Operation;
 use std::fmt;
 
-/// A small term; its depth is bounded where it is made.
+/// A small term; its constructor bounds its depth.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) enum Term {
     /// One of four variables.
@@ -117,8 +117,7 @@ impl Term {
         }
     }
 
-    /// An equal term, by random steps of what holds in every commutative
-    /// ring.
+    /// An equal term, by random identities of commutative rings.
     pub(crate) fn rewritten(&self, bytes: &mut Unstructured<'_>, steps: u32) -> Result<Term> {
         let mut term = self.clone();
         for _ in 0..steps {

@@ -22,8 +22,8 @@ const PIPELINES: [&str; 6] = [
     "atomise,fold,zero-removal,balance,cse,dce,place{choice=first},asap-alap",
 ];
 
-/// Any bytes: reading neither panics nor hangs, complains with places inside
-/// the text, and what it accepts prints and reads the same.
+/// Reads arbitrary bytes: the reader neither panics nor hangs, its messages point into
+/// the text, and an accepted module is unchanged after it is printed and read.
 ///
 /// # Panics
 ///
@@ -49,12 +49,12 @@ pub fn parse_text(data: &[u8]) {
     }
 }
 
-/// A random module: it reads as it was printed, and so it does at the lower
-/// levels, after random passes for a random machine.
+/// A random module: its printed text reads back as the same module, and so it
+/// does at the lower levels, after random passes for a random machine.
 ///
 /// # Panics
 ///
-/// Panics when a law is broken, or a pass makes what the verifier refuses.
+/// Panics when a law is broken, or the verifier refuses the result of a pass.
 pub fn round_trip(data: &[u8]) {
     // Too few bytes are no finding.
     let _ = check_random(&mut Unstructured::new(data));
@@ -75,7 +75,7 @@ fn check_random(bytes: &mut Unstructured<'_>) -> Result<bool> {
     Ok(module.functions.iter().any(placed))
 }
 
-/// Runs a pipeline; false when the machine cannot do what the module needs.
+/// Runs a pipeline; false when the machine lacks an operation that the module needs.
 fn lower(module: &mut Module, pipeline: &str, machine: &str) -> bool {
     let pipeline = match REGISTRY.pipeline(pipeline) {
         Ok(pipeline) => pipeline,
@@ -128,7 +128,7 @@ mod tests {
         });
     }
 
-    /// Damage to sound text finds more than noise does.
+    /// Damaged sound text finds more faults than random bytes.
     #[test]
     fn damaged_text_is_read_or_refused() {
         cases::of_sizes(500, 2048, |bytes| {

@@ -21,7 +21,7 @@ use std::fmt::Write;
 ///
 /// # Panics
 ///
-/// Panics when what is read is another function, or cannot be read.
+/// Panics when the result of reading is another function, or an error.
 pub fn written_reads_back(data: &[u8]) {
     // Too few bytes for a function are no finding.
     let made = [
@@ -97,8 +97,8 @@ fn with_body(mut signature: Function, body: &Function) -> Function {
     signature
 }
 
-/// The function with arrays as Robotran's files can have them: no scalars but
-/// the time, no empty arrays, one shape for what is both given and given back;
+/// The function with arrays that Robotran's files can have: no scalars but the
+/// time, no empty arrays, one shape for arrays that are both input and output;
 /// perhaps with a call.
 fn dressed(raw: &Function, tables: &mut Tables, calls: bool) -> Function {
     let (mut function, input_places, output_places) = declared(raw, tables, calls);
@@ -127,8 +127,8 @@ fn dressed(raw: &Function, tables: &mut Tables, calls: bool) -> Function {
     function
 }
 
-/// A function with the arrays of another as [`dressed`] wants them, and where
-/// its inputs and outputs begin by those of the other.
+/// A function with the arrays of another, as [`dressed`] needs them, and the
+/// start of its inputs and outputs in terms of the other's.
 fn declared(raw: &Function, tables: &mut Tables, calls: bool) -> (Function, Vec<u32>, Vec<u32>) {
     let mut function = Function::new(&raw.name, raw.level);
     let shape = |shape: Shape| match shape {
@@ -177,8 +177,8 @@ fn declared(raw: &Function, tables: &mut Tables, calls: bool) -> (Function, Vec<
     (function, input_places, output_places)
 }
 
-/// The call of the user's function of external forces, with what the function
-/// gives and takes of it.
+/// The call of the user's function of external forces, with its arguments and
+/// results.
 fn external_force(function: &Function, tables: &Tables) -> Boundary {
     let given = |arrays: &[Array], name: &str| {
         let mut arrays = arrays.iter();
@@ -248,8 +248,8 @@ fn check(module: &Module, language: Language) {
     }
 }
 
-/// Checks that a module that can be written in one piece can be written in
-/// parts, each function with its own end.
+/// Checks that a module that can be written in one file can also be written in
+/// parts, one file for each function.
 fn check_drop_in(module: &Module) {
     let mut options = DropInOptions {
         test_main: true,

@@ -9,7 +9,7 @@ use robovec_ir::{Machine, Module};
 /// Passes of a pipeline.
 const PASSES: u32 = 5;
 
-/// A program and what is done to it.
+/// A program and the pipeline that is run on it.
 pub(super) struct Case {
     pub(super) steps: Vec<String>,
     pub(super) machine: Machine,

@@ -51,7 +51,7 @@ impl fmt::Display for Tally {
     }
 }
 
-/// A pass that did what its class forbids, or was accused of it wrongly.
+/// A pass that broke the promise of its class, or was wrongly accused of it.
 #[derive(Clone, Debug)]
 pub struct Finding {
     /// The pass with its options.

@@ -95,7 +95,7 @@ fn execute(
     manager::run(module, &pipeline, config).map(|_| ())
 }
 
-/// Compares all functions with what they were; what is wrong first.
+/// Compares all functions with their originals; the first difference.
 fn judge(
     before: &Module,
     after: &Module,

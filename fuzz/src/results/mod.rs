@@ -1,12 +1,12 @@
 //! Random programs with hostile constants through random pipelines, pass by
 //! pass, judged by their own referee ([`crate::referee`]).
 //!
-//! What a pass gives is compared with what it took: over the real numbers for
-//! every class that promises them, with constants off by one rounding where a
-//! pass computes them, with sines off by what a series claims; and in binary64
-//! and binary32, bit by bit, for passes that promise that. The check of the
-//! compiler runs as well: it must refuse what the referee refuses, and nothing
-//! else.
+//! The output of a pass is compared with its input: over the real numbers for
+//! every class that promises equality there (constants within one rounding
+//! where a pass computes them, sines within the error of a series), and bit by
+//! bit in binary64 and binary32 for passes that promise that. The check of the
+//! compiler runs as well: it must refuse exactly the results that the referee
+//! refuses.
 
 mod bits;
 mod case;
@@ -34,11 +34,11 @@ pub fn results_stay_in_class(data: &[u8]) {
     }
 }
 
-/// As [`results_stay_in_class`], without some passes; gives what was found.
+/// As [`results_stay_in_class`], without some passes; returns the faults found.
 ///
 /// # Errors
 ///
-/// Fails when the bytes run out; and the finding, if there is one.
+/// Fails when the bytes run out; otherwise returns the finding, if any.
 pub fn examine(
     bytes: &mut Unstructured<'_>,
     without: &[String],
@@ -63,8 +63,8 @@ pub fn examine(
     Ok(Ok(tally))
 }
 
-/// The pipeline and the program of some bytes, as text: what to look at when
-/// a case ends the process.
+/// The pipeline and the program of some bytes, as text, for cases that end the
+/// process.
 ///
 /// # Errors
 ///

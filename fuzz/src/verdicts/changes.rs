@@ -169,8 +169,8 @@ fn hole(bytes: &mut Unstructured<'_>, rule: &mut Rule) -> Result<bool> {
         .uses(|operation| matches!(operation, Operation::Div | Operation::Sqrt)))
 }
 
-/// Makes the right side a root of its square, or the left side the root of
-/// the square of the right side: wrong where it is negative.
+/// Makes the right side a root of its square, or the left side the root of the
+/// square of the right side: false for negative values.
 fn root(bytes: &mut Unstructured<'_>, rule: &mut Rule) -> Result<bool> {
     let square_root = |side: &mut Pattern| {
         let root = side.root() as u32;

@@ -1,10 +1,10 @@
-//! Random rules, true and false, and what the rule check states of them.
+//! Random rules, true and false, with the verdict of the rule check on them.
 //!
-//! Which are true is known without the check: true ones are instances of
+//! The truth of a rule is known without the check: true ones are instances of
 //! theorems ([`theorems`]); false ones are made from them by changes
-//! ([`changes`]), and numbers of 2,000 bits show that they are false
-//! ([`precise`]), or how they were made. None of the false ones may be proved,
-//! none of the true ones refuted.
+//! ([`changes`]), and numbers of 2,000 bits ([`precise`]), or their
+//! construction, show that they are false. None of the false ones may be
+//! proved, none of the true ones refuted.
 
 mod changes;
 mod precise;
@@ -15,14 +15,14 @@ use arbitrary::{Result, Unstructured};
 use robovec_rules::check::{RuleVerdict, check};
 use robovec_rules::{Rule, RuleSet};
 
-/// Number of times [`rules_are_judged`] ran, and on what.
+/// Number of runs of [`rules_are_judged`], with their inputs.
 pub static STATISTICS: Statistics = Statistics::new("rules_are_judged");
 
-/// Trials of the rule check in floating point; the verdict does not depend on
-/// them.
+/// Number of trials of the rule check in floating point; the verdict does not
+/// depend on it.
 const TRIALS: usize = 1;
 
-/// Makes a true rule or a false one, and asks the rule check.
+/// Makes a true rule or a false one, and runs the rule check on it.
 ///
 /// # Panics
 ///
@@ -92,7 +92,7 @@ mod tests {
     use crate::cases;
     use robovec_num::random::Random;
 
-    /// Judges so many rules of both kinds; how many of each were decided.
+    /// Judges this number of rules of both kinds; returns the number decided of each.
     fn run(truths: usize, falsehoods: usize, seed: u64) -> [Vec<Judged>; 2] {
         let mut judged = [Vec::new(), Vec::new()];
         let wanted = [truths, falsehoods];

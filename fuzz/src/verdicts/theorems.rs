@@ -189,7 +189,7 @@ pub(super) fn theorem(bytes: &mut Unstructured<'_>) -> Result<Rule> {
     parsed(&text).ok_or(arbitrary::Error::IncorrectFormat)
 }
 
-/// True when a word occurs alone.
+/// True when the text contains the name as a whole word.
 fn uses(theorem: &str, name: &str) -> bool {
     theorem
         .split(|letter: char| !letter.is_ascii_alphanumeric())
