@@ -2,14 +2,13 @@
 
 use std::fmt;
 
-/// The numeric class of a pass: the strongest statement that holds between
-/// the function it takes and the one it gives, and so what the semantic check
-/// demands of it.
+/// Numeric class of a pass: the strongest relation between its input and its
+/// output, and so the claim that the semantic check tests.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum NumericClass {
-    /// Every output is bit-identical under IEEE arithmetic, save the sign of
-    /// a zero (a minus becomes `0 - x`) and outputs on whose way
-    /// something is infinite or NaN (`0*x` becomes 0).
+    /// Every output is bit-identical under IEEE arithmetic, except the sign of
+    /// a zero (a minus becomes `0 - x`) and outputs with an infinite or NaN
+    /// intermediate value (`0*x` becomes 0).
     Exact,
     /// Equal over the real numbers (reassociation, distribution), with `sin`
     /// and `cos` as unknown functions.

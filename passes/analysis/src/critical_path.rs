@@ -21,8 +21,8 @@ impl Weights {
         Weights(Operation::ALL.map(|operation| machine.weight(operation)))
     }
 
-    /// Weight 1 for whatever is work for a processing element, 0 for copies,
-    /// sine and cosine.
+    /// Weight 1 for every operation of a processing element, 0 for copies, sine
+    /// and cosine.
     pub fn operations() -> Weights {
         Weights(Operation::ALL.map(|operation| match operation {
             Operation::Copy | Operation::Sin | Operation::Cos => 0,
@@ -30,8 +30,8 @@ impl Weights {
         }))
     }
 
-    /// The same, but additions and subtractions both weigh what the heavier of
-    /// them does: for sums whose signs are not settled yet.
+    /// The same, but additions and subtractions both have the weight of the
+    /// slower of them: for sums whose signs are not decided yet.
     pub fn with_equal_sums(mut self) -> Weights {
         let [add, sub] = [Operation::Add, Operation::Sub].map(|operation| operation as usize);
         let weight = self.0[add].max(self.0[sub]);
@@ -84,8 +84,8 @@ pub fn arrivals(function: &Function, weights: &Weights) -> Vec<u32> {
     arrivals
 }
 
-/// For each node the longest chain that follows it: how long after its result
-/// is available the last result that needs it is. A node that nothing reads
+/// For each node the longest chain that follows it, from the end of its
+/// operation to the last result that depends on it. A node that nothing reads
 /// has tail 0. The longest chain through a node is its arrival plus its tail.
 pub fn tails(function: &Function, weights: &Weights) -> Vec<u32> {
     let mut tails = vec![0u32; function.nodes().len()];

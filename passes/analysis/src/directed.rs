@@ -3,8 +3,8 @@
 //! States are drawn in the ranges, some of them with elements at the ends of
 //! their ranges and at zero, and then bred from the worst state of every
 //! output. Rounding errors jump from one number to the next, so there is no
-//! slope to follow: a child is measured, and the worse of parent and child
-//! goes on. A found error is a lower bound of the worst one, no more.
+//! gradient: a child is measured, and the worse of parent and child continues.
+//! A found error is a lower bound of the worst one, no more.
 //!
 //! Errors are differences from double-double. Every state is counted in
 //! operations, so that the same search gives the same states everywhere.
@@ -33,7 +33,7 @@ pub struct SearchSubject<'a> {
     pub tape: &'a Tape,
     /// The range of every input element.
     pub inputs: &'a [Interval],
-    /// The format it is computed in.
+    /// The format of the computation.
     pub format: Format,
     /// Kind of inputs before the run.
     pub data: GivenData,
@@ -44,7 +44,7 @@ pub struct SearchSubject<'a> {
 pub struct FoundErrors {
     /// The largest error of every output, by its place among the assignments.
     pub errors: Vec<f64>,
-    /// The states, as exact numbers, that they were found at.
+    /// The states, as exact numbers, at which they were found.
     pub states: Vec<Vec<f64>>,
     /// Number of states that gave finite results.
     pub tried: usize,
@@ -137,9 +137,9 @@ impl SearchSubject<'_> {
         state
     }
 
-    /// The errors of all outputs at a state, and the state as it was taken:
-    /// data that are held are numbers of the format, real ones lie anywhere
-    /// between those of binary64.
+    /// The errors of all outputs at a state, and the state as taken: data are
+    /// numbers of the format when `held`, real ones lie anywhere between those
+    /// of binary64.
     fn errors(&self, mut state: Vec<f64>, random: &mut Random) -> (Vec<f64>, Vec<f64>) {
         let arithmetic = FormatArithmetic::new(self.format);
         let held: Vec<f64> = state.iter().map(|&x| arithmetic.convert(x)).collect();

@@ -1,28 +1,27 @@
 //! An error bound that is known before anything is measured.
 //!
-//! Beside every value two numbers are kept: its *magnitude*, what it would be
-//! if every term of every sum counted with its absolute value, and its
-//! *roundings*, how many of them a term can have met during the run. The
-//! rounded value is then within `k u / (1 - k u)` times the magnitude of the
-//! exact one (the classical forward bound: Higham, *Accuracy and Stability of
-//! Numerical Algorithms*, 2002, sections 3.1 and 4.2, with a product counting
-//! the roundings of both factors).
+//! For every value two numbers are kept: its *magnitude*, the value if every
+//! term of every sum counted with its absolute value, and its *roundings*, the
+//! maximum number of roundings that a term can have met. The rounded value is
+//! then within `k u / (1 - k u)` times the magnitude of the exact one (the
+//! classical forward bound: Higham, *Accuracy and Stability of Numerical
+//! Algorithms*, 2002, sections 3.1 and 4.2, with a product counting the
+//! roundings of both factors).
 //!
-//! The magnitude makes the bound useful for rewriting: exchanging,
-//! regrouping, distributing and factoring leave it as it is, and only a
-//! rewrite that cancels terms, or brings in terms that cancel, changes it. A
-//! pass that promises to be *real* therefore changes the bound by the
-//! roundings alone, unless it invents cancellations.
+//! The magnitude makes the bound useful for rewriting: exchanging, regrouping,
+//! distributing and factoring do not change it, and only a rewrite that removes
+//! or adds cancelling terms does. A pass that promises to be *real* therefore
+//! changes the bound by the roundings alone, unless it invents cancellations.
 
 use robovec_num::arithmetic::Arithmetic;
 
 /// Evaluates with magnitudes and roundings; the bounds are those of binary32
-/// and hold where nothing overflows or underflows. Values are kept in
-/// binary64, whose own errors are a billion times smaller.
+/// and hold without overflow and underflow. Values are kept in binary64, whose
+/// own errors are a billion times smaller.
 #[derive(Clone, Copy, Default, Debug)]
 pub struct Binary32Bound;
 
-/// A value with what its error can be.
+/// A value with a bound of its error.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Bounded {
     /// The value, to binary64.
@@ -37,8 +36,8 @@ pub struct Bounded {
 /// Unit roundoff of binary32.
 const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
 
-/// Largest relative error of a divisor or of what a root is taken of; beyond
-/// it no bound is given.
+/// Largest relative error of a divisor or radicand; beyond it no bound is
+/// given.
 const LARGEST_RELATIVE: f64 = 1.0 / 16.0;
 
 impl Bounded {

@@ -1,5 +1,5 @@
-//! Analyses: what passes and reports compute about a function without
-//! changing it. This crate knows numbers and functions and no pass.
+//! Analyses: properties of functions for passes and reports; functions are not
+//! changed. This crate depends on numbers and functions, and on no pass.
 
 pub mod accuracy;
 pub mod adjoint;

@@ -67,7 +67,7 @@ enum Place {
 struct Registers {
     /// The uses of each place, the last first.
     uses: [Vec<Vec<u32>>; 3],
-    /// Those held, by their next use.
+    /// Values in registers, by their next use.
     held: BTreeSet<(u32, Place)>,
     /// Values that lie in memory already.
     stored: Vec<bool>,
@@ -121,8 +121,8 @@ impl Registers {
         load + self.hold(place)
     }
 
-    /// The work of keeping what is used later: that of storing the value which
-    /// leaves its register.
+    /// The work of keeping a value for later use: that of storing the value
+    /// which leaves its register.
     fn hold(&mut self, place: Place) -> f64 {
         let next = self.uses_of(place).last().copied().unwrap_or(NEVER);
         if next == NEVER {

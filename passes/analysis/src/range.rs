@@ -1,4 +1,4 @@
-//! The range of the number of a node: bounds, and whether it can be zero.
+//! The range of the number of a node: bounds, and whether zero is possible.
 
 use robovec_ir::Operation;
 
@@ -182,7 +182,7 @@ impl Range {
         }
     }
 
-    /// Without what rounding outwards added beyond zero.
+    /// The range without the part beyond zero that outward rounding added.
     fn on_side(self, sign: i32) -> Range {
         match sign {
             1 => Range {

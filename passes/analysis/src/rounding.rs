@@ -38,8 +38,8 @@ pub const SIGNIFICANT: f64 = 3.5;
 /// A change of the median by less than this part of it is none.
 pub const NOTICEABLE: f64 = 0.02;
 
-/// States are chosen so that about as many operations are evaluated, within
-/// [`MIN_STATES`] and [`MAX_STATES`].
+/// The number of states is chosen so that about this number of operations is
+/// evaluated, within [`MIN_STATES`] and [`MAX_STATES`].
 const OPERATIONS: usize = 8_000_000;
 const MIN_STATES: usize = 16;
 const MAX_STATES: usize = 256;
@@ -77,14 +77,14 @@ pub struct RoundingErrors {
 pub enum Trend {
     /// It became smaller.
     Better,
-    /// It did not change, or no more than by chance.
+    /// It did not change, or only within the noise.
     Same,
     /// It grew.
     Worse,
 }
 
 impl Trend {
-    /// One word for it.
+    /// A word as its name.
     pub fn name(self) -> &'static str {
         match self {
             Trend::Better => "better",
@@ -99,7 +99,7 @@ impl Trend {
 pub struct MedianChange {
     /// The median afterwards over that before.
     pub ratio: f64,
-    /// The standard error of the ratio, as a part of it.
+    /// The standard error of the ratio, as a part of the ratio.
     pub noise: f64,
     /// The verdict.
     pub trend: Trend,

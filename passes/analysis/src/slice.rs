@@ -1,10 +1,10 @@
-//! Backward slices: what a result depends on.
+//! Backward slices: the values on which results depend.
 
 use robovec_ir::{Function, Operand, Value};
 
-/// For every node whether one of the operands depends on it, or something
-/// that is kept does; `keep` is asked, from the last node to the first, of
-/// those that no operand depends on. Linear in the length of the function.
+/// For every node a flag: true when one of the operands depends on it, or a
+/// kept node does; `keep` is called, from the last node to the first, for those
+/// on which no operand depends. Linear in the length of the function.
 pub fn needed(
     function: &Function,
     roots: impl IntoIterator<Item = Operand>,
@@ -25,7 +25,7 @@ pub fn needed(
     needed
 }
 
-/// For every node whether an output depends on it.
+/// For every node a flag: true when an output depends on it.
 pub fn live(function: &Function) -> Vec<bool> {
     let outputs = function.assignments.iter();
     needed(

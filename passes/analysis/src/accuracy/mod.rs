@@ -9,10 +9,10 @@
 //! - *relative*: `e / |y|`;
 //! - *ulps*: `e` in units in the last place of `y`, in the format computed
 //!   with; as *bits* `log2(1 + ulps)`, how many of them are wrong;
-//! - *mixed*: `e / (|y| + s)`, where `s` is the root mean square of what
-//!   independent relative changes of size 1 in all inputs do to `y`, to first
-//!   order ([`Sensitivities`]). What is zero by cancellation is measured by
-//!   what cancels, so that zeros do not dominate.
+//! - *mixed*: `e / (|y| + s)`, where `s` is the root mean square of the changes
+//!   of `y` for independent relative changes of size 1 in all inputs, to first
+//!   order ([`Sensitivities`]). A result that is zero by cancellation is
+//!   measured relative to the cancelling terms, so that zeros do not dominate.
 //!
 //! And array by array:
 //!
@@ -25,11 +25,11 @@
 //! relative or mixed error in any such state; only the absolute and normwise
 //! measures see it. A computed number that is not finite where the exact one is
 //! has an infinite error. States in which the exact value is itself not finite
-//! mean nothing and are left out; an output without any other state has the
-//! error NaN. Inputs are representable in binary32 ([`States`]), so what is
-//! measured is the rounding of the program, not of its data, unless a narrower
-//! format rounds that; literals that a format cannot hold do count. Values with
-//! their own format keep it whatever format is requested.
+//! have no meaning and are left out; an output without any other state has the
+//! error NaN. Inputs are representable in binary32 ([`States`]), so the
+//! measured error is the rounding of the program, not of its data, unless a
+//! narrower format rounds that; literals that a format cannot represent do
+//! count. Values with their own format keep it for any requested format.
 
 mod samples;
 mod spread;
@@ -61,35 +61,35 @@ pub struct ElementError {
     pub relative: StateSpread,
     /// In units in the last place of the exact value.
     pub ulps: StateSpread,
-    /// Relative to the exact value and what it reacts to.
+    /// Error relative to the exact value and its sensitivity.
     pub mixed: StateSpread,
     /// The median over the states of the estimated condition number for
     /// independent errors of the inputs; 0 where it was not requested.
     pub sensitivity: f64,
-    /// The number of the state with the largest relative error, as
-    /// [`States::draw`] counts.
+    /// The number of the state with the largest relative error, in the
+    /// numbering of [`States::draw`].
     pub worst_state: u32,
-    /// In how many states it vanishes without being computed as zero.
+    /// Number of states in which it vanishes without being computed as zero.
     pub vanishing: u32,
-    /// In how many states the computed number is below the normal ones of the
-    /// format, without being zero exactly.
+    /// Number of states in which the computed number is below the normal ones
+    /// of the format, without being zero exactly.
     pub subnormal: u32,
-    /// In how many states the computed number is not finite where the exact
-    /// one is.
+    /// Number of states in which the computed number is not finite but the
+    /// exact one is.
     pub overflowed: u32,
     /// The part of the largest relative error that lies in the problem; `None`
     /// where it was not requested.
     pub conditioned: Option<Conditioned>,
 }
 
-/// An error beside the condition of what was computed.
+/// An error with the condition number of its computation.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Conditioned {
     /// The componentwise condition number of the element in the state of its
     /// largest relative error.
     pub condition: f64,
-    /// That error over the condition number and the unit roundoff of the
-    /// format: how many roundings of the inputs would do as much.
+    /// That error divided by the condition number and the unit roundoff of the
+    /// format: the number of input roundings with the same effect.
     pub backward: f64,
     /// The judgement that follows.
     pub judgement: Judgement,
@@ -120,7 +120,7 @@ pub struct FormatAccuracy {
     /// The part of all outputs in all states whose computed number is below
     /// the normal ones, and not exactly zero.
     pub subnormal: f64,
-    /// The part whose computed number is not finite where the exact one is.
+    /// The share of states in which the computed number is not finite but the exact one is.
     pub overflowed: f64,
     /// One entry per assignment, in the function's order.
     pub elements: Vec<ElementError>,
@@ -147,7 +147,7 @@ pub struct Certainty {
     pub precise: u64,
     /// Zero by an identity.
     pub zero: u64,
-    /// Not proved, or not asked to be.
+    /// Not proved, or not tested.
     pub uncertain: u64,
 }
 
@@ -204,7 +204,7 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// Errors alone, as fast as can be.
+    /// Errors alone, as fast as possible.
     pub const QUICK: Measurement = Measurement {
         effort: ReferenceEffort::DoubleDouble,
         sensitivities: false,
@@ -223,8 +223,8 @@ impl Default for Measurement {
 }
 
 impl FormatAccuracy {
-    /// The whole function in a few numbers; those of relative errors are NaN
-    /// where nothing has one.
+    /// The errors of the whole function in a few numbers; those of relative
+    /// errors are NaN where no element has one.
     pub fn summary(&self) -> ErrorSummary {
         let medians = self
             .elements
@@ -259,7 +259,7 @@ pub fn accuracy(view: View<'_>, states: &States, count: u32, formats: &[Format])
     measure(view, states, count, formats, Measurement::default())
 }
 
-/// As [`accuracy`], with a choice of what is measured.
+/// As [`accuracy`], with a choice of measurements.
 pub fn measure(
     view: View<'_>,
     states: &States,
@@ -326,8 +326,8 @@ pub fn measure(
     result
 }
 
-/// The errors in one format, state by state, against certified values as far
-/// as the function is of a size for that.
+/// The errors in one format, state by state, against certified values if the
+/// size of the function permits them.
 pub(super) fn samples(view: View<'_>, states: &States, count: u32, format: Format) -> Samples {
     let mut samples = Samples::new(view, format);
     let mut evaluator = FormatEvaluator::new(view, format);
@@ -579,8 +579,8 @@ impl Matrices {
     }
 }
 
-/// Fills in from the other half what is not set (NaN), and zeros where
-/// neither is; false for a matrix that is not symmetric to rounding.
+/// Fills in unset elements (NaN) from the other half, and zeros where neither
+/// is set; false for a matrix that is not symmetric to rounding.
 fn complete(matrix: &mut [f64], order: usize) -> bool {
     let mut symmetric = true;
     for row in 0..order {

@@ -20,9 +20,9 @@ struct Sample {
     distance: f64,
     /// The floor that the mixed error adds to the size.
     floor: f64,
-    /// It is zero except for rounding.
+    /// True when it is zero except for rounding.
     small: bool,
-    /// It is an element without a relative error here: see
+    /// True for an element without a relative error here: see
     /// [`Samples::settle`].
     vanished: bool,
     /// The computed number is below the normal ones, or zero in their place.
@@ -30,7 +30,7 @@ struct Sample {
 }
 
 impl Sample {
-    /// True for what is zero except for rounding and was not computed as zero.
+    /// True for an exact value of zero, up to rounding, that was not computed as zero.
     fn vanishes(&self) -> bool {
         self.small && self.distance > 0.0
     }
@@ -264,7 +264,7 @@ impl Samples {
     }
 }
 
-/// The error over the size; no error is 0 whatever the size.
+/// The error over the size; no error is 0 for any size.
 fn quotient(error: f64, size: f64) -> f64 {
     if error == 0.0 { 0.0 } else { error / size }
 }

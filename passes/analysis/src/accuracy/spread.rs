@@ -9,13 +9,13 @@ pub struct StateSpread {
     pub percentile_99: f64,
     /// The largest.
     pub worst: f64,
-    /// The number of the state that it was found in, as
-    /// [`robovec_ir::states::States::draw`] counts; the first of several.
+    /// The number of the state with this error, in the numbering of
+    /// [`robovec_ir::states::States::draw`]; the first of several.
     pub worst_state: u32,
 }
 
 impl StateSpread {
-    /// Of something that no state states anything about.
+    /// The spread without any state.
     pub const NOWHERE: StateSpread = StateSpread {
         median: f64::NAN,
         percentile_99: f64::NAN,
@@ -23,8 +23,8 @@ impl StateSpread {
         worst_state: 0,
     };
 
-    /// The spread of errors with the states they were found in; NaN is left
-    /// out. [`StateSpread::NOWHERE`] of nothing.
+    /// The spread of errors with their states; NaN is left out.
+    /// [`StateSpread::NOWHERE`] of nothing.
     pub fn of(errors: impl Iterator<Item = (u32, f64)>) -> StateSpread {
         let mut errors: Vec<(u32, f64)> = errors.filter(|(_, error)| !error.is_nan()).collect();
         let order = |a: &(u32, f64), b: &(u32, f64)| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0));
@@ -46,7 +46,7 @@ impl StateSpread {
         }
     }
 
-    /// The same with every error replaced by a number that grows with it.
+    /// The same with an increasing function applied to every error.
     #[must_use]
     pub fn map(self, of: impl Fn(f64) -> f64) -> StateSpread {
         StateSpread {
@@ -57,7 +57,7 @@ impl StateSpread {
         }
     }
 
-    /// Of errors in ulps: how many bits are lost, `log2(1 + ulps)`, which is
+    /// For errors in ulps: the number of lost bits, `log2(1 + ulps)`, which is
     /// 0 for an exact result and at most 0.6 for one that was rounded once.
     #[must_use]
     pub fn bits(self) -> StateSpread {

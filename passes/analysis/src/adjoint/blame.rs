@@ -1,12 +1,12 @@
-//! Operations, equations and inputs that the error comes from.
+//! Operations, equations and inputs that cause the error.
 
 use super::{AdjointRun, LANES, Tape, Workspace};
 use robovec_ir::{Function, Input, SourcePlace, Symbol, Value, View};
 
 /// Contributions to the error of outputs, summed over outputs and states.
 ///
-/// An operation contributes the size of its adjoint times what it really
-/// lost. Outputs of different units are made comparable by dividing each by
+/// An operation contributes the size of its adjoint times its actual rounding
+/// error. Outputs of different units are made comparable by dividing each by
 /// the largest exact element of its array in that state.
 #[derive(Clone, Debug)]
 pub struct Blame {
@@ -21,7 +21,7 @@ pub struct EquationBlame {
     /// Its place; `None` when the function does not specify it, and operations are
     /// gathered by name.
     pub place: Option<SourcePlace>,
-    /// The symbol it defines; `None` when nothing has a name.
+    /// The symbol it defines; `None` for an operation without a name.
     pub name: Option<Symbol>,
     /// Its part of all contributions, 0 to 1. An operation that represents
     /// several equations counts for each with an equal part.
@@ -42,7 +42,7 @@ impl Blame {
 
     /// Adds the contributions to some outputs of a run, by their places in
     /// [`Function::assignments`]. A run in which one of them is not finite
-    /// states nothing of the share of anything and is refused.
+    /// determines no shares and is refused.
     ///
     /// # Panics
     ///
@@ -101,7 +101,7 @@ impl Blame {
         largest(values.collect(), most)
     }
 
-    /// The inputs with the largest shares: what the format could not hold.
+    /// The inputs with the largest shares: data that the format cannot represent.
     pub fn inputs(&self, tape: &Tape, most: usize) -> Vec<(Input, f64)> {
         let inputs = (0..tape.inputs()).map(|index| Input(index as u32));
         let shares = inputs.map(|input| (input, self.share(tape.input_slot(input))));
@@ -187,9 +187,8 @@ pub fn output_weights(function: &Function, run: &AdjointRun<'_>) -> Vec<f64> {
     assignments.map(weight).collect()
 }
 
-/// For every node the symbol of the definition it belongs to: its own, or
-/// that of the expression it is an inner node of. Expressions of outputs have
-/// none.
+/// For every node the symbol of its definition: its own, or that of the
+/// expression of which it is an inner node. Expressions of outputs have none.
 fn owners(function: &Function) -> Vec<Option<Symbol>> {
     let named = |value: &robovec_ir::Node| (!value.name.is_none()).then_some(value.name.base);
     let mut owners: Vec<Option<Symbol>> = function.nodes().iter().map(named).collect();

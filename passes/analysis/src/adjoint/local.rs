@@ -59,16 +59,16 @@ fn power(exponent: i32) -> f64 {
     }
 }
 
-/// For every slot the largest error its rounding can have had, when it came
-/// out as `computed` and lost `errors`; the exact values decide where they
-/// are larger, so that a result just below a power of two is not judged by
-/// luck.
+/// For every slot the largest possible rounding error, given its `computed`
+/// value and its `errors`; the exact values decide where they are larger, so
+/// that the bound of a result just below a power of two does not depend on
+/// chance.
 ///
 /// Operations that never round have none: copies, negations, sums with a
 /// literal zero, and in fixed point all sums. A literal or an input that the
 /// format holds has none either, and the error of others is known. Where
 /// formats change from one value to the next, any operation may round, and
-/// literals round with it: what it did lose always counts.
+/// literals are rounded as well: the actual rounding error always counts.
 pub(super) fn bounds(
     tape: &Tape,
     format: impl Fn(usize) -> Format,
@@ -102,8 +102,8 @@ pub(super) fn bounds(
     bounds
 }
 
-/// For every slot the error its rounding had: what was computed less the
-/// exact result of the operation on the computed operands, by double-double.
+/// For every slot its rounding error: the computed number minus the exact
+/// result of the operation on the computed operands, in double-double.
 pub(super) fn errors(tape: &Tape, exact: &[f64], computed: &[f64]) -> Vec<f64> {
     let nodes = tape.nodes();
     let mut errors = Vec::with_capacity(tape.slots());

@@ -1,5 +1,5 @@
-//! Rounding errors by reverse differentiation: how much every operation
-//! contributes to the error of every output.
+//! Rounding errors by reverse differentiation: the contribution of every
+//! operation to the error of every output.
 //!
 //! One sweep back over a function gives, for a few outputs at a time
 //! ([`LANES`]), the derivative of the output with respect to every value, its
@@ -13,14 +13,14 @@
 //! - the *blame*: which operation, which source equation and which input the
 //!   error comes from ([`Blame`]).
 //!
-//! Why at points and not over boxes: along a chain of joints enclosures
-//! widen by a constant factor per rotation (the wrapping effect) and state
-//! nothing after a few dozen; a sum of adjoints does not widen. Enclosures of
-//! small windows are in [`super::interval`].
+//! Reason for points instead of boxes: along a chain of joints enclosures widen
+//! by a constant factor per rotation (the wrapping effect) and are useless
+//! after a few dozen; a sum of adjoints does not widen. Enclosures of small
+//! windows are in [`super::interval`].
 //!
-//! Cost: a tape takes 13 bytes per operation, a run 50, a sweep 64; every
-//! sweep of [`LANES`] outputs is one pass over the part of the function that
-//! they depend on.
+//! Cost: a tape takes 13 bytes per operation, a run 50, a sweep 64; every sweep
+//! of [`LANES`] outputs is one pass over the part of the function on which they
+//! depend.
 
 mod blame;
 mod local;

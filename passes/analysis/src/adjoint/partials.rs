@@ -5,10 +5,10 @@
 //!
 //! > computed result − exact result = Σ secant × (computed − exact operand)
 //!
-//! holds exactly and not only to first order: for a product the secants are
-//! the exact second factor and the computed first one. An error that is
-//! carried on by secants loses nothing of second order, however ill the
-//! problem is; between equal evaluations the two kinds agree.
+//! holds exactly and not only to first order: for a product the secants are the
+//! exact second factor and the computed first one. An error propagated by
+//! secants loses no second-order term, for any condition number; between equal
+//! evaluations the two kinds agree.
 //!
 //! The third operand of a fused operation only enters a sum; its derivative
 //! is [`third`] and is not stored.

@@ -1,8 +1,8 @@
 //! Sweeps in 1024 bits, where binary64 has no digits left.
 //!
-//! Adjoints are sums over paths, and paths may cancel: where one of 10^44 is
-//! taken from another, what is left in binary64 is rounding. Whether it was
-//! so shows afterwards, since the prediction is then not the error. These
+//! Adjoints are sums over paths, and paths may cancel: after a subtraction of
+//! two numbers near 10^44 only rounding errors are left in binary64. Whether it
+//! was so shows afterwards, since the prediction is then not the error. These
 //! sweeps are for one output at a time, and every operation of theirs costs far
 //! more.
 
@@ -17,8 +17,8 @@ use robovec_ir::Operation;
 /// More than paths of which one is 10^150 and another 10^-100 need.
 const BITS: usize = 1024;
 
-/// The derivatives between the exact and a computed run, as
-/// [`super::AdjointRun::adjoint`] has them, and what every operation lost.
+/// The derivatives between the exact and a computed run, as in
+/// [`super::AdjointRun::adjoint`], and the rounding error of every operation.
 pub(super) struct PreciseRun<'a> {
     tape: &'a Tape,
     exact: Vec<BigFloat>,
@@ -64,7 +64,7 @@ impl<'a> PreciseRun<'a> {
         })
     }
 
-    /// One sweep from a slot, given what every operation could lose.
+    /// One sweep from a slot, given the largest rounding error of every operation.
     pub(super) fn sweep(&self, from: usize, bounds: &[f64]) -> OutputError {
         let tape = self.tape;
         let mut gradients = vec![self.zero.clone(); tape.slots()];

@@ -12,9 +12,9 @@ use robovec_num::soft_float::FormatArithmetic;
 /// differ by more, adjoints have cancelled and are computed again.
 const CANCELLED: f64 = 1.0 / (1u64 << 24) as f64;
 
-/// A run of a function in a format at one state: what it computes, what it
-/// should have computed, and what every operation lost. All vectors count
-/// slots, as the [`Tape`] does.
+/// A run of a function in a format at one state: the computed values, the exact
+/// ones, and the rounding error of every operation. All vectors are indexed by
+/// slots of the [`Tape`].
 #[derive(Clone, Debug)]
 pub struct AdjointRun<'a> {
     tape: &'a Tape,
@@ -25,9 +25,9 @@ pub struct AdjointRun<'a> {
     bounds: Vec<f64>,
 }
 
-/// Covers the rounding of the sums over adjoints themselves, which are
-/// computed in binary64: a part of 2⁻²⁰ is far above it for any function
-/// that fits into memory and far below what anybody reads off a bound.
+/// Covers the rounding of the sums over adjoints themselves, which are computed
+/// in binary64: a part of 2⁻²⁰ is far above it for any function that fits into
+/// memory and far below the printed precision of a bound.
 const SUMS: f64 = 1.0 + 1.0 / (1u64 << 20) as f64;
 
 impl<'a> AdjointRun<'a> {
@@ -76,7 +76,7 @@ impl<'a> AdjointRun<'a> {
         AdjointRun::beside(tape, computed, own, inputs)
     }
 
-    /// The computed slots with everything that is known beside them.
+    /// The computed slots with the known numbers beside them.
     fn beside(
         tape: &'a Tape,
         computed: Vec<f64>,
@@ -120,9 +120,9 @@ impl<'a> AdjointRun<'a> {
         &self.errors
     }
 
-    /// The local error of every slot's operation: its result less the exact one
-    /// on the same operands; for inputs and literals what the conversion
-    /// lost.
+    /// The local error of every slot's operation: its result minus the exact
+    /// one on the same operands; for inputs and literals the error of the
+    /// conversion.
     pub fn local_errors(&self) -> &[f64] {
         &self.local
     }
@@ -141,13 +141,13 @@ impl<'a> AdjointRun<'a> {
     /// Actual error, prediction and bound of assignments, by their places in
     /// [`robovec_ir::Function::assignments`].
     ///
-    /// The bound covers this run whatever was lost: the adjoints are those
-    /// between the exact and the computed values, so nothing of second order is
-    /// left out, and what the prediction misses is added. For runs with other
-    /// luck it is of first order, since adjoints change with the errors and a
-    /// result that crosses a power of two rounds by twice as much. It is
-    /// computed in binary64, and widened by 2⁻²⁰ of itself for that; where the
-    /// prediction shows that adjoints cancelled, in 1024 bits.
+    /// The bound covers this run whatever its rounding errors: the adjoints are those
+    /// between the exact and the computed values, so no second-order term is left out,
+    /// and the part that the prediction misses is added. For runs with other rounding
+    /// errors it is of first order, since adjoints change with the errors and a result
+    /// that crosses a power of two rounds by twice as much. It is computed in binary64,
+    /// and widened by 2⁻²⁰ of its value for that; where the prediction shows that
+    /// adjoints cancelled, in 1024 bits.
     ///
     /// # Panics
     ///

@@ -1,4 +1,4 @@
-//! Condition numbers: how much of an error lies in the problem.
+//! Condition numbers: the part of an error that is due to the problem.
 //!
 //! A result that is a small difference of large terms cannot be computed well
 //! in any order: rounding the inputs alone would move it as much. The
@@ -8,11 +8,10 @@
 //! cond = sum over the inputs of |dy/dx x| / |y|,
 //! ```
 //!
-//! shows how many times larger than that of the inputs the relative error of
-//! the result must be expected to be (Higham, *Accuracy and Stability of
-//! Numerical Algorithms*, 2002, section 1.6). An error of about `cond u` is
-//! that of a hard problem; one far above it is made by the code
-//! ([`Judgement`]).
+//! is the factor by which the relative error of the result is expected to
+//! exceed that of the inputs (Higham, *Accuracy and Stability of Numerical
+//! Algorithms*, 2002, section 1.6). An error of about `cond u` is that of a
+//! hard problem; one far above it is made by the code ([`Judgement`]).
 //!
 //! Two ways to it:
 //!
@@ -31,17 +30,17 @@ pub use sensitivity::{DIRECTIONS, Sensitivities};
 
 use super::adjoint::{Adjoint, LANES, Tape, TapeSlot, Workspace};
 
-/// The sums over the inputs of `|dy/dx x|` of some assignments, by their
-/// places in [`robovec_ir::Function::assignments`], at one state: what a
-/// relative error of 1 in every input does at most, to first order. Divided by
-/// the size of the output it is the componentwise condition number.
+/// The sums over the inputs of `|dy/dx x|` of some assignments, by their places
+/// in [`robovec_ir::Function::assignments`], at one state: the largest effect
+/// of a relative error of 1 in every input, to first order. Divided by the size
+/// of the output it is the componentwise condition number.
 ///
 /// Literals count as known.
 ///
 /// # Panics
 ///
-/// Panics when there is not one number per input element, or an output does not
-/// exist.
+/// Panics when the number of inputs is not that of the function, or an output
+/// does not exist.
 pub fn conditions(tape: &Tape, inputs: &[f64], places: &[usize]) -> Vec<f64> {
     let adjoint = Adjoint::new(tape, inputs);
     let mut workspace = Workspace::default();
@@ -58,8 +57,8 @@ pub fn conditions(tape: &Tape, inputs: &[f64], places: &[usize]) -> Vec<f64> {
     sums
 }
 
-/// Errors up to this many units of rounding are what a sum or product of some
-/// dozens of terms has in any case.
+/// Errors up to this many units of rounding are normal for a sum or product of
+/// some dozens of terms.
 pub const ORDINARY: f64 = 64.0;
 
 /// The origin of an error.
@@ -67,8 +66,8 @@ pub const ORDINARY: f64 = 64.0;
 pub enum Judgement {
     /// It is ordinary: at most [`ORDINARY`] roundings.
     Accurate,
-    /// It is large because the problem is: at most [`ORDINARY`] times what
-    /// rounding the inputs would do.
+    /// It is large because the problem is ill-conditioned: at most [`ORDINARY`]
+    /// times the effect of rounding the inputs.
     HardProblem,
     /// It is larger than the problem explains: another order or form of the
     /// equations could do better.
@@ -89,7 +88,7 @@ impl Judgement {
         }
     }
 
-    /// A word or two for it.
+    /// A word or two as its name.
     pub fn name(self) -> &'static str {
         match self {
             Judgement::Accurate => "accurate",

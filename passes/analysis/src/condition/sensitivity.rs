@@ -10,7 +10,7 @@ use robovec_num::random::mix;
 /// a few hundredths.
 pub const DIRECTIONS: usize = 8;
 
-/// Estimates for all outputs of a function how they react to relative changes
+/// Estimates the sensitivity of all outputs of a function to relative changes
 /// of the inputs.
 ///
 /// If every input changes by its own random sign times one part, an output

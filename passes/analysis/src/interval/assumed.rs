@@ -13,16 +13,16 @@ pub const MARGIN: f64 = 2.0;
 /// The basis of a range, the best first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum RangeBasis {
-    /// It is that of a literal, or was given for the input.
+    /// It is that of a literal, or given for the input.
     Given,
-    /// It is the range that random states draw the input from.
+    /// It is the range from which random states draw the input.
     Drawn,
-    /// It is the hull of a value's samples with a margin: no proof.
+    /// It is the hull of a value's samples with a margin, without proof.
     Assumed,
 }
 
 impl RangeBasis {
-    /// The word for it.
+    /// The word for its origin.
     pub fn text(self) -> &'static str {
         match self {
             RangeBasis::Given => "given",
@@ -35,13 +35,13 @@ impl RangeBasis {
 /// The range of a leaf.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct LeafRange {
-    /// The range it can have.
+    /// The range of its values.
     pub range: Interval,
     /// Basis of the range.
     pub knowledge: RangeBasis,
 }
 
-/// The range of every input element of a function, as the states know it.
+/// The range of every input element of a function, as given by the states.
 pub fn input_ranges(view: View<'_>, states: &States) -> Vec<LeafRange> {
     let mut inputs = Vec::with_capacity(view.function.input_len());
     for array in view.function.inputs() {
@@ -63,7 +63,7 @@ pub fn input_ranges(view: View<'_>, states: &States) -> Vec<LeafRange> {
     inputs
 }
 
-/// The ranges of all leaves that windows of a function can have.
+/// The ranges of all possible leaves of the windows of a function.
 #[derive(Clone, Debug)]
 pub struct Leaves<'a> {
     tape: &'a Tape,
@@ -73,8 +73,8 @@ pub struct Leaves<'a> {
 }
 
 impl<'a> Leaves<'a> {
-    /// The ranges of a function's inputs as the states know them, and of its
-    /// nodes from so many of these states.
+    /// The ranges of a function's inputs as given by the states, and of its
+    /// nodes from this number of states.
     pub fn new(view: View<'_>, tape: &'a Tape, states: &States, samples: u32) -> Leaves<'a> {
         let inputs = input_ranges(view, states);
         let empty = Interval {

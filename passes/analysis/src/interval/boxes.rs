@@ -1,12 +1,12 @@
 //! Bounds over boxes: branch and bound on the ranges of a window's leaves.
 //!
-//! One enclosure bounds every operation alone, at the ranges where it
-//! loses most. No state is at all of these places at once, and intervals
-//! forget that two operands read one leaf. In small boxes neither
-//! matters: the bound of a box tends to the sum over operations of adjoint
-//! times loss at one state. So the box with the largest bound is cut in two
-//! until the bound is near what it is at a state, or the work is spent. The
-//! bound holds at every moment, since the boxes left cover the ranges.
+//! One enclosure bounds every operation alone, at the ranges where it loses
+//! most. The state is not at all of these places together, and intervals do not
+//! account for two operands that read one leaf. In small boxes neither matters:
+//! the bound of a box tends to the sum over operations of adjoint times loss at
+//! one state. So the box with the largest bound is cut in two until the bound
+//! is near the value at a state, or the work is spent. The bound holds at every
+//! moment, since the boxes left cover the ranges.
 
 use super::{ConeWindow, WindowEnclosure, WindowLeaves, enclose};
 use crate::adjoint::Tape;
@@ -27,7 +27,7 @@ pub struct SubdividedEnclosure {
     pub range: Interval,
     /// The error at most, over all boxes.
     pub error: f64,
-    /// The part of the ranges, by volume, in which the error has an end.
+    /// The part of the ranges, by volume, in which the error is finite.
     pub share: f64,
     /// The error at most in that part.
     pub finite: f64,
@@ -42,7 +42,7 @@ pub struct SubdividedEnclosure {
     pub worst: Vec<Interval>,
 }
 
-/// A box, with what holds in it.
+/// A box, with its bounds.
 struct LeafBox {
     ranges: Vec<Interval>,
     range: Interval,
@@ -171,7 +171,7 @@ impl BoxSearch<'_> {
     }
 
     /// The halves of a box, cut where the worse of them is the best; `None`
-    /// when no number lies between the ends of its ranges.
+    /// when no number is between the ends of its ranges.
     fn cut(&mut self, worst: &LeafBox) -> Option<[LeafBox; 2]> {
         let mut best: Option<[LeafBox; 2]> = None;
         for leaf in self.candidates(&worst.ranges) {

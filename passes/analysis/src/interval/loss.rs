@@ -29,7 +29,7 @@ pub(crate) fn rounded(
     (range.widened(ends + host), ends + host)
 }
 
-/// Cases in which an operation loses nothing.
+/// Cases in which an operation is exact.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Exactness {
     Always,
@@ -75,7 +75,7 @@ fn exact(operation: Operation, [a, b, _]: [Interval; 3], format: Format) -> Exac
 }
 
 /// True when both are positive and neither is more than twice the other;
-/// doubling is exact, or gives infinity, which only asks for more.
+/// doubling is exact, or gives infinity, which only makes the test stricter.
 fn near(a: Interval, b: Interval) -> bool {
     a.low > 0.0 && b.low > 0.0 && a.high <= 2.0 * b.low && b.high <= 2.0 * a.low
 }

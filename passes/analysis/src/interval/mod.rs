@@ -1,21 +1,21 @@
 //! Sound ranges and error bounds in windows.
 //!
 //! Given ranges of its leaves, every value of a [`ConeWindow`] is enclosed by
-//! interval arithmetic, once in exact arithmetic and once as a format
-//! computes it. The error made inside the window is the sum over its
-//! operations of what each can lose times its adjoint, where adjoints are
-//! intervals of quotients of differences between exact and computed values
-//! (the mean-value form): nothing of second order is left out, so the bound
-//! holds for every state in the ranges, not only to first order.
+//! interval arithmetic, once in exact arithmetic and once as a format computes
+//! it. The error made inside the window is the sum over its operations of the
+//! largest rounding error of each times its adjoint, where adjoints are
+//! intervals of difference quotients between exact and computed values (the
+//! mean-value form): no second-order term is left out, so the bound holds
+//! exactly for every state in the ranges.
 //!
-//! Why only windows: along a chain of rotations enclosures double every two
-//! joints, and after some thousand operations they mean nothing. Up to about
-//! six joints they are as tight as what specialised tools prove.
+//! Reason for windows: along a chain of rotations enclosures double every two
+//! joints, and after some thousand operations they are useless. Up to about six
+//! joints they are as tight as the proofs of specialised tools.
 //!
-//! What the leaves can be is known only for inputs with given ranges. Ranges
-//! of other inputs are those that random states are drawn from, and ranges of
-//! inner values are *assumed*: the hull of sampled values, widened by a
-//! margin. Whatever rests on an assumed range states it ([`RangeBasis`]).
+//! Ranges of the leaves are known only for inputs with given ranges. Ranges of
+//! other inputs are those that random states are drawn from, and ranges of
+//! inner values are *assumed*: the hull of sampled values, widened by a margin.
+//! Whatever rests on an assumed range states it ([`RangeBasis`]).
 
 mod assumed;
 mod boxes;
@@ -47,12 +47,12 @@ pub const USUAL: usize = 1000;
 pub struct WindowEnclosure {
     /// The exact value of every leaf, then of every node.
     pub exact: Vec<Interval>,
-    /// The same as the format computes it.
+    /// The same in the arithmetic of the format.
     pub computed: Vec<Interval>,
     /// The largest loss of each of them by its own rounding.
     pub local: Vec<f64>,
-    /// The error of the window's value at most, if the leaves that are values
-    /// have none; infinite where nothing can be stated.
+    /// A bound of the error of the window's value, if the leaves that are
+    /// values have none; infinite if unknown.
     pub error: f64,
 }
 
@@ -61,7 +61,7 @@ pub struct WindowEnclosure {
 pub enum Alarm {
     /// Results may be larger than the format's largest number.
     MayOverflow,
-    /// All results are.
+    /// All results overflow.
     Overflows,
     /// All results are smaller than the smallest normal number (of fixed point:
     /// than a step), zero excepted.
@@ -97,8 +97,8 @@ impl Alarm {
     }
 }
 
-/// The bits before the point that fixed-point numbers of a range need,
-/// without the sign; `None` for a range without end.
+/// The bits before the point that fixed-point numbers of a range need, without
+/// the sign; `None` for an infinite range.
 pub fn integer_bits(range: Interval) -> Option<u32> {
     let size = range.magnitude();
     if !size.is_finite() {
@@ -114,8 +114,8 @@ pub enum GivenData {
     /// Inputs are numbers of the format, and literals those of binary64.
     #[default]
     Held,
-    /// Inputs are real numbers, which the format rounds, and literals the
-    /// decimals that they print as.
+    /// Inputs are real numbers, which the format rounds, and literals their
+    /// printed decimals.
     Real,
 }
 
@@ -149,7 +149,7 @@ impl From<TapeSlot> for WindowLeafKind {
 }
 
 impl WindowLeaves {
-    /// The leaves of a window with the ranges that are known of them.
+    /// The leaves of a window with their known ranges.
     pub fn new(
         tape: &Tape,
         window: &ConeWindow,
@@ -170,7 +170,7 @@ impl WindowLeaves {
         }
     }
 
-    /// Leaves of which only these ranges are known, whatever they are.
+    /// Leaves of which only these ranges are known, without any relation between them.
     pub fn anything(window: &ConeWindow, format: Format, ranges: Vec<Interval>) -> WindowLeaves {
         debug_assert_eq!(window.leaves.len(), ranges.len(), "a range for every leaf");
         WindowLeaves {
@@ -190,15 +190,15 @@ impl WindowLeaves {
         self.kinds[leaf] == WindowLeafKind::Literal
     }
 
-    /// Exact value of a leaf that lies in a range, its value as the format
-    /// holds it, and the most that it loses on the way.
+    /// Exact value of a leaf in a range, its value rounded to the format, and
+    /// its largest rounding error.
     fn given(&self, leaf: usize, range: Interval) -> (Interval, Interval, f64) {
         given(self.kinds[leaf], self.data, self.format, range)
     }
 }
 
-/// Exact value of a leaf that lies in a range, its value as the format holds
-/// it, and the most that it loses on the way.
+/// Exact value of a leaf in a range, its value rounded to the format, and its
+/// largest rounding error.
 pub(crate) fn given(
     kind: WindowLeafKind,
     data: GivenData,
@@ -302,7 +302,7 @@ pub(crate) fn operate(operation: Operation, places: &[usize; 3], values: &[Inter
 }
 
 /// The error of a window's value: adjoints of all nodes and literals as
-/// intervals, times what they lose.
+/// intervals, times their rounding errors.
 fn error(tape: &Tape, window: &ConeWindow, enclosure: &WindowEnclosure) -> f64 {
     let leaves = window.leaves.len();
     let mut adjoints = vec![Interval::ZERO; leaves + window.nodes.len()];

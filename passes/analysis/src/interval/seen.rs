@@ -1,7 +1,7 @@
 //! Errors that were seen: a window run at states of its ranges.
 //!
-//! A bound shows how large errors can be, not how large they are. What is
-//! found here is the other end: no bound can be lower.
+//! A bound limits errors from above; the largest error can be smaller. The
+//! error found here is a lower limit: no bound can be lower.
 
 use super::{ConeWindow, GivenData, WindowLeaves};
 use crate::adjoint::{Tape, half_ulp};

@@ -5,14 +5,14 @@ use std::collections::BinaryHeap;
 
 /// The definition cone of a value, cut off after a number of operations.
 ///
-/// Operations are taken in from the last to the first, so that everything
-/// outside comes before everything inside: a leaf never depends on an
-/// operation of the window.
+/// Operations are added from the last to the first, so that everything outside
+/// comes before everything inside: a leaf never depends on an operation of the
+/// window.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ConeWindow {
     /// The slots that are read and not computed inside, in order.
     pub leaves: Vec<usize>,
-    /// The nodes inside, in program order; the last one is the value. None
+    /// The nodes inside, in program order; the last one is the value. `None`
     /// for a value that is an input or a literal.
     pub nodes: Vec<usize>,
     /// For every node the places of its operands: leaves first, then nodes.

@@ -35,7 +35,7 @@ pub(super) struct Layer {
     pub blocks: Vec<LayerBlock>,
     /// The members of the decomposed set that it contributes to, as bits.
     pub members: u64,
-    /// The same as a sum of products of values, where it is one.
+    /// The same as a sum of products of values, if it has that form.
     pub products: Vec<(usize, usize)>,
 }
 
@@ -64,7 +64,7 @@ struct RotationRow {
     angle: usize,
     /// The nodes of the cosine and the sine that it reads.
     waves: SlotSet,
-    /// The operand beside the cosine, and whether it is subtracted.
+    /// The other factor of the cosine, and a flag: true when it is subtracted.
     cosine: Option<(usize, bool)>,
     sine: Option<(usize, bool)>,
 }
@@ -117,7 +117,7 @@ fn time(tape: &Tape, slot: usize) -> usize {
     if slot < tape.nodes() { slot + 1 } else { 0 }
 }
 
-/// The angle of a sine or cosine, and whether it is the cosine.
+/// The angle of a sine or cosine, and a flag: true for the cosine.
 fn wave(tape: &Tape, slot: usize) -> Option<(usize, bool)> {
     if slot >= tape.nodes() {
         return None;
@@ -272,14 +272,14 @@ impl RotationRow {
     }
 }
 
-/// The members that are opened, of which terms are taken out.
+/// The opened members, from which terms are taken out.
 struct Opened<'a> {
     tape: &'a Tape,
     members: Vec<OpenMember>,
 }
 
 impl Opened<'_> {
-    /// The layer of members that are rotated or stay as they are.
+    /// Selects the layer of the members that are rotated or unchanged.
     fn main(&mut self, kept: &[(usize, usize)], parts: &mut Vec<Layer>) {
         let tape = self.tape;
         let rows = self.members.iter_mut();
@@ -319,8 +319,8 @@ impl Opened<'_> {
         }
     }
 
-    /// Moves one plain term of every member that the layer does not have into
-    /// it: the nearest to a time, by default to that of the latest term.
+    /// Moves into the layer one plain term of every member missing from it: the
+    /// nearest to a time, by default to that of the latest term.
     fn take_plains(&mut self, near: Option<usize>, layer: &mut Layer) {
         let tape = self.tape;
         let plains = || self.members.iter().flat_map(|member| &member.plains);

@@ -14,11 +14,11 @@
 //!
 //! No vector has to be recognised: every set of values is one, and a set that
 //! fits no rule has the norm of its members' intervals. Soundness therefore
-//! never rests on how sets are chosen, only tightness does.
+//! never depends on the choice of sets, only tightness does.
 //!
-//! With `y = M x` and computed `y' = M' x'`, `y' - y = M' (x' - x) +
-//! (M' - M) x`, and every operation inside adds its own rounding: nothing of
-//! second order is left out.
+//! With `y = M x` and computed `y' = M' x'`, `y' - y = M' (x' - x) + (M' - M)
+//! x`, and every operation inside adds its own rounding: no second-order term
+//! is left out.
 
 mod layers;
 mod terms;
@@ -122,7 +122,7 @@ impl<'a> Norms<'a> {
         norms
     }
 
-    /// The range of what the format computes for a slot.
+    /// The range of a slot's value in the format.
     fn computed(&self, slot: usize) -> Interval {
         let error = self.error[slot];
         if error == 0.0 {
@@ -258,7 +258,7 @@ impl<'a> Norms<'a> {
         found.expect("the set is bounded after its parts")
     }
 
-    /// The norms of a set by the bounds of its members alone.
+    /// The norms of a set from the bounds of its members alone.
     fn base(&self, set: &[usize]) -> SetNorm {
         if let &[one, other] = set
             && is_pair(self.tape, one, other)
@@ -390,7 +390,7 @@ impl Layers {
     }
 }
 
-/// An error times a factor: nothing bounds what an error without end becomes.
+/// An error times a factor; an unbounded error stays unbounded, even times zero.
 fn carried(factor: f64, error: f64) -> f64 {
     if error == 0.0 || error.is_infinite() {
         error

@@ -1,7 +1,7 @@
 //! The exact outputs of a function, with a certificate.
 //!
-//! What rounding errors are measured against must itself be beyond doubt.
-//! Three levels of effort:
+//! The reference for rounding errors must itself be certain. Three levels of
+//! effort:
 //!
 //! - [`ReferenceEffort::DoubleDouble`]: about 106 bits and no proof; some fifty bits
 //!   to spare over binary64 leave little doubt, and it is the fastest.
@@ -17,9 +17,8 @@
 //! With the feature `mpfr`, `mpfr` evaluates a third time with another
 //! library; the tests compare.
 //!
-//! **Invariant.** A function is taken as what it means over the real numbers:
-//! no operation rounds, literals and inputs are the binary64 numbers they
-//! are.
+//! **Invariant.** A function is evaluated over the real numbers: no operation
+//! rounds, and literals and inputs are exactly their binary64 numbers.
 
 #[cfg(feature = "mpfr")]
 pub mod mpfr;
@@ -94,7 +93,7 @@ pub struct ExactOutput {
     /// The largest distance of the real number from the value; infinite without
     /// a proof.
     pub bound: f64,
-    /// The evidence for it.
+    /// The kind of evidence.
     pub kind: ExactEvidence,
 }
 
@@ -197,8 +196,8 @@ impl<'a> ReferenceEvaluator<'a> {
         }
     }
 
-    /// The assignments that are to be computed again; those that are zero by
-    /// an identity are set to it.
+    /// The assignments that must be computed again; those that are zero by an
+    /// identity are set to zero.
     fn uncertain(&mut self, exact: &mut [ExactOutput]) -> Vec<usize> {
         let mut open = Vec::new();
         for (place, value) in exact.iter_mut().enumerate() {

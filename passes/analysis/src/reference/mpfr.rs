@@ -11,8 +11,8 @@ use rug::ops::NegAssign;
 ///
 /// # Panics
 ///
-/// Panics when `inputs` is not as long as the function's inputs, or `bits` is
-/// more than MPFR takes.
+/// Panics when the number of `inputs` is not that of the function, or `bits` is
+/// beyond the limit of MPFR.
 pub fn evaluate(function: &Function, inputs: &[f64], bits: u32) -> Vec<f64> {
     let outputs = EvaluationPlan::new(function).run_with(
         inputs,

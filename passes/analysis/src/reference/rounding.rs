@@ -5,9 +5,9 @@ use astro_float::{BigFloat, Sign, Word};
 /// Number of the library's words in 64 bits.
 const WORDS: usize = (64 / Word::BITS) as usize;
 
-/// The top 64 bits of a number's mantissa, whether anything is below
-/// them, and the exponent `e` with which the number is the mantissa as a
-/// fraction below one times `2^e`; `None` for zero and what is not a number.
+/// The top 64 bits of a number's mantissa, a flag for any bits below them, and
+/// the exponent `e` with which the number is the mantissa as a fraction below
+/// one times `2^e`; `None` for zero, infinities and NaN.
 fn top(number: &BigFloat) -> Option<(u64, bool, i32)> {
     let (words, _, _, exponent, _) = number.as_raw_parts()?;
     // A word is as long as a pointer; precisions are multiples of 64 bits.
@@ -76,7 +76,7 @@ pub(crate) fn to_binary64(number: &BigFloat) -> f64 {
 }
 
 /// An upper bound of the absolute value, at most a few parts in 2⁶³ above it;
-/// infinite beyond the range of binary64 and for what is not a number.
+/// infinite beyond the range of binary64 and for NaN.
 pub(super) fn magnitude(number: &BigFloat) -> f64 {
     if number.is_zero() {
         return 0.0;

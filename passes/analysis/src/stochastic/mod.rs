@@ -2,26 +2,25 @@
 //! whose operations round up or down by chance.
 //!
 //! Every run has other rounding errors of the same sizes, so the spread of an
-//! output over the runs shows how far rounding to nearest can have brought it
-//! from the exact value, without knowing that value (Parker, *Monte Carlo
-//! Arithmetic*, 1997; Vignes' CESTAC method takes three runs). It costs
-//! [`SAMPLES`] evaluations for all outputs together, where adjoints cost a
-//! sweep for every few of them, and it sees cancellations and correlations
-//! that a bound adds up in size. It is no bound: it shows where an error will
-//! be with a certain probability.
+//! output over the runs estimates the error of rounding to nearest, without the
+//! exact value (Parker, *Monte Carlo Arithmetic*, 1997; Vignes' CESTAC method
+//! takes three runs). It costs [`SAMPLES`] evaluations for all outputs
+//! together, where adjoints cost a sweep for every few of them, and it takes
+//! into account cancellations and correlations, which a bound adds up in size.
+//! It is no bound: it limits the error with a certain probability.
 //!
-//! How sigma is to be read: an operation that rounds by chance has an error
+//! Interpretation of sigma: an operation with stochastic rounding has an error
 //! of variance ulp²/6 on average, one that rounds to nearest ulp²/12, so the
-//! standard deviation of the samples is about √2 times that of the errors to
-//! be judged, and 3 sigma is about 4.2 of theirs. It is kept as a
-//! margin, for errors of the outputs of one function are correlated: if one
-//! is estimated badly, hundreds are. The deviation of [`SAMPLES`] runs is
-//! itself uncertain by 18 % (with three runs by 52 %); it is multiplied by
-//! 1.2, because Student's distribution with 15 degrees of freedom has as much
-//! beyond 3.59 deviations as the normal one beyond three. Where all runs agree because the
-//! last operation's result is nearly representable, the last rounding is
-//! still unknown; so sigma is never less than the standard deviation of one
-//! rounding to nearest of the output, ulp/√12.
+//! standard deviation of the samples is about √2 times that of the errors to be
+//! judged, and 3 sigma is about 4.2 of theirs. It is kept as a margin, for
+//! errors of the outputs of one function are correlated: one bad estimate comes
+//! with hundreds. The deviation of [`SAMPLES`] runs is itself uncertain by 18 %
+//! (with three runs by 52 %); it is multiplied by 1.2, because Student's
+//! distribution with 15 degrees of freedom has as much beyond 3.59 deviations
+//! as the normal one beyond three. Where all runs agree because the last
+//! operation's result is nearly representable, the last rounding is still
+//! unknown; so sigma is never less than the standard deviation of one rounding
+//! to nearest of the output, ulp/√12.
 //!
 //! Random bits are a function of the seed, the sample and the place in the
 //! function: the same call gives the same bits everywhere, up to the sine and
@@ -42,7 +41,7 @@ use rounder::Rounder;
 pub const SAMPLES: usize = 16;
 
 /// The factor that makes three deviations of [`SAMPLES`] runs as wide as three
-/// of ever so many: 3.59 / 3, by Student's distribution.
+/// of infinitely many: 3.59 / 3, by Student's distribution.
 const SMALL_SAMPLE: f64 = 1.196;
 
 /// Samples computed at a time: one cache line of binary64 numbers.
@@ -76,8 +75,8 @@ pub fn supports(format: Format) -> Result<(), Unsupported> {
     Rounder::new(format).map(|_| ())
 }
 
-/// Samples the roundings of a function at one state and gives what they state
-/// of every assignment, in order.
+/// Samples the roundings of a function at one state and gives the statistics of
+/// every assignment, in order.
 ///
 /// # Errors
 ///
@@ -146,8 +145,8 @@ fn sample(tape: &Tape, rounder: &Rounder, inputs: &[f64], seed: u64, values: &mu
     }
 }
 
-/// An operation in binary64. What binary64 itself rounds away is below the
-/// last place of the format by twelve bits at least.
+/// An operation in binary64. The rounding errors of binary64 itself are below
+/// the last place of the format by twelve bits at least.
 #[inline]
 fn lanes(
     operation: Operation,

@@ -1,4 +1,4 @@
-//! Samples against what is known of them.
+//! Samples against known properties of the distribution.
 
 use super::*;
 use crate::adjoint::AdjointRun;
