@@ -13,7 +13,7 @@ use robovec_ir::{Assignment, Input, Operand, OperandKind, Operation, Value, View
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
-/// The longest text, in bytes: what outputs share is written for each of them.
+/// The longest text, in bytes: an expression shared by outputs is repeated for each of them.
 const LONGEST: usize = 1 << 28;
 
 /// The text of all cores of a function; `None` when it would be too long.
@@ -172,7 +172,7 @@ impl CoreWriter<'_> {
         (values.into_iter().collect(), inputs)
     }
 
-    /// Writes what is known of the inputs.
+    /// Writes the known ranges of the inputs.
     fn precondition(&self, inputs: &[usize], text: &mut String) {
         let function = self.view.function;
         let mut conditions = Vec::new();

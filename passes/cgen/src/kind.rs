@@ -1,8 +1,8 @@
-//! The files Robotran writes: what each function is called and given.
+//! The files that Robotran writes: the name and arguments of each function.
 //!
 //! Signatures are those of the current generator (MBsysTran 8.1), whose C
-//! MBsysC compiles. They are data here, so that every writer of files that
-//! replace Robotran's agrees on them.
+//! MBsysC compiles. They are data here, so that all writers of replacements for
+//! Robotran's files agree on them.
 
 use robovec_framework::differentiation;
 use robovec_ir::Function;
@@ -16,9 +16,9 @@ pub struct EquationKind {
     pub number: u32,
     /// Its title: the name in Robotran's header, in our words.
     pub title: &'static str,
-    /// The arrays that it is called with, in the order of the signature, with the
-    /// number of indices of each: those it fills, and of the parts of a whole
-    /// step also what the user's constraints give it.
+    /// The array arguments, in the order of the signature, with the number of
+    /// indices of each: the outputs, and for the parts of a whole step also the
+    /// results of the user's constraints.
     pub outputs: &'static [(&'static str, usize)],
 }
 
@@ -148,9 +148,9 @@ impl EquationKind {
         KINDS.into_iter().find(|kind| kind.name == name)
     }
 
-    /// The kind of a function and, for sensors, its number: by what its
-    /// metadata hold of the file it came from, else by its name. A function
-    /// that was differentiated has other arrays and is of no kind.
+    /// The kind of a function and, for sensors, its number: from the original
+    /// file name in its metadata, else from its name. A function that was
+    /// differentiated has other arrays and is of no kind.
     pub fn of(function: &Function) -> Option<(EquationKind, Option<u32>)> {
         if function.metadata(differentiation::KEY).is_some() {
             return None;
@@ -195,7 +195,7 @@ impl EquationKind {
     }
 }
 
-/// The generator whose C a project is built with: names changed between them.
+/// The generator whose C a project uses: names changed between them.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum Generation {
     /// MBsysTran 8.1, of 2015: `mbs_dirdyna(…, MbsData *s, …)`.
@@ -248,7 +248,7 @@ impl Generation {
     }
 }
 
-/// The names that a project of MBsysC gives to what functions reach.
+/// The names in a project of MBsysC of the structures that functions use.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ProjectStructure {
     /// The structure with the data of the model.
@@ -270,8 +270,8 @@ impl ProjectStructure {
     }
 }
 
-/// A model's name as part of a file name: letters, digits, `-` and `_`;
-/// `model` when nothing is left.
+/// A model's name as part of a file name: letters, digits, `-` and `_`; `model`
+/// when it has none of these.
 pub fn file_stem(model: &str) -> String {
     let word = |c: char| {
         if c.is_ascii_alphanumeric() || c == '-' {

@@ -1,7 +1,7 @@
 //! Code generation for processors.
 //!
 //! [`c`] writes a C99 function, [`batch`] one that evaluates many states at
-//! once, [`rolled`] one with loops; [`emit`] and [`sincos`] serve all of them.
+//! once, [`rolled`] one with loops; [`emit`] and [`sincos`] are shared by them.
 //! [`fpcore`] writes for tools that bound rounding errors, and [`kind`] holds
 //! the signatures of Robotran's functions.
 

@@ -1,5 +1,5 @@
-//! Initial data: what every preloaded word represents, symbolically and, for
-//! a given input vector, as a number.
+//! Initial data: the content of every preloaded word, symbolically and, for a
+//! given input vector, as a number.
 
 use super::ImageError;
 use super::manifest::Home;

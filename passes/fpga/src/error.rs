@@ -17,7 +17,7 @@ pub enum ImageError {
         /// Its level.
         level: &'static str,
     },
-    /// The placement does not fit the function it belongs to.
+    /// The placement does not fit its function.
     #[error("the placement of function '{function}' is malformed: {what}")]
     Malformed {
         /// The function.
@@ -46,7 +46,7 @@ pub enum ImageError {
         /// The kind.
         kind: String,
     },
-    /// An element is to perform what its kind cannot.
+    /// An element is assigned an operation that its kind does not perform.
     #[error("element {element} cannot perform '{operation}', which '%{value}' needs")]
     CannotPerform {
         /// The element.
@@ -160,7 +160,7 @@ pub enum ImageError {
     InputCount {
         /// The number the function needs.
         expected: usize,
-        /// The number that is there.
+        /// The actual number.
         given: usize,
     },
     /// The images could not be written.

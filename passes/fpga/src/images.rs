@@ -26,7 +26,7 @@ pub trait Artifacts {
     ///
     /// # Errors
     ///
-    /// Those of the content and of the place it goes to.
+    /// Hashes of the content and of its destination.
     fn file(&mut self, name: &str, content: FileContent<'_>) -> io::Result<()>;
 }
 
@@ -74,9 +74,9 @@ pub fn images(
     Ok(files)
 }
 
-/// As [`images`], one file after the other into `artifacts`; the manifest
-/// comes last, so that it is only beside complete images. Needs memory
-/// for an index of the placement, whatever the length of the files.
+/// As [`images`], written file by file into `artifacts`; the manifest comes
+/// last, so that it is only beside complete images. Needs memory for an index
+/// of the placement, whatever the length of the files.
 ///
 /// # Errors
 ///
@@ -212,8 +212,7 @@ impl io::Write for HashedWriter<'_> {
     }
 }
 
-/// All elements compute in the machine's format, so no value may ask for
-/// another.
+/// All elements compute in the machine's format, so no value may have another.
 fn check_formats(view: View<'_>, machine: &Machine) -> Result<(), ImageError> {
     let own = machine.number;
     match foreign_format(view, own) {
@@ -310,14 +309,14 @@ struct ImageWriter<'a> {
     sizes: Sizes,
     /// Bits of a data word.
     width: u32,
-    /// The hardware the images are made for; absent when the machine file alone
-    /// states it.
+    /// The hardware of the images; absent when the machine file alone describes
+    /// it.
     hardware: Option<&'a ImageHardware>,
 }
 
 impl ImageWriter<'_> {
-    /// Words per instruction image: the length of the schedule, and one for
-    /// a program that has nothing to do.
+    /// Words per instruction image: the length of the schedule, and one for an
+    /// empty program.
     fn depth(&self) -> u32 {
         self.traffic.schedule.cycles.max(1)
     }

@@ -1,10 +1,10 @@
 //! The layout of an instruction word.
 //!
-//! All elements of a machine share the sizes (one block of hardware serves
-//! them all); only the operation field depends on the kind. Where the machine
-//! file declares a size, the layout follows it, so that another model on the
-//! same machine needs new images and no new hardware; where it has
-//! "unlimited", the layout takes what the program uses.
+//! All elements of a machine share the sizes (one block of hardware serves them
+//! all); only the operation field depends on the kind. A size declared in the
+//! machine file is kept, so that another model on the same machine needs new
+//! images and no new hardware; where the file has "unlimited", the layout takes
+//! the size that the program uses.
 
 use super::manifest;
 use super::traffic::Usage;

@@ -7,11 +7,10 @@
 //! hardware), [`rtl`] the machine itself, [`quartus`] a project for a board;
 //! [`hardware`] holds the formulas of resources and clock.
 //!
-//! Image generation decides nothing: it transcribes the placement, and
-//! refuses only what the words cannot express (more writes than ports, two
-//! buffer words through one read port, an event after the end). Whether the
-//! program is *right* is for the simulator to find out, which sees the images
-//! alone.
+//! Image generation makes no choices: it transcribes the placement, and refuses
+//! only what the words cannot express (more writes than ports, two buffer words
+//! through one read port, an event after the end). The simulator, which reads
+//! the images alone, tests whether the program is *right*.
 
 /// Files of a folder of `hdl/`: name and text of each.
 macro_rules! hdl {

@@ -1,10 +1,9 @@
 //! The manifest that goes with the images: the schema of `manifest.json`.
 //!
-//! It names every image, lays out the instruction words, and gives the
-//! address of every input, constant, host value and output, so that a host
-//! program, the simulator or a testbench needs nothing else. `docs/images.md`
-//! explains the fields in words; both must be changed together, with
-//! [`FORMAT`].
+//! It names every image, describes the instruction words, and gives the address
+//! of every input, constant, host value and output; a host program, the
+//! simulator or a testbench needs no other file. `docs/images.md` explains the
+//! fields in words; both must be changed together, with [`FORMAT`].
 
 use serde::{Deserialize, Serialize};
 
@@ -30,10 +29,10 @@ pub struct Manifest {
     pub schedule_hash: String,
     /// Length of the program: every instruction image has this many words.
     pub cycles: u32,
-    /// Every image, in the order they were written: images that differ from
-    /// this are not those the manifest belongs to.
+    /// Every image, in the order of writing: images with other hashes do not
+    /// belong to the manifest.
     pub files: Vec<FileHash>,
-    /// The elements, in the order that the crossbar counts them.
+    /// The elements, in the order of the crossbar.
     pub elements: Vec<ProcessingElement>,
     /// The sources that the crossbar's select codes represent: code `i` is
     /// `sources[i]`.
@@ -51,9 +50,8 @@ pub struct Manifest {
     pub trigonometry: Option<String>,
     /// Every output element that is set, in order.
     pub outputs: Vec<OutputElement>,
-    /// The addresses at which the host finds the memories of the hardware the
-    /// images were made for; absent when they were made from the machine file
-    /// alone.
+    /// The addresses of the memories for the host, in the hardware of the
+    /// images; absent when they were made from the machine file alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub window: Option<AddressMap>,
 }
@@ -109,7 +107,7 @@ pub struct MappedMemory {
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FileHash {
-    /// The file, beside the one that names it.
+    /// The file, relative to the folder of the manifest.
     pub file: String,
     /// 64-bit FNV-1a hash of its bytes, in hexadecimal.
     pub hash: String,
@@ -121,10 +119,10 @@ pub struct FileHash {
 pub struct MachineIdentity {
     /// Its name.
     pub name: String,
-    /// 64-bit FNV-1a hash, in hexadecimal, of what a program depends on: the
-    /// compact JSON of `[number, elements, memory, buffer, interconnect]` of
-    /// the machine file with every element's `count` set to 1 (the counts
-    /// used are in [`Manifest::elements`]).
+    /// 64-bit FNV-1a hash, in hexadecimal, of the properties on which a program
+    /// depends: the compact JSON of `[number, elements, memory, buffer,
+    /// interconnect]` of the machine file with every element's `count` set to 1
+    /// (the counts used are in [`Manifest::elements`]).
     pub hash: String,
 }
 
@@ -231,8 +229,7 @@ pub enum ValueReference {
 pub struct InputElement {
     /// Array and indices, counted from 1: `q[3]`.
     pub name: String,
-    /// The words it must be in at the start; none for an input nothing
-    /// reads.
+    /// The words that must contain it at the start; none for an unread input.
     pub words: Vec<WordAddress>,
 }
 
@@ -255,13 +252,13 @@ pub struct HostElement {
     pub name: String,
     /// The operation: `sin`, `cos` ….
     pub operation: String,
-    /// From what: inputs, constants and earlier values of the host.
+    /// Operands: inputs, constants and earlier values of the host.
     pub operands: Vec<ValueReference>,
     /// The words it must be in at the start.
     pub words: Vec<WordAddress>,
 }
 
-/// An output element and where it is found after the run.
+/// An output element and its place after the run.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OutputElement {
@@ -293,6 +290,6 @@ pub struct Home {
     /// The address, from 0.
     pub address: u32,
     /// The cycle at whose end the word takes the output's value, and after
-    /// which nothing may be written into it.
+    /// which the word must not be written.
     pub written: u32,
 }

@@ -5,7 +5,7 @@ use super::traffic::Traffic;
 use robovec_ir::Value;
 
 impl Traffic<'_> {
-    /// Declared sizes must hold what is used.
+    /// Declared sizes must not be smaller than the sizes used.
     pub(super) fn check_addresses(&self) -> Result<(), ImageError> {
         let fits = |memory: &str, used: u32, declared: Option<u32>| match declared {
             Some(words) if used > words => Err(ImageError::AddressRange {
@@ -21,8 +21,8 @@ impl Traffic<'_> {
         fits("a buffer", self.usage.buffer_words, words)
     }
 
-    /// An element starts one operation per cycle, and what enters a buffer
-    /// does so before the end.
+    /// An element starts at most one operation per cycle, and results enter
+    /// buffers before the end.
     pub(super) fn check_issues(&self) -> Result<(), ImageError> {
         for element in self.elements() {
             let mut last = None;

@@ -1,5 +1,5 @@
-//! Check that a placement has the shape of its function, so that everything
-//! after can index with it.
+//! Check that a placement has the shape of its function, so that later code can
+//! index with it.
 
 use super::ImageError;
 use robovec_ir::machine::MemoryStyle;
@@ -67,8 +67,8 @@ pub(super) fn check_shape(
     check_issues(view, machine, schedule, placement, kinds)
 }
 
-/// Every operation is on an element that performs it, reads as many words
-/// as it has operands, and starts before the end.
+/// Every operation is on an element that performs it, reads a word for each
+/// operand, and starts before the end.
 fn check_issues(
     view: View<'_>,
     machine: &Machine,

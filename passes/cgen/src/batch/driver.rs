@@ -8,7 +8,7 @@ use robovec_ir::{Array, OperandKind};
 use std::collections::BTreeSet;
 use std::fmt::{Display, Write};
 
-/// The declarations of the header: what is returned, name, parameters.
+/// The declarations of the header: result type, name, parameters.
 pub(super) fn signatures(writer: &BatchWriter<'_>) -> [(&'static str, String, String); 4] {
     let own = |own: &str| format!("{}_{own}", writer.names.function);
     let mut all = ParameterList::default();
@@ -35,7 +35,7 @@ struct Varying<'a> {
     offset: u64,
 }
 
-/// The definitions of what [`signatures`] declares, except for the first.
+/// The definitions of the functions that [`signatures`] declares, except for the first.
 pub(super) fn functions(writer: &BatchWriter<'_>) -> String {
     let arrays = varying(writer);
     let mut text = batch(writer);
@@ -180,7 +180,7 @@ fn turned_block(writer: &BatchWriter<'_>) -> String {
     writer.fill(include_str!("turn.c"), &words) + "\n"
 }
 
-/// Copies of a batch whose lanes are not together, or not all there.
+/// Copies of a batch whose lanes are not contiguous, or that is not full.
 fn copies(text: &mut String, writer: &BatchWriter<'_>, arrays: &[Varying<'_>]) {
     let name = &writer.names.function;
     let lanes = u64::from(writer.options.lanes);
@@ -259,7 +259,7 @@ fn arguments(arrays: &[Varying<'_>], argument: impl Fn(&Varying<'_>) -> String) 
     all.join(", ")
 }
 
-/// A driver: what both have in common, and its own lines.
+/// A driver: the common part, and its own lines.
 fn driver(
     writer: &BatchWriter<'_>,
     (returns, own, parameters): &(&str, String, String),

@@ -2,24 +2,24 @@
 //!
 //! Every operation computes a vector of `lanes` states, in the vector
 //! extensions that gcc and clang share; without them the same text computes
-//! lane by lane. `docs/c-batch.md` is the contract with the caller: where each
-//! number lies, and what the functions are called.
+//! lane by lane. `docs/c-batch.md` is the contract with the caller: the layout
+//! of all numbers, and the names of the functions.
 //!
-//! What decides the speed of such code is where values are, so:
+//! The speed of such code depends on the places of values, so:
 //!
-//! * operations are in an order that keeps few values waiting
+//! * operations are in an order with few live values
 //!   ([`crate::emit::order`]);
 //! * they are in functions of bounded length ([`plan`]), since compilers
-//!   take quadratic time for long ones; what crosses from one to the next
-//!   lies in a work array whose words are reused;
+//!   take quadratic time for long ones; values that cross from one to the
+//!   next are in a work array whose words are reused;
 //! * inputs, sines and cosines are read where they are used and never kept;
-//! * what depends on shared parameters only is computed once for all states
-//!   ([`prepared`]) and read as one number for all lanes;
+//! * values that depend on shared parameters only are computed once for all
+//!   states ([`prepared`]) and read as one number for all lanes;
 //! * sines and cosines of all angles are computed in one loop
 //!   ([`crate::sincos`]).
 //!
-//! Nothing but the order of operations differs from the function: results are
-//! the evaluator's up to sines, cosines and what the compiler contracts.
+//! Only the order of operations differs from the function: results equal the evaluator's
+//! except for sines, cosines and operations that the compiler contracts.
 
 mod driver;
 mod names;
@@ -69,8 +69,8 @@ impl Default for Options {
 ///
 /// For a function `F` the files are `F_batch.c` and `F_batch.h` and define
 ///
-/// * `void F_prepare(shared inputs, real *prepared)`: what depends on shared
-///   inputs only, `F_PREPARED` numbers;
+/// * `void F_prepare(shared inputs, real *prepared)`: the values that depend on
+///   shared inputs only, `F_PREPARED` numbers;
 /// * `void F_batch(other inputs, const real *prepared, outputs)`: `F_LANES`
 ///   states in arrays of runs;
 /// * `int F_many(long states, inputs, outputs)`: any number of states in

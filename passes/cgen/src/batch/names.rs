@@ -12,7 +12,7 @@ const OWN: [&str; 26] = [
 
 /// The names in a generated file.
 pub(super) struct BatchNames {
-    /// The function; what is defined begins with it.
+    /// The name of the function; all defined names begin with it.
     pub(super) function: String,
     /// Input arrays, in order.
     pub(super) inputs: Vec<String>,

@@ -49,7 +49,7 @@ pub(super) enum BatchItem {
 
 /// The plan of batch code.
 pub(super) struct BatchPlan {
-    /// For each input array whether all states share it.
+    /// For each input array a flag: true when all states share it.
     pub(super) shared: Vec<bool>,
     /// For each value whether it is the same for all states.
     pub(super) uniform: Vec<bool>,
@@ -279,8 +279,8 @@ fn uniform(function: &Function, shared: &[bool]) -> Vec<bool> {
     uniform
 }
 
-/// For each value how many times sines or cosines of computed angles are
-/// before it, one after the other.
+/// For each value the number of sines or cosines of computed angles on the
+/// longest chain before it.
 fn stages(function: &Function, uniform: &[bool]) -> Vec<u32> {
     let mut stages: Vec<u32> = Vec::with_capacity(uniform.len());
     for (value, node) in function.values() {

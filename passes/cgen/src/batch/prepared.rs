@@ -1,8 +1,8 @@
 //! The numbers that all states share, computed once.
 //!
-//! Of the operations of a real file a tenth combines parameters only. They
-//! are computed as plain numbers, in parts like the others; what a part reads
-//! from an earlier one is prepared as well, so that no second array is
+//! Of the operations of a real file a tenth combines parameters only. They are
+//! computed as plain numbers, in parts like the others; values that a part
+//! reads from an earlier one are prepared as well, so that no second array is
 //! needed.
 
 use super::plan::BatchPlan;
@@ -12,12 +12,12 @@ use robovec_ir::{Function, Value};
 pub(super) struct Prepared {
     /// For each part the values it computes.
     pub(super) parts: Vec<Vec<Value>>,
-    /// For each value the part that computes it, if one does.
+    /// For each value the part that computes it, if any.
     pub(super) part_of: Vec<Option<usize>>,
 }
 
 impl Prepared {
-    /// Cuts what is to be prepared into parts. Adds to the prepared numbers
+    /// Divides the prepared values into parts. Adds to the prepared numbers
     /// those that cross from part to part.
     pub(super) fn new(function: &Function, plan: &mut BatchPlan, part: u32) -> Prepared {
         let mut wanted = vec![false; function.nodes().len()];

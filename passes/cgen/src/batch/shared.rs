@@ -1,4 +1,4 @@
-//! The functions that compute what all states share.
+//! The functions that compute the values shared by all states.
 
 use super::writer::BatchWriter;
 use crate::emit::arrays::place;

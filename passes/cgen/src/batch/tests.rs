@@ -66,8 +66,8 @@ fn module(operations: usize) -> Module {
     parse_module("test.rvir", &text).unwrap_or_else(|errors| panic!("{errors:?}\n{text}"))
 }
 
-/// A main program that evaluates the states both ways and prints the outputs;
-/// it fails when the two ways differ.
+/// A main program that evaluates the states with both functions and prints the
+/// outputs; it fails when they differ.
 fn harness(function: &Function, module: &Module, options: &Options, states: &[Vec<f64>]) -> String {
     let real = options.real.name();
     let count = states.len();

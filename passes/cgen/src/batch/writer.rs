@@ -1,5 +1,5 @@
-//! A function during the run to batch code: everything that its files are
-//! written from.
+//! A function while batch code is made of it: the data from which its files are
+//! written.
 
 use super::Options;
 use super::names::BatchNames;
@@ -59,7 +59,7 @@ impl<'a> BatchWriter<'a> {
         fill(template, &[&words, own].concat())
     }
 
-    /// The macro that shows how many lanes a vector has; 0 without vectors.
+    /// The macro for the number of lanes of a vector; 0 without vectors.
     fn width(&self) -> String {
         format!("ROBOVEC_{}", self.kernel.suffix().to_ascii_uppercase())
     }
@@ -87,7 +87,7 @@ impl<'a> BatchWriter<'a> {
         }
     }
 
-    /// The shared inputs and what is prepared from them.
+    /// The shared inputs and the values prepared from them.
     pub(super) fn prepare_list(&self) -> ParameterList {
         let mut list = ParameterList::default();
         self.add_inputs(&mut list, &[true], "");
@@ -95,7 +95,7 @@ impl<'a> BatchWriter<'a> {
         list
     }
 
-    /// The other inputs, what was prepared, and the outputs.
+    /// The other inputs, the prepared values, and the outputs.
     pub(super) fn batch_list(&self) -> ParameterList {
         let mut list = ParameterList::default();
         self.add_inputs(&mut list, &[false], "");

@@ -1,5 +1,5 @@
-//! The interface of a C function: how it is called, and how it reaches the
-//! elements of its arrays.
+//! The interface of a C function: its signature, and its access to the elements
+//! of its arrays.
 
 use super::{Options, Real, Signature};
 use crate::emit::arrays::{self, Rows};
@@ -11,7 +11,7 @@ use robovec_ir::{Array, Function, Input, OperandKind, Output, Shape, View};
 use rustc_hash::FxBuildHasher;
 use std::collections::BTreeSet;
 
-/// The reason why a function cannot be called as Robotran's is.
+/// The reason why a function cannot have the signature of Robotran's.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum SignatureError {
     /// The function is of no kind that Robotran writes.
@@ -31,7 +31,7 @@ pub enum SignatureError {
         /// The user's function.
         callee: String,
     },
-    /// The function's project has another signature for it.
+    /// The function's project uses another signature for it.
     #[error(
         "generator 6.6 gives '{0}' the accelerations of independent joints to fill, but these equations have no partition of joints"
     )]
@@ -101,7 +101,7 @@ pub(super) struct Interface<'a> {
     by_row: HashMap<(bool, usize, u32), usize, FxBuildHasher>,
     /// The parameters of the function.
     pub(super) parameters: ParameterList,
-    /// Those that parts are given, except for the work array.
+    /// Parameters of the parts, except for the work array.
     pub(super) inner: ParameterList,
     /// All names in use so far.
     names: CNames,

@@ -17,10 +17,10 @@
 //! of a function; values that cross from part to part travel in a work array
 //! whose words are reused.
 //!
-//! **Order.** What a processor waits for in straight-line code are values
-//! that have left its registers. Statements are in an order in which values
-//! are read soon after they are made ([`super::emit::order`]), and each output is written
-//! where its value is known, unless writing it could change an input.
+//! **Order.** The delays of a processor in straight-line code are due to values
+//! that have left its registers. Statements are in an order in which values are
+//! read soon after they are made ([`super::emit::order`]), and each output is
+//! written where its value is known, unless writing it could change an input.
 //!
 //! **Sines.** All sines and cosines of angles that need no other sine are
 //! computed at the head in one loop that compilers turn into vector
@@ -140,8 +140,8 @@ pub fn files(view: View<'_>, options: &Options) -> Result<[(String, String); 2],
     ])
 }
 
-/// The function, in which an output that is set to an input as it is is set to
-/// a copy: where both are one array, an earlier output may overwrite it.
+/// The function, with a copy for every output that is an input: where both
+/// share one array, an earlier output may overwrite the input.
 fn kept(function: &Function) -> Cow<'_, Function> {
     let shares = |array: &Array| {
         function

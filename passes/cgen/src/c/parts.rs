@@ -1,5 +1,5 @@
-//! The parts of the text: what becomes a statement, which statements form a
-//! part, and which values cross from part to part.
+//! The parts of the text: the operations that become statements, the statements
+//! of each part, and the values that cross from part to part.
 
 use super::sines::Slots;
 use super::{Options, Sines, StatementOrder};
@@ -39,8 +39,8 @@ pub(super) struct CodePlan {
 }
 
 impl CodePlan {
-    /// Plans a function. With `outputs_last` no output is written before
-    /// everything is computed.
+    /// Plans a function. With `outputs_last` no output is written before all
+    /// values are computed.
     pub(super) fn new(function: &Function, options: &Options, outputs_last: bool) -> CodePlan {
         let live = live(function);
         let Inlining { inlined, sizes } = inlining(function, outputs_last);
@@ -203,7 +203,7 @@ fn cut(
     parts
 }
 
-/// Marks a value and everything it needs.
+/// Marks a value and everything on which it depends.
 fn mark(function: &Function, operand: Operand, marked: &mut [bool]) {
     let mut open: Vec<Value> = operand.value().into_iter().collect();
     while let Some(value) = open.pop() {
@@ -214,8 +214,8 @@ fn mark(function: &Function, operand: Operand, marked: &mut [bool]) {
     }
 }
 
-/// Unnamed operations are inside their user's expression. What outputs are
-/// set to is a variable when outputs are last, so that it is computed before.
+/// Unnamed operations are inside their user's expression. With outputs last,
+/// the assigned value is a variable, so that it is computed before.
 fn inlining(function: &Function, outputs_last: bool) -> Inlining {
     let given = assigned(function);
     Inlining::new(function, |value, node| {

@@ -7,12 +7,12 @@
 //!
 //! **Method.** The angle is reduced to an eighth of a turn with pi/2 in three
 //! pieces (Cody and Waite, 1980), the first two of 33 bits, so that their
-//! products with the number of quarter turns are exact; what is rounded off
-//! in the difference is carried along as a second number. Polynomials of
-//! degree 13 and 14 have the smallest largest error there, 2^-58 and 2^-64.
-//! The result is within 0.8 units in the last place (1.1 where it nearly
-//! vanishes), and zero has no sign; angles of more than 2^19
-//! radians, infinities and NaN go to the C library.
+//! products with the number of quarter turns are exact; the rounding error of
+//! the difference is kept as a second number. Polynomials of degree 13 and 14
+//! have the smallest largest error there, 2^-58 and 2^-64. The result is within
+//! 0.8 units in the last place (1.1 where it nearly vanishes), and zero has no
+//! sign; angles of more than 2^19 radians, infinities and NaN go to the C
+//! library.
 
 use hashbrown::HashMap;
 use robovec_framework::template::fill;
@@ -75,8 +75,8 @@ impl Slots {
     }
 
     /// The number of slots, a multiple of a long vector's length, so that no
-    /// compiler needs a loop for what is left over. With short vectors what
-    /// is left over is less than the slots that stay empty.
+    /// compiler needs a loop for a remainder. With short vectors the remainder
+    /// is smaller than the number of empty slots.
     pub(super) fn padded(&self) -> u32 {
         let angles = self.angles.len() as u32;
         angles.next_multiple_of(if angles > 4 { 8 } else { 4 })

@@ -195,8 +195,8 @@ impl<'a> PlainWriter<'a> {
         self.body(&body)
     }
 
-    /// The comment about the arrays, and what the user must do about user
-    /// calls.
+    /// The comment about the arrays, and about the user calls that the caller
+    /// must make.
     fn comment(&self) -> String {
         let mut text = format!(
             "/* {} by robovec. Arrays count from 1; element 0 is not used.\n",

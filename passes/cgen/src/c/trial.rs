@@ -1,11 +1,10 @@
 //! A main program that tries generated C, or compares it with others' C.
 //!
-//! It fills one state, calls every contestant, compares the outputs with
-//! what the evaluator gave at this state, and shows how far they are off; its
-//! exit code shows whether they agree. With the argument `time` it also
-//! measures: processor time of the thread, least of many short windows, the
-//! contestants in turn, so that a loaded machine disturbs all alike. With
-//! `print` it prints the outputs.
+//! It fills one state, calls every contestant, compares the outputs with those
+//! of the evaluator at this state, and prints the differences; its exit code is
+//! 0 when they agree. With the argument `time` it also measures: processor time
+//! of the thread, least of many short windows, the contestants in turn, so that
+//! a loaded machine affects all equally. With `print` it prints the outputs.
 //!
 //! **Distance.** An output is off by its difference relative to the largest
 //! expected number of its array: elements that nearly cancel have no correct
@@ -23,7 +22,7 @@ use robovec_ir::{Array, Input, View};
 use robovec_num::arithmetic::Binary64;
 use std::fmt::Write;
 
-/// A state, and what a function gives there.
+/// A state, and the outputs of a function there.
 #[derive(Clone, PartialEq, Debug)]
 pub struct TrialState {
     /// One number per input element, in order of declaration.
@@ -35,7 +34,7 @@ pub struct TrialState {
 }
 
 impl TrialState {
-    /// A trial of a function at a state; what is expected comes from the
+    /// A trial of a function at a state; the expected outputs come from the
     /// evaluator in binary64.
     pub fn new(view: View<'_>, inputs: Vec<f64>, tolerance: f64) -> TrialState {
         TrialState {
@@ -71,9 +70,9 @@ pub fn trial_main(
     main.text(contestants)
 }
 
-/// A `mbs_data.h` that declares what functions reach in MBsysC's structure and
-/// little else, to compile them without MBsysC. MBsysC's own
-/// header has these members under the same names. Gives its name and text.
+/// A `mbs_data.h` with the parts of MBsysC's structure that functions use, to
+/// compile them without MBsysC. MBsysC's own header has these members under the
+/// same names. Gives its name and text.
 pub fn minimal_data<'a>(views: impl IntoIterator<Item = View<'a>>) -> (String, String) {
     let vectors = ["q", "qd", "qdd", "Qq", "m", "g", "lrod"].map(|name| (name, 1));
     let matrices = ["dpt", "l", "In", "frc", "trq"].map(|name| (name, 2));
@@ -271,7 +270,7 @@ impl Main<'_> {
         list.declared()
     }
 
-    /// The state, and where it is.
+    /// The state, and its place.
     fn given(&self, stored: &[Stored], inputs: &[usize]) -> String {
         let function = self.view.function;
         assert_eq!(

@@ -1,7 +1,7 @@
 //! The crossing of values from one function of the generated text to the next.
 //!
-//! A body is cut into functions of bounded length. What one defines and a
-//! later one reads lies in a work array in between, in a word that is free
+//! A body is cut into functions of bounded length. A value that one function
+//! defines and a later one reads is in a work array, in a word that is free
 //! again after the last function that reads it.
 
 use robovec_ir::Value;
@@ -28,9 +28,9 @@ pub(crate) struct Crossing {
 }
 
 impl Crossing {
-    /// Gives words to the values, out of so many, that cross between the
+    /// Gives words to the values, among this number, that cross between the
     /// functions. The first `taken` words are in use; `freed` shows which of
-    /// them are free when a function begins.
+    /// them are unused when a function begins.
     pub(crate) fn new(
         values: usize,
         functions: &[PartValues],

@@ -3,11 +3,11 @@
 use super::Real;
 use robovec_ir::Operation;
 
-/// The binding strength of a text; what binds less tightly than its place asks
-/// for is in parentheses.
+/// The binding strength of a text; a text of lower strength than its place
+/// requires is in parentheses.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Tightness {
-    /// Less than anything: only parentheses hold it.
+    /// The weakest: it needs parentheses in every expression.
     Open,
     /// A sum or difference.
     Sum,
@@ -159,15 +159,15 @@ pub(crate) fn literal(number: f64, real: Real) -> BoundText {
     signed(number, size, Tightness::Unary)
 }
 
-/// The same for [`Operands::Lanes`]: what is not finite has the type of a
-/// lane, and a sign is never without parentheses.
+/// The same for [`Operands::Lanes`]: a number that is not finite has the type
+/// of a lane, and a sign always has parentheses.
 pub(crate) fn lane_literal(number: f64, real: Real) -> BoundText {
     let cast = || format!("({}){}", real.name(), not_finite(number));
     let size = size(number, real).unwrap_or_else(cast);
     signed(number, size, Tightness::Open)
 }
 
-/// The digits of a number without its sign, where it is finite in its type.
+/// The digits of a number without its sign, if it is finite in its type.
 fn size(number: f64, real: Real) -> Option<String> {
     let single = number as f32;
     match real {
@@ -176,7 +176,7 @@ fn size(number: f64, real: Real) -> Option<String> {
     }
 }
 
-/// The macro for what is not finite.
+/// The macro for an infinity or NaN.
 fn not_finite(number: f64) -> &'static str {
     if number.is_nan() { "NAN" } else { "INFINITY" }
 }

@@ -29,8 +29,8 @@ pub(crate) fn quoted(text: &str) -> String {
     text.replace("*/", "* /")
 }
 
-/// Lines of a comment that show what the caller must do about calls of the
-/// user's functions.
+/// Lines of a comment with the calls of the user's functions that the caller
+/// must make.
 pub(crate) fn boundaries(function: &Function) -> String {
     let mut text = String::new();
     for boundary in &function.boundaries {
@@ -58,7 +58,7 @@ impl ParameterList {
         self.push(format!("{kind}{name}"), name);
     }
 
-    /// Appends a parameter that is declared by a text with its name in it.
+    /// Appends a parameter whose declaration is a text with its name.
     pub(crate) fn push(&mut self, declaration: String, name: &str) {
         self.list.push((declaration, name.to_owned()));
     }

@@ -1,5 +1,4 @@
-//! The operations that are inside the expression of the only one that reads
-//! them.
+//! The operations that are inside the expression of their only reader.
 
 use robovec_ir::{Function, Node, Value};
 
@@ -33,7 +32,7 @@ impl Inlining {
     }
 }
 
-/// For each value whether an output is set to it.
+/// For each value a flag: true when it is assigned to an output.
 pub(crate) fn assigned(function: &Function) -> Vec<bool> {
     let mut assigned = vec![false; function.nodes().len()];
     let operands = function.assignments.iter().map(|output| output.operand);

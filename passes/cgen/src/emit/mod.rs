@@ -1,8 +1,8 @@
 //! The text of C that every target shares.
 //!
 //! Plain C ([`super::c`]), C that replaces Robotran's, C for batches
-//! ([`super::batch`]) and C with loops ([`super::rolled`]) differ in what is
-//! where. What a piece of C looks like is decided here, once:
+//! ([`super::batch`]) and C with loops ([`super::rolled`]) differ in the places
+//! of values. What a piece of C looks like is decided here, once:
 //!
 //! * [`names`]: names that C accepts, each for one thing only;
 //! * [`expression`]: literals, operations and their parentheses;
@@ -12,11 +12,11 @@
 //! * [`order`]: in which order statements are;
 //! * [`crossing`]: how values travel from one function to the next.
 //!
-//! Text that is fixed is a C file beside its writer, with words between `@`
-//! for what a function decides ([`robovec_framework::template`]).
+//! Fixed text is a C file beside its writer, with words between `@` for the
+//! parts that depend on a function ([`robovec_framework::template`]).
 //!
-//! Invariant: nothing here depends on a target but by an argument that states in
-//! what they differ, so that a rule of C is stated once.
+//! Invariant: code here depends on a target only through an argument that
+//! describes a difference, so that a rule of C is implemented once.
 
 pub(super) mod arrays;
 pub(super) mod crossing;

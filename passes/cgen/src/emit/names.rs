@@ -59,7 +59,7 @@ impl CNames {
         !RESERVED.contains(&word) && !ROOT.contains(&word)
     }
 
-    /// A name like the wanted one that nothing has yet.
+    /// A free name similar to the wanted one.
     pub(crate) fn take(&mut self, wanted: &str) -> String {
         let mut name = wanted.replace(|letter: char| !is_word_letter(letter), "_");
         let is_ours = self.keeps_prefix && name.starts_with(OWN_PREFIX);

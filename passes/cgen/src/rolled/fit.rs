@@ -29,7 +29,7 @@ impl AffineFit {
     }
 }
 
-/// The one element that more than half of all are, if there is one.
+/// The element of more than half of all, if there is one.
 struct Vote {
     candidate: i64,
     lead: u32,
@@ -55,9 +55,9 @@ impl Vote {
     }
 }
 
-/// The affine function that most known values lie on; `iterations` has
-/// `depth` entries for each value. If the values are those of an affine
-/// function it is found.
+/// The affine function that most known values lie on; `iterations` has `depth`
+/// entries for each value. If the values are those of an affine function, the
+/// function is found.
 pub(super) fn fit(depth: usize, iterations: &[u32], values: &[Option<i64>]) -> AffineFit {
     assert_eq!(
         iterations.len(),

@@ -1,12 +1,12 @@
 //! The layout of all numbers: from resolved leaves to a program.
 //!
 //! Values that one part hands to another, or one pass to a later one, have a
-//! word of the work array. Which, is decided for those who read most: the
-//! independent loops first, whose operands become contiguous so that compilers
-//! make vectors of them; then the loops that compute values, which store them
-//! pass by pass; then all others, which take things as they lie. Where an
-//! address is affine except for a few passes, at the ends of a chain, the few
-//! values move; where it is not affine at all, a table shows where to read.
+//! word of the work array. The loops with the most reads decide first: the
+//! independent loops, whose operands become contiguous so that compilers make
+//! vectors of them; then the loops that compute values, which store them pass
+//! by pass; then all others, which use the existing layout. Where an address is
+//! affine except for a few passes, at the ends of a chain, the few values move;
+//! where it is not affine, a table has the addresses.
 
 mod places;
 
@@ -22,13 +22,13 @@ use rustc_hash::FxBuildHasher;
 
 type Map<K, V> = HashMap<K, V, FxBuildHasher>;
 
-/// Free words around every array, for what turns out to belong there.
+/// Free words around every array, for elements that are added later.
 const MARGIN: u32 = 8;
 /// Fewer than one in this number of results of a loop are few.
 const FEW: usize = 2;
 /// Most runs of copies that interleave.
 const INTERLEAVED: usize = 3;
-/// A word that is written when nobody reads the value.
+/// A word for values that are never read.
 const JUNK: u32 = 0;
 
 /// The layout of all numbers.
@@ -38,7 +38,7 @@ pub(super) struct RolledLayout<'a> {
     statements: &'a Statements,
     outputs: &'a Outputs,
     iterations: Vec<Vec<u32>>,
-    /// For each value whether anybody reads it from the work array.
+    /// For each value a flag: true when it is read from the work array.
     needed: Vec<bool>,
     /// For each value its word, once it has one.
     home: Vec<Option<u32>>,
@@ -51,7 +51,7 @@ pub(super) struct RolledLayout<'a> {
     constant_index: HashMap<Vec<u64>, usize, FxBuildHasher>,
     pub(super) constants: Vec<f64>,
     pub(super) tables: Vec<Vec<u32>>,
-    /// For each access where it reads.
+    /// For each access the word that it reads.
     pub(super) places: Vec<SpaceElement>,
 }
 
@@ -174,9 +174,9 @@ impl<'a> RolledLayout<'a> {
         }
     }
 
-    /// Takes the words that an access reads as they are, if they lie on an
-    /// affine function except for a few that can be moved. `contiguous` asks
-    /// for neighbours in neighbouring passes.
+    /// Uses the words of an access in their present places, if they lie on an
+    /// affine function except for a few that can be moved. `contiguous`
+    /// requires neighbours in neighbouring passes.
     fn extend(&mut self, number: usize, access: &MemoryRead, contiguous: bool) -> bool {
         let Some(owner) = access.owner else {
             return true;
@@ -225,8 +225,8 @@ impl<'a> RolledLayout<'a> {
         true
     }
 
-    /// Reads what was laid out for another access before the same element of
-    /// the program, if that has everything, in order.
+    /// Reads the copy laid out for another access before the same element of
+    /// the program, if that has all values in order.
     fn share(
         &mut self,
         number: usize,
@@ -256,8 +256,8 @@ impl<'a> RolledLayout<'a> {
         false
     }
 
-    /// Gives operands of an access words: values without one keep it, others
-    /// are copied there.
+    /// Gives words to the operands of an access: values that have one keep it,
+    /// others are copied.
     fn apply(&mut self, number: usize, access: &MemoryRead, moves: &[(Operand, u32)]) {
         for &(operand, word) in moves {
             match operand.value() {
@@ -440,7 +440,7 @@ impl<'a> RolledLayout<'a> {
         statements.iter().filter_map(target).collect()
     }
 
-    /// Values outside of loops go where loops expect them.
+    /// Places values outside of loops where loops expect them.
     fn align(&mut self, resolved: &Resolved) {
         for (number, access) in resolved.accesses.iter().enumerate() {
             if access.operands.len() > 1
@@ -456,8 +456,8 @@ impl<'a> RolledLayout<'a> {
         }
     }
 
-    /// Words for the values that have none yet. Those that only statements
-    /// outside of loops read give theirs back after the last of them.
+    /// Words for the values that have none yet. Words that only statements
+    /// outside of loops read are freed after the last of them.
     fn loose(&mut self, resolved: &Resolved) {
         let mut last = vec![0usize; self.home.len()];
         for access in &resolved.accesses {

@@ -1,15 +1,15 @@
 //! Rolled C: loops found in straight-line programs.
 //!
-//! A multibody program is an unrolled recursion. Written out, one of 130
-//! joints has 10^5 operations and more, and the time to fetch them exceeds
-//! the time to do them. The recursion is found again in the order of the
+//! A multibody program is an unrolled recursion. Straight-line code for 130
+//! joints has 10^5 operations and more, and the time to fetch them exceeds the
+//! time to execute them. The recursion is found again in the order of the
 //! program ([`repeat`]), its loops are put together ([`nest`]), leaves become
-//! variables, carried variables or elements of arrays (`resolve`), and
-//! arrays are laid out so that loops read and write them in order
-//! ([`layout`]). What does not repeat stays as it was written.
+//! variables, carried variables or elements of arrays (`resolve`), and arrays
+//! are laid out so that loops read and write them in order ([`layout`]).
+//! Statements that do not repeat are unchanged.
 //!
-//! Nothing is reordered and no operation is changed, so results equal those of
-//! the straight-line program bit for bit. Nothing is believed either: every
+//! No operation is reordered or changed, so results equal those of the
+//! straight-line program bit for bit. The layout is also verified: every
 //! program is unrolled again with names instead of numbers, and compared with
 //! the function ([`unroll`]), before a line of C is written.
 
@@ -46,7 +46,7 @@ option_words! {
     /// The method by which sines and cosines are computed.
     #[derive(Default)]
     pub enum RolledCircular {
-        /// Those of inputs all at once, by the kernel of
+        /// Those of inputs together, by the kernel of
         /// [`sincos`](super::sincos): within 1 ulp.
         #[default]
         Vector = "vector",
@@ -95,7 +95,7 @@ pub struct RolledSummary {
 }
 
 impl RolledSummary {
-    /// The counts under the names they are reported by.
+    /// The counts with their names in reports.
     pub fn statistics(&self) -> [(&'static str, u64); 8] {
         [
             ("operations", self.operations as u64),
@@ -284,7 +284,7 @@ impl RolledProgram {
         }
     }
 
-    /// The elements of a body and all below, loops before what they hold.
+    /// The elements of a body and all below, loops before their content.
     fn below(&self, element: BodyElement, list: &mut Vec<BodyElement>) {
         let mut open = vec![element];
         while let Some(element) = open.pop() {

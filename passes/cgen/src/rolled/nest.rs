@@ -1,9 +1,9 @@
 //! Loops as written in the code.
 //!
-//! One loop of the code has a *visit* for every pass of the loop around it,
-//! and passes in every visit; a *pass* is numbered over all visits. A
-//! *position* is a statement of the code: what it represents, pass by pass,
-//! is a list of statements of the program.
+//! One loop of the code has a *visit* for every pass of the loop around it, and
+//! passes in every visit; a *pass* is numbered over all visits. A *position* is
+//! a statement of the code: it represents, pass by pass, a list of statements
+//! of the program.
 //!
 //! Visit `k` of a loop belongs to pass `k` of the loop around it.
 
@@ -22,7 +22,7 @@ pub(super) enum BodyElement {
 /// A statement of the code.
 #[derive(Clone, Debug)]
 pub(super) struct Position {
-    /// The loop it is in.
+    /// The loop that contains it.
     pub(super) owner: Option<usize>,
     /// The statements it represents, one per pass.
     pub(super) statements: Vec<u32>,
@@ -41,7 +41,7 @@ pub(super) struct NestLoop {
     pub(super) visits: Vec<u32>,
     /// The elements it repeats.
     pub(super) body: Vec<BodyElement>,
-    /// True when no pass of a visit reads what another computes.
+    /// True when no pass of a visit reads the result of another.
     pub(super) independent: bool,
     /// True for the loop of sines and cosines.
     pub(super) circular: bool,
@@ -68,7 +68,7 @@ pub(super) struct Nest {
     /// For each value the position that computes it, if a statement does, and
     /// the pass.
     pub(super) producers: Vec<Option<(u32, u32)>>,
-    /// For each position the element of the program it is in.
+    /// For each position its element of the program.
     pub(super) tops: Vec<usize>,
 }
 

@@ -1,4 +1,4 @@
-//! The rolled program: loops, statements, and where everything is found.
+//! The rolled program: loops, statements, and the places of all values.
 //!
 //! It needs nothing else: [`super::unroll`] runs it, and [`super::text`] writes
 //! it, without looking at the function it was made from.
@@ -24,7 +24,7 @@ pub(super) enum StorageSpace {
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub(super) struct Index {
     pub(super) base: i64,
-    /// Loops and what one iteration of them adds; none of it 0.
+    /// Loops and the increment of each per iteration; none of it 0.
     pub(super) factors: Vec<(usize, i64)>,
     /// A table, and the loop whose passes count its entries.
     pub(super) table: Option<(usize, usize)>,
@@ -85,7 +85,7 @@ pub(super) struct RolledLoop {
     /// The number of passes of a visit.
     pub(super) count: Index,
     pub(super) body: Vec<BodyElement>,
-    /// True when no pass of a visit reads what another computes.
+    /// True when no pass of a visit reads the result of another.
     pub(super) independent: bool,
     /// True for the loop of sines and cosines, whose body is the sine and the
     /// cosine of one angle.
@@ -97,7 +97,7 @@ pub(super) struct RolledLoop {
 /// Elements copied into the work array before an element of the program.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Copy {
-    /// The number of them.
+    /// Number of elements.
     pub(super) count: u32,
     /// The source, and the steps in row and column.
     pub(super) space: StorageSpace,
@@ -112,7 +112,7 @@ pub(super) struct Copy {
 pub(super) struct RolledProgram {
     pub(super) templates: Vec<Template>,
     pub(super) items: Vec<BodyElement>,
-    /// For each element of the program the part it belongs to.
+    /// For each element of the program the index of its part.
     pub(super) parts: Vec<u32>,
     pub(super) loops: Vec<RolledLoop>,
     /// For each position.

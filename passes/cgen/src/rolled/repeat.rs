@@ -1,12 +1,11 @@
 //! Repetitions in the order of the program.
 //!
-//! A program that was unrolled from a recursion repeats itself in the order
-//! in which it was written. Statements become letters, equal for equal
-//! templates; a stretch in which every letter equals the one a period later
-//! becomes a loop, which is a letter again, whatever the number of its
-//! passes. Short periods are tried first, so inner loops are found before
-//! those around them. Nothing is reordered: the loops, run one pass after
-//! another, *are* the program in its order.
+//! A program that was unrolled from a recursion repeats itself in the order in
+//! which it was written. Statements become letters, equal for equal templates;
+//! a stretch in which every letter equals the one a period later becomes a
+//! loop, which is a letter again, for any number of passes. Short periods are
+//! tried first, so inner loops are found before outer ones. There is no
+//! reordering: the loops, run pass by pass, *are* the program in its order.
 
 use super::statements::{StatementTarget, Statements, TemplateStep};
 use hashbrown::{HashMap, HashSet};
@@ -41,8 +40,8 @@ pub(super) struct Repeats {
     pub(super) circular: bool,
 }
 
-/// Fewest passes of a loop over few statements: what is repeated less often
-/// is better written out, and is then a part of what repeats around it.
+/// Minimum number of passes of a loop over few statements: shorter repetitions
+/// are better written out, and are then part of an outer repetition.
 const SHORT_PASSES: usize = 8;
 /// Below this number of statements a body counts as short.
 const SHORT_BODY: usize = 8;
@@ -52,7 +51,7 @@ const PASSES: usize = 3;
 const LONGEST: usize = 2048;
 /// Comparisons spent on a program, which bounds the periods of long ones.
 const COMPARISONS: usize = 200_000_000;
-/// The number of searches for loops in what the last search left.
+/// The number of searches for loops in the remainder of the last search.
 const ROUNDS: usize = 3;
 
 type Letter = (ProgramItem, u32);
@@ -101,9 +100,9 @@ pub(super) fn repeats(function: &Function, statements: &Statements) -> Repeats {
 /// Fewest angles whose sines and cosines are worth a loop.
 const ANGLES: usize = 4;
 
-/// The statements that are the sine and the cosine of an input, in the order
-/// of the inputs, the sine first. They need nothing but the inputs, so they
-/// may be before everything, where one call computes them all.
+/// The statements that are the sine and the cosine of an input, in the order of
+/// the inputs, the sine first. They depend on inputs only, so they may precede
+/// all other statements, and one call computes them all.
 fn circles(statements: &Statements) -> Vec<u32> {
     let mut found: Vec<(Operand, bool, u32)> = Vec::new();
     for (number, statement) in (0u32..).zip(&statements.list) {
@@ -134,7 +133,7 @@ fn circles(statements: &Statements) -> Vec<u32> {
 struct Finder {
     letters: HashMap<Vec<u32>, u32, FxBuildHasher>,
     bodies: HashMap<Vec<u32>, u32, FxBuildHasher>,
-    /// For each letter the statements in one pass of what it represents.
+    /// For each letter its number of statements in one pass.
     sizes: Vec<usize>,
     runs: Vec<LoopRun>,
 }

@@ -28,7 +28,7 @@ pub(super) enum Resolution {
 pub(super) struct MemoryRead {
     /// The loop it happens in.
     pub(super) owner: Option<usize>,
-    /// The operands it reads, pass by pass; one alone when it never changes.
+    /// The operands it reads, pass by pass; a single one when it never changes.
     pub(super) operands: Vec<Operand>,
     /// The element of the program it happens in.
     pub(super) top: usize,
@@ -95,7 +95,7 @@ struct Resolver<'a> {
 }
 
 impl Resolver<'_> {
-    /// A leaf read in a loop, with what it is in every pass. The recursion is
+    /// A leaf read in a loop, with its operand in every pass. The recursion is
     /// as deep as loops nest.
     fn leaf(
         &mut self,

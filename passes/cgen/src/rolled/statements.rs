@@ -15,7 +15,7 @@ use rustc_hash::FxBuildHasher;
 pub(super) enum TemplateStep {
     /// Takes the next leaf.
     Leaf,
-    /// Applies an operation to what was computed last.
+    /// Applies an operation to the latest results.
     Apply(Operation),
 }
 
@@ -65,7 +65,7 @@ pub(super) struct Statements {
 }
 
 impl Statements {
-    /// Takes a function apart.
+    /// Splits a function into statements.
     pub(super) fn new(function: &Function) -> Statements {
         let live = live(function);
         let inlined = inlined(function);
@@ -116,9 +116,9 @@ impl Statements {
         &self.leaves[start as usize..start as usize + count]
     }
 
-    /// The output that the statement of a value sets itself: the last of
-    /// those assigned to it, which of a symmetric matrix is the one in the
-    /// lower triangle. The others are copies.
+    /// The output that the statement of a value sets directly: the last one
+    /// with that value, in the lower triangle of a symmetric matrix. The others
+    /// are copies.
     pub(super) fn primary(&self, value: Value) -> Option<Output> {
         let range = self.starts[value.index()] as usize..self.starts[value.index() + 1] as usize;
         self.assigned[range].last().copied()
@@ -195,7 +195,7 @@ impl StatementBuilder<'_> {
     }
 }
 
-/// For each value where its output elements start in a list of all.
+/// For each value the start of its output elements in a list of all.
 fn assigned(function: &Function) -> (Vec<u32>, Vec<Output>) {
     let mut pairs: Vec<(Value, Output)> = function
         .assignments
@@ -216,9 +216,9 @@ fn assigned(function: &Function) -> (Vec<u32>, Vec<Output>) {
     )
 }
 
-/// Marks nodes that are inlined. Where equations are kept as they were written
-/// their inner nodes lie inside the expression of their reader, and nothing
-/// else, so that equations that look alike stay alike.
+/// Marks nodes that are inlined. Where equations are kept as written, only
+/// their own inner nodes are inside the expression of their reader, so that
+/// similar equations stay similar.
 fn inlined(function: &Function) -> Vec<bool> {
     let given = assigned_values(function);
     let written = function.level == Level::Equations;

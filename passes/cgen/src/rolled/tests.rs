@@ -1,5 +1,5 @@
-//! Random recurrences are rolled, and proved equal by unrolling; whatever is
-//! changed in a rolled program is noticed.
+//! Random recurrences are rolled, and proved equal by unrolling; every change
+//! of a rolled program is detected.
 
 use super::program::SpaceElement;
 use super::*;

@@ -43,7 +43,7 @@ struct RolledWriter<'a> {
     /// For each position its variable.
     variables: Vec<String>,
     carried: Vec<String>,
-    /// For each loop its index, and what counts its passes.
+    /// For each loop its index and its counter of passes.
     indices: Vec<String>,
     counters: Vec<String>,
     parts: Vec<String>,
@@ -223,7 +223,7 @@ impl<'a> RolledWriter<'a> {
         text.push_str("\n};\n");
     }
 
-    /// The parameters of the function, or of a part with what it touches.
+    /// The parameters of the function, or of a part with the arrays it uses.
     ///
     /// None of them is `restrict`: with it gcc 12 vectorises some loops into
     /// code that stores wrong numbers (seen on a program of 18,764 operations,

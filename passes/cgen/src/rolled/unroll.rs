@@ -1,10 +1,10 @@
 //! Unrolling back: the proof that a rolled program is the function.
 //!
-//! The program is run with names instead of numbers: every word of memory holds
-//! which value it has. A statement that applies its template to what it finds
-//! there must be a statement of the function, whose value is then stored. In
-//! the end every output must hold what the function assigns to it. No
-//! arithmetic is involved, so what agrees agrees in every bit.
+//! The program is run with names instead of numbers: every word of memory has
+//! the name of its value. A statement that applies its template to the words it
+//! reads must be a statement of the function, whose value is then stored. At
+//! the end every output must have the value that the function assigns to it. No
+//! arithmetic is involved, so agreement is exact in every bit.
 
 use super::nest::BodyElement;
 use super::program::{Index, LeafSource, RolledProgram, SpaceElement, StorageSpace};
@@ -16,7 +16,7 @@ use rustc_hash::FxBuildHasher;
 /// The reason why a rolled program is not the function it was made from.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum RolledDifference {
-    /// A statement computes what the function does not.
+    /// A statement computes a value that the function does not have.
     #[error(
         "statement {position} of the loops computes what the function does not, in pass {pass}"
     )]
@@ -26,7 +26,7 @@ pub enum RolledDifference {
         /// The number of times it had been run.
         pass: usize,
     },
-    /// Something is read that was not written before, or does not exist.
+    /// A word is read that was not written before, or does not exist.
     #[error("statement {position} of the loops reads what is not there")]
     Missing {
         /// The statement, counted from 0.

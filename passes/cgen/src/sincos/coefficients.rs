@@ -7,8 +7,8 @@ use crate::c::Real;
 /// from the digits of pi.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct KernelConstants {
-    /// Largest angle in radians that is not left to the library: as many
-    /// quarter turns as the first parts leave room for in exact products.
+    /// Largest angle in radians that is not left to the library: the number of
+    /// quarter turns for which the products of the first parts are exact.
     pub(crate) limit: f64,
     /// Quarter turns per radian.
     pub(crate) turns: f64,

@@ -6,11 +6,11 @@
 //! turn, two polynomials, and a choice by bits, in the vector extensions that
 //! gcc and clang share.
 //!
-//! The reduction subtracts multiples of a quarter turn in parts so short that
-//! their products are exact (Cody and Waite 1980), and keeps what is rounded
-//! away in a second word. So nothing depends on whether the compiler
-//! contracts, and the results are within 1 ulp (measured: 0.79 in both types) for angles up to [`KernelConstants::limit`]. Larger ones, and what
-//! is no number, are found by their bits and left to the library.
+//! The reduction subtracts multiples of a quarter turn in parts so short that their
+//! products are exact (Cody and Waite 1980), and keeps the rounding error in a second
+//! word. So no result depends on contraction by the compiler, and the results are within
+//! 1 ulp (measured: 0.79 in both types) for angles up to [`KernelConstants::limit`].
+//! Larger ones, infinities and NaN are detected by their bits and left to the library.
 //!
 //! The text needs no other: [`SineKernel::types`] once, then whichever functions
 //! are called. Where the compiler has no vector extensions, or
@@ -80,10 +80,9 @@ impl SineKernel {
         text::types(self)
     }
 
-    /// `static void robovec_sincos_d8(long count, const double *angles,
-    /// double *sines, double *cosines)`: any number of angles that lie one
-    /// after the other, for scalar code. The arrays need no alignment and
-    /// may not overlap.
+    /// `static void robovec_sincos_d8(long count, const double *angles, double
+    /// *sines, double *cosines)`: any number of contiguous angles, for scalar
+    /// code. The arrays need no alignment and may not overlap.
     pub(crate) fn arrays(self) -> String {
         text::arrays(self)
     }

@@ -14,9 +14,9 @@ const CIRCULAR: &str = include_str!("circular.c");
 /// The library for lanes that are too large or no numbers.
 const FAR: &str = include_str!("far.c");
 
-/// Types of vectors where compilers have them, with as many lanes as fit into
-/// a register: wider ones are split in memory, which takes several times
-/// longer than narrower ones one after the other.
+/// Types of vectors where compilers have them, with the number of lanes of a
+/// register: wider ones are split in memory, which takes several times longer
+/// than narrower ones one after the other.
 pub(super) fn types(kernel: SineKernel) -> String {
     let types = match kernel.lanes {
         1 => "typedef @real@ @vector@;\ntypedef @real@ @unaligned@;\n",

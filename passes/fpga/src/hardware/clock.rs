@@ -1,14 +1,14 @@
-//! The clock of a machine: one model, which every command asks.
+//! The clock of a machine: one model for every command.
 //!
-//! A stage of an operator takes what its steps take
-//! ([`CoreStep`](crate::rtl::cores::CoreStep)), from the figures of the
-//! device ([`Device`]). What is between the operators is short and known:
-//! operands come from a block memory, results cross the crossbar into one.
-//! Delays of nets lie between two bounds, so every estimate is a range.
+//! The delay of a stage of an operator is that of its steps
+//! ([`CoreStep`](crate::rtl::cores::CoreStep)), from the figures of the device
+//! ([`Device`]). The path between the operators is short and known: operands
+//! come from a block memory, results cross the crossbar into one. Delays of
+//! nets lie between two bounds, so every estimate is a range.
 //!
 //! **Invariant.** A machine on a device has one clock: reports, searches,
 //! studies of robovec's own hardware and projects take it from [`clock`], and
-//! clocks that somebody published are distinguished by their origin.
+//! published clocks are distinguished by their origin.
 
 use super::shape::MachineShape;
 use crate::rtl::cores::{self, OperatorCore, stage_delay};
@@ -29,7 +29,7 @@ pub struct Estimate {
     pub high: f64,
 }
 
-/// The clock that a machine is stated to have.
+/// The clock of a machine, with its origin.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct MachineClock {
     /// Of a cycle, MHz.
@@ -51,9 +51,9 @@ impl MachineClock {
     }
 }
 
-/// The clock of a machine's elements: what the machine file declares or
-/// measured, else the middle of the estimate. What was published of other
-/// hardware does not count.
+/// The clock of a machine's elements: the declared or measured one of the
+/// machine file, else the middle of the estimate. Figures published for other
+/// hardware do not count.
 pub fn clock(machine: &Machine) -> MachineClock {
     match (machine.clock_mhz, machine.clock_origin) {
         (Some(mhz), origin @ (ClockOrigin::Declared | ClockOrigin::Measured)) => {
@@ -81,8 +81,8 @@ pub fn clock_with_elements<'a>(
     clock(&machine)
 }
 
-/// The clock that a study of published tables counts with: the one that was
-/// published, where there is one, else that of [`clock`].
+/// The clock for studies of published tables: the published one, where there is
+/// one, else that of [`clock`].
 pub fn published_clock(machine: &Machine) -> MachineClock {
     match (machine.clock_mhz, machine.clock_origin) {
         (Some(mhz), origin @ ClockOrigin::Published) => MachineClock { mhz, origin },
@@ -91,8 +91,8 @@ pub fn published_clock(machine: &Machine) -> MachineClock {
 }
 
 /// The estimate for a machine's elements: of a cycle, which has several clocks
-/// where memories are shared in time. How good it is, the device's `origin`
-/// states.
+/// where memories are shared in time. Its quality is described in the device's
+/// `origin`.
 pub fn estimated_clock_mhz(machine: &Machine) -> Estimate {
     // Neither the length of programs nor their words matter.
     estimate_of(&MachineShape::of(machine, 1024, 1024))

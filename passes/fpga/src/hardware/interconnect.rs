@@ -3,8 +3,8 @@
 //!
 //! A look-up table of six inputs chooses among four (thesis 1.3.1). Every write
 //! port has a multiplexer, and in a network every link. Routers are counted
-//! whole, those at the edge of a mesh without the links they lack. The bits
-//! that select come from instruction memories, which are counted there.
+//! whole, those at the edge of a mesh without the links they lack. The
+//! selecting bits come from instruction memories, which are counted separately.
 
 use super::ResourceUse;
 use robovec_ir::machine::{Interconnect, LinkNetwork, Topology};

@@ -1,4 +1,4 @@
-//! Memories: how many blocks of which kind hold this number of words.
+//! Memories: number and kind of the blocks for a number of words.
 
 use robovec_ir::machine::Device;
 

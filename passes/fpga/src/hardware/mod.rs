@@ -1,14 +1,13 @@
 //! The resources that a machine takes of a device and its clock, by formulas:
 //! nothing is synthesised.
 //!
-//! The device is a Cyclone V, as in the thesis. [`MachineShape`] settles every size
-//! of a machine, [`parts`] shows what each part of it takes, in tables,
+//! The device is a Cyclone V, as in the thesis. [`MachineShape`] has every size
+//! of a machine, [`parts`] the resources of each part of it, in tables,
 //! registers, memory blocks and multiplier blocks.
 //!
-//! **Invariant.** This is the only place with such formulas: searches,
-//! studies and reports ask here. They are checked against the mapping of the
-//! real hardware by yosys, which `robovec rtl --synthesise` prints beside
-//! them.
+//! **Invariant.** This is the only place with such formulas, for searches,
+//! studies and reports. They are checked against the mapping of the real
+//! hardware by yosys, which `robovec rtl --synthesise` prints beside them.
 
 mod clock;
 mod interconnect;

@@ -1,9 +1,9 @@
-//! The parts of a machine and what each takes.
+//! The parts of a machine and the resources of each.
 //!
-//! The formulas follow the Verilog under `hdl/` and what is generated around
-//! it, part by part, so that a change there has one place here. They hold for
-//! any number of elements, format, latency, memory style and size; yosys'
-//! mapping is their comparison (`robovec rtl --synthesise`).
+//! The formulas follow the Verilog under `hdl/` and the generated Verilog
+//! around it, part by part, so that a change there has one place here. They
+//! hold for any number of elements, format, latency, memory style and size;
+//! they are compared with yosys' mapping (`robovec rtl --synthesise`).
 
 use super::ResourceUse;
 use super::interconnect::{Terminals, interconnect};
@@ -55,7 +55,7 @@ impl PartKind {
 pub struct MachinePart {
     /// The kind of the part.
     pub part: PartKind,
-    /// The kind of the element it belongs to; none for what exists once.
+    /// The kind of its element; none for a part that exists once.
     pub kind: Option<String>,
     /// Their number.
     pub count: u32,
@@ -318,7 +318,7 @@ mod tests {
     }
 
     /// Elements of each kind, stages of adder and multiplier, words of an
-    /// instruction memory, and what yosys 0.70 counts of the whole machine:
+    /// instruction memory, and the counts of yosys 0.70 for the whole machine:
     /// tables, registers, memory blocks, multiplier blocks.
     const MAPPED: [([u32; 4], [f64; 4]); 3] = [
         ([2, 5, 3, 2048], [2792.0, 1592.0, 80.0, 2.0]),

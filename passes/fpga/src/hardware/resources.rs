@@ -4,9 +4,8 @@ use serde::Serialize;
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Mul};
 
-/// The resources that something takes of a device of the Cyclone V family.
-/// Amounts are fractions where two things share a part (two products of 18 bits
-/// share a multiplier block).
+/// Resources of a device of the Cyclone V family. Amounts are fractions where
+/// two things share a part (two products of 18 bits share a multiplier block).
 #[derive(Clone, Copy, PartialEq, Default, Debug, Serialize)]
 pub struct ResourceUse {
     /// Adaptive look-up tables (ALUT), two of which are a logic module (ALM).

@@ -1,8 +1,8 @@
-//! The shape of a machine: every size that decides what it takes.
+//! The shape of a machine: every size that decides its resources.
 //!
-//! Sizes are those of the hardware as it is built: memories have as many
-//! words as their address bits reach, and no fewer than 64, since a block
-//! memory is larger anyway.
+//! Sizes are those of the hardware: memories have the number of words that
+//! their address bits can address, and no fewer than 64, since a block memory
+//! is larger anyway.
 
 use crate::layout::bits;
 use crate::rtl::{Crossbar, Hardware};
@@ -24,7 +24,7 @@ pub struct ElementsOfKind {
 /// A machine with every size settled.
 #[derive(Clone, Debug)]
 pub struct MachineShape {
-    /// The device it is built on.
+    /// Its device.
     pub device: &'static Device,
     /// The number format.
     pub number: Format,
@@ -42,16 +42,16 @@ pub struct MachineShape {
     pub instruction_words: u32,
     /// The interconnect that results travel through.
     pub interconnect: Interconnect,
-    /// For each write port of a crossbar the sources that reach it; none for
-    /// all of them.
+    /// For each write port of a crossbar the sources connected to it; `None`
+    /// for all of them.
     pub legs: Option<Vec<u32>>,
 }
 
 impl MachineShape {
-    /// The shape of a machine for programs of at most so many cycles that need
-    /// at most this number of words per operand memory, with a full crossbar.
-    /// Sizes that the machine file declares come first; a buffer it leaves open
-    /// has 16 words, as in the thesis.
+    /// The shape of a machine for programs of at most this number of cycles and
+    /// of words per operand memory, with a full crossbar. Sizes that the
+    /// machine file declares come first; a buffer it leaves open has 16 words,
+    /// as in the thesis.
     pub fn of(machine: &Machine, cycles: u32, words: u32) -> MachineShape {
         let kinds = machine.elements.iter().map(|element| ElementsOfKind {
             element: element.clone(),
@@ -130,8 +130,8 @@ impl MachineShape {
         }
     }
 
-    /// The number of sources of one element: its result, and what its buffer
-    /// reads.
+    /// The number of sources of one element: its result and the reads of its
+    /// buffer.
     pub(super) fn own_sources(&self) -> u32 {
         1 + self.buffer.map_or(0, |(_, reads)| reads)
     }

@@ -6,8 +6,8 @@ use std::fmt::Display;
 
 /// The constraints (Synopsys design constraints) of a machine on the board.
 ///
-/// Where a cycle has several clocks, everything in the elements that changes
-/// only at the end of a cycle has a whole cycle from register to register:
+/// Where a cycle has several clocks, all registers in the elements that change
+/// only at the end of a cycle have a whole cycle from register to register:
 /// instruction words, operators, operands.
 pub(super) fn constraints(shape: &MachineShape, plain: bool) -> String {
     let pll = if plain { "" } else { "derive_pll_clocks\n" };

@@ -48,14 +48,14 @@ const PINS: [(&str, &str); 11] = [
     ("LED[7]", "PIN_AA23"),
 ];
 
-/// The clock of the machine in the project, MHz, and why it is that.
+/// The clock of the machine in the project, MHz, and its origin.
 struct Clock {
     megahertz: f64,
     why: String,
 }
 
-/// The clock of the project: that of the machine file, where it has one,
-/// unless even the lower end of the estimate is below it; then that.
+/// The clock of the project: that of the machine file, if given, unless even
+/// the lower end of the estimate is below it; then the lower end.
 fn clock(machine: &Machine, shape: &MachineShape) -> Clock {
     let phases = f64::from(shape.phases());
     let estimate = estimate_of(shape);

@@ -1,4 +1,4 @@
-//! The crossbar: what is on the buses, to every write port.
+//! The crossbar: connections from the buses to every write port.
 //!
 //! Every write port has a multiplexer, a tree of four to one. In a full
 //! crossbar its select is the instruction's; in a pruned one the instruction's

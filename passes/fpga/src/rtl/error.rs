@@ -27,8 +27,7 @@ pub enum RtlError {
         /// The kind.
         kind: String,
     },
-    /// A memory nothing can be written into, a buffer nothing can be read
-    /// from.
+    /// A memory without write ports, or a buffer without read ports.
     #[error("the machine file declares no {ports} ports for {what}")]
     NoPorts {
         /// Memory or buffer.

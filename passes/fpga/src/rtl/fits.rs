@@ -13,9 +13,9 @@ use std::fmt;
 pub struct HardwareDemand {
     /// The part.
     pub part: &'static str,
-    /// The amount of it that the program uses.
+    /// The amount that the program uses.
     pub used: u64,
-    /// The amount there is.
+    /// The available amount.
     pub available: u64,
 }
 
@@ -35,8 +35,8 @@ impl fmt::Display for HardwareDemand {
 pub struct HardwareFit {
     /// Part by part.
     pub demands: Vec<HardwareDemand>,
-    /// The reasons why the program does not fit, one sentence each; none when
-    /// it does.
+    /// The reasons why the program does not fit, one sentence each; empty when
+    /// it fits.
     pub reasons: Vec<String>,
 }
 

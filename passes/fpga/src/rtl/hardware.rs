@@ -1,9 +1,9 @@
 //! The description of the hardware: the machine file with every size settled.
 //!
-//! A machine file may leave sizes open, a schedule shows how many elements
-//! there are. Hardware is the result of both, and stays when the next program
-//! comes: `machine.json` keeps it beside the generated text, and a program
-//! fits when its traffic stays within.
+//! A machine file may leave sizes open; a schedule gives the number of
+//! elements. Hardware is the result of both, and stays when the next program
+//! comes: `machine.json` keeps it beside the generated text, and a program fits
+//! when its traffic stays within.
 
 use super::error::RtlError;
 use super::window::{AddressBlocks, Block};
@@ -73,7 +73,7 @@ pub struct Hardware {
     pub format: u32,
     /// The machine file.
     pub machine: Machine,
-    /// The elements, in the order that the crossbar counts them.
+    /// The elements, in the order of the crossbar.
     pub elements: Vec<ElementGroup>,
     /// Words of an instruction memory: cycles of the longest program.
     pub instruction_words: u32,
@@ -85,15 +85,15 @@ pub struct Hardware {
     pub buffer: Option<Buffer>,
     /// The crossbar.
     pub crossbar: Crossbar,
-    /// The generated files beside the description; none as long as nothing is
+    /// The generated files beside the description; empty before any are
     /// generated.
     pub files: Vec<FileHash>,
 }
 
 impl Hardware {
     /// The hardware for a program and all others that fit it: the machine's
-    /// sizes, and where it leaves them open what the program uses, rounded up
-    /// to a power of two.
+    /// sizes, and for open sizes those of the program, rounded up to a power of
+    /// two.
     pub(crate) fn new(traffic: &Traffic<'_>, choice: CrossbarChoice) -> Result<Hardware, RtlError> {
         let machine = traffic.machine;
         check_machine(machine)?;
@@ -165,7 +165,7 @@ impl Hardware {
     ///
     /// # Errors
     ///
-    /// None that is known: every description has a text.
+    /// There is no known omission: every description has a text.
     pub fn text(&self) -> Result<String, RtlError> {
         let text = serde_json::to_string_pretty(self).map_err(std::io::Error::from)?;
         Ok(text + "\n")
@@ -381,8 +381,8 @@ impl Hardware {
         }
     }
 
-    /// Pairs of source and write port that the crossbar has, and that a full
-    /// one would have.
+    /// Number of pairs of source and write port in the crossbar, and in a full
+    /// one.
     pub fn crossbar_pairs(&self) -> (u64, u64) {
         let sizes = self.sizes();
         let ports = sizes.elements * sizes.memories * sizes.write_ports;

@@ -42,9 +42,9 @@ pub(super) fn validate(legs: &[Vec<u32>], sizes: &Sizes) -> Result<(), RtlError>
     Ok(())
 }
 
-/// Through which source the host's words reach a memory: for every memory,
-/// a code among the legs of its first write port, or none where nothing ever
-/// selects anything.
+/// The source through which the host's words reach a memory: for every memory,
+/// a code among the legs of its first write port, or none where no instruction
+/// selects a source.
 ///
 /// While the host writes, every select is 0, so a port that has the source 0
 /// takes that one; the others take as few sources as a greedy choice finds,

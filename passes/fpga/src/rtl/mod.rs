@@ -1,15 +1,15 @@
 //! Hardware in Verilog.
 //!
-//! What does not depend on the shape of a machine is written by hand under
-//! `hdl/` and travels inside the compiler; here are the parts to be chosen
-//! or generated for one machine: the elements, the crossbar, the top
+//! The parts that do not depend on the shape of a machine are written by hand
+//! under `hdl/` and included in the compiler; the parts that are chosen or
+//! generated for one machine are here: the elements, the crossbar, the top
 //! `robovec_machine`, and the images that it runs. Their frame is Verilog
-//! beside the writers, with words between `@` for what a machine decides.
-//! `docs/rtl.md` describes the result.
+//! beside the writers, with words between `@` for the parts that depend on the
+//! machine. `docs/rtl.md` describes the result.
 //!
 //! [`Hardware`] is the machine file with every size settled. The program that
-//! it was built for gives what the file leaves open; every later program is
-//! only an image, if it [fits](fits()).
+//! it was built for gives the sizes that the file leaves open; every later
+//! program is only an image, if it [fits](fits()).
 
 pub mod bench;
 pub mod cores;
@@ -53,10 +53,10 @@ const COMMON: [(&str, &str); 6] = hdl![
     "simple_dual_port_memory.v",
 ];
 
-/// Those of memories that are split by side.
+/// Cores of memories that are split by side.
 const SPLIT: [(&str, &str); 2] = hdl!["machine", "operand_side.v", "pe_split.v"];
 
-/// Those of unified memories.
+/// Cores of unified memories.
 const PUMPED: [(&str, &str); 3] = hdl![
     "machine",
     "pe_pumped.v",
@@ -70,7 +70,7 @@ const PUMPED: [(&str, &str); 3] = hdl![
 ///
 /// # Errors
 ///
-/// Fails when the function has no images, the machine is none that is built, or
+/// Fails when the function has no images, the machine cannot be built, or
 /// `artifacts` fails.
 pub fn write_rtl(
     view: View<'_>,
@@ -196,8 +196,8 @@ fn write_files(
     Ok(hardware)
 }
 
-/// The files of the cores that the elements instantiate, and of what these
-/// instantiate in turn.
+/// The files of the cores that the elements instantiate, and of the cores
+/// inside these.
 fn core_files(hardware: &Hardware) -> Vec<(&'static str, &'static str)> {
     let file = |module: &str| {
         let mut all = cores::SOURCES.into_iter();

@@ -1,5 +1,5 @@
-//! The operators of an element: which cores it has, what distinguishes them,
-//! and whose result is put on the bus.
+//! The operators of an element: its cores, their selection, and the result that
+//! is put on the bus.
 
 use super::cores::{self, OperatorCore};
 use super::error::RtlError;
@@ -167,9 +167,8 @@ fn fused_operation(part: &UnitCore, code_bits: u32) -> String {
     }
 }
 
-/// Writes the choice of what is on the bus: with several cores, the result of
-/// the one whose operation entered as many cycles ago as the pipeline has
-/// stages.
+/// Writes the selection of the bus value: with several cores, the result of the
+/// one whose operation entered as many cycles ago as the pipeline has stages.
 fn select_result(text: &mut String, parts: &[UnitCore], stages: u32, code_bits: u32) {
     if let [part] = parts {
         let _ = writeln!(text, "    assign result = {}_result;", part.name());

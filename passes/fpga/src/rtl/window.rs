@@ -1,4 +1,4 @@
-//! The host's window: where every memory is.
+//! The host's window: the addresses of all memories.
 //!
 //! Eight control registers come first, then one block with all instruction
 //! memories and one with all operand memories. Within a block all memories

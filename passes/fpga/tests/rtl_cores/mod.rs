@@ -8,10 +8,9 @@
 //!
 //!     cargo test --release -p robovec-fpga --features softfloat --test all rtl_cores:: -- --ignored --nocapture --test-threads 1
 //!
-//! In every run `enable` is low now and then, while other operands are at
-//! the inputs: a result must come exactly as many enabled clocks after its
-//! operands as the operator has stages, and must stay while nothing is
-//! enabled.
+//! In every run `enable` is low at some cycles, while other operands are at the
+//! inputs: a result must come exactly as many enabled clocks after its operands
+//! as the operator has stages, and must stay while the operator is disabled.
 
 mod mutants;
 mod reference;
@@ -23,7 +22,7 @@ use robovec_ir::machine::{Device, DeviceFamily};
 use robovec_num::NumberFormat;
 use simulators::{Bench, Simulator};
 
-/// A format of so many exponent and mantissa bits.
+/// A format with these numbers of exponent and mantissa bits.
 const fn float(exponent: u32, mantissa: u32, subnormals: bool) -> NumberFormat {
     NumberFormat {
         exponent,
@@ -62,7 +61,7 @@ fn is_missing(simulator: Simulator) -> bool {
     missing
 }
 
-/// Runs vectors through a core and demands that nothing differs.
+/// Runs vectors through a core and asserts that all results are equal.
 fn check(
     simulator: Simulator,
     core: OperatorCore,
@@ -138,7 +137,7 @@ fn fused_results_are_right() {
 }
 
 /// The smallest and the widest format, narrow exponents with long mantissas and
-/// the other way round.
+/// the reverse.
 const FORMATS: [(u32, u32); 8] = [
     (2, 1),
     (2, 9),

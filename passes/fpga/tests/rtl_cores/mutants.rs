@@ -1,5 +1,5 @@
 //! Planted faults: each changes a few characters of a source file, and the
-//! vectors must notice every one of them.
+//! vectors must detect every one of them.
 
 use super::simulators::{Bench, Simulator};
 use super::{BINARY32, BINARY32_FLUSHED, vectors};

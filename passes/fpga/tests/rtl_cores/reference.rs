@@ -2,10 +2,10 @@
 //! of any format listed here.
 //!
 //! The simulator's arithmetic must agree with it, words of NaN included, so
-//! that what the simulator states of a machine is what the hardware does; with
-//! the feature `softfloat` Berkeley SoftFloat must as well. Formats without
-//! subnormal numbers have their rule put on top here: small operands count as
-//! zero, and a result is too small when it is so rounded towards zero.
+//! that the simulator predicts the hardware; with the feature `softfloat`
+//! Berkeley SoftFloat must agree as well. Formats without subnormal numbers
+//! have their rule put on top here: small operands count as zero, and a result
+//! is too small when it is so rounded towards zero.
 
 use robovec_fpga::rtl::cores::OperatorCore;
 use robovec_ir::{Format, Operation};
@@ -86,9 +86,9 @@ impl Reference {
         }
     }
 
-    /// The root of a word, given what it should be: it is when the word lies
-    /// between the squares of the middles to both neighbours, which binary128
-    /// holds exactly.
+    /// The root of a word, given the expected result: correct when the word
+    /// lies between the squares of the midpoints to both neighbours, which
+    /// binary128 represents exactly.
     fn root(&self, word: u64, ours: u64) -> u64 {
         let number = self.simulator.from_word(word);
         if number.is_nan() || number < 0.0 {
@@ -151,7 +151,7 @@ fn operation_of(core: OperatorCore, code: u64) -> Operation {
     }
 }
 
-/// A format of so many exponent and mantissa bits.
+/// A format with these numbers of exponent and mantissa bits.
 struct Custom<const EXPONENT: usize, const MANTISSA: usize>;
 
 impl<const EXPONENT: usize, const MANTISSA: usize> Semantics for Custom<EXPONENT, MANTISSA> {
@@ -204,7 +204,7 @@ fn softfloat(_format: (u32, u32)) -> Option<Applied> {
     None
 }
 
-/// The operations of Berkeley SoftFloat in a format that it has.
+/// The operations of Berkeley SoftFloat in a format that it supports.
 #[cfg(feature = "softfloat")]
 fn softfloat(format: (u32, u32)) -> Option<Applied> {
     use softfloat_wrapper::{F16, F32, F64, Float as _};

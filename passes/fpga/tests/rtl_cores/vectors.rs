@@ -1,4 +1,4 @@
-//! Operands where floating-point operators go wrong, and what must come out.
+//! Operands at which floating-point operators often fail, with the expected results.
 
 use super::reference::Reference;
 use robovec_fpga::rtl::cores::OperatorCore;
@@ -17,7 +17,7 @@ pub(crate) struct Vector {
     pub(crate) result: u64,
 }
 
-/// Vectors for a core, so many; the same for the same seed.
+/// This number of vectors for a core; the same for the same seed.
 pub(crate) fn vectors(
     core: OperatorCore,
     format: NumberFormat,

@@ -10,7 +10,7 @@
 //!   where it is read first;
 //! * that of a model of the registers ([`by_registers`]).
 //!
-//! Nothing but the order changes, so results stay the same bit for bit.
+//! Only the order changes, so results are equal bit for bit.
 
 mod registers;
 #[cfg(test)]
@@ -50,9 +50,9 @@ pub(crate) fn program(function: &Function, computed: &[bool]) -> Vec<CodeStep> {
     definitions.chain(outputs.map(CodeStep::Assign)).collect()
 }
 
-/// The values that are marked in `computed`, each once and after what it
-/// needs, and all assignments. With `outputs_last` no output is written before
-/// everything is computed.
+/// The values that are marked in `computed`, each once and after its operands,
+/// and all assignments. With `outputs_last` no output is written before all
+/// values are computed.
 ///
 /// Outputs are taken from the last to the first: most operations belong to a
 /// recursion from the leaves of a tree to its root, in which those of the last
@@ -110,15 +110,14 @@ enum Ties {
     RightFirst,
 }
 
-/// A walk from roots to what they need, the operand with the largest key
-/// first.
+/// A walk from roots to their operands, the operand with the largest key first.
 struct DepthWalk<'a> {
     function: &'a Function,
     keys: &'a [u32],
     ties: Ties,
     /// For each value whether it was found, or shall not be.
     done: Vec<bool>,
-    /// The work that is left; true when everything below was found.
+    /// The work left; true when all operands were found.
     open: Vec<(Value, bool)>,
 }
 
@@ -133,7 +132,7 @@ impl<'a> DepthWalk<'a> {
         }
     }
 
-    /// Appends what a root needs and was not found before, and the root.
+    /// Appends the values that a root depends on and that were not found before, and the root.
     fn reach(&mut self, root: Operand, found: &mut Vec<Value>) {
         self.open.extend(root.value().map(|value| (value, false)));
         while let Some((value, entered)) = self.open.pop() {
@@ -159,8 +158,8 @@ impl<'a> DepthWalk<'a> {
     }
 }
 
-/// About how many registers the expression of each value needs, as if nothing
-/// were shared.
+/// Approximate number of registers for the expression of each value, without
+/// sharing.
 fn needs(function: &Function) -> Vec<u32> {
     let mut needs: Vec<u32> = Vec::with_capacity(function.nodes().len());
     for node in function.nodes() {

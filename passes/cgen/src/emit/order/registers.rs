@@ -1,13 +1,13 @@
 //! An order of operations that keeps values in registers.
 //!
-//! Equations come in the order of a recursion: all bodies outwards, then all
-//! inwards. Everything made on the way out waits for the way back, and of a
-//! mass matrix of 23 joints 525 values wait at once: with eight states to a
-//! value more than the nearest cache holds. The order made here does two
-//! things. It walks from the last outputs down to what they need, the longer
-//! branch first, which halves what waits. Then it goes through that order
-//! once more with a model of the registers, and does next whatever is ready,
-//! reads what lies in registers, and ends the lives of values there.
+//! Equations come in the order of a recursion: all bodies outwards, then all inwards.
+//! Values made in the forward recursion are needed in the backward one, and of a mass
+//! matrix of 23 joints 525 values are alive at once: with eight states per value more
+//! than the nearest cache holds. The order made here does two things. It walks from the
+//! last outputs down to their operands, the longer branch first, which halves the number
+//! of live values. Then it passes through that order once more with a model of the
+//! registers, and prefers operations that are ready, read registers, and end the lives of
+//! values there.
 
 use super::{CodeStep, DepthWalk, Ties, follows_operands};
 use robovec_ir::{Function, Operand, OperandKind, Value};
@@ -17,7 +17,7 @@ use std::collections::BTreeSet;
 /// in the walk.
 const READERS: usize = 8;
 
-/// Readers of a result that are considered to see what it makes ready.
+/// Maximum number of readers of a result that are tested for readiness.
 const FOLLOWERS: usize = 16;
 
 /// The cost of a read of a value outside the registers, against the other
@@ -87,9 +87,9 @@ struct RegisterSchedule<'a> {
     /// For each value that is walked its place in the walk.
     rank: Vec<u32>,
     walked: &'a [Value],
-    /// For each value how many operands are still to be computed.
+    /// For each value the number of operands still to be computed.
     waits: Vec<u32>,
-    /// For each place (values, then inputs) how many reads are left.
+    /// For each place (values, then inputs) the number of reads left.
     reads: Vec<u32>,
     /// For each value its readers.
     readers: Vec<Vec<u32>>,
@@ -234,8 +234,8 @@ impl<'a> RegisterSchedule<'a> {
         }
     }
 
-    /// Keeps in mind when a place was read or written last; what nobody will
-    /// read leaves its register.
+    /// Records the time of the last read or write of a place; a value without
+    /// further readers leaves its register.
     fn touch(&mut self, place: usize, time: u32) {
         self.held.retain(|&(held, _)| held != place);
         if self.reads[place] > 0 {

@@ -6,8 +6,8 @@ fn module(text: &str) -> Module {
     parse_module("test.rvir", text).expect("a module")
 }
 
-/// Two long chains side by side, as a recursion leaves them: everything out,
-/// then everything back.
+/// Two long chains in parallel, as a recursion makes them: first all steps
+/// outwards, then all steps back.
 fn waves(length: usize) -> String {
     use std::fmt::Write;
     let mut text = String::from("function f atomic {\n  in q[1..2]\n  out c[1..2]\n\n");

@@ -9,7 +9,7 @@ use super::{INTERLEAVED, JUNK, MARGIN, RolledLayout};
 use robovec_ir::{Operand, OperandKind};
 
 impl RolledLayout<'_> {
-    /// The output array that holds all that a copy reads.
+    /// The output array that contains all elements read by a copy.
     pub(super) fn output_of(&self, access: &MemoryRead) -> Option<usize> {
         if !access.copies {
             return None;

@@ -1,4 +1,4 @@
-//! Expressions: operations, and where what they read is.
+//! Expressions: operations, and the places of their operands.
 
 use super::super::program::{Index, LeafSource, SpaceElement, StorageSpace};
 use super::super::statements::TemplateStep;

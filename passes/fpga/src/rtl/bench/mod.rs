@@ -1,12 +1,12 @@
 //! Self-checking benches of the hardware.
 //!
-//! A bench is a host that knows nothing but the images and their manifest. It
-//! loads a program through one of the windows of the machine, runs it on
-//! several states one after the other, reads the outputs back, and watches
-//! the buses meanwhile: every result of every operation is compared with the
-//! one of the cycle-accurate simulator, in its cycle and on its element. So a
-//! fault is reported where it happens first, by the name of the operation and the
-//! equation it comes from, and not only by a wrong output.
+//! A bench is a host that uses only the images and their manifest. It loads a
+//! program through one of the windows of the machine, runs it on several states
+//! in sequence, reads the outputs back, and monitors the buses meanwhile: every
+//! result of every operation is compared with the one of the cycle-accurate
+//! simulator, in its cycle and on its element. So a fault is reported at its
+//! first occurrence, by the name of the operation and its equation, and not
+//! only by a wrong output.
 //!
 //! The benches themselves are written by hand (`hdl/bench/`, in plain Verilog
 //! and in C++ for Verilator) and read what is here as data:
@@ -60,13 +60,13 @@ pub struct Load {
 pub struct BusResult {
     /// The cycle in which it is on the bus.
     pub cycle: u32,
-    /// The element, as the manifest counts them.
+    /// Index of the element in the manifest.
     pub element: u32,
     /// The value.
     pub word: u64,
 }
 
-/// One run of the program: what goes in, what must come out.
+/// One run of the program: inputs and expected outputs.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct BenchRun {
     /// Everything that is loaded.
@@ -77,12 +77,12 @@ pub struct BenchRun {
     pub outputs: Vec<u64>,
 }
 
-/// All that a bench is made from.
+/// The data from which a bench is made.
 #[derive(Clone, Copy, Debug)]
 pub struct TestBench<'a> {
     /// The placed function, for the names of operations.
     pub view: View<'a>,
-    /// The machine it is placed for.
+    /// The machine of the placement.
     pub machine: &'a Machine,
     /// The manifest of its images.
     pub manifest: &'a Manifest,
@@ -198,8 +198,8 @@ impl TestBench<'_> {
         text
     }
 
-    /// The sizes that the benches are compiled with: what each is for, its
-    /// name, and the number.
+    /// The sizes with which the benches are compiled: purpose, name, and
+    /// number.
     fn sizes(
         &self,
         window: &AddressMap,
@@ -275,14 +275,14 @@ impl TestBench<'_> {
 
 /// Results of all runs at most.
 const MAX_RESULTS: u64 = 1 << 26;
-/// Clocks at most: what a signed number of 32 bits counts.
+/// Maximum number of clocks: the range of a signed number of 32 bits.
 const MAX_CLOCKS: u64 = 2_000_000_000;
 
 /// A size: its description, its name, and the number.
 type Size = (&'static str, &'static str, u64);
 
-/// Names of functions are identifiers; what is not is left out of texts that
-/// are between quotes.
+/// Names of functions are identifiers; other characters are left out of quoted
+/// texts.
 fn quotable(name: &str) -> String {
     let good = |c: &char| c.is_ascii_alphanumeric() || *c == '_';
     name.chars().filter(good).collect()

@@ -53,8 +53,8 @@ struct ScriptWriter<'a> {
     notes: usize,
 }
 
-/// Writes the commands of a bench, for a machine that holds the images from
-/// configuration on or for one that holds nothing.
+/// Writes the commands of a bench, for a machine with images in its
+/// configuration or for an empty one.
 pub(super) fn write(
     bench: &TestBench<'_>,
     window: &AddressMap,
@@ -112,7 +112,7 @@ impl ScriptWriter<'_> {
         self.command(READ, note, address, data);
     }
 
-    /// Makes sure that it is the right machine, and shows what is loaded.
+    /// Makes sure that it is the right machine, and prints the loaded program.
     fn registers(&mut self) -> Result<(), BenchError> {
         let window = self.window;
         let hash = |text: &str| {
@@ -205,7 +205,7 @@ impl ScriptWriter<'_> {
         Ok(())
     }
 
-    /// Notes for what is read after every run; the first one.
+    /// Notes the words that are read after every run; returns the index of the first.
     fn note_outputs(&mut self) -> usize {
         let first = self.note("status after a run: done and no longer running");
         self.note("status after 'done' was cleared");

@@ -1,4 +1,4 @@
-//! The floating-point operators of `hdl/cores`, and where to cut them.
+//! The floating-point operators of `hdl/cores`, and the places for their registers.
 //!
 //! An operator is one Verilog module for every latency: between its steps are
 //! cuts, any of which may hold a register. Which of them do is chosen here, so
@@ -31,8 +31,8 @@ pub enum OperatorCore {
 }
 
 /// The files of all operators, in alphabetic order, each named as its only
-/// module: name and text. They need no order among themselves and no file
-/// beside them.
+/// module: name and text. They can be compiled in any order, without other
+/// files.
 pub const SOURCES: [(&str, &str); 12] = hdl![
     "cores",
     "fp_add.v",
@@ -88,7 +88,7 @@ impl OperatorCore {
         self.steps_with_nets(format, device, device.nets.quick)
     }
 
-    /// The same where a net takes this number of picoseconds.
+    /// The same for nets with a delay of this number of picoseconds.
     pub fn steps_with_nets(self, format: NumberFormat, device: &Device, net: u32) -> Vec<CoreStep> {
         steps::of(self, format, device, net)
     }
@@ -176,7 +176,7 @@ fn slowest(steps: &[CoreStep], count: usize) -> u32 {
     low
 }
 
-/// The fewest stages of at most a delay; no step alone exceeds it.
+/// The fewest stages within a delay; no step alone exceeds it.
 fn stages_within(steps: &[CoreStep], limit: u32) -> usize {
     let (mut stages, mut first) = (1, 0);
     for last in 0..steps.len() {

@@ -1,9 +1,9 @@
 //! The steps of the operators and a model of their delays.
 //!
 //! Delays are those of the cells of a device and of the nets between them
-//! ([`Device`]). A stage takes what its steps let through one after the other,
-//! and at its end all of a step ([`stage_delay`]). It is a little faster than
-//! that, because logic of one step shares tables with that of the next.
+//! ([`Device`]). The delay of a stage is that of one step and of the signals
+//! that pass through the steps before it ([`stage_delay`]). It is a little less
+//! than that, because logic of one step shares tables with that of the next.
 //!
 //! **Invariant.** A list has one step per cut of the Verilog module, in the
 //! same order; the tests of latency in simulation fail otherwise.
@@ -12,13 +12,13 @@ use super::OperatorCore;
 use robovec_ir::machine::Device;
 use robovec_num::NumberFormat;
 
-/// A step of an operator: what is between two neighbouring cuts.
+/// A step of an operator: the logic between two neighbouring cuts.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct CoreStep {
     /// The delay of all its logic, in picoseconds.
     pub delay: u32,
-    /// The delay of what the next step waits for: the bits that a shift drops
-    /// are gathered beside it, for instance.
+    /// The delay up to the signals that the next step waits for: the bits that
+    /// a shift drops are gathered in parallel, for instance.
     pub through: u32,
     /// The bits of a register at its end.
     pub bits: u32,
@@ -270,7 +270,7 @@ impl CoreSteps<'_> {
         }
     }
 
-    /// `fp_shift_right`, with what travels beside it.
+    /// `fp_shift_right`, with the signals that pass through the same stages.
     fn shift_right(&mut self, width: u32, amount: u32, payload: u32) {
         let mut left = amount;
         while left > 0 {
@@ -285,7 +285,7 @@ impl CoreSteps<'_> {
         }
     }
 
-    /// `fp_normalise`, with what travels beside it.
+    /// `fp_normalise`, with the signals that pass through the same stages.
     fn normalise(&mut self, width: u32, limited: bool, payload: u32) {
         let count = clog2(width);
         let mut left = count;
@@ -299,7 +299,7 @@ impl CoreSteps<'_> {
         }
     }
 
-    /// `fp_pack`, after something that takes time in its first step.
+    /// `fp_pack`, after a step whose delay counts in its first stage.
     fn pack(&mut self, format: NumberFormat, entry: u32) {
         let size = format.exponent + format.mantissa;
         self.step(entry + self.tables(2), size + 2);
