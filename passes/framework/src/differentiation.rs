@@ -2,7 +2,7 @@
 //! the derivative of which output by which input.
 //!
 //! The pass that makes such programs follows it, and so, on its own, does the
-//! check. Arrays that were inputs stay where they are and new ones follow;
+//! check. Arrays that were inputs keep their positions and new ones follow;
 //! outputs that are kept come first. Elements of a matrix count row by row.
 //!
 //! | result | new inputs | new outputs |
@@ -39,7 +39,7 @@ option_words! {
         Jacobian = "jacobian",
         /// Its product with a direction of the inputs.
         Direction = "direction",
-        /// The product of weights of the outputs with it.
+        /// The product of the derivatives with weights of the outputs.
         Gradient = "gradient",
     }
 }
@@ -49,7 +49,7 @@ option_words! {
 pub enum ArrayChoice {
     /// Every array.
     All,
-    /// Those of these names.
+    /// The arrays of these names.
     Named(Vec<String>),
 }
 
@@ -81,10 +81,10 @@ pub enum DifferentiationError {
         kind: &'static str,
         /// The name.
         name: String,
-        /// The arrays that there are.
+        /// The arrays that exist.
         known: Vec<String>,
     },
-    /// There is nothing to differentiate, or nothing to differentiate by.
+    /// There is no output to differentiate, or no input to differentiate by.
     #[error("the function has no {kind} elements")]
     Nothing {
         /// `input` or `output`.
@@ -93,7 +93,7 @@ pub enum DifferentiationError {
     /// An array of the derivative would have the name of another.
     #[error("the array '{0}' of the derivative has the name of another array")]
     Taken(String),
-    /// The arrays have more elements than a function can have.
+    /// The arrays have more elements than the limit for a function.
     #[error("the derivative has {needed} {kind} elements, and a function has at most {most}")]
     TooMany {
         /// `input` or `output`.
@@ -133,7 +133,7 @@ impl DifferentiationError {
     }
 }
 
-/// The arrays of a derivative, and where its elements are.
+/// The arrays of a derivative, and the places of its elements.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct DerivativeArrays {
     /// The arrays differentiated, in order of declaration.

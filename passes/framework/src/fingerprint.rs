@@ -1,8 +1,8 @@
-//! Values identified by what they are in several images.
+//! Values identified by their images under several evaluations.
 //!
-//! A pass that looks for equal values cannot compare expressions; it compares
-//! what they are at one random point in three images: two prime fields and
-//! the real numbers.
+//! A pass that searches for equal values cannot compare expressions; it
+//! compares their values at one random point in three images: two prime fields
+//! and the real numbers.
 //!
 //! - Two polynomials that differ agree at a random point of a field of `p`
 //!   elements with probability at most degree/p (Schwartz and Zippel),
@@ -11,14 +11,14 @@
 //!   in any relation to them but by accident.
 //! - In the real image a value is known in double-double with a bound of its
 //!   error ([`Ball`]). Values that are further apart than their bounds allow
-//!   are not equal, whatever the fields state.
+//!   are not equal, for any residues.
 //!
-//! What is not a polynomial represents itself: sines, cosines and roots are
-//! drawn from their argument, so equal arguments give equal results. So are
-//! the inverses of divisors that are not literals: `x/y*y` is not `x`, which
-//! has a value where `y` is zero, while `a/y + b/y` is `(a + b)/y`. A value
-//! that divides by zero, or a literal that is not finite, is undefined and
-//! equal to nothing.
+//! An operation that is not polynomial represents itself: sines, cosines and
+//! roots are drawn from their argument, so equal arguments give equal results.
+//! So are the inverses of divisors that are not literals: `x/y*y` is not `x`,
+//! which has a value where `y` is zero, while `a/y + b/y` is `(a + b)/y`. A
+//! value that divides by zero, or a literal that is not finite, is undefined
+//! and equal to nothing.
 
 use robovec_ir::{Function, Input, Operand, OperandKind, Operation};
 use robovec_num::arithmetic::Arithmetic;
@@ -152,8 +152,8 @@ impl Images {
         if negative { self.neg(value) } else { value }
     }
 
-    /// The value or its negation, and whether it is the negation: values that
-    /// differ in sign only have this in common.
+    /// The value or its negation, and a flag: true for the negation. Values
+    /// that differ in sign only have the same result.
     pub fn without_sign(&self, value: Fingerprint) -> (Fingerprint, bool) {
         let negative = match value.residues {
             [0, second] => self.fields[1].without_sign(second).1,

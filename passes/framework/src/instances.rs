@@ -10,13 +10,13 @@ use crate::options::{OptionValue, joined_names};
 /// The maximum number of instances in one program.
 pub const MAX_INSTANCES: u32 = 64;
 
-/// The key of the metadata that shows how many instances a function holds.
+/// The key of the metadata with the number of instances in a function.
 pub const KEY: &str = "instances";
 
 /// The number of instances a program holds, and the inputs they share.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Instances {
-    /// The number of them.
+    /// Number of instances.
     pub count: u32,
     /// Names of the input arrays that all instances share.
     pub shared: InstanceNames,
@@ -51,7 +51,7 @@ pub fn numbered(name: &str, instance: u32) -> String {
 pub struct InstanceNames(pub Vec<String>);
 
 impl InstanceNames {
-    /// True when the name is among them.
+    /// True when it contains the name.
     pub fn contains(&self, name: &str) -> bool {
         self.0.iter().any(|known| known == name)
     }

@@ -1,10 +1,10 @@
 //! The framework that every pass uses, and nothing of any pass.
 //!
-//! [`pass`] defines a pass and a registry of passes, [`options`] what it
-//! can be given, [`pipeline`] reads what the user wants to run, [`manager`]
-//! runs it with its instruments, [`check`] compares functions, [`trail`] shows
-//! where values come from, [`reduce`] finds what a pass breaks, [`template`]
-//! fills generated files. This crate reads and writes no files.
+//! [`pass`] defines a pass and a registry of passes, [`options`] its options,
+//! [`pipeline`] reads the user's list of passes, [`manager`] runs it with its
+//! instruments, [`check`] compares functions, [`trail`] shows the origin of
+//! values, [`reduce`] finds the failing pass and rewrite, [`template`] fills
+//! generated files. This crate reads and writes no files.
 
 pub mod check;
 pub mod differentiation;

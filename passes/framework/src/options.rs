@@ -17,7 +17,7 @@ pub trait OptionValue: Sized + PartialEq {
     const IS_NUMBER: bool = false;
     /// Name of the type in the help (`integer`, `first | preferential`).
     fn type_name() -> String;
-    /// Reads a value from a pipeline's text; the error shows what is wanted.
+    /// Reads a value from a pipeline's text; the error describes the expected form.
     ///
     /// # Errors
     ///
@@ -129,7 +129,7 @@ pub struct OptionInfo {
     pub type_name: fn() -> String,
     /// Its default, as text.
     pub default: fn() -> String,
-    /// The numbers it can be, when it is one.
+    /// The limit of its numbers, if it is one.
     pub limit: Option<NumberLimit>,
 }
 
@@ -148,7 +148,7 @@ impl OptionInfo {
 ///
 /// # Errors
 ///
-/// What is wrong with the text: no value of the type, or beyond the limit.
+/// The fault of the text: no value of the type, or beyond the limit.
 pub fn read<T: OptionValue>(text: &str, limit: Option<NumberLimit>) -> Result<T, String> {
     let read = T::parse(text);
     let Some(limit) = limit else { return read };

@@ -1,4 +1,4 @@
-//! Rewriting a function: what every pass that changes the body shares.
+//! Rewriting a function: the common part of all passes that change the body.
 
 use crate::rewrite_limit::RewriteLimit;
 use robovec_analysis::slice::needed;
@@ -78,7 +78,7 @@ impl<'a> Rewriter<'a> {
         [self.translate(a), self.translate(b), self.translate(c)]
     }
 
-    /// Records what the next old value has become; called once per value, in
+    /// Records the successor of the next old value; called once per value, in
     /// order.
     pub fn record(&mut self, operand: Operand) {
         debug_assert!(
@@ -88,7 +88,7 @@ impl<'a> Rewriter<'a> {
         self.map.push(operand);
     }
 
-    /// Records what an old value that was recorded before has become after all.
+    /// Replaces the recorded successor of an old value.
     pub fn amend(&mut self, value: Value, operand: Operand) {
         self.map[value.index()] = operand;
     }
@@ -151,8 +151,8 @@ pub fn output_name(view: View<'_>, output: Output) -> String {
     symbol
 }
 
-/// For every node the symbol its derived names start with: that of the
-/// definition, or of the output, whose expression it belongs to.
+/// For every node the symbol that its derived names start with: that of the
+/// definition or output to whose expression it belongs.
 pub fn owners(tables: &mut Tables, function: &Function) -> Vec<Symbol> {
     let unknown = Symbol(u32::MAX);
     let mut owners: Vec<Symbol> = function.nodes().iter().map(|node| node.name.base).collect();
@@ -202,7 +202,7 @@ pub fn lay_out(function: &Function) -> Function {
 
 struct ExpressionLayout<'a> {
     rewriter: Rewriter<'a>,
-    /// Nodes to write, with whether their operands have been.
+    /// Nodes to write, with a flag: true when their operands are written.
     open: Vec<(Value, bool)>,
 }
 
@@ -233,8 +233,8 @@ impl ExpressionLayout<'_> {
     }
 }
 
-/// The function without the operations no output depends on, and how many
-/// there were; `None` when there are none.
+/// The function without the operations on which no output depends, and their
+/// number; `None` when there are none.
 pub fn remove_dead(function: &Function) -> Option<(Function, u64)> {
     remove_dead_asking(function, &RewriteLimit::default())
 }
@@ -247,7 +247,7 @@ pub fn without_dead(function: Function) -> Function {
     }
 }
 
-/// As [`remove_dead`], asking before each removal.
+/// As [`remove_dead`], with a test before each removal.
 pub fn remove_dead_asking(function: &Function, rewrites: &RewriteLimit) -> Option<(Function, u64)> {
     let outputs = function.assignments.iter();
     let live = needed(

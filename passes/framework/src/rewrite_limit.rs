@@ -1,13 +1,13 @@
 //! Counting the rewrites of a pass, and stopping after some of them.
 //!
-//! A pass that rewrites piece by piece asks before each piece. As long as
-//! nobody limits it the answer is yes and costs a counter; when a rewrite has
-//! broken a function, running the pass with a smaller and smaller limit finds
-//! the one that did (as `-opt-bisect-limit` does for whole passes in LLVM).
+//! A pass that rewrites piece by piece calls it before each piece. Without a
+//! limit the answer is yes and costs a counter; when a rewrite has broken a
+//! function, running the pass with a smaller and smaller limit finds that
+//! rewrite (as `-opt-bisect-limit` does for whole passes in LLVM).
 //!
-//! Invariants: questions come in an order that the function alone decides,
-//! and those up to the limit do not depend on the limit. A piece that was
-//! refused stays the operations it was.
+//! Invariants: questions come in an order that the function alone decides, and
+//! those up to the limit do not depend on the limit. A refused piece is left as
+//! the original operations.
 
 use robovec_ir::Name;
 use std::cell::{Cell, RefCell};
@@ -48,8 +48,8 @@ impl RewriteLimit {
     }
 
     /// True when a rewrite has been refused. A pass that compares its result
-    /// with what it took must then give the result nevertheless, and stop:
-    /// whether the first rewrites alone are worth having is not the question.
+    /// with its input must then give the result nevertheless, and stop, whether
+    /// or not the first rewrites alone are an improvement.
     pub fn has_refused(&self) -> bool {
         self.limit.is_some_and(|limit| self.asked.get() > limit)
     }
@@ -59,8 +59,8 @@ impl RewriteLimit {
         self.asked.get()
     }
 
-    /// The rewrite at the limit, when it was reached: the value's name, and
-    /// how it was rewritten.
+    /// The rewrite at the limit, when it was reached: the value's name, and the
+    /// rule.
     pub fn last(&self) -> Option<(Name, String)> {
         self.last.borrow().clone()
     }

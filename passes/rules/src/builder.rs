@@ -1,8 +1,7 @@
 //! Putting rules together while their text is read.
 //!
-//! Every action of the grammar calls the builder at once; no tree is built. A
-//! mistake is reported where it is found, and the rule it is in is not read
-//! further.
+//! Every action of the grammar calls the builder immediately; no tree is built. A mistake
+//! is reported where it is found, and the rest of its rule is skipped.
 
 use super::pattern::{Pattern, PatternNode};
 use super::rule::{Condition, Requirement, Rule, RulePlaces};
@@ -15,7 +14,7 @@ use robovec_ir::diagnostic::{Diagnostic, Label, clip, did_you_mean};
 use robovec_num::decimal;
 use std::ops::Range;
 
-/// Maximum number of mistakes reported of one file; after so many it is no rule file.
+/// Maximum number of mistakes reported of one file; with more it is probably no rule file.
 const MAX_MISTAKES: usize = 20;
 
 /// Words that cannot be the name of a rule.
@@ -309,7 +308,7 @@ impl<'text> RuleBuilder<'text> {
         self.once(twice, span)
     }
 
-    /// Takes a class; `clause` is where its clause begins.
+    /// Reads a class; `clause` is the start of its clause.
     pub(super) fn class(
         &mut self,
         clause: Range<usize>,
@@ -370,7 +369,7 @@ impl<'text> RuleBuilder<'text> {
         Ok(())
     }
 
-    /// Checks what the two sides must be for the rule to make sense.
+    /// Checks the conditions on the two sides under which the rule makes sense.
     fn sides(
         &mut self,
         left: &Side,

@@ -2,8 +2,8 @@
 //!
 //! A thin layer over egg: patterns become terms and rewrites. Budgets count
 //! nodes and iterations, never seconds, so that an experiment has the same
-//! outcome everywhere. Conditions of rules are taken as met: a graph here
-//! shows how rules grow and what they derive, it rewrites no program.
+//! outcome everywhere. Conditions of rules are assumed to hold: a graph here
+//! shows how rules grow and what they derive, and rewrites no program.
 
 use super::pattern::{Pattern, PatternNode};
 use super::rule::Rule;
@@ -17,7 +17,7 @@ use std::time::Duration;
 /// A node of a graph.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(super) enum GraphTerm {
-    /// A value that nothing is known of.
+    /// A value without known properties.
     Leaf(u32),
     /// A number, by its bits.
     Number(u64),
@@ -122,7 +122,7 @@ pub(super) struct Grown {
     pub(super) graph: EGraph<GraphTerm, ()>,
     /// The class of each term it was grown from.
     pub(super) roots: Vec<Id>,
-    /// True when nothing more can be found.
+    /// True when no rule can add a form.
     pub(super) saturated: bool,
 }
 
@@ -135,8 +135,8 @@ pub(super) fn grow(
     run(runner(terms, budget), rewrites)
 }
 
-/// Tests whether two terms become equal in a graph grown from them, which ends
-/// when they do.
+/// Tests whether two terms become equal in a graph grown from them; growth
+/// stops when they do.
 pub(super) fn are_equal(
     terms: &[RecExpr<GraphTerm>; 2],
     rewrites: &[Rewrite<GraphTerm, ()>],

@@ -1,9 +1,9 @@
 //! Rewriting rules as data.
 //!
-//! A rule states that what looks like its left side may become its right side.
-//! Rules live in files (`rules/*.rules`) that are read at run time, so that
-//! trying a new one takes no compiler: the format is described in
-//! docs/rules.md. The files that ship are embedded, as machines are.
+//! A rule states that a term that matches its left side may be replaced by its
+//! right side. Rules live in files (`rules/*.rules`) that are read at run time,
+//! so that trying a new one takes no compiler: the format is described in
+//! docs/rules.md. The files that ship are embedded, as machine files are.
 //!
 //! Invariant: a set that was read is well formed (every variable of a right
 //! side is bound, no side is empty, names are unique), but it need not be

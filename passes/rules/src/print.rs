@@ -1,4 +1,4 @@
-//! Rules as text: what the reader reads back as the same rules.
+//! Rules as text, from which the reader reads the same rules.
 
 use super::pattern::{Pattern, PatternNode};
 use super::rule::Rule;

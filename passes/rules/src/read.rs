@@ -25,7 +25,7 @@ lalrpop_mod!(
 /// Longest rule file, in bytes.
 const LONGEST: usize = 4 << 20;
 
-/// Reads a file of rules; what is wrong in it is reported all at once.
+/// Reads a file of rules; all its mistakes are reported together.
 pub(super) fn parse(text: &str, file_name: &str) -> Result<RuleSet, Report> {
     let mut reader = RuleReader {
         text,
@@ -61,7 +61,7 @@ const EXPECTED: [(&str, RuleToken<'_>); 8] = [
     ("'='", RuleToken::Equals),
 ];
 
-/// A token as the parser takes it.
+/// A token in the form of the parser.
 fn located<'text>((token, span): &Placed<'text>) -> Result<(usize, RuleToken<'text>, usize), Told> {
     Ok((span.start, *token, span.end))
 }
@@ -160,9 +160,9 @@ impl RuleReader<'_> {
         }
     }
 
-    /// Does what the parser puts off until it has seen the next token, by
-    /// reading the tokens before a mistake once more with one after them that
-    /// is expected: what is wrong with them comes first.
+    /// Completes the actions that the parser delays until the next token, by
+    /// reading the tokens before a mistake once more with an expected one after
+    /// them: earlier mistakes are reported first.
     fn settle(&mut self, before: Range<usize>, expected: &[&str]) -> Result<(), Told> {
         let next = EXPECTED.iter().find(|(name, _)| expected.contains(name));
         let next = next.map(|&(_, token)| (token, 0..0));
@@ -174,7 +174,7 @@ impl RuleReader<'_> {
         }
     }
 
-    /// Reports that something else should be at a token, or at the end.
+    /// Reports an unexpected token, or an unexpected end.
     fn unexpected(&mut self, found: Option<(RuleToken<'_>, Range<usize>)>, expected: &[&str]) {
         if let Some((RuleToken::Unknown, _)) = found {
             return; // It was told before.

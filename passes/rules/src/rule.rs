@@ -69,7 +69,7 @@ pub struct RulePlaces {
     pub class: Range<usize>,
 }
 
-/// A rule: what looks like the left side may become the right side.
+/// A rule: a term that matches the left side may be replaced by the right side.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Rule {
     /// The name, unique in its set.
@@ -112,8 +112,8 @@ impl Rule {
         }
     }
 
-    /// The rule and, when it goes both ways, its reverse as a separate rule,
-    /// whose name ends in `.back`. Each of the two goes one way only.
+    /// The rule and, if it has two directions, its reverse as a separate rule,
+    /// whose name ends in `.back`. Each of the two has one direction.
     pub fn directed(&self) -> Vec<Rule> {
         let forward = Rule {
             both_ways: false,

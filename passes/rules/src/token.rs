@@ -72,13 +72,13 @@ pub(crate) enum RuleToken<'text> {
 }
 
 impl RuleToken<'_> {
-    /// True for what a name with hyphens can start with.
+    /// True for a first character of a name with hyphens.
     fn starts_name(self) -> bool {
         use RuleToken::{Class, Rule, When, Word};
         matches!(self, Word(_) | Rule | When | Class)
     }
 
-    /// True for what a name with hyphens can continue with.
+    /// True for a further character of a name with hyphens.
     fn continues_name(self) -> bool {
         self.starts_name() || matches!(self, RuleToken::Number(_) | RuleToken::Minus)
     }

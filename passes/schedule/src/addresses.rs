@@ -1,15 +1,15 @@
 //! Addresses in memories and buffers.
 //!
-//! The lifetimes of the words of one memory are intervals of cycles, so
-//! handing out a freed address whenever there is one needs exactly as many
-//! addresses as words are ever alive at once: no allocation needs fewer.
+//! The lifetimes of the words of one memory are intervals of cycles, so reusing
+//! freed addresses needs exactly as many addresses as words are ever alive at
+//! once, the minimum.
 
 use super::graph::{Datum, DependenceGraph};
 use super::locations::{Entry, Memory, StoredDatum};
 use super::state::ScheduleDraft;
 use robovec_ir::placement::{Address, BufferWord};
 
-/// An address for each entry, and how many each memory uses.
+/// An address for each entry, and the number used in each memory.
 #[derive(Clone, Debug)]
 pub(super) struct Addresses {
     /// Per entry; `None` for entries that were forgotten.

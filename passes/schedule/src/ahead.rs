@@ -9,16 +9,16 @@
 //! there: write ports are reserved in the cycle in which the operand appears.
 //!
 //! A seat is a promise, not a decision. An operation that finds its element
-//! taken goes to any other one whose ports were free at the right time, and
-//! one whose next operand finds no port at its seat moves to a seat where all
-//! of its operands find one. What nobody claims any more is given up, and its
-//! ports are free again, though the cycle may be past: the word is then not
-//! written at all.
+//! taken goes to any other one whose ports were free at the right time, and one
+//! whose next operand finds no port at its seat moves to a seat where all of
+//! its operands find one. A reservation that no operation claims any more is
+//! given up, and its ports are free again, even in a past cycle: the word is
+//! then not written.
 //!
 //! Invariant: the words of all issued operands of an operation that is not
-//! issued are reserved at its seat. An operation whose readers find no seats
-//! is not issued yet; ports of later cycles are always free, so this never
-//! gets stuck, whatever the machine.
+//! issued are reserved at its seat. An operation whose readers find no seats is
+//! not issued yet; ports of later cycles are always free, so this always makes
+//! progress, on any machine.
 
 use super::choice::{IssueDecision, IssuePlan};
 use super::graph::{Datum, DependenceGraph};
@@ -145,10 +145,10 @@ impl Sweep<'_> {
         self.cheapest_plain(&sources, node, free, cycle)
     }
 
-    /// Reserves the ports for the result of a node in its write-back cycle:
-    /// at the seats of its readers, which get one or another one for it.
-    /// Where that is impossible nothing is reserved and there is `None`, or,
-    /// when `partial`, those readers go without.
+    /// Reserves the ports for the result of a node in its write-back cycle, at
+    /// the seats of its readers, which get a seat for it if they have none.
+    /// Where that is impossible no seat is reserved and the result is `None`,
+    /// or, when `partial`, those readers get no seat.
     fn book(&mut self, node: usize, result: WriteBack, partial: bool) -> Option<Booking> {
         self.draft.locations.data[node].result = Some(result);
         let mut booking = Booking::default();
@@ -180,9 +180,9 @@ impl Sweep<'_> {
         Some(booking)
     }
 
-    /// The seat of an operation and what must be written for it: the one it
-    /// has, or the smallest loaded one that is possible; the fewer new words
-    /// and the shorter the ways the better among equals.
+    /// The seat of an operation and the words to be written for it: its present
+    /// seat, or the least loaded possible one; among equals the one with fewer
+    /// new words and shorter transfers.
     fn find_seat(&self, user: usize) -> Option<(Seat, Needs)> {
         let ahead = self.ahead.as_ref()?;
         if let Some(seat) = ahead.seat(user)
@@ -248,7 +248,7 @@ impl Sweep<'_> {
         Some(needs)
     }
 
-    /// Any memory that can take the result of an output nobody reads.
+    /// Any memory that can take the result of an unread output.
     fn find_home(&self, node: usize, result: WriteBack) -> Option<WordNeed> {
         let (ports, locations) = (&self.draft.ports, &self.draft.locations);
         let need = |memory: Memory| WordNeed {
@@ -361,9 +361,9 @@ impl Sweep<'_> {
         }
     }
 
-    /// Gives up the claims of a node at a seat, save on a datum that was not
-    /// issued when it had it; words that nobody wants any more are not
-    /// written, those in memories the node now reads excepted.
+    /// Gives up the claims of a node at a seat, except on a datum that was not
+    /// issued at its reservation; words without a remaining claim are not
+    /// written, except those in memories that the node now reads.
     fn release(
         &mut self,
         user: usize,

@@ -2,12 +2,12 @@
 //!
 //! Every operation `i` has a *head* `r` (no schedule issues it before cycle
 //! `r`) and a *tail* `q` (from its issue, no schedule ends in less than `q`
-//! cycles), both longest paths. Forget everything else but the number `N` of
-//! elements of one kind: what remains is to put unit tasks with releases `r`
-//! on `N` machines so that the latest of `issue + q` is least. Since the
-//! tasks are of unit length and the releases whole numbers, taking the
-//! released task with the largest tail first (Jackson's rule) is optimal, and
-//! by Hall's condition on intervals its result is exactly
+//! cycles), both longest paths. All constraints except the number `N` of
+//! elements of one kind are relaxed: unit tasks with releases `r` are put on
+//! `N` machines so that the latest of `issue + q` is least. Since the tasks are
+//! of unit length and the releases whole numbers, taking the released task with
+//! the largest tail first (Jackson's rule) is optimal, and by Hall's condition
+//! on intervals its result is exactly
 //!
 //! > max over r, q of  r + ceil(|{i: head >= r, tail >= q}| / N) - 1 + q
 //!

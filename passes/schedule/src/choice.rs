@@ -1,11 +1,11 @@
 //! The choice of the element of an operation (thesis 2.3 and Table 2.1).
 //!
-//! An element can take an operation when all operands are in its memory or
-//! can still get there: *directly*, through a write port that is free in the
-//! very cycle the operand appeared on the crossbar, or *indirectly*, through
-//! the producer's buffer in a later cycle that is past. Table 2.1 ranks the
-//! nine combinations; direct transfers never need what indirect ones do, so
-//! indirect ones are considered only when no element does without.
+//! An element can take an operation when all operands are in its memory or can
+//! still get there: *directly*, through a write port that is free in the very
+//! cycle the operand appeared on the crossbar, or *indirectly*, through the
+//! producer's buffer in a later cycle that is past. Table 2.1 ranks the nine
+//! combinations; direct transfers never need the resources of indirect ones, so
+//! indirect ones are considered only when every element needs one.
 
 use super::graph::Datum;
 use super::locations::{Entry, Locations, Memory, WriteBack};
@@ -41,10 +41,10 @@ pub(super) const RANKS: [[u8; 3]; 3] = [[1, 2, 5], [3, 4, 7], [6, 8, 9]];
 /// memory is best, and one through a buffer is worse than anything without.
 pub(super) const ADDEND_RANKS: [u8; 3] = [0, 2, 9];
 
-/// The number of cycles after its write-back in which an operand's indirect
-/// write is looked for, and how many before the issue. Between them lies what
-/// is busy anyway; the limit keeps the search from growing with the length of
-/// the program.
+/// The number of cycles after its write-back in which an indirect write of an
+/// operand is searched for, and the number before the issue. Elements between
+/// them are busy anyway; the limit keeps the search independent of the length
+/// of the program.
 const EARLY_WINDOW: u32 = 96;
 const LATE_WINDOW: u32 = 24;
 
@@ -99,7 +99,7 @@ pub(super) struct Planned {
     source: OperandSource,
     memory: Memory,
     route: Route,
-    /// The cycle in which the word departs, unless it is there.
+    /// The cycle in which the word departs, unless it is already in place.
     word: Option<WordTransfer>,
 }
 
@@ -155,7 +155,7 @@ pub(super) fn word(
 pub(super) struct Others([Option<Planned>; PLANNED]);
 
 impl Others {
-    /// Adds a transfer, unless it is there.
+    /// Adds a transfer, unless it exists.
     pub(super) fn add(&mut self, planned: Planned) {
         let same = |other: &Planned| {
             other.source.datum == planned.source.datum && other.memory == planned.memory
@@ -238,7 +238,7 @@ pub(super) struct Beside<'a> {
 }
 
 impl Beside<'_> {
-    /// The transfer of another word for an operand; what is there takes none.
+    /// The transfer of another word for an operand; `None` when it is already in place.
     #[inline]
     fn transfer(&self, other: usize) -> Option<(OperandSource, Route)> {
         let route = self.plan.routes[other].filter(|route| route.moves())?;
@@ -247,8 +247,8 @@ impl Beside<'_> {
         Some((source, route))
     }
 
-    /// Words they write into a memory in a cycle: what [`Others::writes`]
-    /// counts, for a look that needs nothing else about them.
+    /// Words they write into a memory in a cycle, as [`Others::writes`] counts
+    /// them, for searches that need no other figure.
     #[inline]
     pub(super) fn writes(&self, cycle: u32, memory: Memory) -> u8 {
         let (mut count, mut first) = (0, None);
@@ -266,7 +266,7 @@ impl Beside<'_> {
         count
     }
 
-    /// All about them.
+    /// All data about them.
     pub(super) fn others(&self, ports: &Ports) -> Others {
         let mut others = Others::default();
         for other in 0..Operand::MAX_COUNT {

@@ -1,5 +1,5 @@
-//! The issue of an operation: the reservation of its transfers, and what its
-//! readers learn of it.
+//! The issue of an operation: the reservation of its transfers, and the update
+//! of its readers.
 
 use super::choice::{IssuePlan, OperandSource, OperandSources, Route, word};
 use super::graph::Datum;
@@ -128,7 +128,7 @@ impl Sweep<'_> {
     }
 
     /// The first cycle in which some element can have all operands of a node
-    /// whose operands are issued, as far as the network's latency goes.
+    /// whose operands are issued, counting only the network's latency.
     fn first_arrival(&self, node: usize) -> u32 {
         let draft = &self.draft;
         let sources = self.sources(node);

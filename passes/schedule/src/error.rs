@@ -45,14 +45,14 @@ pub enum PlaceError {
         /// Name of the machine.
         machine: String,
     },
-    /// More words are alive at once than a memory has.
+    /// The number of words alive at once exceeds the size of a memory.
     #[error("the memory of {element} needs {needed} words but has {available}")]
     MemoryTooSmall {
         /// The memory as in the text form, such as `add0` or `multi3.left`.
         element: String,
         /// Words alive at once.
         needed: u32,
-        /// Words there are.
+        /// Number of available words.
         available: u32,
     },
     /// Numbers of cycles, or the tables over them, would become too large.

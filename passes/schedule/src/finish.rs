@@ -27,7 +27,7 @@ pub(super) struct Settled {
 ///
 /// # Errors
 ///
-/// Fails when a memory is too small for the words alive at once.
+/// Fails when a memory has fewer words than are alive at once.
 pub(super) fn finish(
     function: &mut Function,
     mut graph: DependenceGraph,

@@ -1,5 +1,5 @@
-//! The function as the scheduler sees it: who needs whom, on what kind of
-//! element, and how long the chains before and after an operation are.
+//! The function as a graph for the scheduler: readers, kinds of elements, and
+//! the lengths of the chains before and after each operation.
 
 use super::error::PlaceError;
 use robovec_ir::{
@@ -58,8 +58,7 @@ pub(super) struct DependenceGraph {
     pub(super) tail: Vec<u32>,
     /// The longest chain of the program.
     pub(super) path: u32,
-    /// By input and by constant the number of its datum; 0 for those that
-    /// nothing reads.
+    /// Datum number of each input and constant; 0 for unread ones.
     inputs: Vec<u32>,
     /// See [`DependenceGraph::inputs`].
     constants: Vec<u32>,
@@ -170,7 +169,7 @@ impl DependenceGraph {
             .is_some_and(|&kind| kind != HOST)
     }
 
-    /// Frees what only scheduling needs.
+    /// Frees the tables that only scheduling uses.
     pub(super) fn release_links(&mut self) {
         self.user_starts = Vec::new();
         self.users = Vec::new();

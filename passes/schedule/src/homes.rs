@@ -53,7 +53,7 @@ pub(super) fn settle_homes(
     Ok(homes)
 }
 
-/// Reserves a write for a result that nothing reads.
+/// Reserves a write for an unread result.
 fn new_home(draft: &mut ScheduleDraft, datum: Datum, kept: &[u32]) -> Result<Entry, Stuck> {
     let result = draft.locations.computed(datum);
     let (producer, back) = (result.element, result.cycle);

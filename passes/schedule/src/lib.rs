@@ -14,10 +14,10 @@
 //! - `homes`: words that keep the outputs to the end;
 //! - `addresses`, `finish`: addresses by lifetime, and the result.
 //!
-//! Everything is linear in the operations, up to the sorting of priorities
-//! and the number of elements an operation chooses from. Node order, names
-//! and sources stay; operands of commutative operations may change sides on
-//! machines with a memory per side.
+//! The time is linear in the number of operations, up to the sorting of
+//! priorities and the number of elements that an operation can choose from.
+//! Node order, names and sources stay; operands of commutative operations may
+//! change sides on machines with a memory per side.
 
 mod addresses;
 mod ahead;
@@ -70,9 +70,9 @@ const LARGEST_TABLE: u64 = 1 << 30;
 /// The choices with which a function is placed.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Default)]
 pub struct PlaceOptions {
-    /// The rule for which operation goes first.
+    /// The rule for the order of operations.
     pub priority: Priority,
-    /// The rule for which element it goes to.
+    /// The rule that chooses an element for an operation.
     pub choice: ElementChoice,
 }
 
@@ -89,8 +89,8 @@ pub struct PlaceSummary {
     pub tries: u32,
 }
 
-/// A length that no schedule of a function on a machine can beat, found
-/// without placing it.
+/// A lower bound of the length of every schedule of a function on a machine,
+/// without a placement.
 ///
 /// # Errors
 ///

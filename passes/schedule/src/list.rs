@@ -1,16 +1,16 @@
-//! List scheduling without memories: how short a schedule an order gives.
+//! List scheduling without memories: the length of the schedule for an order.
 //!
-//! It costs a fraction of the placement sweep, so orders are tried
-//! with it. It also runs from the end of the program backwards; the issue cycles
-//! of such a schedule are in turn an order, which knows where elements are
-//! scarce late in the program as no longest path can.
+//! It takes a fraction of the time of the placement sweep, so orders are tried
+//! with it. It also runs from the end of the program backwards; the issue
+//! cycles of such a schedule are in turn an order, which takes into account
+//! scarce elements late in the program as no longest path can.
 
 use super::graph::{DependenceGraph, HOST};
 use super::order::SchedulingOrder;
 use super::ready::{Calendar, RankSet};
 use robovec_ir::Function;
 
-/// A schedule that knows no memories.
+/// A schedule without memories.
 #[derive(Clone, Debug)]
 pub(super) struct ListSchedule {
     /// Cycle of issue of each node, from 0; counted from the end when
@@ -95,9 +95,9 @@ impl<'a> ListScheduler<'a> {
         }
     }
 
-    /// One thing the node waited for is there from a cycle on; when it was
-    /// the last, the node enters the calendar. Until a node is issued,
-    /// `issue` holds the latest such cycle.
+    /// One operand of the node is available from a cycle on; after the last
+    /// one, the node enters the calendar. Until a node is issued, `issue` holds
+    /// the latest such cycle.
     fn satisfied(&mut self, node: usize, from: u32, delay: u32) {
         self.issue[node] = self.issue[node].max(from);
         self.waits_for[node] -= 1;

@@ -66,8 +66,8 @@ impl StoredDatum {
         self.last_read = cycle.map(StoredCycle::new);
     }
 
-    /// True for a word that was booked and that nothing has read so far: its
-    /// last read is still the cycle in which it is written.
+    /// True for a reserved word without a reader so far: its last read is still
+    /// the cycle in which it is written.
     pub(super) fn is_unread(&self) -> bool {
         self.last_read == self.written
     }

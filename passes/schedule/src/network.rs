@@ -1,8 +1,8 @@
 //! Ways of words through a network (the conventions are those of
 //! [`robovec_ir::machine::interconnect`]).
 //!
-//! Ways are followed link by link where they are requested, never stored: a
-//! table of all pairs would grow with the square of the elements.
+//! Paths are followed link by link on request, never stored: a table of all
+//! pairs would grow with the square of the elements.
 
 use robovec_ir::machine::interconnect::{self, Interconnect, LinkNetwork, Topology};
 use robovec_ir::placement::Element;

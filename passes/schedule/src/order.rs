@@ -104,9 +104,9 @@ impl SchedulingOrder {
     /// scale of the longest chain.
     ///
     /// Pure ALAPCycle does all of one stage before the next; where stages
-    /// consist of additions or of products mostly, the other elements idle.
-    /// The program as written goes through the stages of one body after the
-    /// other, so that leaning towards it mixes the kinds.
+    /// consist of additions or of products mostly, the other elements idle. The
+    /// program as written follows the stages of one body after the other, so
+    /// that a bias towards it mixes the kinds.
     pub(super) fn towards_program(graph: &DependenceGraph, share: u64) -> SchedulingOrder {
         let nodes = graph.kind.len().max(1) as u64;
         SchedulingOrder::by_key(graph, |node| {

@@ -1,5 +1,5 @@
-//! Placement as a pass: its options, the machine with the numbers of elements
-//! they ask for, and what the user reads. The placing itself is [`place`].
+//! Placement as a pass: its options, the machine with the requested numbers of
+//! elements, and the messages for the user. The placing itself is [`place`].
 
 use super::{ElementChoice, PlaceError, PlaceOptions, Priority, place};
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
@@ -39,8 +39,8 @@ declare_pass! {
     /// there until a better element proves to have been free.
     ///
     /// On a machine with another interconnect than the crossbar words take
-    /// time, and links that carry few of them; near elements are preferred.
-    /// The bound does not know of that.
+    /// time, and links that carry few of them; near elements are preferred. The
+    /// bound does not include that.
     pub struct Place("place") {
         /// Adders; by default those of the machine file.
         pub n_add: Option<u32> = None => fields::count::LIMIT,
@@ -159,8 +159,8 @@ impl Pass for Place {
     }
 }
 
-/// The error of a placement as that of the pass: with the equations it is
-/// about, where it is about some, and what the user can do.
+/// Turns the error of a placement into that of the pass: with the equations
+/// concerned, if any, and the remedy.
 pub fn explain(error: &PlaceError, function: &Function, context: &Context<'_>) -> PassError {
     let about = |value: &Value| {
         let node = function.node(*value);

@@ -1,5 +1,5 @@
-//! Planning one operation: for each element, how its operands would get
-//! there; then the best of them.
+//! Planning one operation: for each element, the transfers of its operands;
+//! then the best element.
 
 use super::choice::{
     ADDEND_RANKS, Beside, ElementChoice, IssueDecision, IssuePlan, OperandSource, OperandSources,
@@ -15,9 +15,9 @@ use robovec_ir::placement::Element;
 /// this many cycles before the target.
 const MARGIN: u32 = 4;
 
-/// Plans compared for one operation: more than any machine that can be built
-/// has elements of a kind, so that only machines of thousands of elements,
-/// asked for what the longest chain allows, are searched in part.
+/// Maximum number of plans compared for one operation: no machine that can be
+/// built has as many elements of a kind; only imagined machines of thousands of
+/// elements are searched in part.
 const MAX_COMPARED: usize = 128;
 
 /// The cost that [`ElementChoice::Preferential`] minimises: the rank, the
@@ -134,7 +134,7 @@ impl Sweep<'_> {
 
     /// As [`Sweep::cheapest`], of the plans without buffers for a node.
     ///
-    /// What such a plan costs follows from where the operands are, so that
+    /// The cost of such a plan follows from the places of the operands, so that
     /// ports are considered only for a plan that would be the best so far.
     pub(super) fn cheapest_plain(
         &self,
@@ -254,7 +254,7 @@ impl Sweep<'_> {
     }
 
     /// The plan with at least one operand through a buffer; called when there
-    /// is none without. What can go directly does.
+    /// is none without. Operands that can be sent directly are.
     fn indirect(&self, sources: &OperandSources, at: IssuePlan, cycle: u32) -> Option<IssuePlan> {
         let draft = &self.draft;
         if !draft.ports.has_buffer() {
@@ -325,8 +325,8 @@ impl Sweep<'_> {
         (rank, 0, travels, loads, self.words(at))
     }
 
-    /// The way through the network that operands take to a place. Apart, as
-    /// what else networks take.
+    /// The way through the network that operands take to a place. Transfers
+    /// over networks, which need further resources.
     #[inline(never)]
     fn plain_travels(&self, sources: &OperandSources, at: &IssuePlan) -> u32 {
         let travel = |operand: usize| {

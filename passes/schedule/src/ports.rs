@@ -1,10 +1,10 @@
 //! The reservations of each cycle: write ports, buffer outputs, buffer words.
 //!
 //! A transfer is reserved when the operation that needs it is issued, and it
-//! may lie in the past: the crossbar could have written the word along with
-//! an earlier one. So the tables keep every cycle. They are dense, one byte
-//! per memory and cycle, because the cycles asked about lie close together
-//! and a row then is a single cache line.
+//! may lie in the past: the crossbar could have written the word along with an
+//! earlier one. So the tables keep every cycle. They are dense, one byte per
+//! memory and cycle, because the requested cycles are close together and a row
+//! then is a single cache line.
 
 use super::graph::Datum;
 use super::locations::{Locations, Memory};
@@ -12,7 +12,7 @@ use super::network::Wires;
 use robovec_ir::placement::Element;
 use robovec_ir::{Machine, Operand};
 
-/// The maximum number of words planned at once, beside the one asked about.
+/// The maximum number of words planned at once, besides the requested one.
 pub(super) const PLANNED: usize = Operand::MAX_COUNT - 1;
 
 /// Reservations of all cycles so far.
@@ -36,8 +36,7 @@ pub(super) struct Ports {
     links: Vec<u8>,
 }
 
-/// A word during the run: what, from which element to which, and when it
-/// departs.
+/// A word during the run: the datum, its source and target, and its departure.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct WordTransfer {
     pub(super) datum: Datum,
@@ -110,15 +109,15 @@ impl Ports {
         }
     }
 
-    /// The latency of a network, apart from what is asked about a crossbar
-    /// for every operand at every place.
+    /// The latency of a network, separate from the fast path for a crossbar,
+    /// which is evaluated for every operand at every place.
     #[inline(never)]
     fn travel_time(&self, from: Element, memory: Memory) -> u32 {
         let wires = self.wires.as_ref();
         wires.map_or(0, |wires| wires.latency(from, self.element_of(memory)))
     }
 
-    /// The element a memory belongs to.
+    /// The element that has a memory.
     pub(super) fn element_of(&self, memory: Memory) -> Element {
         Element::new((memory.index() / self.banks) as u32)
     }
@@ -128,9 +127,9 @@ impl Ports {
         (0..self.memories as u32).map(Memory::new)
     }
 
-    /// True when every link on the way of a word has room for it beside
-    /// those of words that are planned; its own word on other ways takes no
-    /// more room.
+    /// True when every link on the path of a word has capacity for it besides
+    /// the planned words; its own word on other paths needs no further
+    /// capacity.
     pub(super) fn can_travel(
         &self,
         locations: &Locations,

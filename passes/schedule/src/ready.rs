@@ -40,7 +40,7 @@ impl RankSet {
         }
     }
 
-    /// Takes a rank out.
+    /// Removes a rank.
     pub(super) fn remove(&mut self, rank: u32) {
         let mut index = rank as usize;
         for level in &mut self.levels {

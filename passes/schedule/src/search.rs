@@ -39,8 +39,8 @@ pub(super) struct PlacementSearch<'a> {
 }
 
 impl PlacementSearch<'_> {
-    /// Places in an order, in the manners that suit the machine, and keeps
-    /// the result if it is better than what there is.
+    /// Places operations in an order, in the manners that suit the machine, and
+    /// keeps the result if it is better than the best so far.
     pub(super) fn sweep(&mut self, name: &'static str, order: &SchedulingOrder) {
         self.tries += 1;
         if self.books() {
@@ -55,10 +55,10 @@ impl PlacementSearch<'_> {
         }
     }
 
-    /// True when ports are booked before operations are issued. With one or
-    /// two elements of a kind there is hardly a choice at issue, and what
-    /// keeps the buffers small is not to let results appear together; with
-    /// more of them, booking only ties hands.
+    /// True when ports are booked before operations are issued. With one or two
+    /// elements of a kind there is hardly a choice, and the buffers stay small
+    /// when results appear at different times; with more of them, reservations
+    /// only remove freedom.
     fn books(&self) -> bool {
         let graph = self.task.graph;
         self.task.choice == ElementChoice::Preferential
@@ -107,8 +107,8 @@ impl PlacementSearch<'_> {
     }
 
     /// Tries more orders on a machine without buffers: there list schedules
-    /// without memories state little about what ports will allow, so every
-    /// order is swept.
+    /// without memories predict little about port conflicts, so every order is
+    /// swept.
     fn without_buffers(&mut self) {
         if self.task.machine.buffer.is_some() {
             return;
@@ -195,7 +195,7 @@ pub(super) struct PlacementCandidate {
     pub(super) homes: Vec<Option<Entry>>,
     /// The buffer word of each node that needs one.
     pub(super) buffers: Vec<Option<BufferWord>>,
-    /// The order it comes from.
+    /// The name of its order.
     pub(super) order: &'static str,
     /// Smaller is better: cycles above the bound, in steps of 1/4096 of it;
     /// the deepest buffer; cycles.

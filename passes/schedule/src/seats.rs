@@ -16,7 +16,7 @@ pub(super) struct Ahead {
     banks: usize,
 }
 
-/// An operation's element: its number, and whether the operands change sides.
+/// An operation's element: its number, and a flag for exchanged operands.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Seat {
     pub(super) element: Element,
@@ -24,7 +24,7 @@ pub(super) struct Seat {
 }
 
 impl Ahead {
-    /// Nothing bound.
+    /// No seats reserved.
     pub(super) fn new(nodes: usize, elements: usize, banks: usize) -> Ahead {
         Ahead {
             bound: vec![None; nodes],

@@ -1,4 +1,4 @@
-//! The state of a sweep, and what it is started with.
+//! The state of a sweep, and its initial values.
 
 use super::choice::ElementChoice;
 use super::graph::DependenceGraph;
@@ -41,7 +41,7 @@ pub(super) enum IssueOutcome {
     Issued,
     /// It stays ready.
     Waits,
-    /// It found no way.
+    /// No placement was found.
     Failed,
 }
 
@@ -51,7 +51,7 @@ pub(super) struct Task<'a> {
     pub(super) function: &'a Function,
     pub(super) graph: &'a DependenceGraph,
     pub(super) machine: &'a Machine,
-    /// The rule for which element an operation goes to.
+    /// The rule that chooses an element for an operation.
     pub(super) choice: ElementChoice,
     /// The length aimed at: the bound.
     pub(super) target: u32,

@@ -1,11 +1,11 @@
 //! The placement sweep: cycle by cycle, best operation first, each on the
 //! element that suits it, with every transfer reserved.
 //!
-//! Invariants. An operation is issued only when all operands can be read:
-//! every entry it uses was written in an earlier cycle. Reservations are
-//! never taken back. An operation that finds no element is tried again after
-//! a wait that doubles with each failure, so that the work stays proportional
-//! to the operations however crowded the ports are.
+//! Invariants. An operation is issued only when all operands can be read: every
+//! entry it uses was written in an earlier cycle. Reservations are never taken
+//! back. An operation that finds no element is tried again after a wait that
+//! doubles with each failure, so that the work stays proportional to the
+//! operations for any load of the ports.
 
 use super::choice::IssueDecision;
 use super::graph::HOST;
@@ -17,9 +17,9 @@ use super::state::{IssueOutcome, LONGEST_PAUSE, Manner, ScheduleDraft, Stuck, Sw
 ///
 /// # Errors
 ///
-/// [`Stuck`] when the machine has no buffers or small ones and the choices
-/// left an operand without a way; with [`Manner::Ahead`], only when memories
-/// take no writes at all.
+/// [`Stuck`] when the machine has no buffers or small ones and the choices left
+/// an operand without a path; with [`Manner::Ahead`], only when memories take
+/// no writes at all.
 pub(super) fn sweep(
     task: Task<'_>,
     order: &SchedulingOrder,
@@ -63,8 +63,8 @@ impl Sweep<'_> {
         }
     }
 
-    /// Issues what the elements of one kind can take in one cycle: first what
-    /// needs no buffer or cannot wait, then, on elements still free, the rest.
+    /// Issues as many operations as the elements of one kind can take in one cycle: first
+    /// those that need no buffer or cannot wait, then, on elements still free, the rest.
     fn issue_kind(&mut self, kind: usize, cycle: u32) -> Result<(), Stuck> {
         let mut free = self.graph.kinds[kind].count;
         let tries = 8 * free + 64;

@@ -152,7 +152,7 @@ fn random_programs_obey_networks() {
     }
 }
 
-/// Purpose of the verifier: a word that arrives before it can have.
+/// Test of the verifier: a word that arrives before its earliest possible cycle.
 #[test]
 fn a_placement_for_a_crossbar_breaks_the_rules_of_a_network() {
     let mut function = random_function(200, 20, 3);

@@ -5,14 +5,14 @@ use robovec_ir::{Function, Operand, OperandKind, Operation, Output, View};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::ball::{Ball, Balls};
 
-/// The largest distance of a rounded constant from its value, relative to it,
-/// whatever the value can be within its bound: one unit in the last place of
-/// binary64, so twice what rounding once does.
+/// The largest relative distance of a rounded constant from its value, for any
+/// value within its bound: one unit in the last place of binary64, twice the
+/// error of one rounding.
 const TOLERANCE: f64 = f64::EPSILON;
 
 /// Tests whether a function is its witness with constants instead of constant
-/// expressions: the witness computes these first, from numbers alone, and what
-/// follows is operation for operation the same.
+/// expressions: the witness computes these first, from numbers alone, and the
+/// rest is operation for operation the same.
 pub(super) fn compare(witness: &Function, after: View<'_>) -> Result<(), String> {
     let function = after.function;
     let extra = witness.nodes().len().checked_sub(function.nodes().len());
@@ -53,8 +53,8 @@ pub(super) fn compare(witness: &Function, after: View<'_>) -> Result<(), String>
 }
 
 /// The largest part of an array's largest element by which rounding constants
-/// may move its elements: far above what rounding does to a sum or product of
-/// them, far below what it does to the sine of a large one.
+/// may move its elements: far above the effect of rounding on a sum or product
+/// of them, far below that on the sine of a large one.
 pub const LARGEST_MOVE: f64 = 1.0 / (1u64 << 30) as f64;
 
 /// Operations up to which exact values are certified.

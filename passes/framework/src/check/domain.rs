@@ -60,7 +60,7 @@ const MAX_PARTS: usize = 64;
 /// A value up to a constant factor: the quotients of its residues.
 type ValueKey = [u64; POINTS - 1];
 
-/// The key of what is zero everywhere, which no other value has.
+/// The key of values that are zero everywhere; no other value has it.
 const ZERO: ValueKey = [0; POINTS - 1];
 
 /// The condition of a value up to a constant factor, by number.
@@ -115,7 +115,7 @@ pub(super) fn open<F: Field>(
     matching.open()
 }
 
-/// The conditions of what outputs depend on, each once.
+/// The conditions of all nodes on which outputs depend, each once.
 fn conditions(function: &Function) -> Vec<DomainCondition> {
     let live = live(function);
     let mut found: Vec<DomainCondition> = function
@@ -227,7 +227,7 @@ impl DomainCondition {
         self.on(operands)
     }
 
-    /// Conditions on the operands of a node from which this one follows.
+    /// Conditions on the operands of a node that imply this one.
     fn sufficient(self, function: &Function) -> Vec<DomainCondition> {
         let Some(value) = self.operand.value() else {
             return Vec::new();
@@ -261,8 +261,8 @@ impl<F: Field> VersionValues<'_, F> {
         }
     }
 
-    /// The key of an operand; `None` for what has no value, or vanishes by
-    /// accident.
+    /// The key of an operand; `None` for one without a value, or one that
+    /// vanishes by accident.
     fn key(&self, operand: Operand, field: &F) -> Option<ValueKey> {
         if let Some(number) = self.function.number(operand) {
             return (number == 0.0).then_some(ZERO);
@@ -294,7 +294,7 @@ struct ConditionMatching<'a, F: Field> {
     numbers: [OnceCell<Vec<[Vec<Double>; 2]>>; 2],
 }
 
-/// The conditions of the other version and what follows from them.
+/// The conditions of the other version and their consequences.
 #[derive(Default)]
 struct KnownConditions {
     classes: FxHashMap<(DomainRequirement, ValueKey), (ConditionClass, Operand)>,
@@ -380,7 +380,7 @@ impl<F: Field> ConditionMatching<'_, F> {
     }
 
     /// The classes of the other version from which a condition follows; `None`
-    /// where it is not found to follow.
+    /// where no such classes are found.
     fn needed(
         &self,
         condition: DomainCondition,
@@ -477,8 +477,8 @@ impl<F: Field> ConditionMatching<'_, F> {
 }
 
 impl<F: Field> VersionValues<'_, F> {
-    /// For every pair of outputs the classes of a block, as bits, that it
-    /// depends on; `classes` are those of every condition.
+    /// For every pair of outputs the classes of a block, as bits, on which it
+    /// depends; `classes` are those of every condition.
     fn dependence(
         &self,
         pairs: &Pairs<'_>,

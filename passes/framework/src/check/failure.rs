@@ -43,7 +43,7 @@ pub enum FailureKind {
         reason: String,
     },
     /// They differ as functions, and no state was found at which the numbers
-    /// show it.
+    /// differ.
     Field {
         /// The prime.
         prime: u64,
@@ -54,12 +54,12 @@ pub enum FailureKind {
     },
     /// They differ in numbers.
     Numbers(Values),
-    /// An element of a derivative is not what dual numbers give, which are
+    /// An element of a derivative differs from that of dual numbers, which are
     /// given as the value before.
     Derivative(Values),
-    /// One divides by what becomes zero where the other is defined.
+    /// One has a divisor that becomes zero where the other is defined.
     Pole(Values),
-    /// It has no value, or another one, where it had one.
+    /// It has no value, or a different one, where it had one before.
     Hole(Values),
     /// A constant is not the number it was computed from.
     Constants {
@@ -74,15 +74,14 @@ pub enum FailureKind {
         /// The values.
         values: Values,
     },
-    /// They are further apart than an approximating pass has promised.
+    /// Their distance exceeds the promise of an approximating pass.
     Promise(Values),
 }
 
-/// The first output that breaks the claim, with what is needed to find out
-/// why.
+/// The first output that breaks the claim, with the data for a diagnosis.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Failure {
-    /// In what way.
+    /// The kind of failure.
     pub kind: FailureKind,
     /// The output; `None` when the signatures differ.
     pub output: Option<Output>,
@@ -96,7 +95,7 @@ pub struct Failure {
     /// from it (by more than its sign), as text before and after: the place to
     /// look first.
     pub first_difference: Option<(String, String)>,
-    /// The inputs that the output depends on, by name, with their numbers in
+    /// The inputs on which the output depends, by name, with their numbers in
     /// the state of the failure: the first of them.
     pub inputs: Vec<(String, f64)>,
 }
@@ -177,7 +176,7 @@ pub(super) fn explain<F: Field>(
 /// Maximum number of inputs named in a failure.
 const MAX_INPUTS: usize = 8;
 
-/// The inputs that the output of a pair depends on, with their numbers: first
+/// The inputs on which the output of a pair depends, with their numbers: first
 /// those of the version before, then those that only the version after reads.
 fn inputs(
     pairs: &Pairs<'_>,

@@ -21,8 +21,8 @@ pub(super) enum FieldComparison<F> {
 }
 
 /// Points drawn beyond those requested when some are undefined. Random
-/// denominators vanish with probability 2⁻⁶⁰, so one that vanishes this often
-/// always does.
+/// denominators vanish with probability 2⁻⁶⁰, so one that vanishes at all these
+/// points always does.
 const EXTRA_POINTS: u32 = 4;
 
 /// Fields evaluated at a time: two points in both fields.

@@ -31,17 +31,17 @@
 //! - *approximating*: what the pass promised ([`Promise`]) holds, and the
 //!   distance between the versions is measured in double-double.
 //!
-//! A pass that differentiates makes another function; what it makes is
-//! compared, in the same two images, with dual numbers of the function before
+//! A pass that differentiates makes another function, which is compared, in the
+//! same two images, with dual numbers of the function before
 //! ([`check_derivative`]).
 //!
 //! Beside the verdict is the effect of the pass on the rounding error of the
 //! outputs, in binary32 and binary64 against double-double.
 //!
-//! The field check is one-sided: what it rejects differs as a function of
-//! unknown `sin`, `cos` and `sqrt` (see [`robovec_num::field`]); identities
-//! that need more than their parity, the circle and sums of angles are
-//! rejected too.
+//! The field check is one-sided: versions that it rejects differ as functions
+//! of unknown `sin`, `cos` and `sqrt` (see [`robovec_num::field`]); identities
+//! that need more than their parity, the circle and sums of angles are rejected
+//! too.
 
 mod constants;
 mod derivative;
@@ -95,8 +95,8 @@ pub struct CheckVerdict {
     /// Outputs that divide by zero at every point before: these were compared
     /// in double-double only, where that gives a number.
     pub undefined: u32,
-    /// Rounding errors in binary32 and binary64; `None` after a failure and
-    /// for derivatives, when comparing them means nothing.
+    /// Rounding errors in binary32 and binary64; `None` after a failure and for
+    /// derivatives, where a comparison has no meaning.
     pub errors: Option<[ErrorChange; 2]>,
     /// The distance by which an *approximating* pass moved the outputs.
     pub deviation: Option<Deviation>,
@@ -117,8 +117,8 @@ pub struct CheckVerdict {
     pub promised: bool,
 }
 
-/// The domain of the version after beside that of the version before, as far
-/// as it was found out.
+/// The domain of the version after relative to that of the version before, as
+/// far as it was decided.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub enum DomainVerdict {
     /// They are the same.
@@ -152,8 +152,8 @@ pub struct Deviation {
     pub output: Option<Output>,
 }
 
-/// Checks what a pass of a class claims, between the version it took and the
-/// one it gave, at a number of random points.
+/// Checks the claim of a pass of a class, between its input and its output, at
+/// a number of random points.
 ///
 /// Costs about three nanoseconds per operation, version and point for the
 /// field and ten for the rounding errors.
@@ -167,7 +167,7 @@ pub fn check(
     check_promise(before, after, (class, None), states, points)
 }
 
-/// Checks what a pass of a class claims, and what it promises beyond that.
+/// Checks the claim of a pass's class, and its further promises.
 pub fn check_promise(
     before: View<'_>,
     after: View<'_>,
@@ -186,9 +186,9 @@ pub fn check_promise(
     verdict
 }
 
-/// Checks a pass of a class that makes several instances of a function: each
-/// of them must be the function before, whatever the inputs of the others.
-/// The first instance that is not ends the check.
+/// Checks a pass of a class that makes several instances of a function: each of
+/// them must equal the function before, for any inputs of the others. The first
+/// instance that is not ends the check.
 pub fn check_instances(
     before: View<'_>,
     after: View<'_>,
@@ -215,8 +215,8 @@ pub fn check_instances(
 /// random direction (or with random weights), must be those that dual numbers
 /// of the function before give ([`robovec_num::dual`]).
 ///
-/// The verdict has no rounding errors: there is nothing before that they
-/// could be compared with.
+/// The verdict has no rounding errors, since there is no earlier version to
+/// compare with.
 pub fn check_derivative(
     before: View<'_>,
     after: View<'_>,
@@ -229,7 +229,7 @@ pub fn check_derivative(
     verdict
 }
 
-/// A function made for a scene, with what it was made of.
+/// A function made for a scene, with the function and the numbers it was made of.
 #[derive(Clone, Copy)]
 pub struct Specialised<'a> {
     /// The function before.
@@ -242,10 +242,10 @@ pub struct Specialised<'a> {
     pub scene: Option<&'a Scene>,
 }
 
-/// Checks what a pass of a class claims that makes a function for a scene:
-/// outputs that the scene does not need may be gone, and inputs that it binds
-/// have their numbers. The claim is about the witness; the function after must
-/// be the witness with its constant expressions replaced by their values.
+/// Checks the claim of a pass that makes a function for a scene: outputs that
+/// the scene does not need may be absent, and inputs that it binds have their
+/// numbers. The claim is about the witness; the function after must be the
+/// witness with its constant expressions replaced by their values.
 pub fn check_specialised(
     subject: Specialised<'_>,
     class: NumericClass,
@@ -460,7 +460,7 @@ fn judge_equality<F: Field>(pairs: &Pairs<'_>, states: &States, verdict: &mut Ch
     verdict.failure = found;
 }
 
-/// Tests whether an approximating pass keeps what it promised.
+/// Tests whether an approximating pass keeps its promise.
 fn judge_promise(
     pairs: &Pairs<'_>,
     states: &States,
@@ -493,7 +493,7 @@ fn nth_seed(seed: u64, n: u32) -> u64 {
 }
 
 impl CheckVerdict {
-    /// Before anything is found.
+    /// The verdict before any finding.
     fn new(class: NumericClass, states: &States, points: u32) -> CheckVerdict {
         CheckVerdict {
             class,
@@ -522,8 +522,8 @@ impl CheckVerdict {
         self.fewest.as_ref().is_none_or(|(_, decided)| *decided > 0)
     }
 
-    /// True when nothing is left open that the claim needs: every output was
-    /// decided, and is defined wherever it was.
+    /// True when no part of the claim is open: every output was decided, and is
+    /// defined wherever it was before.
     pub fn is_complete(&self) -> bool {
         self.is_decided() && !matches!(self.domain, DomainVerdict::Open(_))
     }

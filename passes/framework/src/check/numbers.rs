@@ -1,11 +1,11 @@
 //! Equality in numbers: both versions with bounds of their rounding.
 //!
-//! A field knows neither which numbers are positive nor where a function is
-//! not defined, and constants may vanish in it. So both versions are also
-//! evaluated over the real numbers, in double-double with a bound of
-//! its error, at states near and far, whole and not, positive and negative, and
-//! near the constants of the versions, where roots and quotients change their
-//! sign. Outputs whose bounds do not touch are different numbers.
+//! A field has neither signs nor domains of functions, and constants may vanish
+//! in it. So both versions are also evaluated over the real numbers, in
+//! double-double with a bound of its error, at states near and far, whole and
+//! not, positive and negative, and near the constants of the versions, where
+//! roots and quotients change their sign. Outputs whose bounds do not touch are
+//! different numbers.
 
 use super::failure::{Failed, Values};
 use super::pairing::Pairs;
@@ -29,15 +29,15 @@ pub(super) struct NumbersAgree {
     /// For every output the number of states that decided: its values are
     /// known there well enough to show a wrong term.
     pub(super) decided: Vec<u32>,
-    /// The largest distance of an output from what it was, relative to the
-    /// largest element of its array.
+    /// The largest change of an output, relative to the largest element of its
+    /// array.
     pub(super) distance: f64,
 }
 
 /// The states and outputs to compare.
 pub(super) struct Survey {
     pub(super) rounds: Vec<[StatePlace; LANES]>,
-    /// One of [`Pairs::list`], or all.
+    /// One pair of [`Pairs::list`], or all.
     pub(super) only: Option<usize>,
 }
 

@@ -45,8 +45,8 @@ struct InstanceInputs {
     instance: u32,
     /// Their number.
     count: u32,
-    /// For every input after its instance, or 0 where it is shared, and the
-    /// input before.
+    /// For every input after its instance, or 0 for a shared one, and the input
+    /// before.
     places: Vec<(u32, usize)>,
 }
 
@@ -59,7 +59,7 @@ struct SceneInputs {
 
 /// The reason why two functions cannot be compared, for users.
 pub(super) struct Unpaired {
-    /// The output that only one of them sets, if it is that.
+    /// The output, if only one version sets it.
     pub(super) output: Option<Output>,
     pub(super) reason: String,
 }
@@ -99,8 +99,8 @@ impl<'a> Pairs<'a> {
         })
     }
 
-    /// The version before, and one made for a scene: what the scene does not
-    /// need may be gone, but nothing else, and nothing may be new.
+    /// Pairs a version with one made for a scene: outputs that the scene does
+    /// not need may be absent, but no others, and none may be new.
     pub(super) fn within(
         before: View<'a>,
         after: View<'a>,
@@ -297,7 +297,7 @@ impl<'a> Pairs<'a> {
 
 /// Two primes, modulo which the first constants under roots have roots. They
 /// are drawn from the given seed and the sizes of the constants of both
-/// versions, so that no constant is a multiple of a prime but by accident.
+/// versions, so that a constant is a multiple of a prime only by accident.
 pub(super) fn primes(versions: [&Function; 2], sizes: &[f64], seed: u64) -> [Prime; 2] {
     let mut radicands: Vec<f64> = versions.into_iter().flat_map(under_roots).collect();
     radicands.sort_by(f64::total_cmp);
@@ -306,8 +306,8 @@ pub(super) fn primes(versions: [&Function; 2], sizes: &[f64], seed: u64) -> [Pri
     Prime::pair_for(sizes.iter().fold(mix(seed), mixed), &radicands)
 }
 
-/// For every element of the inputs (or outputs) after, the instance it
-/// belongs to, or 0 where it is shared, and the element before.
+/// For every element of the inputs (or outputs) after, its instance, or 0 for a
+/// shared one, and the element before.
 fn owners<'b>(
     before: View<'b>,
     after: View<'b>,

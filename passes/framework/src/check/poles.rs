@@ -2,7 +2,7 @@
 //! places where they do not hold and the version before is defined.
 //!
 //! Random points never meet a pole. So the zeros of every such divisor are
-//! searched on lines through random states; where one is found and no
+//! searched for on lines through random states; where one is found and no
 //! divisor of the version before vanishes with it, the versions differ. On the
 //! same lines numbers under roots are evaluated, which may be negative.
 
@@ -52,8 +52,8 @@ const ZERO: f64 = 1e-9;
 /// part of its largest value: the new one may be its square or cube.
 const NEARLY: f64 = 1e-3;
 
-/// An output that loses its value where a condition that is new does not hold,
-/// and what that requires.
+/// An output that loses its value where a new condition does not hold, and that
+/// condition.
 pub(super) fn first(
     pairs: &Pairs<'_>,
     source: &States,
@@ -239,8 +239,8 @@ impl StateLine {
         inputs.map(|number| Ball::exact([number])).collect()
     }
 
-    /// A place at which a number under a root is negative beyond doubt and an
-    /// output that depends on it has a value before.
+    /// A point at which a radicand is certainly negative and an output that
+    /// depends on it has a value before.
     fn negative(&self, pairs: &Pairs<'_>, radicands: &[Operand]) -> Option<Failed> {
         if radicands.is_empty() {
             return None;
@@ -301,9 +301,9 @@ impl StateLine {
     }
 }
 
-/// The largest size of each of the divisors over samples. One that overflows
-/// somewhere is infinite, so that it counts as vanishing everywhere: what is
-/// small beside it is not known. What is no number is passed over.
+/// The largest size of each of the divisors over samples. A divisor that
+/// overflows somewhere is infinite, so it counts as vanishing everywhere: small
+/// terms beside it are lost. NaN is skipped.
 fn sizes(samples: impl Iterator<Item = Vec<f64>>, count: usize) -> Vec<f64> {
     samples.fold(vec![0.0; count], |sizes, sample| {
         let both = sizes.into_iter().zip(sample);

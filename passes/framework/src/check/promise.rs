@@ -1,5 +1,4 @@
-//! The promises of approximating passes about the outputs, and whether they
-//! hold.
+//! The promises of approximating passes about the outputs, and their verdicts.
 
 use super::failure::{Failed, Values};
 use super::numbers::{self, LANES, Survey};
@@ -52,8 +51,8 @@ impl Promise {
         }
     }
 
-    /// At how many states the promise was found to hold, or an output of
-    /// which it does not.
+    /// The number of states at which the promise was found to hold, or an
+    /// output for which it does not.
     pub(super) fn keeps(
         &self,
         pairs: &Pairs<'_>,

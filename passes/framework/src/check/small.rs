@@ -15,7 +15,7 @@ use robovec_rules::{Pattern, PatternNode, Rule};
 
 /// The finding about one output.
 pub(super) enum SmallVerdict {
-    /// Defined wherever it was.
+    /// Defined at the same points as before.
     Proved,
     /// Inputs at which there is a number before, and after none or another.
     Refuted(Failed),
@@ -26,7 +26,7 @@ pub(super) enum SmallVerdict {
 /// Terms of a side as text: shared ones are written out every time.
 const MAX_TERMS: u64 = 400;
 
-/// Proves or refutes that the output of a pair is defined where it was.
+/// Proves or refutes that the output of a pair is defined where it was before.
 pub(super) fn decided(pairs: &Pairs<'_>, pair: usize, states: &States) -> SmallVerdict {
     let count = pairs.before.function.input_len() as u32;
     let variables = |first: u32| (first..first + count).map(PatternNode::Variable).collect();
@@ -97,7 +97,7 @@ fn within(pairs: &Pairs<'_>, states: &States, inputs: &[f64]) -> bool {
     })
 }
 
-/// An operand with what it depends on; `None` when that is too much.
+/// An operand with its dependences; `None` when they are too large.
 fn pattern(function: &Function, root: Operand, leaves: &[PatternNode]) -> Option<Pattern> {
     let slice = robovec_analysis::slice::slice(function, &[root]);
     if slice.len() > Pattern::LARGEST {
@@ -149,7 +149,7 @@ fn pattern(function: &Function, root: Operand, leaves: &[PatternNode]) -> Option
     Some(pattern)
 }
 
-/// The leaf that an operand is, or the value; `None` for what no pattern holds.
+/// The leaf that an operand is, or the value; `None` for operands that no pattern has.
 fn leaf(
     function: &Function,
     operand: Operand,

@@ -23,12 +23,12 @@ pub enum StateScale {
     Special,
     /// Between 0 and 4.
     Positive,
-    /// Usual ones again: what programs are made for counts twice.
+    /// Usual ones again: the intended use of programs has double weight.
     UsualAgain,
     /// Zero: all inputs, then each array in turn, the others as usual.
     Zero,
-    /// Found by a search; number 1 is next to a place that no binary64 numbers
-    /// are.
+    /// Found by a search; number 1 is next to a point without binary64
+    /// coordinates.
     Found,
 }
 
@@ -142,7 +142,7 @@ impl Pairs<'_> {
         }
     }
 
-    /// The number of states with zeros that differ in what is zero.
+    /// The number of states with different sets of zeros.
     pub(super) fn zero_states(&self) -> u32 {
         1 + self.before.function.inputs().len() as u32
     }

@@ -1,4 +1,4 @@
-//! The check accepts what is equal and catches what is not.
+//! The check accepts equal functions and detects different ones.
 
 mod poles;
 
@@ -68,7 +68,7 @@ impl Builder {
     }
 }
 
-/// `y[1] =` what `body` returns.
+/// A function with the output `y[1]`, the result of `body`.
 fn single(body: impl FnOnce(&mut Builder) -> Operand) -> Builder {
     let mut builder = Builder::new();
     let result = body(&mut builder);

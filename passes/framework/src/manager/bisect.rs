@@ -1,8 +1,8 @@
-//! Stopping a pipeline half way, and reporting how far it came.
+//! Stopping a pipeline half way, with a report of the point reached.
 //!
 //! A pipeline is deterministic, so the first `n` passes and rewrites of a run
-//! are the same whatever follows: the state before the pass that went wrong,
-//! or before the rewrite, is had again by running with a limit.
+//! are the same for any continuation: a run with a limit reproduces the state
+//! before the failing pass or rewrite.
 
 use crate::pipeline::PassStep;
 use robovec_num::limits::NumberLimit;
@@ -40,7 +40,7 @@ impl FromStr for Limit {
 }
 
 impl Limit {
-    /// Tests whether the pass of an ordinal runs, and with how many rewrites.
+    /// Tests whether the pass of an ordinal runs, and gives its number of rewrites.
     pub(super) fn of(limit: Option<Limit>, ordinal: u64) -> Option<Option<u64>> {
         let Some(limit) = limit else {
             return Some(None);
@@ -53,7 +53,7 @@ impl Limit {
     }
 }
 
-/// A pass that was started, whether or not it came to an end.
+/// A pass that was started, completed or not.
 #[derive(Clone, Debug)]
 pub struct Executed {
     /// Index of the function in the module.
@@ -63,7 +63,7 @@ pub struct Executed {
     /// The number of rewrites it requested.
     pub rewrites: u64,
     /// The rewrite at the limit, when there was one and it was reached: the
-    /// value's name, and how it was rewritten.
+    /// value's name, and the rule.
     pub last: Option<(robovec_ir::Name, String)>,
 }
 

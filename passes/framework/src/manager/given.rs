@@ -2,8 +2,8 @@
 //! any pass.
 //!
 //! Text that was read is well formed, and no more: a placement in it may be
-//! wrong on its machine, or be for another one. Found after the first pass,
-//! it would be taken for a mistake of that pass.
+//! wrong on its machine, or be for another one. A fault found only after the
+//! first pass would be attributed to that pass.
 
 use super::RunError;
 use crate::pass::Gives;

@@ -12,7 +12,7 @@ use std::io;
 /// The passes that a dump is requested.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub enum PassFilter {
-    /// None.
+    /// No output.
     #[default]
     None,
     /// All.
@@ -71,15 +71,15 @@ impl<'a> Instruments<'a> {
         Instruments { config }
     }
 
-    /// Tests whether the function as it was is needed after the pass.
+    /// Tests whether the function before is needed after the pass.
     pub(super) fn keeps_before(&self) -> bool {
         self.config.check_each.is_some()
             || self.config.trail.is_some()
             || self.config.print_changed == Some(PrintChanged::Diff)
     }
 
-    /// Tests whether what a pass did is measured: it was requested, or whether
-    /// the function changed decides what is reported.
+    /// Tests whether the effect of each pass is measured: on request, or when
+    /// the report depends on changes.
     pub(super) fn keeps_records(&self) -> bool {
         self.config.records
             || self.config.rounding.is_some()
@@ -174,8 +174,8 @@ impl<'a> Instruments<'a> {
     }
 }
 
-/// Changed lines with three lines around them, `-` before what went and `+`
-/// before what came.
+/// Changed lines with three lines around them, `-` before removed and `+`
+/// before added ones.
 pub(crate) fn difference(old: &str, new: &str) -> String {
     let mut lines = String::new();
     let diff = TextDiff::from_lines(old, new);

@@ -50,7 +50,7 @@ pub fn usage() -> (f64, f64) {
     (0.0, 0.0)
 }
 
-/// A hash of the operations and outputs alone: what decides every number.
+/// A hash of the operations and outputs alone, on which every number depends.
 pub(super) fn computation(function: &Function) -> u64 {
     let mut hasher = FxHasher::default();
     for node in function.nodes() {
@@ -130,8 +130,8 @@ pub(super) fn size(function: &Function, machine: &Machine) -> (u64, u32) {
     (operations as u64, longest(&arrivals))
 }
 
-/// Refuses the result of a pass that rewrote the function and did not report
-/// what the number formats of its values have become.
+/// Refuses the result of a pass that rewrote the function without reporting the
+/// new number formats of its values.
 pub(super) fn check_formats(had: bool, function: &Function) -> Result<(), PassError> {
     if !had || function.formats.is_some() {
         return Ok(());

@@ -1,10 +1,10 @@
 //! The pass manager: runs a pipeline over every function of a module, and
 //! everything around the passes.
 //!
-//! Invariants: levels and properties are checked for the whole pipeline
-//! before the first pass runs; after each pass the verifier has accepted the
-//! function (unless switched off); what the instruments print never goes to
-//! the standard output, which belongs to the result.
+//! Invariants: levels and properties are checked for the whole pipeline before
+//! the first pass runs; after each pass the verifier has accepted the function
+//! (unless switched off); the output of instruments never goes to the standard
+//! output, which belongs to the result.
 
 mod bisect;
 mod given;
@@ -81,7 +81,7 @@ pub struct Config<'a> {
     /// Receives every state that a pass changed, for
     /// [`explain`](crate::trail::explain).
     pub trail: Option<&'a mut Trail>,
-    /// Receives what is printed, and the remarks of the passes.
+    /// Receives printed output, and the remarks of the passes.
     pub log: &'a mut dyn io::Write,
     /// Called before each pass of each function.
     pub progress: Option<&'a mut Progress<'a>>,
@@ -92,8 +92,8 @@ pub struct Config<'a> {
     /// True if the remarks of the passes are printed.
     pub remarks: bool,
     /// Keep a record of every pass, for which the function is measured after
-    /// each; without them the outcome has none. Rounding errors and what
-    /// looks at changes need them, and they are kept for these anyway.
+    /// each; without them the outcome has none. The measurement of rounding
+    /// errors and of changes needs them, and they are kept for these anyway.
     pub records: bool,
 }
 
@@ -187,7 +187,7 @@ pub enum RunError {
         /// The message of the panic.
         message: String,
     },
-    /// The verifier refuses what the pipeline was given: nothing a pass did.
+    /// The verifier refuses the input of the pipeline; no pass is at fault.
     #[error(
         "function '{function}' is wrong as it was read, before any pass\n{}",
         violations.join("\n")
@@ -200,7 +200,7 @@ pub enum RunError {
         /// The advice to the user.
         help: String,
     },
-    /// The verifier refuses what a pass made: a mistake in the pass.
+    /// The verifier refuses the result of a pass: a mistake in the pass.
     #[error(
         "{pass}, function '{function}': the result is not valid; this is a mistake in the pass\n{}",
         violations.join("\n")
@@ -213,7 +213,7 @@ pub enum RunError {
         /// The violations that the verifier found.
         violations: Vec<String>,
     },
-    /// The semantic check refuses what a pass made: a mistake in the pass.
+    /// The semantic check refuses the result of a pass: a mistake in the pass.
     #[error(
         "{pass}, function '{function}': the pass changed the function; this is a mistake in the pass\n{reason}"
     )]
@@ -277,7 +277,7 @@ pub fn run(
     Ok(run.outcome)
 }
 
-/// The claim about what a pass did.
+/// The claim about the effect of a pass.
 struct Claim {
     class: NumericClass,
     /// Of a pass that makes several instances of a function.
@@ -297,11 +297,11 @@ struct PipelineRun<'a> {
     total: usize,
     /// Of the function.
     index: usize,
-    /// That of the function as it is now, if anything asks for it.
+    /// Fingerprint of the current function, if requested.
     fingerprint: u64,
-    /// The pipeline has groups that end when nothing changes.
+    /// The pipeline has groups that end at a fixed point.
     repeats: bool,
-    /// Its rounding errors, with the fingerprint of what it computes.
+    /// Its rounding errors, with the fingerprint of its computation.
     rounding: Option<(u64, Arc<RoundingErrors>)>,
 }
 
@@ -319,7 +319,7 @@ impl PipelineRun<'_> {
         Ok(())
     }
 
-    /// Takes the fingerprint of the function as it is now, where a record or a
+    /// Computes the fingerprint of the current function, where a record or a
     /// group of passes will be compared with it.
     fn take_fingerprint(&mut self, function: &Function) {
         if self.repeats || self.instruments.keeps_records() {
@@ -408,8 +408,8 @@ impl PipelineRun<'_> {
         Ok(())
     }
 
-    /// Runs a pass over a function: what it reports, its error, or what it
-    /// panicked with. What a panic leaves half done is not considered again.
+    /// Runs a pass over a function; the result is its report, its error, or the message
+    /// of its panic. After a panic the partly changed state is not used again.
     fn execute(
         &self,
         pass: &dyn Pass,

@@ -1,4 +1,4 @@
-//! Check of a pipeline before any of it runs.
+//! Check of a whole pipeline before it runs.
 
 use crate::pass::{Gives, PassInfo, Property, Registry};
 use crate::pipeline::{PassStep, Pipeline, PipelineStep};
@@ -9,7 +9,7 @@ use std::ops::Range;
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("{message}")]
 pub struct PlanError {
-    /// The message that shows what is wrong.
+    /// The message about the fault.
     pub message: String,
     /// The advice to the user.
     pub help: String,

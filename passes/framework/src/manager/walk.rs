@@ -1,5 +1,5 @@
-//! The order in which the passes of a pipeline run: one after the other,
-//! groups repeated until nothing changes.
+//! The order in which the passes of a pipeline run: in sequence, groups
+//! repeated until a fixed point.
 
 use super::{measure, plan};
 use crate::pass::{Context, PassError};
@@ -31,8 +31,8 @@ impl<'p> PipelineWalk<'p> {
         }
     }
 
-    /// The next pass, given the fingerprint of the function as it is now,
-    /// which only groups that are repeated look at.
+    /// The next pass, given the fingerprint of the current function, which only
+    /// repeated groups use.
     pub(super) fn next(&mut self, fingerprint: u64) -> Option<&'p PassStep> {
         loop {
             let step = self.pipeline.steps.get(self.next)?;
@@ -60,8 +60,8 @@ impl<'p> PipelineWalk<'p> {
     }
 }
 
-/// Runs a pipeline over one function with no instrument at all: for a pass
-/// that tries others. What comes out is for the caller to verify.
+/// Runs a pipeline over one function with no instrument at all: for a pass that
+/// tries others. The caller verifies the result.
 ///
 /// # Errors
 ///

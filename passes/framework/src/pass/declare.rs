@@ -1,12 +1,12 @@
 //! The declaration of a pass, from which its structure, its options and its
 //! entry in the registry are made.
 
-/// Declares a pass: a structure whose fields are its options, and its entry
-/// for the registry. The doc comment is the pass's page in the manual; its
-/// first line is the one-line description. A field that is a number gives
-/// after `=>` what it can be: `pub rounds: u32 = 6 => NumberLimit::whole(0, 64,
-/// "every round takes as long as the first")`. Levels, properties and class are
-/// the fields of [`PassInfo`](crate::pass::PassInfo).
+/// Declares a pass: a structure whose fields are its options, and its entry for
+/// the registry. The doc comment is the pass's page in the manual; its first
+/// line is the one-line description. A field that is a number gives its range
+/// after `=>`: `pub rounds: u32 = 6 => NumberLimit::whole(0, 64, "every round
+/// takes as long as the first")`. Levels, properties and class are the fields
+/// of [`PassInfo`](crate::pass::PassInfo).
 #[macro_export]
 macro_rules! declare_pass {
     (

@@ -5,8 +5,8 @@ use crate::options::{OptionError, OptionInfo};
 use robovec_analysis::class::NumericClass;
 use robovec_ir::Level;
 
-/// A fact about a function that a pass can establish or destroy and another
-/// can ask for.
+/// A fact about a function that a pass can establish or destroy and another can
+/// require.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Property {
     /// Every node carries its earliest and latest times.

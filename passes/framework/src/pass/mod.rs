@@ -76,8 +76,8 @@ pub struct Context<'a> {
     /// one equal to the function before, and compares its constants with the
     /// rounded ones.
     pub witness: &'a mut Option<Function>,
-    /// Left by an approximating pass: how far the outputs may be from those of
-    /// the function before. The semantic check holds it to that.
+    /// Left by an approximating pass: the largest difference of the outputs
+    /// from those of the function before. The semantic check tests this class.
     pub promise: &'a mut Option<Promise>,
     /// Files the pass produces (memory images, C).
     pub artifacts: &'a mut Vec<Artifact>,
@@ -87,8 +87,8 @@ pub struct Context<'a> {
     pub remarks: &'a mut Vec<String>,
     /// The rules the pass applied, value by value; see [`Context::note`].
     pub notes: &'a mut Notes,
-    /// Counts the rewrites, and refuses those beyond a limit while the one
-    /// that breaks a function is searched for.
+    /// Counts the rewrites, and refuses those beyond a limit during the search
+    /// for the one that breaks a function.
     pub rewrites: &'a RewriteLimit,
 }
 
@@ -103,15 +103,15 @@ impl Context<'_> {
     }
 
     /// Tests whether the value of this name may be rewritten by this rule:
-    /// asked before every rewrite, so that the one that breaks a function can
+    /// called before every rewrite, so that the one that breaks a function can
     /// be found ([`RewriteLimit::allow`]).
     pub fn allow_rewrite(&self, name: Name, rule: &str) -> bool {
         self.rewrites.allow(name, rule)
     }
 }
 
-/// Reports of passes that another pass runs: kept apart from the [`Context`] of
-/// that one, which decides which to hand on.
+/// Reports of passes that another pass runs: separate from the [`Context`] of
+/// that one, which decides which to pass on.
 #[derive(Default, Debug)]
 pub struct NestedReport {
     /// As [`Context::artifacts`].
@@ -130,9 +130,9 @@ pub struct NestedReport {
 
 impl Context<'_> {
     /// The context for a pass that this pass runs itself, for a machine: the
-    /// same tables, registry, rules, scene and limit of rewrites, but what the
-    /// nested pass reports goes to `report`. Its notes are kept when those of
-    /// this context are.
+    /// same tables, registry, rules, scene and limit of rewrites, with the
+    /// reports of the nested pass going to `report`. Its notes are kept when
+    /// those of this context are.
     pub fn nested<'b>(
         &'b mut self,
         machine: &'b Machine,

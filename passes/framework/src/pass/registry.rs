@@ -1,6 +1,6 @@
 //! Registry: the passes and presets that a pipeline can name.
 //!
-//! The framework knows passes by their entries only; which there are is stated
+//! The framework accesses passes by their entries only; the list of entries is
 //! above all of them, in one place.
 
 use super::PassInfo;
@@ -19,7 +19,7 @@ pub struct Preset {
 /// All passes and presets of a program.
 #[derive(Debug)]
 pub struct Registry {
-    /// The passes, in the order a function usually meets them.
+    /// The passes, in their usual order.
     pub passes: &'static [PassInfo],
     /// The presets.
     pub presets: &'static [Preset],

@@ -83,7 +83,7 @@ impl Pipeline {
         })
     }
 
-    /// Tests whether it has a group that is repeated while something changes.
+    /// Tests whether it has a group that is repeated up to a fixed point.
     pub fn repeats(&self) -> bool {
         self.steps
             .iter()

@@ -10,7 +10,7 @@ pub(crate) enum PipelineToken<'text> {
     /// A name or a value.
     #[regex(r"[A-Za-z0-9_.+\-]+")]
     Word(&'text str),
-    /// A value with other characters in it.
+    /// A value that contains other characters.
     #[regex("\"[^\"\n]*\"")]
     Quoted(&'text str),
     /// `{`.

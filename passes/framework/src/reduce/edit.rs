@@ -1,9 +1,9 @@
 //! Making a function smaller.
 //!
-//! An edit shows what becomes of each value and which outputs stay; applying it
-//! rewrites the function without what nothing needs any more: values, input
-//! arrays, output arrays, user calls. Whether the smaller function still shows
-//! the problem is not asked here.
+//! An edit gives the replacement of each value and the outputs that stay;
+//! applying it also removes everything that is no longer needed: values, input
+//! arrays, output arrays, user calls. There is no test here whether the smaller
+//! function still shows the problem.
 
 use crate::rewrite::{lay_out, owners};
 use hashbrown::HashSet;
@@ -39,7 +39,7 @@ pub(super) struct Edit {
 }
 
 impl Edit {
-    /// The edit that removes only what nothing needs.
+    /// The edit that removes only unneeded values.
     pub(super) fn nothing(function: &Function) -> Edit {
         Edit {
             fates: vec![Fate::Keep; function.nodes().len()],

@@ -11,16 +11,15 @@ pub(super) struct Located {
     /// The number of passes that ran up to it, itself included, over all
     /// functions.
     pub(super) ordinal: u64,
-    /// The function and the passes that show the problem; usually the one
-    /// pass alone.
+    /// The function and the passes that show the problem; usually only one
+    /// pass.
     pub(super) case: Case,
 }
 
 /// Runs a pipeline with every pass checked, up to the first that goes wrong.
 ///
-/// As every pass is checked against its own input, the first failure names
-/// the pass and nothing has to be searched; what is searched is the shortest
-/// tail of the pipeline that shows it.
+/// As every pass is checked against its own input, the first failure names the
+/// pass; only the shortest failing tail of the pipeline is searched for.
 pub(super) fn first_broken_pass(
     module: &Module,
     pipeline: &Pipeline,
@@ -36,8 +35,8 @@ pub(super) fn first_broken_pass(
     })
 }
 
-/// The failing pass on the state before it, or as many passes before it as
-/// are needed: what is reduced must be equations or single operations, and
+/// The failing pass on the state before it, or with the minimum number of
+/// passes before it: a reduction needs equations or single operations, and
 /// times and schedules are not kept.
 fn shortest_tail(
     module: &Module,
@@ -86,7 +85,7 @@ fn shortest_tail(
 pub struct Rewrite {
     /// Its number in the pass, from 1.
     pub number: u64,
-    /// The number of rewrites the pass does in all.
+    /// The total number of rewrites of the pass.
     pub of: u64,
     /// The value rewritten, as in the text; empty for an inner node.
     pub name: String,
@@ -94,10 +93,10 @@ pub struct Rewrite {
     pub rule: String,
 }
 
-/// The rewrite of the last pass without which the problem does not show:
-/// found by halving, as the first rewrites of a pass are the same whatever
-/// follows. `None` when the pass does not count its rewrites, or when it goes
-/// wrong without any.
+/// The rewrite of the last pass without which the problem does not show: found
+/// by halving, as the first rewrites of a pass are the same for any
+/// continuation. `None` when the pass does not count its rewrites, or when it
+/// goes wrong without any.
 pub(super) fn single_rewrite(
     case: &Case,
     problem: &PassProblem,

@@ -30,7 +30,7 @@ use trial::Case;
 /// The work allowed by default: values run through passes.
 pub const WORK: u64 = 4_000_000;
 
-/// The smallest program found, and what goes wrong on it.
+/// The smallest program found, and its failure.
 #[derive(Clone, Debug)]
 pub struct Reduction {
     /// The function that goes wrong.
@@ -38,9 +38,9 @@ pub struct Reduction {
     /// The number of the pass in the whole run, counted over all functions from
     /// 1.
     pub ordinal: u64,
-    /// The problem on the program as it was.
+    /// The problem on the original program.
     pub problem: PassProblem,
-    /// The rewrite that breaks the program as it was.
+    /// The rewrite that breaks the original program.
     pub rewrite: Option<Rewrite>,
     /// Values of the function before the pass.
     pub size_before: usize,
@@ -61,19 +61,19 @@ pub struct Reduction {
     pub effort: ReductionEffort,
 }
 
-/// The first pass that goes wrong, on the function as it was before it.
+/// The first failing pass, with the function before it.
 #[derive(Clone, Debug)]
 pub struct Broken {
     /// The problem.
     pub problem: PassProblem,
-    /// The function that goes wrong, alone.
+    /// The failing function, alone.
     pub program: Module,
     /// The passes that show the problem on it; the last one goes wrong.
     pub pipeline: Pipeline,
 }
 
-/// Finds the first pass that goes wrong when a pipeline runs on a module;
-/// `None` when every pass does what its numeric class promises.
+/// Finds the first pass that fails when a pipeline runs on a module; `None`
+/// when every pass keeps the promise of its numeric class.
 pub fn broken_pass(
     module: &Module,
     pipeline: &Pipeline,
@@ -87,8 +87,8 @@ pub fn broken_pass(
     })
 }
 
-/// Reduces the first thing that goes wrong when a pipeline runs on a module;
-/// `None` when every pass does what its numeric class promises.
+/// Reduces the first failure of a pipeline on a module; `None` when every pass
+/// keeps the promise of its numeric class.
 ///
 /// `work` bounds the effort; see [`WORK`].
 pub fn reduce(
@@ -129,7 +129,7 @@ pub fn reduce(
 }
 
 /// The effect of the broken rewrite on the text, and numbers that show it; only
-/// where there is a well-formed result to look at.
+/// when the result is well formed.
 fn effect(
     case: &Case,
     problem: &PassProblem,
@@ -202,7 +202,7 @@ impl fmt::Display for Reduction {
 
 impl Reduction {
     /// A summary of the small program, line by line: the problem, numbers that
-    /// show it, the rewrite and what it does.
+    /// show it, the rewrite and its effect.
     pub fn small_summary(&self) -> String {
         let mut lines = vec![self.small_problem.message.clone()];
         lines.extend(self.witness.as_ref().map(ToString::to_string));

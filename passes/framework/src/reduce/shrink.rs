@@ -1,9 +1,9 @@
 //! Delta debugging: smaller and smaller programs that go wrong the same way.
 //!
-//! Edits are tried in chunks that are halved down to single values (Zeller
-//! and Hildebrandt 2002), the coarsest kind first: outputs dropped, values
-//! made inputs, operations replaced by an operand, single values kept with what
-//! they need, numbers simplified. All is repeated until nothing smaller goes wrong, or the work is used up.
+//! Edits are tried in chunks that are halved down to single values (Zeller and Hildebrandt 2002),
+//! the coarsest kind first: outputs dropped, values made inputs, operations replaced by an operand,
+//! single values kept with their operands, numbers simplified. The steps are repeated until no
+//! smaller program fails, or the work is used up.
 
 use super::edit::{Edit, Fate};
 use super::trial::{Case, PassProblem, TrialSetting};
@@ -16,12 +16,12 @@ pub struct ReductionEffort {
     pub trials: u64,
     /// Values in all programs tried, times the passes run on them.
     pub work: u64,
-    /// True if the work allowed was used up before nothing smaller was found.
+    /// True if the work was used up before the smallest program was found.
     pub exhausted: bool,
 }
 
 /// Makes a case smaller while it shows the problem; at most `work` values are
-/// run through passes, however fast the machine is.
+/// run through passes, independent of the speed of the machine.
 pub(super) fn shrink(
     case: &mut Case,
     problem: &PassProblem,
@@ -113,8 +113,8 @@ impl Shrinker<'_> {
         );
     }
 
-    /// Keeps what one value alone needs, in small functions: dropping users
-    /// one by one does not lead there where two of them hide the problem.
+    /// Keeps the operands of one value alone, in small functions: dropping
+    /// users one by one does not lead there where two of them hide the problem.
     fn roots(&mut self) {
         let function = &self.case.function;
         let small = function.nodes().len() <= MAX_ROOTS && !function.assignments.is_empty();

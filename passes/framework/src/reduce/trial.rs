@@ -1,4 +1,4 @@
-//! Running steps on a function and stating what went wrong.
+//! Runs steps on a function and describes the failure.
 
 use crate::manager::{self, Config, Executed, Limit, RunError};
 use crate::pass::Registry;
@@ -24,7 +24,7 @@ pub struct TrialSetting<'a> {
     pub seed: u64,
 }
 
-/// In what way a pipeline went wrong.
+/// The kind of failure of a pipeline.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ProblemKind {
     /// A pass gave up with an error.
@@ -40,7 +40,7 @@ pub enum ProblemKind {
 /// The problem, and the pass in which it occurred.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct PassProblem {
-    /// In what way.
+    /// The kind of failure.
     pub kind: ProblemKind,
     /// The message of the manager.
     pub message: String,
@@ -131,7 +131,7 @@ pub(super) fn run(
     }
 }
 
-/// One function with the passes to run on it, of which the last goes wrong.
+/// One function with the passes to run on it, of which the last fails.
 #[derive(Clone)]
 pub(super) struct Case {
     pub(super) tables: Tables,
@@ -169,7 +169,7 @@ impl Case {
         run(&self.module(), &self.pipeline(), setting, limit, judged)
     }
 
-    /// True when the steps go wrong in a given way.
+    /// True when the steps fail with the given kind of failure.
     pub(super) fn shows(
         &self,
         wanted: &PassProblem,

@@ -1,5 +1,5 @@
-//! A pair of numbers anybody can check: small inputs for which the function
-//! before a pass and the one after it differ.
+//! A pair of numbers that anybody can check: small inputs for which the
+//! function before a pass and the one after it differ.
 
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{Function, Input, Operand, Tables, View, print};

@@ -1,4 +1,4 @@
-//! The errors that outputs may have: what a scene states of them, or one bound.
+//! The allowed errors of outputs: those of a scene, or one bound.
 //!
 //! An error that is allowed relative to an array's largest element would have
 //! to vanish where the whole array does, while rounding errors do not: the
@@ -16,23 +16,23 @@ use robovec_ir::{Function, Operand, OperandKind, Output, View};
 use robovec_num::arithmetic::Binary64;
 use std::collections::BTreeMap;
 
-/// States that usual sizes are taken from. An odd number has a median.
+/// Number of states from which usual sizes are computed. An odd number has a median.
 const SIZED: u32 = 255;
 
 /// The seed of these states: every part of the program takes the same sizes.
 const SIZE_SEED: u64 = 1;
 
-/// The part of the numbers that cancel in an array below which it counts as
-/// zero: what binary64 leaves of them, with a few digits to spare.
+/// The part of the cancelling numbers in an array below which it counts as zero: the rest
+/// after cancellation in binary64, with a margin of a few digits.
 const CANCELLED: f64 = 1.0 / (1u64 << 44) as f64;
 
-/// The part of its usual size below which an element counts as passing
-/// through zero, where a relative error means nothing.
+/// The part of its usual size below which an element counts as passing through
+/// zero, where a relative error has no meaning.
 const PASSING_ZERO: f64 = 1e-3;
 
 /// The usual size of every output array: the median of its largest element at
 /// random states, of those elements that are needed. An array that is always
-/// zero (`a*b - b*a`) has the size of the numbers that cancel in it.
+/// zero (`a*b - b*a`) has the size of its cancelling numbers.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct ArraySizes {
     sizes: BTreeMap<String, f64>,
@@ -170,13 +170,13 @@ fn norms(rows: impl Iterator<Item = (f64, usize)>, count: usize) -> Vec<f64> {
     norms
 }
 
-/// The errors that outputs may have.
+/// The allowed errors of outputs.
 #[derive(Clone, Debug)]
 pub struct Allowed {
     /// By assignment: measures, bounds and the sizes the errors are measured
     /// by at least; all of them hold.
     bounds: Vec<Vec<(Measure, f64, f64)>>,
-    /// The output array of every assignment, and how many there are.
+    /// The output array of every assignment, and the number of arrays.
     arrays: Vec<usize>,
     count: usize,
 }

@@ -1,21 +1,21 @@
-//! Scenes: what a program is needed for.
+//! Scenes: the intended use of a program.
 //!
 //! A function of a model answers every question for every parameter and every
-//! state. A scene shows which questions are asked: the outputs that are needed
+//! state. A scene describes the use of a program: the outputs that are needed
 //! and the error each may have, the inputs whose numbers are known when the
-//! program is compiled, the joints that do not move or move as prescribed, how
-//! large the state can be, and how long an evaluation may take. Passes read it
+//! program is compiled, the joints that do not move or move as prescribed, the
+//! possible size of the state, and the time of an evaluation. Passes read it
 //! from their context (`specialise` first of all), measurements draw their
 //! states from it.
 //!
 //! A scene is data and belongs to no function: arrays go by name, elements by
-//! their indices from 1 (0 for those an array does not have). What names an
-//! array that a function does not have states nothing about that function, so
-//! that one scene serves every formulation.
+//! their indices from 1 (0 for those an array does not have). An entry for an
+//! array that a function does not have has no effect on that function, so that
+//! one scene serves every formulation.
 //!
-//! **Invariants** (what reads scenes upholds): numbers are finite, the low end
-//! of a range is not above the high end, no element is both bound and ranged,
-//! and of locked joints position, velocity and acceleration are bound.
+//! **Invariants** (upheld by the readers of scenes): numbers are finite, the
+//! low end of a range is not above the high end, no element is both bound and
+//! ranged, and of locked joints position, velocity and acceleration are bound.
 
 mod allowed;
 mod pattern;
@@ -35,7 +35,7 @@ pub struct Scene {
     pub name: String,
     /// One line for users.
     pub description: String,
-    /// The outputs that are needed; without any, all are.
+    /// The outputs that are needed; all when empty.
     pub outputs: Vec<NeededOutputs>,
     /// The numbers of inputs that are known when the program is compiled.
     pub bound: Bindings,
@@ -64,7 +64,7 @@ pub struct Scene {
 pub struct NeededOutputs {
     /// Elements that are meant.
     pub pattern: ElementPattern,
-    /// The error they may have; `None`: any that the number format has.
+    /// The allowed error; `None` for any error of the number format.
     pub tolerance: Option<OutputTolerance>,
 }
 
@@ -90,7 +90,7 @@ pub enum Measure {
     Norm,
     /// The element itself, or the tolerance's scale where that is larger.
     Relative,
-    /// Nothing: the error has the unit of the output.
+    /// No reference: the error has the unit of the output.
     Absolute,
 }
 
@@ -159,8 +159,8 @@ pub struct Bindings {
 }
 
 impl Bindings {
-    /// Records what an element of an array is, by its indices from 1 (0 for
-    /// those it does not have), in SI units.
+    /// Records the value of an element of an array, by its indices from 1 (0
+    /// for absent ones), in SI units.
     pub fn set(&mut self, array: &str, indices: [u32; 2], number: f64) {
         self.elements.insert((array.to_owned(), indices), number);
     }
@@ -211,7 +211,7 @@ impl Scene {
                 .any(|need| need.pattern.matches_output(view, output))
     }
 
-    /// The errors an output element may have: all that were given for it.
+    /// The allowed errors of an output element, all that were given.
     pub fn tolerances(&self, view: View<'_>, output: Output) -> Vec<OutputTolerance> {
         let meant = |need: &&NeededOutputs| need.pattern.matches_output(view, output);
         let needs = self.outputs.iter().filter(meant);

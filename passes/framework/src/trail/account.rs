@@ -18,10 +18,10 @@ pub struct Account {
     /// The equations it comes from; of an output, also those of the value it
     /// is set to.
     pub sources: Vec<SourceSet>,
-    /// The histories from before this run, of it and of what it was made from:
-    /// name and steps, those without a step left out.
+    /// The histories from before this run, of the item and of its sources: name
+    /// and steps, those without a step left out.
     pub earlier: Vec<(String, Vec<HistoryStep>)>,
-    /// The states of it, and of what it was made from, before the first pass.
+    /// The states of it, and of its sources, before the first pass.
     pub read: Vec<Moment>,
     /// The passes that changed it, in order.
     pub entries: Vec<PassEntry>,
@@ -52,13 +52,13 @@ pub struct PassEntry {
 /// One definition that a pass changed.
 #[derive(Clone, PartialEq, Debug)]
 pub struct DefinitionChange {
-    /// The state it was made from; `None` for one made from nothing known.
+    /// The state of its source; `None` without a known source.
     pub before: Option<Moment>,
     /// The state it became.
     pub after: Moment,
     /// The rules the pass applied to it.
     pub rules: Vec<String>,
-    /// The definition is as it was, but represents these equations from here
+    /// The definition is unchanged, but represents these equations from here
     /// on.
     pub merged: Option<SourceSet>,
 }
@@ -66,8 +66,8 @@ pub struct DefinitionChange {
 /// A definition in one state of its function.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Moment {
-    /// The definition, in which the intermediate values of the same equation
-    /// are written out.
+    /// The definition, with the intermediate values of the same equation
+    /// expanded.
     pub text: String,
     /// Time at which its result is available at the earliest, in cycles.
     pub arrival: u32,
@@ -82,10 +82,10 @@ pub struct Moment {
 /// another value, both stories are reported.
 const MAX_FOLLOWED: usize = 8;
 
-/// Reports how an item that was [found](super::find) came to be what it is in
-/// the function as the run left it.
+/// Reports the origin of an item that was [found](super::find), through all
+/// states, in the function at the end of the run.
 ///
-/// Takes time linear in the function for every pass that changed it.
+/// The time is linear in the function for every pass that changed it.
 pub fn explain(
     tables: &Tables,
     function: &Function,
@@ -154,13 +154,13 @@ fn has(function: &Function, item: TrackedItem) -> bool {
     }
 }
 
-/// The value that a removed one gave way to, as the pass noted it.
+/// The value that replaced a removed one, as the pass noted it.
 fn replacement(tables: &Tables, notes: &Notes, name: &str) -> Option<String> {
     let into = notes.noted_with(&super::equal_to(name))?;
     Some(format!("%{}", into.display(&tables.symbols)))
 }
 
-/// A state with all that is asked about it.
+/// A state with the tables for its queries.
 struct Snapshot<'a> {
     view: View<'a>,
     state: DefinitionState,

@@ -12,7 +12,7 @@ use rustc_hash::FxBuildHasher;
 /// Number of named values that are written out at most.
 const MAX_EXPANDED: usize = 40;
 
-/// A definition with the values written out in it.
+/// A definition with its values expanded.
 pub(super) struct WrittenExpression {
     /// `%OM16 = q[1]*%C2 + %S`.
     pub(super) text: String,
@@ -28,7 +28,7 @@ pub(super) fn of_value(view: View<'_>, uses: &[u32], value: Value) -> WrittenExp
     ExpressionSketch::new(view, uses, node.name.base).write(&head, value.into())
 }
 
-/// The expression an output is set to; the value named after it is written out.
+/// The expression of an output; the value named after it is expanded.
 pub(super) fn of_output(view: View<'_>, uses: &[u32], index: usize) -> WrittenExpression {
     let assignment = view.function.assignments[index];
     let head = print_output(view, assignment.output);
@@ -50,7 +50,7 @@ pub(super) fn of_output(view: View<'_>, uses: &[u32], index: usize) -> WrittenEx
     }
 }
 
-/// A function that holds nothing but one expression, for the printer.
+/// A function that consists of one expression, for the printer.
 struct ExpressionSketch<'a> {
     view: View<'a>,
     uses: &'a [u32],
@@ -103,8 +103,8 @@ impl<'a> ExpressionSketch<'a> {
         }
     }
 
-    /// The values written out. Breadth first, so that where the length is
-    /// limited it is the depths that are left out.
+    /// The values written out. Breadth first, so that a limit of the length
+    /// removes the deepest parts.
     fn tree(&self, root: Value, inside: &mut Vec<Name>) -> Vec<Value> {
         let function = self.view.function;
         let mut order = vec![root];

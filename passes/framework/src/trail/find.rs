@@ -1,4 +1,4 @@
-//! From what a user writes to a value or output.
+//! Resolution of a user's text to a value or output.
 
 use super::Trail;
 use robovec_ir::diagnostic::{clip, did_you_mean};

@@ -1,9 +1,9 @@
-//! From the histories before a pass to those after it.
+//! Update of the histories over a pass.
 //!
 //! A value whose definition the pass left alone keeps its history. Any other
-//! gets the history of what it was made from and one step more: that of the
-//! same name before the pass; else that of the value the pass noted; else
-//! that of the value, or output, it is named after.
+//! gets the history of its source and one more step: that of the same name
+//! before the pass; else that of the value the pass noted; else that of the
+//! value, or output, after which it is named.
 
 use super::Notes;
 use super::state::{DefinitionState, DefinitionSubject, OutputSymbols, assignment_of};

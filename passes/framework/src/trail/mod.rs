@@ -1,16 +1,16 @@
 //! The trail: the history of every value.
 //!
-//! A value of the last state of a compilation has little to do with the text
-//! of its equation. Two things show how it came about:
+//! A value of the last state of a compilation has little to do with the text of
+//! its equation. Its origin is recorded twice:
 //!
 //! - its *history* ([`robovec_ir::History`]), the passes that made or changed
-//!   it and the rules these applied, which goes with the function and into
+//!   it and the rules these applied, which is stored with the function and in
 //!   its text;
-//! - the [`Trail`], every state a pass found with what the pass noted, from
-//!   which [`explain`] shows the story of one value with its expressions.
+//! - the [`Trail`], every state before a pass with the notes of the pass, from
+//!   which [`explain`] shows the history of one value with its expressions.
 //!
-//! Most of both is found by comparing definitions before and after a pass; what
-//! only the pass itself knows (which rule, from which value), it notes while it
+//! Most of both is found by comparing definitions before and after a pass;
+//! facts known only to the pass (the rule, the source value) are noted while it
 //! runs: [`Context::note`](crate::pass::Context::note). Neither is kept unless
 //! requested, and neither has an influence on any pass.
 
@@ -33,7 +33,7 @@ pub(crate) use follow::{Follower, begin};
 
 use robovec_ir::Function;
 
-/// The states that the passes of a run found, where they changed them.
+/// The states before the passes of a run that changed them.
 #[derive(Default, Debug)]
 pub struct Trail {
     stages: Vec<Stage>,
@@ -42,7 +42,7 @@ pub struct Trail {
 /// A pass that changed a function.
 #[derive(Debug)]
 struct Stage {
-    /// The function as the pass found it.
+    /// The function before the pass.
     before: Function,
     /// The pass with its options, as in the pipeline.
     pass: String,
@@ -50,7 +50,7 @@ struct Stage {
 }
 
 impl Trail {
-    /// Nothing has run yet.
+    /// An empty trail, before any pass has run.
     pub fn new() -> Trail {
         Trail::default()
     }

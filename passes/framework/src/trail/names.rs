@@ -9,7 +9,7 @@ use robovec_ir::{Function, Name, Symbol, Value};
 
 /// The values of a function by their names.
 pub(super) struct ValueNames {
-    /// For every symbol where its names start in `entries`; one more for the
+    /// For every symbol the start of its names in `entries`; one more for the
     /// end.
     starts: Vec<u32>,
     /// Numbers after the dot, ascending for each symbol, with the values.

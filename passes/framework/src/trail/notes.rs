@@ -6,8 +6,8 @@ use rustc_hash::FxBuildHasher;
 
 /// The rules a running pass applied, value by value.
 ///
-/// Nothing is kept, and a note costs one comparison, unless the notes were
-/// [wanted](Notes::wanted) from the start.
+/// Notes are kept only if they were [wanted](Notes::wanted) from the start;
+/// otherwise a note costs one comparison.
 #[derive(Clone, Default, Debug)]
 pub struct Notes {
     wanted: bool,
@@ -15,7 +15,7 @@ pub struct Notes {
     rule_index: HashMap<String, u32, FxBuildHasher>,
     /// The rules that made a value, in order of the notes.
     made_by: HashMap<Name, Vec<u32>, FxBuildHasher>,
-    /// The value of the function as it was that a value was made from.
+    /// The value of the old function from which a value was made.
     origins: HashMap<Name, Name, FxBuildHasher>,
 }
 
@@ -33,8 +33,8 @@ impl Notes {
         }
     }
 
-    /// Tests whether anybody reads the notes: worth asking before a text is
-    /// made only for a note.
+    /// Tests whether notes are read: call it before making a text only for a
+    /// note.
     #[inline]
     pub fn are_wanted(&self) -> bool {
         self.wanted
@@ -91,7 +91,7 @@ impl Notes {
         noted.map(|(name, _)| *name).min()
     }
 
-    /// The value another was noted to come from.
+    /// The recorded source of a value.
     pub fn origin(&self, name: Name) -> Option<Name> {
         self.origins.get(&name).copied()
     }

@@ -1,9 +1,8 @@
 //! A state of a function, indexed by the names of its values.
 //!
-//! Two states are compared by what their definitions state, not by numbers of
-//! nodes, which every pass deals out again: an operation with its operands,
-//! named operands by their names, inner nodes of an expression by what they
-//! state in turn.
+//! Two states are compared by their definitions, not by numbers of nodes, which
+//! every pass assigns again: an operation with its operands, named operands by
+//! their names, inner nodes of an expression recursively.
 
 use super::names::ValueNames;
 use hashbrown::HashMap;

@@ -1,5 +1,5 @@
-//! All states of a function at once, each with what its definitions were made
-//! from: what a page shows beside one another.
+//! All states of a function at once, each with the origins of its definitions,
+//! as a page shows them side by side.
 
 use super::follow::origin;
 use super::state::{DefinitionState, DefinitionSubject, OutputSymbols, assignment_of};
@@ -14,9 +14,9 @@ pub struct TrailState<'a> {
     pub pass: Option<&'a str>,
     /// The function in this state.
     pub function: &'a Function,
-    /// For every node, in order, what it was made from in the state before;
-    /// `None` for inner nodes of expressions, for values made from nothing
-    /// known, and in the state that was read.
+    /// For every node, in order, its origin in the state before; `None` for
+    /// inner nodes of expressions, for values of unknown origin, and in the
+    /// state that was read.
     pub value_origins: Vec<Option<DefinitionSubject>>,
     /// The same for every assignment.
     pub output_origins: Vec<Option<DefinitionSubject>>,
@@ -24,8 +24,8 @@ pub struct TrailState<'a> {
     pub rules: Vec<Vec<&'a str>>,
 }
 
-/// The states that a run went through, from the one that was read to the
-/// function as it is now; passes that changed nothing have none.
+/// The states of a run, from the one that was read to the current function;
+/// passes that changed nothing have none.
 ///
 /// Takes time linear in the function for every state.
 pub fn states<'a>(

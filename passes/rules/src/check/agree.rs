@@ -1,12 +1,11 @@
 //! Agreement of the sides of a rule at points of prime fields.
 //!
 //! Without roots sixteen points decide (Schwartz and Zippel), eight of each
-//! prime. A root of a square is one of two, and in the field it is by chance
-//! which: each way in which the squares and others can be distributed over `k`
-//! different roots occurs at one point in `2^k`, so `64 * 2^k` points are
-//! taken, and the sides must agree at all of them: whatever the signs are.
-//! When that fails, signs that are known for all real numbers are asked of the
-//! points as well.
+//! prime. A root of a square is one of two, and in the field the choice is
+//! random: each distribution of the squares and others over `k` different roots
+//! occurs at one point in `2^k`, so `64 * 2^k` points are taken, and the sides
+//! must agree at all of them, whatever the signs. When that fails, signs that
+//! are known for all real numbers are required of the points as well.
 
 use super::field::RuleResidue;
 use super::joined::Joined;

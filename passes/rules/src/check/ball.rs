@@ -2,16 +2,16 @@
 //! the range.
 //!
 //! A ball is `(mantissa ± radius) * 2^exponent` with a double-double mantissa.
-//! What is computed with balls is certain: two balls that do not meet hold
-//! different numbers, one that does not reach zero holds none. Sums and
-//! products of binary64 numbers that fit into a double-double are exact, so
-//! that small numbers keep a radius of zero.
+//! Results of balls are certain: two disjoint balls hold different numbers, and
+//! a ball that does not contain zero excludes it. Sums and products of binary64
+//! numbers that fit into a double-double are exact, so that small numbers keep
+//! a radius of zero.
 
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
 use robovec_num::power::times_power_of_two;
 
-/// A real number and how far it can be from there.
+/// A real number with a bound of its error.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct ScaledBall {
     mantissa: Double,
@@ -20,7 +20,7 @@ pub(super) struct ScaledBall {
     exponent: i64,
 }
 
-/// Rounds radii up: more than all roundings of one operation on them.
+/// Factor that rounds radii up, above all roundings of one operation on them.
 const UP: f64 = 1.0 + 1e-14;
 
 /// Bounds of the relative errors of double-double operations, with room to
@@ -41,7 +41,7 @@ impl ScaledBall {
         ScaledBall::between(number, 0.0)
     }
 
-    /// A finite binary64 number and how far the number meant can be from it.
+    /// A finite binary64 number with a bound of its distance from the intended number.
     pub(super) fn between(number: f64, radius: f64) -> ScaledBall {
         debug_assert!(radius >= 0.0, "a radius is not negative");
         // Subnormals are lifted, so that what follows is exact.

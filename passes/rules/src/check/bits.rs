@@ -1,5 +1,5 @@
-//! The effect of a rule on bits: equality in floating point, and what happens
-//! to zeros, infinities and NaN.
+//! The effect of a rule on bits: equality in floating point, and the treatment
+//! of zeros, infinities and NaN.
 //!
 //! By trials, not by proof: the values that have made rules of floating point
 //! fail before (zeros of both signs, the smallest and largest numbers,
@@ -114,8 +114,8 @@ fn formats() -> [HardFormat; 2] {
     ]
 }
 
-/// A number for users: the ends of a format by name, five digits of what has
-/// many.
+/// A number for users: the ends of a format by name, others with at most five
+/// digits.
 fn number(format: &str, value: f64) -> String {
     let single = format == "binary32";
     let (most, least, tiny) = if single {
@@ -149,7 +149,7 @@ fn number(format: &str, value: f64) -> String {
 /// requested.
 const FEWEST: usize = 2_000;
 
-/// Tries a rule at special values and at so many random points.
+/// Tries a rule at special values and at this number of random points.
 pub(super) fn try_bits(rule: &Rule, trials: usize) -> Bits {
     let [mut single, mut double] = formats();
     let mut bench = BitComparison {

@@ -1,4 +1,4 @@
-//! Numbers that refute a rule, the smallest if they do.
+//! Numbers that refute a rule, the smallest where possible.
 //!
 //! Whatever is found is certain: the sides are computed with bounds of their
 //! errors, and lie apart, or the right side is not defined.
@@ -21,7 +21,7 @@ pub struct Counterexample {
     pub values: Vec<(String, f64)>,
     /// The left side there; infinite beyond the range of binary64.
     pub left: f64,
-    /// The right side there; NaN where it is not defined.
+    /// The right side there; NaN where it is undefined.
     pub right: f64,
     /// False where the right side is not defined.
     pub defined: bool,
@@ -146,8 +146,8 @@ pub(super) fn compare(joined: &Joined<'_>, place: &RealPoint) -> Option<Countere
     Some(example(joined, place, left, right))
 }
 
-/// A place in which the right side is not defined somewhere; a counterexample
-/// when the left side is defined everywhere in it.
+/// A point at which the right side may be undefined; a counterexample when the
+/// left side is defined there.
 pub(super) fn hole(joined: &Joined<'_>, place: &RealPoint) -> Option<Counterexample> {
     if !place.meets(joined.rule) {
         return None;

@@ -1,12 +1,11 @@
 //! Domain of the right side of a rule against that of the left side.
 //!
-//! Every number that the right side divides by must be one that cannot be
-//! zero there, every number that it takes the root of one that cannot be
-//! negative: by its bounds, because it is a multiple of a number that is
-//! known, or because all its factors are factors of divisors of the left side
-//! and of what else is not zero. A point where that fails is looked for
-//! elsewhere ([`super::counterexample`]); without a proof a rule is not proved
-//! even when none is found.
+//! Every divisor of the right side must be nonzero there, and every radicand
+//! nonnegative: by its bounds, as a multiple of a known number, or because all
+//! its factors are factors of divisors of the left side or of other nonzero
+//! numbers. A point where that fails is looked for elsewhere
+//! ([`super::counterexample`]); without a proof a rule is not proved even when
+//! none is found.
 
 use super::super::pattern::PatternNode;
 use super::facts::NodeFacts;
@@ -14,8 +13,8 @@ use super::line::Lines;
 use robovec_analysis::range::Range;
 use robovec_ir::Operation;
 
-/// Proves that the right side is defined wherever the left side is. What was
-/// learnt of its nodes is added to the facts. The error is the first operand
+/// Proves that the right side is defined wherever the left side is. Properties
+/// found for its nodes are added to the facts. The error is the first operand
 /// of which it could not be proved.
 pub(super) fn prove(facts: &mut NodeFacts<'_>) -> Result<(), usize> {
     let nodes = facts.joined.left..facts.joined.pattern.nodes.len();

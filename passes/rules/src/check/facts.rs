@@ -1,5 +1,5 @@
 //! The facts about the numbers of a rule wherever its left side is defined:
-//! bounds, signs, and what cannot be zero.
+//! bounds, signs, and nonzero nodes.
 //!
 //! The left side divides by numbers that are not zero and takes roots of
 //! numbers that are not negative; conditions state more. From there bounds go
@@ -43,8 +43,8 @@ pub(super) struct NodeFacts<'a> {
 /// The factor between nodes of equal value.
 const SAME: i32 = 2;
 
-/// Points of the fields at which both sides are defined: so many that every
-/// way in which roots can be squares or not occurs; `None` when there are too
+/// Points of the fields at which both sides are defined: enough that every
+/// combination of square and non-square roots occurs; `None` when there are too
 /// few.
 fn points(joined: &Joined<'_>) -> Option<Vec<(RuleField, Vec<RuleResidue>)>> {
     let [left, right] = joined.roots();
@@ -68,13 +68,12 @@ fn points(joined: &Joined<'_>) -> Option<Vec<(RuleField, Vec<RuleResidue>)>> {
 }
 
 impl<'a> NodeFacts<'a> {
-    /// Finds what is known.
+    /// Derives the facts.
     ///
     /// # Errors
     ///
     /// Fails when the sides are hardly ever both defined, or when the left side
-    /// may be defined at single points, where what holds in general need not
-    /// hold.
+    /// may be defined at single points, where general facts need not hold.
     pub(super) fn of(
         joined: &'a Joined<'a>,
         reals: &'a [Vec<ScaledBall>],
@@ -114,7 +113,7 @@ impl<'a> NodeFacts<'a> {
         self.ranges[node] = self.ranges[node].and(range);
     }
 
-    /// Facts go up to results and down to operands until nothing is new.
+    /// Propagates facts up to results and down to operands until a fixed point.
     pub(super) fn propagate(&mut self) {
         for _ in 0..8 {
             let before = self.ranges.clone();
@@ -172,7 +171,7 @@ impl<'a> NodeFacts<'a> {
         }
     }
 
-    /// Notes what a node that is not zero states of its operands.
+    /// Records the consequences of a nonzero node for its operands.
     fn factors(&mut self, node: usize) {
         if !self.ranges[node].nonzero {
             return;
@@ -278,13 +277,13 @@ impl<'a> NodeFacts<'a> {
         })
     }
 
-    /// True when what holds in general also holds at every single point at
-    /// which the left side is defined. At points where a number under a root
-    /// is zero, more may be allowed than next to them: `sqrt(a*a*(b - 1))` is
-    /// defined at `a = 0` whatever `b` is. So what is under a root is never
-    /// negative anyway, or is prime: a polynomial that is a straight line in
-    /// some variable, whose sign is then tied to no other; or there is but one
-    /// root, of which nothing else is concluded.
+    /// True when general facts also hold at every single point at which the
+    /// left side is defined. At points where a number under a root is zero,
+    /// more may be allowed than next to them: `sqrt(a*a*(b - 1))` is defined at
+    /// `a = 0` for any `b`. So the argument of a root is either nonnegative in
+    /// any case, or prime: a polynomial that is linear in some variable, whose
+    /// sign is then independent of all others; or there is only one root, from
+    /// which nothing else is concluded.
     fn is_regular(&self) -> bool {
         let all = 0..self.joined.pattern.nodes.len();
         let mut different: Vec<usize> = Vec::new();
@@ -324,8 +323,8 @@ impl<'a> NodeFacts<'a> {
         scales
     }
 
-    /// True when a node is a scale times a variable plus what does not depend
-    /// on it, without divisions but by scales.
+    /// True when a node is a scale times a variable plus a term that does not
+    /// depend on it, without divisions but by scales.
     fn is_line(&self, mut node: usize, variable: u32, scales: &[bool]) -> bool {
         assert_eq!(
             scales.len(),
@@ -367,8 +366,8 @@ impl<'a> NodeFacts<'a> {
         }
     }
 
-    /// Signs to ask of points of the fields: those of nodes that are known and
-    /// do not follow from others.
+    /// Signs to require of points of the fields: those of nodes that are known
+    /// and do not follow from others.
     pub(super) fn signs(&self) -> Vec<(usize, i32)> {
         let mut signs: Vec<(usize, i32)> = Vec::new();
         for (node, range) in self.ranges.iter().enumerate() {

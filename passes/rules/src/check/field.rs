@@ -1,23 +1,23 @@
 //! Prime fields with roots that are roots and angles that are angles.
 //!
-//! The field of whole functions ([`robovec_num::field::PrimeField`]) knows
-//! nothing of square roots, since it must be fast and total. A rule may be
-//! about roots and about sums of angles, so here a number is a pair: what it
-//! is modulo a prime `p`, and what it is as an angle, modulo another prime `r`
-//! that divides `p + 1` (see [`super::primes`]).
+//! The field of whole functions ([`robovec_num::field::PrimeField`]) has no
+//! square roots, since it must be fast and total. A rule may contain roots and
+//! sums of angles, so here a number is a pair: its residue modulo a prime `p`,
+//! and its residue as an angle, modulo another prime `r` that divides `p + 1`
+//! (see [`super::primes`]).
 //!
 //! - A root is one: half of the elements of the field are squares, and exactly
-//!   one of the two roots of a square is a square itself. It plays the part
-//!   of the positive root, the squares that of the positive numbers:
+//!   one of the two roots of a square is a square itself. It represents
+//!   the positive root, and the squares represent the positive numbers:
 //!   `sqrt(a)*sqrt(a) = a`, `sqrt(a*a)` is `a` or `-a`, products of positive
-//!   numbers are positive, and −1 is not. What the field does not know is
-//!   which sums are positive.
+//!   numbers are positive, and −1 is not. Signs of sums are undetermined in
+//!   the field.
 //! - Sine and cosine are the coordinates of `g` to the power of the angle,
 //!   where `g` generates the `r` points of the unit circle: theorems on sums,
-//!   differences and rational multiples of angles hold by themselves, and
+//!   differences and rational multiples of angles hold automatically, and
 //!   angles that are different polynomials are independent. Or they are drawn
-//!   independently of each other, for what must hold without any theorem.
-//! - What a sine, cosine or root is as an angle is drawn from its value.
+//!   independently of each other, for equalities that need no theorem.
+//! - The residue of a sine, cosine or root as an angle is drawn from its value.
 
 use super::primes::{COFACTOR, primes};
 use robovec_num::arithmetic::Arithmetic;
@@ -33,8 +33,8 @@ pub(crate) struct RuleResidue {
 }
 
 impl RuleResidue {
-    /// The result of a division by zero and of the root of what is no square,
-    /// and of every operation on it.
+    /// The result of a division by zero, of the root of a non-square, and of
+    /// every operation on it.
     pub(crate) const UNDEFINED: RuleResidue = RuleResidue {
         value: u64::MAX,
         angle: u64::MAX,
@@ -58,7 +58,7 @@ pub(crate) struct RuleField {
     circle: bool,
 }
 
-/// The role of a random element; it keeps the draws apart.
+/// The role of a random element; draws for different roles are independent.
 #[derive(Clone, Copy)]
 enum RuleDrawRole {
     Input = 1,
@@ -145,8 +145,8 @@ impl RuleField {
         positive.iter().enumerate().map(draw).collect()
     }
 
-    /// 1 for a square, which plays the part of a positive number, −1 for
-    /// another number, 0 for zero and for what is not defined.
+    /// 1 for a square, which represents a positive number, −1 for another
+    /// number, 0 for zero and for undefined results.
     pub(super) fn sign(&self, number: RuleResidue) -> i32 {
         if number.is_undefined() {
             return 0;
@@ -175,7 +175,7 @@ impl RuleField {
         }
     }
 
-    /// A value whose angle nobody knows.
+    /// A value without a known angle.
     fn with_angle(&self, value: u64) -> RuleResidue {
         let opposite = self.value.neg(value);
         let angle = |number| {

@@ -5,7 +5,7 @@ use super::super::rule::{Requirement, Rule};
 use super::field::{RuleField, RuleResidue};
 use robovec_ir::Operation;
 
-/// Both sides of a rule after each other, with the fields to judge it in.
+/// Both sides of a rule, one after the other, with the fields for its judgement.
 #[derive(Clone, Debug)]
 pub(super) struct Joined<'a> {
     pub(super) rule: &'a Rule,
@@ -20,7 +20,7 @@ pub(super) struct Joined<'a> {
 
 impl<'a> Joined<'a> {
     /// The rule, without its way back. The fields are drawn from the rule
-    /// itself, so that nobody can write it to suit them.
+    /// itself, so that no rule can be written to suit them.
     pub(super) fn new(rule: &'a Rule) -> Joined<'a> {
         let mut pattern = rule.left.clone();
         let left = pattern.nodes.len();

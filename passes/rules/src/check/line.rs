@@ -61,7 +61,7 @@ impl Lines {
     }
 
     /// True when a node is nowhere zero: when all its factors are factors of
-    /// what is known not to be zero.
+    /// known nonzero numbers.
     pub(super) fn is_nonzero(&self, facts: &NodeFacts<'_>, node: usize) -> bool {
         !self.charts.is_empty()
             && self.charts.iter().all(|chart| {

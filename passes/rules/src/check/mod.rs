@@ -7,9 +7,9 @@
 //! - *The same function.* Without roots a rule is an identity of rational
 //!   functions of its variables and of sines and cosines, so it is decided at
 //!   random points of two prime fields (Schwartz and Zippel): first with sine
-//!   and cosine independent (class real), then with angles on the circle
-//!   (class real-trig). With roots the points are so many that every way of
-//!   choosing the signs occurs. See [`agree`].
+//!   and cosine independent (class real), then with angles on the circle (class
+//!   real-trig). With roots there are enough points that every combination of
+//!   signs occurs. See [`agree`].
 //! - *Defined where the left side is.* No divisor of the right side can be
 //!   zero there and no number under its roots negative. That is proved by
 //!   bounds and by factors, not by trying. See [`domain`].
@@ -17,9 +17,9 @@
 //!   sign, the sides are computed with bounds of the errors and must not lie
 //!   apart; and in binary64 or binary32 some bits must be equal.
 //!
-//! A rule that fails is refuted by numbers, the smallest when there are any,
-//! else next to zeros of what it divides by and takes roots of. When none
-//! refute it, it is neither proved nor refuted, and no pass uses it.
+//! A false rule is refuted by numbers, the smallest where possible, else near
+//! zeros of its divisors and radicands. A rule that no numbers refute is
+//! neither proved nor refuted, and no pass uses it.
 
 mod agree;
 mod ball;
@@ -69,7 +69,7 @@ pub enum RuleVerdict {
 /// The findings about a rule.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Finding {
-    /// Verdict on it.
+    /// The verdict on the rule.
     pub verdict: RuleVerdict,
     /// The numeric class, as found; that of the declaration when the rule is
     /// not proved.
@@ -87,7 +87,7 @@ impl Finding {
         matches!(self.verdict, RuleVerdict::Proved(_))
     }
 
-    /// True when the rule keeps what its author declares.
+    /// True when the rule is in the class that its author declares.
     pub fn keeps(&self, declared: NumericClass) -> bool {
         self.is_sound() && self.class <= declared
     }
@@ -98,8 +98,8 @@ pub fn decide(rule: &Rule) -> RuleVerdict {
     proof::verdict(rule)
 }
 
-/// Proves or refutes a rule, with so many random trials in floating point.
-/// The verdict does not depend on their number.
+/// Proves or refutes a rule, with this number of random trials in floating
+/// point. The verdict does not depend on their number.
 pub fn check(rule: &Rule, trials: usize) -> Finding {
     let mut verdict = decide(rule);
     let trials = match verdict {
@@ -157,7 +157,7 @@ impl RuleSet {
     }
 }
 
-/// The message about a rule that does not keep what it promises.
+/// The message about a rule that does not keep its promise.
 pub fn diagnose(rule: &Rule, finding: &Finding) -> Option<Diagnostic> {
     let places = &rule.places;
     let label = |place: &std::ops::Range<usize>| Label::primary(places.file, place.clone());

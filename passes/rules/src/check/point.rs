@@ -122,7 +122,7 @@ fn total(operation: Operation, a: ScaledBall, b: ScaledBall) -> ScaledBall {
     }
 }
 
-/// Decides which nodes are exactly zero, when that is first asked.
+/// Decides which nodes are exactly zero, on the first request.
 struct Zeros<'a> {
     pattern: &'a Pattern,
     place: &'a RealPoint,
@@ -131,9 +131,9 @@ struct Zeros<'a> {
 }
 
 impl Zeros<'_> {
-    /// True when a node that can be zero is. A number that is zero in both
-    /// fields is zero unless two primes near 2⁶¹, drawn from the rule, divide
-    /// its numerator.
+    /// True when a node that may be zero is zero at this point. A number that
+    /// is zero in both fields is zero unless two primes near 2⁶¹, drawn from
+    /// the rule, divide its numerator.
     fn is_zero(&mut self, node: u32) -> bool {
         if self.place.radii.iter().any(|&radius| radius > 0.0) {
             return false;

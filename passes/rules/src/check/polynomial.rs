@@ -1,9 +1,9 @@
 //! Polynomials in one unknown over a prime field.
 //!
-//! What a divisor is made of shows on a line: where the variables run along a
+//! The factors of a divisor show on a line: where the variables run along a
 //! random straight line, a node is a quotient of polynomials in one unknown,
-//! and one polynomial divides another in all variables exactly when it does
-//! so on a line in general position.
+//! and one polynomial divides another in all variables exactly when it does so
+//! on a line in general position.
 
 use robovec_num::field::Modulus;
 

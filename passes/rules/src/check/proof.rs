@@ -16,7 +16,7 @@ use std::fmt;
 const STATES: u32 = 64;
 /// States tried for those at which both sides are defined.
 const MAX_TRIED: u32 = 1_024;
-/// With fewer states nothing is proved.
+/// Minimum number of states for a proof.
 const FEWEST: u32 = 8;
 /// Real points that show signs.
 const REALS: usize = 6;
@@ -48,15 +48,15 @@ impl fmt::Display for Proof {
     }
 }
 
-/// The reason why a rule is not proved although nothing refutes it.
+/// The reason why a rule is neither proved nor refuted.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Doubt {
     /// The sides differ in the prime fields.
     Fields,
     /// The sides are hardly ever both defined.
     Nowhere,
-    /// Roots: their radicands on the left side may allow for points of which
-    /// nothing is known.
+    /// Roots: the points that their radicands on the left side permit may be
+    /// unknown.
     Roots,
     /// This number of the right side may be zero or negative, where it must
     /// not be.
@@ -169,8 +169,8 @@ fn prove(joined: &Joined<'_>) -> Result<Proof, Refusal> {
     })
 }
 
-/// Tests whether the sides are equal in the fields: on the circle only, and at
-/// how many points.
+/// Tests whether the sides are equal in the fields: on the circle only, and the
+/// number of points.
 fn same_function(joined: &Joined<'_>, signs: &[(usize, i32)]) -> Result<(bool, u32), Doubt> {
     let mut doubt = Doubt::Nowhere;
     for circle in [false, true] {
@@ -183,8 +183,8 @@ fn same_function(joined: &Joined<'_>, signs: &[(usize, i32)]) -> Result<(bool, u
     Err(doubt)
 }
 
-/// Compares numbers at states: all nodes at some of them, how many there
-/// were, and the largest distance.
+/// Compares numbers at states: all nodes at some of them, the number of states,
+/// and the largest distance.
 fn same_numbers(joined: &Joined<'_>) -> Result<(Vec<Vec<ScaledBall>>, u32, f64), Refusal> {
     let rule = joined.rule;
     let mut states = RulePoints::of(rule, 7);
@@ -239,10 +239,9 @@ fn apart(left: &[ScaledBall], right: &[ScaledBall]) -> f64 {
 /// Points tried at random when no small one refutes the rule.
 const RANDOM: usize = 3_000;
 
-/// Numbers that refute a rule of one direction: the smallest integers at
-/// which the sides differ; if there are none, numbers near those that are
-/// in the rule, and near the zeros of what it divides by and of what is under
-/// its roots.
+/// Numbers that refute a rule of one direction: the smallest integers at which
+/// the sides differ; if there are none, numbers near the constants of the rule,
+/// and near the zeros of its divisors and radicands.
 fn search(joined: &Joined<'_>) -> Option<Counterexample> {
     smallest(joined)
         .or_else(|| {

@@ -24,7 +24,7 @@ impl<'a> RulePoints<'a> {
         }
     }
 
-    /// The next point. All that is required of variables holds.
+    /// The next point. All conditions on variables hold.
     pub(super) fn next(&mut self) -> Vec<f64> {
         let mut values: Vec<f64> = Vec::with_capacity(self.rule.variables.len());
         for variable in 0..self.rule.variables.len() as u32 {

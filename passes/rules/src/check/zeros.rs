@@ -8,15 +8,15 @@ use super::point::{RealPoint, SideValue, evaluate};
 use super::states::{RulePoints, numbers};
 use robovec_ir::Operation;
 
-/// Points from which the lines along the axes start.
+/// Number of points from which the lines along the axes start.
 const BASES: usize = 4;
 /// Nodes considered at most.
 const MAX_NODES: usize = 24;
 /// Lines searched at most.
 const MAX_LINES: usize = 160;
 
-/// Looks for zeros of the nodes that matter along the axes, and tries the
-/// rule there, on both sides of them and further away.
+/// Searches for zeros of the relevant nodes along the axes, and tries the rule
+/// there, on both sides of them and further away.
 pub(super) fn search(joined: &Joined<'_>) -> Option<Counterexample> {
     let rule = joined.rule;
     let mut states = RulePoints::of(rule, 5);
@@ -56,12 +56,11 @@ pub(super) fn search(joined: &Joined<'_>) -> Option<Counterexample> {
 /// A node to find zeros of.
 struct ZeroTarget {
     part: Pattern,
-    /// The divisor of the right side that is zero where the node is.
+    /// The divisor of the right side that is zero together with the node.
     divisor: Option<Pattern>,
 }
 
-/// Factors of the divisors of the right side first, then what is under roots,
-/// then sums.
+/// Factors of the divisors of the right side first, then radicands, then sums.
 fn targets(joined: &Joined<'_>) -> Vec<ZeroTarget> {
     let all = joined.pattern.nodes.len();
     let mut targets: Vec<ZeroTarget> = Vec::new();

@@ -3,7 +3,7 @@
 //! Terms are built from the smallest ones up, only from representatives: of
 //! terms with equal values at points of two prime fields the first one. Every
 //! other term of that value is one side of a candidate, the representative the
-//! other; whether they are equal is then proved like any rule.
+//! other; their equality is then proved like any rule.
 
 use super::super::check::{RuleField, RuleResidue};
 use super::super::pattern::{Pattern, PatternNode, apply};
@@ -81,7 +81,7 @@ pub(super) struct EnumeratedTerms {
     fields: Vec<RuleField>,
     terms: Vec<EnumeratedTerm>,
     values: Vec<TermFingerprint>,
-    /// By value: what a value is as an angle is of no interest here.
+    /// By value: the value as an angle does not matter here.
     known: HashMap<[u64; POINTS], u32>,
     /// Representatives by number of operations.
     levels: Vec<Vec<u32>>,
@@ -110,7 +110,7 @@ pub(super) fn enumerate(space: &TermSpace) -> Enumeration {
 type OnSame<'a> = &'a mut dyn FnMut(&EnumeratedTerms, EnumeratedTerm, u32);
 
 impl EnumeratedTerms {
-    /// All terms of a space, how many were tried, and whether all were.
+    /// All terms of a space, the number of terms tried, and whether the enumeration is complete.
     fn all(space: &TermSpace, on_same: OnSame<'_>) -> (EnumeratedTerms, usize, bool) {
         let pair = RuleField::pair(SEED).map(|field| field.on_circle(space.trigonometric));
         let mut terms = EnumeratedTerms {

@@ -2,14 +2,14 @@
 //!
 //! Terms are enumerated and distinguished by their values in the prime field
 //! (the characteristic vectors of Ruler, with a field that decides instead of
-//! samples that suggest); what has equal values and is not the same up to
-//! order and grouping is a candidate. A candidate that the known rules derive
-//! within a budget is dropped, the smallest ones first, so that those that
-//! are left derive the others. They are ranked by what they would gain on the
+//! samples that suggest); terms of equal values that differ in more than order
+//! and grouping are a candidate. A candidate that the known rules derive within
+//! a budget is dropped, the smallest ones first, so that those that are left
+//! derive the others. They are ranked by the cycles that they would save on the
 //! critical paths of functions.
 //!
-//! Or the left sides are those that functions have ([`mine`]), and only right
-//! sides are searched for.
+//! Alternatively the left sides are those that occur in functions ([`mine`]),
+//! and only right sides are searched for.
 
 mod enumerate;
 mod mine;
@@ -61,7 +61,7 @@ pub struct Found {
 pub struct RuleSearch {
     /// Terms tried.
     pub tried: usize,
-    /// Terms of different value among them.
+    /// Number of different values among them.
     pub different: usize,
     /// True when all terms of the space were tried and all candidates
     /// examined.
@@ -136,8 +136,8 @@ impl Letters {
 }
 
 impl Sieve<'_> {
-    /// The candidates that are proved and that neither known rules nor those
-    /// before them derive, by gain on functions; and how many were derived.
+    /// The candidates that are proved and that neither known rules nor those before them
+    /// derive, by gain on functions; and the number of derived ones.
     fn keep(
         &self,
         candidates: Vec<RuleCandidate>,

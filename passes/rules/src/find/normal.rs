@@ -5,7 +5,7 @@
 use super::super::pattern::{Pattern, PatternNode};
 use robovec_ir::Operation;
 
-/// A flat sum or product, or anything else.
+/// A flat sum or product, or any other operation.
 enum FlatForm {
     Other(String),
     /// Terms with their signs: true is minus.

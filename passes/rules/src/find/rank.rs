@@ -11,12 +11,11 @@ use robovec_ir::{Function, Machine, Operand, OperandKind, Operation, Value};
 /// at the next.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
 pub struct RuleGain {
-    /// Cycles by which values on a longest chain would be earlier than by any
-    /// order of the operands of sums and products, added up.
+    /// Total number of cycles by which values on a longest chain would be
+    /// earlier than with any order of the operands of sums and products.
     pub cycles: u64,
-    /// Operations saved at places that do not touch each other, taken in
-    /// program order: so many fewer the functions have when the rule is used
-    /// there.
+    /// Operations saved at disjoint places, taken in program order: the
+    /// reduction when the rule is used there.
     pub operations: u64,
     /// Places on a longest chain that the left side matches.
     pub critical_places: u64,
@@ -48,8 +47,8 @@ impl<'a> Timed<'a> {
         }
     }
 
-    /// Of the values of a window those that nothing needs any more once the root
-    /// is computed otherwise, the root among them.
+    /// The values of a window that become unused once the root is computed
+    /// otherwise, with the root.
     pub(super) fn freed(&self, window: &[Value]) -> Vec<Value> {
         let mut order = window.to_vec();
         // Users before what they use.
@@ -149,7 +148,7 @@ impl PatternMatch {
 /// Most matches at one place that are considered.
 const MAX_MATCHES: usize = 64;
 
-/// All ways in which a pattern matches a value, operands in either order.
+/// All matches of a pattern with a value, operands in either order.
 fn matches(
     pattern: &Pattern,
     function: &Function,

@@ -12,7 +12,7 @@ pub struct CostChange {
     /// Operations, equal ones counted once; sines, cosines and copies do not
     /// count.
     pub operations: i64,
-    /// Cycles from the moment when all variables are there.
+    /// Cycles from the time when all variables are available.
     pub cycles: i64,
     /// Cycles when this variable comes last, later than all others need: the
     /// variable with the greatest gain.
@@ -59,8 +59,8 @@ fn arrival_of(
     times.pop().flatten()
 }
 
-/// The same, sums and products in the order that is earliest: nested ones are
-/// one, of which the two earliest operands are combined first.
+/// The same, with the operands of sums and products in the order of the earliest result:
+/// nested ones are flattened, and the two earliest operands are combined first.
 pub(crate) fn earliest_of(
     pattern: &Pattern,
     weights: &Weights,

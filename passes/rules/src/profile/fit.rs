@@ -10,7 +10,7 @@ use std::fmt::Write;
 /// The growth of a sequence.
 #[derive(Clone, Copy, PartialEq, PartialOrd, Debug)]
 pub enum Growth {
-    /// Not at all: the rule adds nothing.
+    /// No growth: the rule adds no forms.
     Constant,
     /// Like a power of n.
     Polynomial(u32),
@@ -21,8 +21,8 @@ pub enum Growth {
     Endless,
 }
 
-/// A formula through points `(n, count)` of consecutive n, if a simple one
-/// goes through all of them.
+/// The simplest formula through points `(n, count)` of consecutive n, if one
+/// passes through all of them.
 pub(super) fn formula(points: &[(u32, u64)]) -> Option<(Growth, String)> {
     let last = points.len().checked_sub(1)?;
     for degree in 0..last.min(5) as u32 {

@@ -1,10 +1,10 @@
 //! The growth of graphs under rules.
 //!
-//! Terms of growing size from several families are saturated; where the
-//! numbers of nodes follow a formula exactly, it is the growth of the rule.
-//! The family with the worst growth counts. Budgets are in nodes: a term of
-//! four operations that needs more than the budget allows will not do better
-//! in a program.
+//! Terms of growing size from several families are saturated; where the numbers
+//! of nodes follow a formula exactly, it is the growth of the rule. The family
+//! with the worst growth decides. Budgets are in nodes: a term of four
+//! operations that needs more than the budget allows will not do better in a
+//! program.
 
 use super::super::RuleSet;
 use super::super::graph::{GraphBudget, GraphTerm, grow, rewrites, term};
@@ -23,11 +23,11 @@ pub struct Growing {
     pub exact: bool,
     /// Nodes as a function of n, or some numbers when no formula was found.
     pub formula: String,
-    /// The family on which it grows so.
+    /// The family with this growth.
     pub family: String,
 }
 
-/// Two rules that grow more together than either alone.
+/// Two rules that grow more together than each alone.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PairGrowth {
     /// Their names.
@@ -51,8 +51,8 @@ pub fn alone(rule: &Rule) -> Growing {
     worst(&[rule], &always(), ALONE)
 }
 
-/// With which rule a growth without bound comes about: the rule itself, or
-/// one of those that are always on.
+/// The rule that causes unbounded growth together with this one: itself, or one
+/// of those that are always active.
 pub fn partner(rule: &Rule) -> Option<String> {
     if explodes(worst(&[rule], &[], ALONE).growth) {
         return Some(rule.name.clone());
@@ -156,10 +156,10 @@ fn rank(growth: Growth) -> (u32, f64) {
     }
 }
 
-/// Rules as the e-graph applies them.
+/// Rules in the form of the e-graph.
 type GraphRewrites = [Rewrite<GraphTerm, ()>];
 
-/// The growth on a family; `None` when the rules add nothing to it.
+/// The growth on a family; `None` when the rules add no forms to it.
 fn on_family(
     family: TermFamily<'_>,
     rules: &[&Rule],

@@ -30,7 +30,7 @@ pub struct RuleProfile {
     /// The growth of a graph under the rule and those that are always on.
     pub growing: Growing,
     /// Rule with which it grows exponentially or without end, itself or one
-    /// that is always on; `None` when it takes more than one.
+    /// that is always active; `None` when it takes more than one.
     pub partner: Option<String>,
 }
 

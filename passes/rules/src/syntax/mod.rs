@@ -1,10 +1,10 @@
 //! Rules in the syntax of other tools: programs of egglog and rule groups of
 //! Herbie. Both are parenthesised text and share a reader.
 //!
-//! What is lost: egglog has no place for a class, Herbie none for conditions
-//! (rules that have any are left out) nor for both ways (two rules). A
-//! variable with a condition becomes a number, `(Num a)`, in egglog, since
-//! only of numbers it is known that the condition holds.
+//! Losses: egglog has no place for a class, and Herbie none for conditions
+//! (rules with conditions are left out) or for both directions (two rules). A
+//! variable with a condition becomes a number, `(Num a)`, in egglog, since the
+//! condition can be tested only for numbers.
 
 mod read;
 mod term;
@@ -26,12 +26,12 @@ pub enum Syntax {
     Herbie,
 }
 
-/// Reads the rules of a text. Beside them warnings about rules that robovec
-/// cannot express; they are left out.
+/// Reads the rules of a text. Also warnings about rules that robovec cannot
+/// express; they are left out.
 ///
 /// # Errors
 ///
-/// What is malformed, with its place.
+/// The malformed part, with its place.
 pub fn import(text: &str, file_name: &str, syntax: Syntax) -> Result<(RuleSet, Report), Report> {
     read::import(text, file_name, syntax)
 }

@@ -23,7 +23,7 @@ pub(super) struct RuleSides {
 }
 
 /// A step of reading: a tree still to be read, or an operation whose operands
-/// are.
+/// have been read.
 enum ReadingStep {
     Read(u32),
     Apply(Operation, usize),

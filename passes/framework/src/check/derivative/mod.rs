@@ -36,12 +36,12 @@ use robovec_num::field::{Field, FieldPoint, Prime, PrimeField};
 use robovec_num::random::mix;
 use std::array;
 
-/// The function before, the program after, and what must hold.
+/// The function before, the program after, and the conditions of the check.
 struct DerivativeCheck<'a> {
     before: View<'a>,
     after: View<'a>,
     result: DerivativeResult,
-    /// The inputs before that it is differentiated by.
+    /// The inputs before by which it is differentiated.
     columns: Vec<u32>,
     /// The number of outputs that are differentiated.
     rows: usize,
@@ -143,8 +143,8 @@ impl<'a> DerivativeCheck<'a> {
     }
 
     /// Compares in two prime fields, until both sides of every equation were
-    /// defined at as many points as were requested: the equation that does not
-    /// hold, and where.
+    /// defined at the requested number of points; returns the equation that
+    /// does not hold, and the point.
     fn in_fields(&self, verdict: &mut CheckVerdict) -> Option<(usize, PrimeField)> {
         /// Points beyond those requested when some are undefined.
         const EXTRA_POINTS: u32 = 4;
@@ -185,7 +185,7 @@ impl<'a> DerivativeCheck<'a> {
     }
 
     /// A sum is undefined with one of its terms, where the others may have a
-    /// value along their own columns: one of them that differs.
+    /// value along their own columns: returns one of them that differs.
     fn in_single_columns(
         &self,
         index: usize,
@@ -211,7 +211,7 @@ impl<'a> DerivativeCheck<'a> {
     }
 
     /// The first equation that does not hold at a point; counts, by equation,
-    /// how often the left side and both were defined.
+    /// the points at which the left side and both sides were defined.
     fn at_point(&self, field: &PrimeField, defined: &mut [[u32; 2]]) -> Option<usize> {
         assert_eq!(
             defined.len(),
@@ -301,9 +301,8 @@ impl<'a> DerivativeCheck<'a> {
         None
     }
 
-    /// Tests whether an output that is on the right of an equation is no
-    /// number where the derivative that it should be is one, of a size that
-    /// binary64 holds.
+    /// Tests whether an output on the right of an equation is NaN where the
+    /// exact derivative is a number within the range of binary64.
     fn is_lost(
         &self,
         equation: &DerivativeEquation,

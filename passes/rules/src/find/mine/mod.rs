@@ -1,12 +1,12 @@
 //! Rules mined from functions.
 //!
 //! Left sides are the shapes that functions have: windows of a few operations,
-//! on longest chains, or of which some operations would go with their root
-//! and some leaf is there twice (without that, no term has fewer operations).
-//! For the most frequent ones right sides are looked for that have fewer
-//! operations than would go, or are earlier with the times that the leaves
-//! have at the places where the shape was met. What earlier means leaves out
-//! what the order of operands alone does.
+//! on longest chains, or of which some operations would go with their root and
+//! some leaf is there twice (without that, no term has fewer operations). For
+//! the most frequent ones right sides are looked for that have fewer operations
+//! than would go, or are earlier with the times that the leaves have at the
+//! places where the shape was met. Results that differ from earlier ones only
+//! in the order of operands are left out.
 
 mod shape;
 mod solve;
@@ -31,8 +31,8 @@ use solve::RightSides;
 pub struct MiningSpace {
     /// Operations of a window, at most.
     pub window: usize,
-    /// Shapes of which right sides are looked for, the most frequent ones: so
-    /// many to save operations, and so many to shorten chains.
+    /// Maximum number of shapes for which right sides are searched, the most frequent
+    /// ones: this number to save operations, and the same number to shorten chains.
     pub shapes: usize,
     /// Values looked up for one shape, at most.
     pub work: usize,
@@ -47,8 +47,8 @@ pub struct MinedRules {
     pub all_windows: bool,
     /// Different shapes of windows that could be rewritten with a gain.
     pub shapes: usize,
-    /// The rules; tried are the values that were looked up, different the
-    /// shapes of which right sides were looked for.
+    /// The rules; `tried` is the number of values looked up, `different` the
+    /// number of shapes for which right sides were searched.
     pub search: RuleSearch,
 }
 
@@ -226,8 +226,8 @@ impl Gathered {
         }
     }
 
-    /// The shapes that are considered, and whether to make them earlier: those
-    /// with most operations that would go, then those at most late places.
+    /// The shapes that are considered, and a flag for those to be made earlier:
+    /// those with most removable operations, then those at most late places.
     fn chosen(&self, most: usize) -> Vec<(usize, bool)> {
         let mut chosen = Vec::new();
         for late in [false, true] {
@@ -359,8 +359,8 @@ impl ShapeSolver<'_> {
         }
     }
 
-    /// For each way in which the variables come, the right side that is
-    /// earliest, if it is earlier.
+    /// For each order of arrival of the variables, the right side with the
+    /// earliest result, if it is earlier.
     fn earlier(&mut self, shape: &MinedShape) {
         let time = |side: &Pattern, profile: &[i64]| {
             let arrival = |variable: u32| Some(profile[variable as usize]);

@@ -1,15 +1,15 @@
-//! Shapes: windows without the names of what they are on.
+//! Shapes: windows without the names of their operands.
 //!
-//! Two windows have one shape when they differ in the order of operands of
-//! sums and products and in what their leaves are, equal leaves of the one
-//! being equal in the other. A window inside another is a window too, so what
-//! two places of a program have in common (their least general term) is among
-//! the shapes of both.
+//! Two windows have one shape when they differ only in the order of operands of
+//! sums and products and in their leaves, where equal leaves of the one are
+//! equal in the other. A window inside another is a window too, so the common
+//! part of two places of a program (their least general term) is among the
+//! shapes of both.
 
 use super::super::super::pattern::{Pattern, PatternNode};
 use robovec_ir::{Function, Operand, OperandKind, Operation, Value};
 
-/// Variables of a shape, at most; the angle has the number after them.
+/// Maximum number of variables of a shape; the angle has the next number.
 pub(super) const VARIABLES: u32 = 9;
 
 /// Nodes of the tree of a window, at most; shared values are in it more
@@ -25,7 +25,7 @@ const NUMBERS: [f64; 4] = [-1.0, 0.0, 1.0, 2.0];
 enum ShapeLeaf {
     Number(f64),
     Value(Operand),
-    /// Sine or cosine of an angle: which, of what, and itself.
+    /// Sine or cosine of an angle: the operation, its angle, and its value.
     Turn(Operation, Operand, Operand),
 }
 
@@ -55,7 +55,7 @@ impl WindowTerm {
         Some(term)
     }
 
-    /// Writes a node and what is below it. As deep as the window is large.
+    /// Writes a node and its subtree. As deep as the window is large.
     fn write(&mut self, nodes: &[TreeNode], hashes: &[u64], place: usize) -> Option<u32> {
         match nodes[place] {
             TreeNode::Leaf(ShapeLeaf::Number(number)) => {
@@ -100,9 +100,9 @@ fn mixed(parts: &[u64]) -> u64 {
     })
 }
 
-/// The tree of a window, its root first, and for every node a number that
-/// does not depend on the order of operands: what the operations are, and for
-/// each leaf on which ways from the root it is met.
+/// The tree of a window, its root first, and for every node a hash that does
+/// not depend on the order of operands: of the operations and, for each leaf,
+/// of the paths from the root to it.
 fn tree(function: &Function, window: &[Value]) -> Option<(Vec<TreeNode>, Vec<u64>)> {
     let mut nodes: Vec<TreeNode> = Vec::new();
     let mut ways: Vec<u64> = Vec::new();
@@ -154,7 +154,7 @@ fn tree(function: &Function, window: &[Value]) -> Option<(Vec<TreeNode>, Vec<u64
     Some((nodes, hashes))
 }
 
-/// For each leaf a number made of its kind and of all ways that lead to it.
+/// For each leaf a hash of its kind and of all paths to it.
 fn labels(nodes: &[TreeNode], ways: &[u64]) -> Vec<u64> {
     assert_eq!(nodes.len(), ways.len(), "every node has its ways");
     let label = |node: &TreeNode| {
@@ -197,8 +197,8 @@ fn leaf(function: &Function, operand: Operand) -> ShapeLeaf {
     }
 }
 
-/// Makes values of all sines and cosines but those of the first angle of
-/// which both occur: of one of them alone nothing is known.
+/// Makes values of all sines and cosines but those of the first angle of which
+/// both occur: no identity holds for one of them alone.
 fn only_pairs(nodes: &mut [TreeNode]) {
     let turns: Vec<(Operation, Operand)> = nodes
         .iter()

@@ -1,11 +1,11 @@
 //! Right sides for a left side that is given.
 //!
 //! The smallest terms of a few operations over the variables of a left side are
-//! enumerated once; a right side of more operations is found where the two ends
-//! meet: a small term is taken off the wanted value in all four ways in which
-//! an operation can hold it, until what remains is the value of an enumerated
-//! term. So every right side is found whose parts, except for the smallest
-//! ones, are one chain of operations on enumerated terms.
+//! enumerated once; a right side of more operations is found by a search from
+//! both ends: a small term is removed from the wanted value in all four ways in
+//! which an operation can contain it, until the remainder is the value of an
+//! enumerated term. So every right side is found that, except for its smallest
+//! parts, is one chain of operations on enumerated terms.
 
 use super::super::super::pattern::{Pattern, PatternNode};
 use super::super::enumerate::{EnumeratedTerms, POINTS, TermSpace};
@@ -50,7 +50,7 @@ pub(super) struct RightSides {
     known: Vec<(AtomKinds, Atoms)>,
 }
 
-/// Way in which an operation holds the term that is taken off, and the rest.
+/// The operation from which the term is removed, its side, and the rest.
 #[derive(Clone, Copy)]
 struct MeetingStep {
     operation: Operation,
@@ -67,9 +67,9 @@ struct Meeting<'a> {
 }
 
 impl RightSides {
-    /// Shows terms with at most so many operations that are equal to a shape,
-    /// small terms of a chain first; the values looked up. No more than `work`
-    /// are.
+    /// Visits terms with at most this number of operations that are equal to a
+    /// shape, small terms of a chain first; returns the number of lookups. At
+    /// most `work` lookups are made.
     pub(super) fn each(
         &mut self,
         shape: &Pattern,
@@ -182,7 +182,7 @@ impl Atoms {
 }
 
 impl Meeting<'_> {
-    /// Looks a value up, and takes terms off it. As deep as a right side has
+    /// Looks up a value, and removes terms from it. As deep as a right side has
     /// operations.
     fn search(&mut self, wanted: TermValue, operations: usize) {
         if self.work == 0 {

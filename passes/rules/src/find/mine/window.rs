@@ -5,8 +5,7 @@ use robovec_ir::{Function, Operation, Value};
 /// Windows of one root at most; the operations read by many are few.
 const MOST: usize = 3_000;
 
-/// True for the operations that a window is made of: what rules with sums and
-/// products can be about.
+/// True for the operations of windows: those of rules with sums and products.
 pub(super) fn belongs(operation: Operation) -> bool {
     matches!(
         operation,
@@ -24,8 +23,8 @@ pub(super) fn each(
     eligible: &dyn Fn(Value) -> bool,
     visit: &mut dyn FnMut(&[Value]),
 ) -> bool {
-    /// A window so far: what is in it, what may still be, and all that was
-    /// ever considered, which is not considered again.
+    /// A partial window: its values, the candidates for it, and all values
+    /// considered so far, which are not considered again.
     #[derive(Clone)]
     struct Partial {
         inside: Vec<Value>,
