@@ -10,10 +10,10 @@ declare_pass! {
     ///
     /// The tree is the one the equation is written as: sums and products
     /// associate to the left, parentheses are kept. A minus becomes `0 - x`,
-    /// which an adder can do; `zero-removal` gets rid of nearly all of them.
-    /// Copies disappear into their users. An inner operation is named after
-    /// its equation (`CF323.1`, `CF323.2` …), an operation made for an output
-    /// after the output's element (`c_6`).
+    /// which an adder can compute; `zero-removal` removes nearly all of them.
+    /// Copies disappear into their users. An inner operation is named after its
+    /// equation (`CF323.1`, `CF323.2` …), an operation made for an output after
+    /// the output's element (`c_6`).
     pub struct Atomise("atomise") {}
     takes: [Equations, Atomic],
     gives: Gives::Level(Level::Atomic),

@@ -15,14 +15,13 @@ use robovec_num::limits::NumberLimit;
 declare_pass! {
     /// Combines the two earliest operands of every sum and product first.
     ///
-    /// Sums and products are taken as large as they are: across the
-    /// parentheses of an equation, across equations whose value is used only
-    /// once, and with their signs, so that no `0 - x` is needed inside. Of
-    /// several trees with the same finish, and where there is time also of
-    /// later ones, the one is taken that shares sub-sums and sub-products
-    /// with other equations. The longest path never grows, and where it stays
-    /// there are fewer operations: a function that cannot be improved stays as
-    /// it is.
+    /// Sums and products are made as large as possible: across the parentheses
+    /// of an equation, across equations whose value is used only once, and with
+    /// their signs, so that no `0 - x` is needed inside. Of several trees with
+    /// the same finish, and where there is time also of later ones, the one is
+    /// taken that shares sub-sums and sub-products with other equations. The
+    /// longest path never grows, and with an equal path the result has fewer
+    /// operations: a function that cannot be improved is unchanged.
     pub struct Balance("balance") {
         /// Largest number of rounds; a round that gains nothing is the last,
         /// and functions of more than 200,000 operations have one.

@@ -24,7 +24,7 @@ option_words! {
         C = "c",
         /// C99 with loops where the function repeats itself.
         Rolled = "rolled",
-        /// C that evaluates many states at once.
+        /// C that evaluates many states per call.
         Batch = "batch",
         /// FPCore, for tools that bound rounding errors.
         Fpcore = "fpcore",
@@ -61,9 +61,9 @@ declare_pass! {
     /// processing element an instruction image with one word per cycle, for
     /// every memory an image of its initial data, and `manifest.json`, which
     /// lays out the instruction words and gives the address of every input,
-    /// constant and output. `docs/images.md` is the contract with hardware
-    /// and simulator. The images decide nothing that the placed text does not
-    /// hold, and are refused where the machine's words cannot express it.
+    /// constant and output. `docs/images.md` is the contract with hardware and
+    /// simulator. The images contain only the decisions of the placed text, and
+    /// are refused where the machine's words cannot express it.
     ///
     /// `target=rtl` writes the machine itself beside them, for a function F
     /// into `F/rtl` (Verilog) and `F/img` (images as `.mif` and `.hex`);
@@ -87,17 +87,17 @@ declare_pass! {
     /// with sines and cosines within one unit in the last place. Arrays must
     /// not overlap.
     ///
-    /// `target=batch` writes C in which every operation computes `lanes`
-    /// states (1, 4, 8 or 16) as one vector, with its own sines and cosines and
-    /// drivers for any number of states (`docs/c-batch.md`). With
-    /// `parameters=shared` the arrays `dpt`, `l`, `m`, `In` and `g` are the same
-    /// for all states, and what depends on nothing else is computed once.
+    /// `target=batch` writes C in which every operation computes `lanes` states (1, 4, 8
+    /// or 16) as one vector, with its own sines and cosines and drivers for any number of
+    /// states (`docs/c-batch.md`). With `parameters=shared` the arrays `dpt`, `l`, `m`,
+    /// `In` and `g` are the same for all states, and values that depend on them alone are
+    /// computed once.
     ///
     /// `target=fpcore` writes FPCore, which Daisy, FPTaylor, Satire and Herbie
     /// read: one core for every output, computed in `number`, with the ranges
     /// of the scene as precondition.
     ///
-    /// The function itself stays as it is.
+    /// The function itself is not changed.
     pub struct Codegen("codegen") {
         /// Target of the code.
         pub target: CodegenTarget = CodegenTarget::Mif,

@@ -18,10 +18,10 @@ use std::hash::BuildHasher;
 declare_pass! {
     /// Computes equal operations on equal operands once.
     ///
-    /// Sums and products count as equal when their operands are exchanged;
-    /// nothing is reassociated, so not a bit changes. The first of several
-    /// equal values stays and takes over the source places of the others.
-    /// Values of different number formats are not equal.
+    /// Sums and products count as equal when their operands are exchanged; no
+    /// term is reassociated, so no bit changes. The first of several equal
+    /// values stays and takes over the source places of the others. Values of
+    /// different number formats are not equal.
     pub struct Cse("cse") {}
     takes: [Atomic],
     gives: Gives::Same,
@@ -31,8 +31,8 @@ declare_pass! {
     destroys: [Timed],
 }
 
-/// An operation with its operands in canonical order: what two equal
-/// computations have in common.
+/// An operation with its operands in canonical order: the common key of equal
+/// computations.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Key {
     operation: Operation,
@@ -111,10 +111,10 @@ impl KnownValues {
     }
 }
 
-/// Values whose source sets grow by those of values merged into them.
+/// Values whose source sets are extended by those of merged values.
 ///
-/// Merging is put off to the end and done once per value, since a union per
-/// merge would be quadratic where thousands of equal equations meet.
+/// Merging is delayed to the end and done once per value, since a union per
+/// merge would be quadratic where thousands of equal equations are merged.
 #[derive(Default)]
 pub struct SourceMerges {
     merges: Vec<(Value, SourceSet)>,
@@ -138,8 +138,8 @@ impl SourceMerges {
     }
 }
 
-/// The function with equal operations merged, and how many were; `None` when
-/// there is nothing to merge.
+/// The function with equal operations merged, and the number of merges; `None`
+/// when there are none.
 pub fn merge_equal(function: &Function, tables: &mut Tables) -> Option<(Function, u64)> {
     merge_equal_noting(
         function,
@@ -149,8 +149,8 @@ pub fn merge_equal(function: &Function, tables: &mut Tables) -> Option<(Function
     )
 }
 
-/// As [`merge_equal`], asking before each merge and noting which value took
-/// over which.
+/// As [`merge_equal`], with a test before each merge and a note of the merged
+/// values.
 pub fn merge_equal_noting(
     function: &Function,
     tables: &mut Tables,
@@ -202,8 +202,8 @@ pub fn merge_equal_noting(
     Some((new, merged))
 }
 
-/// True when an operation on the same operands is there twice: until one was
-/// merged, operands are what they are.
+/// True when two operations have the same operands: until a merge, operands do
+/// not change.
 fn some_are_equal(function: &Function, lookalikes: &Lookalikes, count: usize) -> bool {
     let mut known = KnownValues::with_capacity(count);
     let mut values = function

@@ -1,14 +1,13 @@
 //! Products and sums in one operation.
 //!
 //! A fused multiply-add is shorter than a product and a sum in a row, but
-//! longer than the sum alone: on a chain that runs through the factors it
-//! saves cycles, on one that runs through the addend it costs some. And it
-//! saves an operation only where nothing else reads the product. So both are
-//! decided by arrival times: first each sum takes the form that is there
-//! earliest, which gives the shortest path (each form takes its operands as
-//! early as they can be, and no choice harms another); then, within the times
-//! that path leaves, each sum takes the form that makes a product vanish, or
-//! stays as it is.
+//! longer than the sum alone: on a chain that runs through the factors it saves
+//! cycles, on one that runs through the addend it costs some. It saves an
+//! operation only if the product has no other reader. So both are decided by
+//! arrival times: first each sum gets the form with the earliest arrival, which
+//! gives the shortest path (each form uses its operands as early as possible,
+//! and no choice delays another); then, within the slack of that path, each sum
+//! gets the form that makes a product unnecessary, or is unchanged.
 //!
 //! A contraction never adds an operation: a product that is read elsewhere
 //! too stays, and the sum that took it in is one operation as before.
@@ -107,10 +106,10 @@ const WHOLE: u32 = 64;
 /// Rating of a form, the smallest the best: whether it is late, then its gain.
 type Rating = (bool, (u32, u32));
 
-/// The product that a sum takes in.
+/// The product that is fused with a sum.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum ContractionForm {
-    /// Nothing.
+    /// No contraction.
     Plain,
     /// The product that is its operand of this number, from 0.
     Fused(usize),
@@ -125,11 +124,11 @@ const FORMS: [ContractionForm; 3] = [
 /// The gain of a form, the best first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 enum ContractionGain {
-    /// The product goes: nothing else reads it.
+    /// The product is removed, since it has no other reader.
     Vanishes,
-    /// The product goes if its other readers take it in as well.
+    /// The product is removed if its other readers absorb it as well.
     MayVanish,
-    /// No product is taken in.
+    /// No product is fused.
     Nothing,
     /// The product stays.
     Stays,
@@ -144,7 +143,7 @@ struct Contraction<'a> {
     /// True if the path must stay as short as it can be.
     timed: bool,
     uses: Vec<u32>,
-    /// Products that stay: read by something that does not take them in.
+    /// Products that stay: read by an operation that does not absorb them.
     stays: Vec<bool>,
 }
 
@@ -199,8 +198,8 @@ impl<'a> Contraction<'a> {
         forms
     }
 
-    /// The part of the contractions that no path needs which leaves the busiest
-    /// kind of element least to do, given those with none and with all.
+    /// The part of the contractions without effect on a path that gives the busiest kind
+    /// of element the least work, from the work with none and with all.
     fn part(&self, machine: &Machine, none: &[ContractionForm], all: &[ContractionForm]) -> u32 {
         let [none, all] = [none, all].map(|forms| self.loads(machine, forms));
         let busiest = |part: &u32| {
@@ -230,7 +229,7 @@ impl<'a> Contraction<'a> {
         loads
     }
 
-    /// For every node how late its result may be for the shortest path: that
+    /// For every node the latest time of its result for the shortest path: that
     /// of the earliest forms.
     fn limits(&self) -> Vec<u32> {
         let forms = self.sweep(None, WHOLE, |gain, arrival| (arrival, gain as u32));
@@ -315,7 +314,7 @@ impl<'a> Contraction<'a> {
         times
     }
 
-    /// The gain of a form; `None` when the node cannot have it.
+    /// The gain of a form; `None` when it is not possible for the node.
     fn gain(&self, node: &Node, form: ContractionForm) -> Option<ContractionGain> {
         let ContractionForm::Fused(side) = form else {
             return Some(ContractionGain::Nothing);

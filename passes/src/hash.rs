@@ -1,8 +1,8 @@
-//! Hashes that decide results: slots in which counts meet, and the order of
-//! what is equal otherwise.
+//! Hashes that affect results: slots of counters, and the order of otherwise
+//! equal items.
 //!
 //! The hasher that tables use computes otherwise where pointers have 32 bits,
-//! as in WebAssembly. These functions are what it computes where they have 64.
+//! as in WebAssembly. On 64-bit targets these functions give the same values.
 
 const MULTIPLIER: u64 = 0xf135_7aea_2e62_a9c5;
 const SEEDS: [u64; 2] = [0x243f_6a88_85a3_08d3, 0x1319_8a2e_0370_7344];

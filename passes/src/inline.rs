@@ -101,8 +101,8 @@ impl<'a> InliningChoice<'a> {
         choice
     }
 
-    /// Substitutes into a node what fits, the smallest first, and gives the
-    /// extent of its expression.
+    /// Substitutes fitting operands into a node, the smallest first, and
+    /// returns the extent of its expression.
     fn substitute(&mut self, node: &Node, free: &[bool], limits: &Inline) -> ExpressionExtent {
         let mut candidates: Vec<Value> = Vec::new();
         if node.operation != Operation::Copy {
@@ -126,7 +126,7 @@ impl<'a> InliningChoice<'a> {
         extent
     }
 
-    /// The value that is instead of another: skipped copies lead on.
+    /// The replacement of a value, through skipped copies.
     fn target(&self, value: Value) -> Value {
         let mut value = value;
         while self.skipped[value.index()]
@@ -220,8 +220,8 @@ impl<'a> InliningChoice<'a> {
     }
 }
 
-/// The values whose single use may take them in: not sines and cosines, and
-/// of those an output is set to only what `take_outputs` finds.
+/// The values whose single reader may contain them: not sines and cosines, and
+/// of those assigned to outputs only the ones that `take_outputs` finds.
 fn substitutable(function: &Function) -> Vec<bool> {
     let counts = function.use_counts();
     let free = function.values().map(|(value, node)| {
@@ -251,8 +251,8 @@ fn shape(function: &Function, node: &Node) -> (Operation, [Operand; Operand::MAX
     (node.operation, node.operands)
 }
 
-/// The binding strength of an operation, as in Robotran's files: a minus takes
-/// in the product after it.
+/// The binding strength of an operation, as in Robotran's files: a minus
+/// includes the product after it.
 fn binding(operation: Operation) -> u8 {
     match operation {
         Operation::Add | Operation::Sub | Operation::Neg => 1,

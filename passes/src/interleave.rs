@@ -27,11 +27,11 @@ declare_pass! {
     /// `interleave{instances=4},place`.
     ///
     /// Array `A` becomes `A_1` for the first instance, `A_2` for the second,
-    /// and so on. Input arrays named in `shared` stay as they are and are
-    /// read by all instances: parameters such as masses and lengths, whose
-    /// words are then loaded and kept once per memory. Constants are always
-    /// shared. What depends on shared inputs alone is computed once when
-    /// `cse` follows. Values get the same endings as arrays.
+    /// and so on. Input arrays named in `shared` stay as they are and are read
+    /// by all instances: parameters such as masses and lengths, whose words are
+    /// then loaded and kept once per memory. Constants are always shared.
+    /// Values that depend on shared inputs alone are computed once when `cse`
+    /// follows. Values get the same endings as arrays.
     ///
     /// The semantic check compares every instance with the original, at
     /// points at which the instances differ.

@@ -1,9 +1,9 @@
 //! The passes of robovec.
 //!
 //! Each is one file or folder of this crate, except the one that places, which
-//! has its own crate; [`registry::REGISTRY`] lists all of them. `sums` holds
-//! what the passes on sums and products share, `choice` and `reassociate` what
-//! some of them do. This crate reads and writes no files.
+//! has its own crate; [`registry::REGISTRY`] lists all of them. `sums` has the
+//! parts that the passes on sums and products share, `choice` and `reassociate`
+//! those that some of them share. This crate reads and writes no files.
 
 pub mod accurate;
 pub mod asap_alap;

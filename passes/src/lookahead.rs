@@ -12,22 +12,22 @@ use robovec_num::limits::NumberLimit;
 declare_pass! {
     /// Shortens the longest path by looking back across several equations.
     ///
-    /// What is late in a recursion enters its equations linearly: `x = c*u + e`
-    /// with `c` and `e` known early. Substituting `u = d*v + f` gives `x` from
-    /// `v`, one step earlier, with the coefficient `c*d` and the rest `c*f + e`
-    /// computed beside the recursion. Such forms are made for all sums and
-    /// products at many frontiers back in time, each in several ways, and the
-    /// cheapest combination is chosen that makes the longest path as short as
-    /// the budget of operations allows: a parallel prefix network where it
-    /// pays, shared by all columns of a mass matrix, and nothing elsewhere.
+    /// What is late in a recursion enters its equations linearly: `x = c*u + e` with `c`
+    /// and `e` known early. Substituting `u = d*v + f` gives `x` from `v`, one step
+    /// earlier, with the coefficient `c*d` and the rest `c*f + e` computed beside the
+    /// recursion. Such forms are made for all sums and products at many frontiers back in
+    /// time, each in several variants, and the cheapest combination is chosen that makes
+    /// the longest path as short as the budget of operations allows: a parallel prefix
+    /// network where it shortens the path, shared by all columns of a mass matrix, and
+    /// unchanged code elsewhere.
     ///
-    /// Values are identified by what they are at two points of the prime field,
-    /// so equal values written differently become one on the way, and the
-    /// function can end up with fewer operations than it had.
+    /// Values are identified by their residues at two points of the prime
+    /// field, so equal values written differently are merged, and the function
+    /// can end up with fewer operations than before.
     ///
-    /// A path that cannot be shortened within the budget leaves the function as
-    /// it is. `sin` and `cos` are taken as independent: no identity between them
-    /// is used. `balance,cse,dce` belong after this pass.
+    /// If no path can be shortened within the budget, the function is
+    /// unchanged. `sin` and `cos` are taken as independent: no identity between
+    /// them is used. `balance,cse,dce` belong after this pass.
     pub struct Lookahead("lookahead") {
         /// Operations allowed, in percent of those the function has.
         pub growth: u32 = 100 => search::GROWTH,

@@ -1,4 +1,4 @@
-//! Choice, value by value, from what several passes make of a function.
+//! Choice, value by value, among the results of several passes on a function.
 
 use crate::choice::chooser::ChoiceMethod;
 use crate::choice::import::import;
@@ -24,7 +24,7 @@ const USUAL: &str = "balance,cse,dce; factor{path=keep},balance,cse,dce; \
                      lookahead{grid=5 frontiers=80},balance,cse,dce; \
                      recurrence,balance,cse,dce";
 
-/// The maximum number of moves: all their results are in memory at once.
+/// The maximum number of moves: all their results are in memory together.
 const MOST: usize = 64;
 
 impl OptionValue for Moves {
@@ -62,17 +62,17 @@ declare_pass! {
     /// Runs passes side by side and chooses among all they made, value by value.
     ///
     /// `meet{moves="factor,cse,dce; lookahead,balance,cse,dce"}` runs both
-    /// pipelines on the function as it is. Of the two results and the function
-    /// itself no whole is taken: all of them are read into one network, where
-    /// values are known by what they are at two points of a prime field, and
-    /// each value can be computed in every way that one of them computes it.
-    /// One choice is then made from all (lossless synthesis; Chatterjee,
+    /// pipelines on the unchanged function. Neither result is used whole: the
+    /// function and both results are read into one network, where values are
+    /// identified by their residues at two points of a prime field, and each
+    /// value can be computed in every form that occurs in one of them. One
+    /// choice is then made from all (lossless synthesis; Chatterjee,
     /// Mishchenko, Brayton and others 2005): with `for=path` the shortest path
     /// that the operations allowed can buy, with `for=operations` the fewest
     /// operations within the path allowed. The result is never worse than the
     /// best of those that are read.
     ///
-    /// Moves take the level atomic and give it, and keep what values are as real
+    /// Moves take and give the level atomic, and preserve values as real
     /// numbers. With `class=real-trig` they may rest on sin² + cos² = 1, as
     /// `composite` and `factor-trig` do, and values are known on the circle. A
     /// move that gives up is left out, with a remark.

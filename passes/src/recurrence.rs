@@ -17,19 +17,19 @@ declare_pass! {
     /// Finds linear recurrences and solves them by parallel prefix.
     ///
     /// Along a chain of bodies velocities, accelerations, forces and torques
-    /// follow recurrences `x = A*x' + b` whose matrices are known early. They are
-    /// found in the plain equations, whatever formulation these were made with:
-    /// every sum and product is seen as linear in its latest operands, and
-    /// written in what was available at the last multiple of 1, 2, 4, 8 ...
-    /// `grid` cycles, each of these forms being composed of two of the one
-    /// before. That is Sklansky's network (1960) on products of matrices that
-    /// all right-hand sides of a recurrence share; the longest path grows with
-    /// the logarithm of the length of the chain.
+    /// follow recurrences `x = A*x' + b` whose matrices are known early. They
+    /// are found in the plain equations, for any formulation: every sum and
+    /// product is treated as linear in its latest operands, and written in the
+    /// values available at the last multiple of 1, 2, 4, 8 ... `grid` cycles,
+    /// each of these forms being composed of two of the one before. That is
+    /// Sklansky's network (1960) on products of matrices that all right-hand
+    /// sides of a recurrence share; the longest path grows with the logarithm
+    /// of the length of the chain.
     ///
-    /// The path comes first; operations are then taken off again where there is
-    /// time. Where `lookahead` buys a shorter path with a budget of operations,
-    /// this pass takes what the path costs. The function stays as it is where
-    /// its path does not become shorter. `balance,cse,dce` belong after it.
+    /// The path comes first; operations are then taken off again where there is time.
+    /// Where `lookahead` shortens a path within a budget of operations, this pass uses as
+    /// many operations as the path requires. The function is unchanged if its path does
+    /// not become shorter. `balance,cse,dce` belong after it.
     pub struct Recurrence("recurrence") {
         /// Longest path wanted, in cycles: nothing is spent on a shorter one.
         pub path: u32 = 0 => search::PATH,
@@ -99,7 +99,7 @@ impl Pass for Recurrence {
 
 impl Recurrence {
     /// The function with the shortest path, if that is shorter than before. It
-    /// takes the network, which is several times the size of the function.
+    /// consumes the network, which is several times the size of the function.
     fn shortest(
         &self,
         function: &Function,

@@ -15,7 +15,7 @@ pub static REGISTRY: Registry = Registry {
     presets: PRESETS,
 };
 
-/// All passes, in the order a function usually meets them.
+/// All passes, in their usual order.
 const PASSES: &[PassInfo] = &[
     trigonometry::Trigonometry::INFO,
     atomise::Atomise::INFO,

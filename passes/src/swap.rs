@@ -10,10 +10,10 @@ use robovec_ir::Function;
 declare_pass! {
     /// Moves the latest operand of every cascade to its end.
     ///
-    /// A cascade is a run of additions and subtractions, or of
-    /// multiplications, down the left operands; its operands are sorted by
-    /// the time they are available. Sub-sums in parentheses stay what they
-    /// are. A function whose longest path would grow stays as it is.
+    /// A cascade is a run of additions and subtractions, or of multiplications,
+    /// down the left operands; its operands are sorted by the time they are
+    /// available. Sub-sums in parentheses are unchanged. A function whose
+    /// longest path would grow is unchanged.
     pub struct Swap("swap") {}
     takes: [Equations, Atomic],
     gives: Gives::Same,

@@ -10,11 +10,11 @@ use robovec_ir::{Function, Operation};
 declare_pass! {
     /// Removes the `0 - x` that a minus became.
     ///
-    /// Where a sum has a positive term, that term leads and the negative one
-    /// is subtracted from it; else the value is stored negated and the sign
-    /// travels to its users, which subtract instead of adding or pass it on.
-    /// A `0 - x` stays only where an output needs it. Nothing is
-    /// reassociated, and as rounding is symmetric not a bit changes.
+    /// Where a sum has a positive term, that term leads and the negative one is
+    /// subtracted from it; else the value is stored negated and the sign
+    /// travels to its users, which subtract instead of adding or pass it on. A
+    /// `0 - x` stays only where an output needs it. No term is reassociated,
+    /// and as rounding is symmetric no bit changes.
     pub struct ZeroRemoval("zero-removal") {}
     takes: [Atomic],
     gives: Gives::Same,

@@ -1,4 +1,4 @@
-//! Pipelines of the real passes: what is printed reads back, and mistakes are
+//! Pipelines of the real passes: printed ones read back, and mistakes are
 //! reported with their place.
 
 use robovec_passes::registry::REGISTRY;

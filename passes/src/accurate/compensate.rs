@@ -1,17 +1,16 @@
 //! Rounding errors that are computed and taken off.
 //!
-//! The rounding error of a sum or of a product is itself a number of the
-//! format and can be computed: that of a sum by five additions more (Knuth,
-//! *The Art of Computer Programming* 2, 4.2.2), that of a product by one fused
+//! The rounding error of a sum or of a product is itself a number of the format
+//! and can be computed: that of a sum by five additions more (Knuth, *The Art
+//! of Computer Programming* 2, 4.2.2), that of a product by one fused
 //! operation, or by sixteen others (Dekker, *Numerische Mathematik* 18, 1971).
-//! A value whose error is computed is *tracked*; it carries a *correction*
-//! beside it. Sums and products that read a tracked value carry the
-//! correction on, to first order (Langlois, *Automatic linear correction of
-//! rounding errors*, BIT 41, 2001), and where a value is read by something
-//! that does not, value and correction are added: one rounding for all the
-//! errors before it. Within one sum this is the compensated sum of Ogita, Rump
-//! and Oishi (*SIAM J. Sci. Comput.* 26, 2005), but it does not end at the
-//! equation.
+//! A value whose error is computed is *tracked*; a *correction* is stored with
+//! it. Sums and products that read a tracked value propagate the correction, to
+//! first order (Langlois, *Automatic linear correction of rounding errors*, BIT
+//! 41, 2001), and where another operation reads the value, value and correction
+//! are added: one rounding for all the errors before it. Within one sum this is
+//! the compensated sum of Ogita, Rump and Oishi (*SIAM J. Sci. Comput.* 26,
+//! 2005), but it does not end at the equation.
 //!
 //! Over the real numbers every correction is zero.
 
@@ -47,7 +46,7 @@ pub(super) struct Compensated {
     pub(super) predicted: f64,
 }
 
-/// The versions that track the most harmful values: as many as the budget
+/// The versions that track the most harmful values: the number that the budget
 /// allows, a half of them, a quarter, and so on; the best first.
 pub(super) fn compensated(
     function: &Function,
@@ -117,10 +116,10 @@ struct Correction {
 /// The translation of an old value.
 #[derive(Clone, Copy)]
 struct CompensatedValue {
-    /// The value as it is rounded.
+    /// The rounded value.
     main: Operand,
     correction: Option<Correction>,
-    /// For whoever does not take corrections.
+    /// For readers that do not take corrections.
     absorbed: Operand,
     /// The parts of the correction that exist: its own, and those that come
     /// with the operands.
@@ -136,7 +135,7 @@ struct CompensationWriter<'a> {
     fused: bool,
     required: Vec<u32>,
     tracked: Vec<bool>,
-    /// Tracked, or reading something that is.
+    /// True for tracked values, and for readers of tracked values.
     raised: Vec<bool>,
     rewriter: Rewriter<'a>,
     times: ArrivalTimes,
@@ -226,7 +225,7 @@ impl CompensationWriter<'_> {
         }
     }
 
-    /// A value as it is rounded, and its correction.
+    /// A rounded value, and its correction.
     fn known(&mut self, operand: Operand) -> (Operand, Option<Correction>) {
         match operand.value() {
             Some(value) => {
@@ -419,8 +418,8 @@ impl CorrectionMaker<'_, '_> {
         [high, low]
     }
 
-    /// The sum of the parts, the earliest first; the value with as many of
-    /// them as there is time for, and which these are.
+    /// The sum of the parts, the earliest first; the value with as many of them
+    /// as the time permits, and the list of these.
     fn collect(
         &mut self,
         value: Value,

@@ -1,10 +1,10 @@
 //! Products and sums in one operation, for the rounding that it saves.
 //!
-//! Where the pass `fma` counts cycles and operations, here every product that
-//! only one sum reads is taken in by it as long as the result is there in
-//! time: to first order one rounding less is always better. Of two products
-//! the one is taken in whose rounding harms more. What computes rounding
-//! errors (`super::compensate`) is left alone without being known: a product
+//! The pass `fma` counts cycles and operations; here every product with a
+//! single reading sum is fused with it if the result is in time: to first order
+//! one rounding less is always better. Of two products the one is taken in
+//! whose rounding harms more. Computations of rounding errors
+//! (`super::compensate`) are unchanged without special treatment: a product
 //! whose error is computed is read more than once.
 
 use super::profile::SensitivityProfile;
@@ -16,7 +16,7 @@ use robovec_framework::pass::Context;
 use robovec_framework::rewrite::Rewriter;
 use robovec_ir::{Function, Node, Operand, Operation, Value};
 
-/// The function with products taken in, and how many; `None` where there are
+/// The function with products fused, and their number; `None` where there are
 /// none.
 pub(super) fn fuse(
     function: &Function,
@@ -60,7 +60,7 @@ pub(super) fn fuse(
     (count > 0).then(|| (write(function, &taken, &forms, context), count))
 }
 
-/// The product on one side of a sum that nothing else reads.
+/// The product on one side of a sum, if it has no other reader.
 fn product(function: &Function, node: &Node, side: usize, uses: &[u32]) -> Option<Value> {
     if !matches!(node.operation, Operation::Add | Operation::Sub) {
         return None;

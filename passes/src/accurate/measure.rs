@@ -1,10 +1,10 @@
-//! Measured errors of a function and of what it became.
+//! Measured errors of a function and of its new version.
 //!
-//! Passes that promise equality over the real numbers share one reference:
-//! the outputs of the function they were given, in double-double. An element
-//! counts relative to itself unless it is nothing but rounding beside the
-//! largest of its array, an array by its largest error over its largest
-//! element, as in [`robovec_analysis::accuracy`].
+//! Passes that promise equality over the real numbers share one reference: the
+//! outputs of the function they were given, in double-double. An element counts
+//! relative to itself unless it is only rounding beside the largest of its
+//! array, an array by its largest error over its largest element, as in
+//! [`robovec_analysis::accuracy`].
 
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;

@@ -1,4 +1,4 @@
-//! The form of a function that rounds least within the time there is.
+//! The form of a function with the least rounding error within a time limit.
 
 mod compensate;
 mod fuse;
@@ -25,10 +25,10 @@ use robovec_num::limits::{Amount, NumberLimit};
 /// Limit of the longest path.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum CycleLimit {
-    /// As long as it is.
+    /// At most the present length.
     Same,
     /// At most this number of cycles of the machine, and never fewer than the
-    /// path takes.
+    /// length of the longest path.
     AtMost(u32),
 }
 
@@ -61,9 +61,9 @@ declare_pass! {
     /// Writes sums and products in the form that rounds least.
     ///
     /// The pass measures at a few random states (the ranges of the scene, when
-    /// there is one) for how large every value is and how much a rounding of
-    /// it moves the outputs, and rewrites where that makes the predicted
-    /// error of all outputs smaller:
+    /// there is one) the size of every value and the effect of its rounding on
+    /// the outputs, and rewrites where that makes the predicted error of all
+    /// outputs smaller:
     ///
     /// - terms of a sum are added in the order with the smallest partial sums:
     ///   small ones first, and what cancels before the rest;
@@ -122,7 +122,7 @@ const FIRST_MEASURED: u32 = 1000;
 /// measured once more: the best of several is partly the luckiest.
 const FIRST_CHECKED: u32 = 1_000_000;
 
-/// From how many profiles sums are ordered, to be measured each.
+/// Number of profiles by which sums are ordered; each result is measured.
 const PROFILES: u32 = 3;
 
 /// The number of compensated versions that are measured.
@@ -191,14 +191,14 @@ impl Pass for Accurate {
     }
 }
 
-/// The best version so far, and what versions are measured with.
+/// The best version so far, and the measures of versions.
 struct AccuracySearch {
     reference: ReferenceOutputs,
     states: States,
     /// The longest path allowed, in cycles.
     limit: u32,
     format: Format,
-    /// Operations of the function as it was, and per cent allowed beyond.
+    /// Operations of the original function, and per cent allowed beyond.
     size: usize,
     growth: u32,
     old: Errors,
@@ -261,7 +261,7 @@ impl AccuracySearch {
     }
 
     /// Measures a version and keeps it when it is the best so far; one with
-    /// refused rewrites always, since then the question is another.
+    /// refused rewrites always, since then it is needed for the reduction.
     fn offer(&mut self, function: &Function, context: &Context<'_>) -> bool {
         let errors = self.reference.errors(function, self.format);
         let better = errors.score() < self.errors.score() && errors.no_worse_than(&self.old);
@@ -280,7 +280,7 @@ impl AccuracySearch {
     }
 }
 
-/// One line on what became of the errors.
+/// One line on the change of the errors.
 fn told(old: &Errors, new: &Errors) -> String {
     let [old_median, .., old_worst] = old.normwise;
     let [median, .., worst] = new.normwise;

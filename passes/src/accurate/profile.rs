@@ -1,5 +1,5 @@
-//! The sizes of the values of a function, and what a rounding of each does to
-//! the outputs.
+//! The sizes of the values of a function, and the effect of a rounding of each
+//! on the outputs.
 //!
 //! To first order a rounding `d` of a value moves output `o` by `g(o) d`,
 //! where `g(o)` is the derivative of the output with respect to the value
@@ -12,14 +12,14 @@
 //! has this expectation (Hutchinson, *Communications in Statistics* 19, 1990).
 //! Every lane of a profile is a state with its own signs.
 //!
-//! The weight of an output is `1 / sqrt(e m)`, `e` being the error it can be
-//! expected to have and `m` the largest such error in its array: half-way, in
-//! logarithms, between what makes every output and what makes every array
-//! better by the same factor. Expected errors come from a sweep forward that
-//! takes all errors as independent, which is good enough for a scale. So
-//! neither a state nor an output with large errors decides alone.
+//! The weight of an output is `1 / sqrt(e m)`, `e` being its expected error and
+//! `m` the largest such error in its array: half-way, in logarithms, between
+//! weights that improve every output and weights that improve every array by
+//! the same factor. Expected errors come from a sweep forward that takes all
+//! errors as independent, which is good enough for a scale. So neither a state
+//! nor an output with large errors decides alone.
 //!
-//! A lane in which something is not finite means nothing there and counts as
+//! A lane with a number that is not finite has no meaning there and counts as
 //! zero.
 
 use robovec_ir::evaluate::evaluate_nodes;
@@ -241,7 +241,7 @@ fn sign(counter: u64) -> f64 {
     }
 }
 
-/// Zero for what is infinite or no number.
+/// Zero for infinities and NaN.
 fn finite(number: f64) -> f64 {
     if number.is_finite() { number } else { 0.0 }
 }

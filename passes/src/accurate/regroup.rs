@@ -1,15 +1,14 @@
-//! Writes every sum in the order, and with the factored differences, that
-//! round least within the time there is.
+//! Writes every sum in the order, and with the factored differences, of the
+//! least rounding error within the time limit.
 //!
-//! Every value has a time at which it must be there, from the longest path
-//! allowed and from what follows the value in the function as it was. A sum
-//! that keeps its time leaves those of all others as they are, so sums can be
-//! treated one after the other, each knowing how late its terms have become.
-//! The tree a sum has always meets its time, since its terms meet theirs.
+//! Every value has a time at which it is required, from the longest path
+//! allowed and from the chain after the value in the original function. A sum
+//! that keeps its time does not change those of all others, so sums can be
+//! treated in sequence, each with the actual times of its terms. The tree a sum
+//! has always meets its time, since its terms meet theirs.
 //!
-//! Time is not given away for nothing: a sum takes longer than it would as it
-//! was only where that saves more than a small part of the error of the whole
-//! function.
+//! A sum becomes later than before only where that saves more than a small part
+//! of the error of the whole function.
 
 use super::profile::{SensitivityProfile, StateLanes, squares};
 use super::terms::{self, StepSource, SumPlan, SumSetting, SumTerm, TermFactor};
@@ -24,8 +23,8 @@ use robovec_ir::{FreshNames, Function, Name, Node, Operand, Operation, Symbol, V
 /// The part of the function's error that a sum must save to take time.
 const WORTH_TIME: f64 = 1e-5;
 
-/// A plan must cost less than this part of what there is: gains that are
-/// rounding noise of the estimate change nothing.
+/// A plan must cost less than this part of the present cost: gains within the
+/// noise of the estimate change nothing.
 const CLEARLY_LESS: f64 = 0.999;
 
 /// The result of regrouping.
@@ -35,7 +34,7 @@ pub(super) struct Regrouped {
     pub(super) factored: u64,
 }
 
-/// The function with its sums rewritten; dead products are still there.
+/// The function with its sums rewritten, and with unused products.
 pub(super) fn regroup(
     function: &Function,
     profile: &SensitivityProfile,
@@ -92,9 +91,9 @@ struct RegroupingWriter<'a> {
     names: FreshNames,
     owners: Vec<Symbol>,
     uses: Vec<u32>,
-    /// Time at which each value of the old function must be there.
+    /// Time at which each value of the old function is required.
     required: Vec<u32>,
-    /// Time at which the values of the new function are there.
+    /// Arrival times of the values of the new function.
     times: ArrivalTimes,
     worth: f64,
     done: Regrouped,
@@ -109,7 +108,7 @@ impl RegroupingWriter<'_> {
         self.times.push(&mut self.rewriter.new, node)
     }
 
-    /// Writes a value, and what was absorbed into it, as they were.
+    /// Writes a value and the values absorbed into it, unchanged.
     fn keep(&mut self, root: Value) {
         let mut absorbed = if self.is_sum(root) {
             self.groups.inner(root).to_vec()
@@ -131,8 +130,8 @@ impl RegroupingWriter<'_> {
         self.push(Node { operands, ..node })
     }
 
-    /// A better way to compute the sum of a value, and whether it factors
-    /// differences.
+    /// A better computation of the sum of a value, and a flag: true when it
+    /// factors differences.
     fn choose(&mut self, root: Value) -> Option<(SumPlan, bool)> {
         if !self.is_sum(root) {
             return None;
@@ -186,7 +185,7 @@ impl RegroupingWriter<'_> {
         chosen.filter(|(plan, _)| plan.cost < CLEARLY_LESS * present.0)
     }
 
-    /// The cost of the sum as it is, and when it would be there.
+    /// The cost of the present sum, and its arrival time.
     fn present(&self, root: Value, terms: &[SumTerm]) -> (f64, u32) {
         let adjoint = self.profile.adjoint(root.index());
         let products = terms.iter().filter(|term| term.factors.is_some());
@@ -222,7 +221,7 @@ impl RegroupingWriter<'_> {
         (cost, finished.last().map_or(0, |&(_, at)| at))
     }
 
-    /// Time at which what an old operand has become is there.
+    /// Arrival time of the successor of an old operand.
     fn old_arrival(&self, operand: Operand) -> u32 {
         match operand.value() {
             Some(value) => self.times.of(self.rewriter.known(value)),
@@ -230,7 +229,7 @@ impl RegroupingWriter<'_> {
         }
     }
 
-    /// The product that a leaf is, when nothing else reads it.
+    /// The product that a leaf is, when it has no other reader.
     fn product(&self, leaf: &GroupLeaf) -> Option<Value> {
         single_product(self.function, &self.uses, leaf.operand)
     }

@@ -1,14 +1,14 @@
 //! The order of a sum, and its factored differences.
 //!
-//! A sum of `n` terms is computed by `n - 1` additions in the shape of a
-//! tree. All its partial sums move the outputs alike, so what the roundings of
-//! a tree cost is the sum of the squares of its partial sums, state by state,
-//! each weighted with what the sum does to the outputs (Robertazzi and
-//! Schwartz, *SIAM J. Sci. Stat. Comput.* 9, 1988, find for numbers of one
-//! sign that the smallest should be added first; with signs, what cancels
-//! should meet first). Up to [`EXHAUSTIVE`] terms the best tree is found
-//! among all, beyond that the two terms with the smallest sum are added
-//! again and again; both keep to a deadline.
+//! A sum of `n` terms is computed by `n - 1` additions in the shape of a tree.
+//! All its partial sums affect the outputs equally, so the cost of the
+//! roundings of a tree is the sum of the squares of its partial sums, state by
+//! state, each weighted with the effect of the sum on the outputs (Robertazzi
+//! and Schwartz, *SIAM J. Sci. Stat. Comput.* 9, 1988, find for numbers of one
+//! sign that the smallest should be added first; with signs, cancelling terms
+//! should be combined first). Up to [`EXHAUSTIVE`] terms the best tree is found
+//! among all, beyond that the two terms with the smallest sum are added again
+//! and again; both keep to a deadline.
 //!
 //! Two products with a common factor that cancel are better subtracted before
 //! they are multiplied: `a*b - a*c` rounds two large products, `a*(b - c)`
@@ -27,7 +27,7 @@ use std::array;
 /// Sums of more terms are added greedily.
 const EXHAUSTIVE: usize = 6;
 
-/// Sums of more terms stay as they are.
+/// Sums of more terms are unchanged.
 pub(super) const MAX_TERMS: usize = 64;
 
 /// An operand of a step.
@@ -57,12 +57,12 @@ pub(super) struct TermFactor {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SumTerm {
     pub(super) source: StepSource,
-    /// True if the term is the negative of what the source holds.
+    /// True if the term is the negative of the source.
     pub(super) negative: bool,
     /// The term, with its sign.
     pub(super) lanes: StateLanes,
     pub(super) arrival: u32,
-    /// The factors of a product that nothing else reads.
+    /// The factors of a product without another reader.
     pub(super) factors: Option<[TermFactor; 2]>,
 }
 
@@ -83,7 +83,7 @@ pub(super) struct SumPlan {
 pub(super) struct SumSetting {
     /// The adjoint of the sum, lane by lane: its effect on the outputs.
     pub(super) adjoint: StateLanes,
-    /// Time at which the result must be there.
+    /// Time at which the result is required.
     pub(super) deadline: u32,
     /// Cycles of an addition and of a multiplication.
     pub(super) add: u32,
@@ -122,7 +122,7 @@ impl SumSetting {
 }
 
 /// The best plan that meets the deadline, `None` when there is none. Without
-/// `factoring` products stay as they are.
+/// `factoring` products are unchanged.
 pub(super) fn plan(setting: &SumSetting, terms: &[SumTerm], factoring: bool) -> Option<SumPlan> {
     let products = terms.iter().filter(|term| term.factors.is_some());
     let mut draft = SumDraft {
@@ -178,8 +178,8 @@ impl SumDraft<'_> {
         StepSource::Step(self.steps.len() - 1)
     }
 
-    /// The sum or difference of two signed sources: what is stored, and
-    /// whether it has the other sign.
+    /// The sum or difference of two signed sources: the stored value, and a
+    /// flag for the opposite sign.
     fn signed_sum(&mut self, a: (StepSource, bool), b: (StepSource, bool)) -> (StepSource, bool) {
         let (operation, operands, negative) = joining(GroupFamily::Sum, [a, b], false);
         (self.step(operation, operands), negative)

@@ -58,7 +58,7 @@ fn error(module: &Module, states: &States) -> f64 {
     errors[50]
 }
 
-/// By what factor the error falls.
+/// Factor by which the error decreases.
 fn gain(module: &Module, pass: &str, machine: &str, scene: &Scene) -> f64 {
     let states = scene.states(77);
     let new = run(module, pass, machine, scene);

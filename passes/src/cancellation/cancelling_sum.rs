@@ -9,7 +9,7 @@ const TERMS: usize = 256;
 /// Maximum number of operands multiplied in a term.
 const DEGREE: usize = 6;
 
-/// Maximum depth to which operations are taken apart.
+/// Maximum depth to which operations are expanded.
 const DEPTH: u32 = 64;
 
 /// A sum of numbers times products of operands, exact in its numbers.
@@ -41,7 +41,7 @@ impl CancellingSum {
         expanded(function, operand, DEPTH, &mut work)
     }
 
-    /// The sum with another one times a number; `None` where a number would be
+    /// The sum plus another one times a number; `None` where a number would be
     /// rounded, or there are too many terms.
     pub(super) fn plus(&self, other: &CancellingSum, factor: f64) -> Option<CancellingSum> {
         let mut sum = self.clone();
@@ -90,7 +90,7 @@ impl CancellingSum {
         self.terms.len()
     }
 
-    /// The number, where it is one.
+    /// The number, if it is one.
     pub(super) fn as_number(&self) -> Option<f64> {
         match self.len() {
             0 => Some(0.0),
@@ -147,7 +147,7 @@ fn expanded(function: &Function, operand: Operand, depth: u32, work: &mut usize)
     whole.unwrap_or_else(single)
 }
 
-/// The sum of two numbers where it is not rounded.
+/// The sum of two numbers if it is exact.
 fn exact_sum(a: f64, b: f64) -> Option<f64> {
     let sum = a + b;
     let part = sum - a;
@@ -155,7 +155,7 @@ fn exact_sum(a: f64, b: f64) -> Option<f64> {
     (error == 0.0).then_some(sum)
 }
 
-/// The product of two numbers where it is not rounded.
+/// The product of two numbers if it is exact.
 fn exact_product(a: f64, b: f64) -> Option<f64> {
     let product = a * b;
     let is_exact = product.is_normal() && a.mul_add(b, -product) == 0.0;

@@ -1,12 +1,11 @@
 //! Sums that cancel, written in forms that do not: the passes
 //! `accurate-roots` and `accurate-trig`.
 //!
-//! Both look for a form of a sum ([`forms`]) that is equal wherever the sum is
-//! defined, and take it where the ranges of the scene prove that it is
-//! better: the error that the operations after it can lose together, bounded
+//! Both search for a form of a sum ([`forms`]) that is equal wherever the sum
+//! is defined, and use it where the ranges of the scene prove that it is
+//! better: the error that the operations after it can make together, bounded
 //! over all states in the ranges ([`robovec_analysis::interval`]), is at most
-//! half of what it was. Without ranges nothing is proved, and nothing is
-//! rewritten.
+//! half the error before. Without ranges there is no proof and no rewrite.
 
 mod cancelling_sum;
 mod forms;
@@ -34,13 +33,13 @@ declare_pass! {
     /// equation. Sums of quotients get a common denominator where terms of the
     /// numerator cancel: `1/(x + 1) - 1/x` becomes `-1/((x + 1)*x)`.
     ///
-    /// Two conditions are proved. The new divisor has no zero in the ranges;
-    /// of a difference of roots, `a - b` is a number other than zero, or
-    /// bounds show that `a` or `b` is positive whatever the inputs. And the
-    /// ranges of the scene show that the largest
-    /// error in `format` of any state in them is at most half of what it was.
-    /// A remark has both bounds. Inputs without a range in the scene prove
-    /// nothing, so what depends on them stays as it is.
+    /// Two conditions are proved. The new divisor has no zero in the ranges; of
+    /// a difference of roots, `a - b` is a number other than zero, or bounds
+    /// show that `a` or `b` is positive for all inputs. And the ranges of the
+    /// scene prove that the largest error in `format` at any state in them is
+    /// at most half the error before. A remark has both bounds. Inputs without
+    /// a range in the scene prove nothing, so values that depend on them are
+    /// unchanged.
     pub struct AccurateRoots("accurate-roots") {
         /// The number format whose rounding counts.
         pub format: Format = Format::BINARY32,
@@ -191,8 +190,8 @@ fn rewrite(
     }
 }
 
-/// The function with differences in other forms, and what one of them has
-/// become.
+/// The function with differences in other forms, and the new form of one of
+/// them.
 fn written(
     function: &Function,
     forms: &BTreeMap<Value, BetterForm>,
@@ -217,7 +216,7 @@ fn written(
     (rewriter.finish(), operand)
 }
 
-/// Writes a form in place of a sum, whose name the result has.
+/// Writes a form in place of a sum; the result has the name of the sum.
 fn write(
     form: &BetterForm,
     rewriter: &mut Rewriter<'_>,

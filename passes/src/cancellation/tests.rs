@@ -11,8 +11,8 @@ use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::DoubleDouble;
 use robovec_num::soft_float::FormatArithmetic;
 
-/// The function of an expression of `x` and `y` after a pass, checked; and
-/// whether a difference was rewritten.
+/// The function of an expression of `x` and `y` after a pass, checked; and a
+/// flag: true when a difference was rewritten.
 fn run(pass: &str, expression: &str, x: Option<[f64; 2]>) -> (Module, bool) {
     let ranges: Vec<(&str, [f64; 2])> = x.iter().flat_map(|&x| [("x", x), ("y", x)]).collect();
     run_in(pass, expression, &ranges)

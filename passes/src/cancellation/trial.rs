@@ -31,7 +31,7 @@ impl<'a> Trial<'a> {
         }
     }
 
-    /// The most that the operations before an operand can lose together, for
+    /// Bound of the total error of the operations before an operand, for
     /// all states in the ranges; `None` where an input has no range, or there
     /// are too many operations, or no bound.
     pub(super) fn bound(&self, function: &Function, operand: Operand) -> Option<f64> {
@@ -48,7 +48,7 @@ impl<'a> Trial<'a> {
     }
 }
 
-/// True when an operand is a positive number whatever the inputs are.
+/// True when an operand is a positive number for all inputs.
 pub(super) fn is_positive(function: &Function, operand: Operand) -> bool {
     let tape = Tape::new(function);
     let Some(slot) = slot(&tape, operand) else {

@@ -9,7 +9,7 @@ option_words! {
     /// Way in which forms are chosen.
     #[derive(Default)]
     pub enum ChoiceMethod {
-        /// By curves of what a value costs by when it is needed: the best known.
+        /// By curves of the cost of a value over its required time: the best known method.
         #[default]
         Curves = "curves",
         /// By estimated shares of operations: several times faster.
@@ -57,7 +57,7 @@ impl<'a, 'n> FormChooser<'a, 'n> {
         }
     }
 
-    /// The shortest path there is.
+    /// The shortest possible path.
     pub(crate) fn shortest(&self) -> u32 {
         match self {
             FormChooser::Curves { mapper, .. } => mapper.shortest(),
@@ -67,8 +67,8 @@ impl<'a, 'n> FormChooser<'a, 'n> {
         }
     }
 
-    /// In how many steps a search shortens the path at least, and the part of
-    /// the path below which a step is not worth its time.
+    /// Minimum number of steps in which a search shortens the path, and the
+    /// part of the path below which a step is not worth its time.
     pub(crate) fn steps(&self) -> (u32, u64) {
         match self {
             FormChooser::Curves { .. } => (3, 150),

@@ -1,16 +1,16 @@
 //! Look-ahead: values as linear functions of values further back.
 //!
-//! The sums of a recursion are linear in what is late: `x = Σ c·u + e`, the
+//! The sums of a recursion are linear in the late values: `x = Σ c·u + e`, the
 //! coefficients `c` and the remainder `e` being ready long before the `u`.
-//! Substituting the same form of each `u` gives `x` as a linear function of
-//! what the `u` depend on, with coefficients that can be computed beside the
+//! Substituting the same form of each `u` gives `x` as a linear function of the
+//! operands of the `u`, with coefficients that can be computed beside the
 //! recursion.
 //!
-//! How far back is measured in time: at a *frontier* a class is written in
-//! what was available then, every variable after it having been replaced by
-//! its own form at the same frontier. Variables of one frontier are thus of
-//! one age, and few: the state of the recursion. A form is composed directly,
-//! of the class's equation and the forms of its operands, and of the form at a
+//! The distance back is measured in time: at a *frontier* a class is written in
+//! the values available then, and every variable after it is replaced by its
+//! own form at the same frontier. Variables of one frontier are thus of one
+//! age, and few: the state of the recursion. A form is composed directly, of
+//! the class's equation and the forms of its operands, and of the form at a
 //! nearer frontier and the forms of its variables. Both ways compute the same
 //! coefficients and the same remainder, so they meet in the same classes, and
 //! choosing among them is choosing a parallel prefix network (Sklansky 1960;
@@ -43,12 +43,12 @@ pub(crate) struct CompositionLimits {
     pub(crate) doublings: u32,
     /// A form has at most this number of late terms.
     pub(crate) width: usize,
-    /// A form that would have more late terms than it may is not given up while
-    /// it has no more than these: the earliest of them are summed up with what
-    /// is known early.
+    /// A form with more than the allowed late terms is kept if it has no more
+    /// than these: the earliest of them are added to the terms that are known
+    /// early.
     pub(crate) reach: usize,
     /// A variable that is available this number of cycles before the frontier
-    /// is summed up with what is known early.
+    /// is added to the terms that are known early.
     pub(crate) window: u32,
 }
 
@@ -80,7 +80,7 @@ impl LinearForms {
 /// Treatment of a term while a form is composed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum TermPlan {
-    /// It is summed up with what is known early.
+    /// It is added to the terms that are known early.
     Rest,
     /// It stays.
     Keep,
@@ -91,7 +91,7 @@ enum TermPlan {
 /// Result of a composition.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 enum Composed {
-    /// Nothing: it has no variables, or too many.
+    /// No form: it has no variables, or too many.
     #[default]
     Nothing,
     /// A form of the class that is not kept for others.
@@ -106,7 +106,7 @@ enum Composed {
 struct LastComposition {
     /// The form it was composed of; `None` for the class's own.
     outer: Option<u32>,
-    /// Treatment of each term of it; empty when nothing was composed.
+    /// Treatment of each of its terms; empty when there was no composition.
     plan: Vec<TermPlan>,
     made: Composed,
 }
@@ -117,7 +117,7 @@ struct CompositionSpace {
     outer: Vec<ProductTerm>,
     plan: Vec<TermPlan>,
     variables: Vec<Class>,
-    /// By variable, in the order of `variables`: what it is multiplied with.
+    /// By variable, in the order of `variables`: its coefficient.
     coefficients: Vec<Vec<ProductTerm>>,
     rest: Vec<ProductTerm>,
     made: Vec<ProductTerm>,
@@ -127,7 +127,7 @@ struct CompositionSpace {
 
 /// A function as a network whose classes have forms that look back, and the
 /// number of equations of the longest chain that is linear in its latest
-/// values. `None`, with a remark, when nothing can be stated of the function.
+/// values. `None`, with a remark, when the function cannot be analysed.
 pub(crate) fn look_ahead(
     function: &Function,
     context: &mut Context<'_>,
@@ -165,11 +165,11 @@ fn add_forms(import: &mut Import, limits: CompositionLimits) -> u32 {
 
 struct Composer<'a> {
     network: &'a mut ChoiceNetwork,
-    /// Arrivals of the function as it was read: they place the frontiers.
+    /// Arrivals of the function as read: they define the frontiers.
     reference: &'a Arrivals,
     limits: CompositionLimits,
-    /// By class: how many equations lie after it, one linear in the latest
-    /// value of the next.
+    /// By class: the number of equations after it, each linear in the latest
+    /// value of the one before.
     chains: Vec<u32>,
     linear: LinearForms,
     /// By class: its forms by frontier, the nearest first.
@@ -303,8 +303,8 @@ impl Composer<'_> {
     }
 
     /// Substitutes the forms at a frontier for the variables after it in
-    /// `space.outer`; adds the result to the class, and keeps it for others
-    /// when it is asked to.
+    /// `space.outer`; adds the result to the class, and keeps it for others on
+    /// request.
     fn compose(
         &mut self,
         class: Class,
@@ -330,8 +330,8 @@ impl Composer<'_> {
         last.made
     }
 
-    /// Substitutes, and collects what every variable is multiplied with. False
-    /// when there are no variables or too many.
+    /// Substitutes, and collects the coefficient of every variable. False when
+    /// there are no variables or too many.
     fn collect(&self, space: &mut CompositionSpace) -> bool {
         space.variables.clear();
         space.rest.clear();

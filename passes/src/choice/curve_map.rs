@@ -1,16 +1,16 @@
-//! Choosing forms by curves: the best known, for networks that are not large.
+//! Choice of forms by curves: the best known method, except for large networks.
 //!
 //! Every class has a [curve](super::curves) of its arrivals and operations.
-//! From the outputs back each class that is used gets the form that adds least
-//! and is in time, and hands on by when it needs what; then operations are
-//! counted exactly.
+//! From the outputs back each class in use gets the form in time of least
+//! additional cost, and sets the required times of its operands; then
+//! operations are counted exactly.
 
 use super::curves::Curves;
 use super::map::{Mapper, Mapping};
 use super::timing::NEVER;
 use super::trial::FormTrial;
 
-/// Rounds save less than one operation in so many that the first one left.
+/// Rounds stop when one saves less than this part of the operations that the first one left.
 const MOST_SAVED: u64 = 12;
 
 /// Chooses forms by curves.
@@ -25,13 +25,13 @@ pub(crate) struct CurveMapper<'a, 'n> {
 #[derive(Clone)]
 struct CurveState {
     curves: Curves,
-    /// Number of users of each class that have its operations: those of the mappings
-    /// made so far, the last ones before all.
+    /// Number of users of each class that share its operations: of the mappings
+    /// made so far, the last ones with the most weight.
     shares: Vec<f32>,
 }
 
 impl<'a, 'n> CurveMapper<'a, 'n> {
-    /// Users are at first those of the forms that the function came with.
+    /// Users are at first those of the forms in the original function.
     pub(crate) fn new(mapper: &'a Mapper<'n>) -> CurveMapper<'a, 'n> {
         let mut first = mapper.unmapped();
         for at in 0..mapper.forms.len() {
@@ -51,7 +51,7 @@ impl<'a, 'n> CurveMapper<'a, 'n> {
         }
     }
 
-    /// The shortest path there is.
+    /// The shortest possible path.
     pub(crate) fn shortest(&self) -> u32 {
         let outputs = self.mapper.outputs.iter();
         let earliest = outputs.filter_map(|&output| self.state.curves.of(output).first());
@@ -99,9 +99,9 @@ impl<'a, 'n> CurveMapper<'a, 'n> {
         self.state.clone_from(&self.before);
     }
 
-    /// Chooses a form for every class, from the outputs on: for one that is
-    /// used by then what takes least beyond what is there already, for the
-    /// others the cheapest.
+    /// Chooses a form for every class, starting from the outputs: for a class
+    /// in use the one of the least additional cost in the time required, for
+    /// the others the cheapest.
     fn select(&self, latest: u32) -> Vec<u32> {
         let (forms, curves) = (&self.mapper.forms, &self.state.curves);
         let mut chosen = vec![u32::MAX; forms.len()];
@@ -142,7 +142,7 @@ impl<'a, 'n> CurveMapper<'a, 'n> {
         chosen
     }
 
-    /// Takes operations off one by one; whether it did.
+    /// Removes operations one by one; true on success.
     fn improve(&self, mapping: &mut Mapping, latest: u32) -> bool {
         let (operations, chosen) = (mapping.operations, mapping.chosen.clone());
         self.mapper.exact_round(mapping);

@@ -63,8 +63,8 @@ impl Curves {
         self.live = live;
     }
 
-    /// Makes the curve of a class from some of its forms, unless nothing that
-    /// it depends on changed.
+    /// Makes the curve of a class from some of its forms, unless all its
+    /// dependences are unchanged.
     fn class(
         &mut self,
         forms: &FormsByClass<'_>,
@@ -114,8 +114,8 @@ impl Curves {
         }
     }
 
-    /// Operations that a form has at least and a time before which it is not
-    /// available, whatever points are taken. `None` when one of its classes
+    /// Minimum number of operations of a form and a time before which it is not
+    /// available, for any choice of points. `None` when one of its classes
     /// cannot be computed.
     fn outlook(&self, forms: &FormsByClass<'_>, form: u32) -> Option<(f32, u32)> {
         match forms.flow(&self.best, form, f64::INFINITY) {

@@ -3,9 +3,9 @@
 //! The *curve* of a class holds its ways to be computed, the earliest first and
 //! every later one cheaper (Chaudhary and Pedram 1992, for trees of gates). A
 //! class that is used in several places shares its operations among them, by
-//! how often it was used when forms were last chosen (*area flow*;
-//! Manohararajah, Brown and Vranesic 2006). Curves hold for every time at which
-//! the outputs may be wanted, and are made again only where something changed.
+//! its number of uses when forms were last chosen (*area flow*; Manohararajah,
+//! Brown and Vranesic 2006). Curves are valid for every required time of the
+//! outputs, and are made again only where a part changed.
 
 use super::dense::FlowState;
 
@@ -14,7 +14,7 @@ use super::dense::FlowState;
 pub(super) struct CurvePoint {
     pub(super) arrival: u32,
     pub(super) form: u32,
-    /// The operations that each user has.
+    /// Share of the operations per user.
     pub(super) flow: f32,
 }
 

@@ -1,7 +1,7 @@
 //! A network seen by class, for going over it again and again.
 //!
-//! Classes are in order of rank, so that operands come first and lie near
-//! their users.
+//! Classes are in order of rank, so that operands come first and are stored
+//! near their users.
 
 use super::forms::ChoiceForm;
 use super::network::ChoiceNetwork;
@@ -32,10 +32,10 @@ impl FlowState {
     }
 }
 
-/// Cost and time of a form as far as the states of its operands give them.
+/// Cost and time of a form, as far as the states of its operands are known.
 pub(crate) enum FormFlow {
     /// Its operations and its share of those of its operands, a time before
-    /// which it is not available, and whether it is available then.
+    /// which it is not available, and a flag: true when it is available then.
     Found(f64, (u32, bool)),
     /// The operations are more than was requested.
     TooMuch,
@@ -208,8 +208,8 @@ impl FormsByClass<'_> {
         self.term_time(a, b, term)
     }
 
-    /// A time before which a form is not available, and whether it is available
-    /// then.
+    /// A time before which a form is not available, and a flag: true when it is
+    /// available then.
     #[inline]
     pub(crate) fn bound(&self, arrivals: &[u32], form: u32) -> (u32, bool) {
         let mut latest = LatestTwo::default();

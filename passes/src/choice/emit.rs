@@ -51,12 +51,12 @@ pub(crate) fn emit(
     writer.writer.finish(tables).0
 }
 
-/// A value made on the way comes from the equations it was made for; it names
-/// at most so many.
+/// A new intermediate value comes from the equations for which it was made; it
+/// names at most this number of them.
 const MAX_SERVED: usize = 8;
 
-/// The equations each class comes from: its own and, of values that are new,
-/// those of the values of the function that they lead to.
+/// The equations of each class: its own and, for new values, those of the
+/// values of the function that depend on them.
 fn sources(import: &Import, used: &[(Class, u32)], tables: &mut Tables) -> Vec<SourceSet> {
     let network = &import.network;
     let named = |class: Class| {

@@ -2,10 +2,9 @@
 //!
 //! Every class gets the form that is in time with the least operations, each
 //! class's being divided among those that used it so far (*area flow*;
-//! Manohararajah, Brown and Vranesic 2006). What a form needs that no other
-//! uses has no time it is required at, so that forms are seldom found that
-//! need new values early; [curves](super::curve_map) find them, and take
-//! several times as long.
+//! Manohararajah, Brown and Vranesic 2006). A class that only one new form
+//! needs has no required time, so forms that need new values early are seldom
+//! found; [curves](super::curve_map) find them, in several times the time.
 
 use super::dense::{FlowState, FormFlow};
 use super::map::{Mapper, Mapping};
@@ -35,11 +34,11 @@ impl Mapping {
 const LARGEST_EXACT: usize = 1_000_000;
 
 /// In a larger network no more rounds are made when one saved less than one
-/// operation in so many.
+/// operation in this number.
 const LEAST_SAVED: u64 = 10_000;
 
 impl Mapper<'_> {
-    /// The mapping that takes the earliest form of everything, of several the
+    /// The mapping with the earliest form of every class, of several the
     /// cheapest.
     pub(crate) fn earliest(&self) -> Mapping {
         let mut mapping = self.unmapped();
@@ -73,7 +72,7 @@ impl Mapper<'_> {
     }
 
     /// The mapping with few operations, however late: it starts from the forms
-    /// the function came with.
+    /// of the original function.
     pub(crate) fn cheapest(&self, rounds: u32) -> MappingModel {
         let mut mapping = self.unmapped();
         for at in 0..self.forms.len() {
@@ -91,9 +90,9 @@ impl Mapper<'_> {
     /// making an output later than `latest`, or off any one when there is no
     /// such time.
     ///
-    /// What a class costs each of its users is estimated from how often it is
-    /// used in a `model`, a mapping for a later time, when there is one; and
-    /// what is not considered has the form it has there.
+    /// The cost of a class per user is estimated from its number of uses in a
+    /// `model`, a mapping for a later time, if there is one; a class that is
+    /// not considered has its form in the model.
     pub(crate) fn recover(
         &self,
         mapping: &mut Mapping,

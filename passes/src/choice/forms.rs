@@ -53,10 +53,10 @@ impl FormKind {
 
 #[derive(Clone, Copy, Debug)]
 struct FormRecord {
-    /// The class, the kind, and whether the sum or product is the negation of
-    /// the class's value.
+    /// The class, the kind, and a flag: true when the sum or product is the
+    /// negation of the class's value.
     packed: u32,
-    /// Start of its terms; those of the next form end them.
+    /// Start of its terms, which end at those of the next form.
     start: u32,
 }
 
@@ -97,7 +97,7 @@ pub(crate) struct FormStore {
 }
 
 impl FormStore {
-    /// Asks for room for this number of forms and terms at once.
+    /// Reserves memory for this number of forms and terms.
     pub(crate) fn reserve(&mut self, forms: usize, terms: usize) {
         self.records.reserve(forms);
         self.terms.reserve(terms);
@@ -288,7 +288,7 @@ impl FormStore {
     }
 }
 
-/// Place of the terms of a form among all terms, which are so many.
+/// Place of the terms of a form among all terms, of which this is the number.
 #[inline]
 fn range(records: &[FormRecord], count: usize, form: u32) -> Range<usize> {
     let start = records[form as usize].start as usize;
@@ -296,7 +296,7 @@ fn range(records: &[FormRecord], count: usize, form: u32) -> Range<usize> {
     start..next.map_or(count, |next| next.start as usize)
 }
 
-/// The hash of the sum or product that a form is.
+/// The hash of a form's sum or product.
 fn hash_at(records: &[FormRecord], all: &[ProductTerm]) -> impl Fn(u32) -> u64 {
     |form| {
         let terms = &all[range(records, all.len(), form)];
@@ -304,7 +304,7 @@ fn hash_at(records: &[FormRecord], all: &[ProductTerm]) -> impl Fn(u32) -> u64 {
     }
 }
 
-/// The hash that a sum or product is found by.
+/// The hash by which a sum or product is found.
 pub(crate) fn hash(terms: &[ProductTerm], product: bool) -> u64 {
     FxBuildHasher.hash_one((terms, product))
 }

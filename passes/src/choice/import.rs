@@ -53,11 +53,11 @@ impl Import {
 
 /// Reads functions at the atomic level that compute the same outputs, all of
 /// them into one network: a value that several compute gets a form from each.
-/// `None`, with a remark, when some value is undefined (a division by what is
-/// always zero), so that nothing can be stated of it.
+/// `None`, with a remark, when some value is undefined (a division by a value
+/// that is always zero), so that nothing can be proved about it.
 ///
 /// A form of a later function is left out where it would close a cycle with
-/// those of earlier ones; the first function is there as it was.
+/// those of earlier ones; the first function is imported completely.
 pub(crate) fn import(
     functions: &[&Function],
     context: &mut Context<'_>,

@@ -1,7 +1,7 @@
-//! One form for every class, and what follows from it.
+//! One form for every class, with costs and times.
 //!
 //! Forms are chosen by [curves](super::curve_map) or by [flow](super::flow);
-//! what both need is here.
+//! the common parts are here.
 
 use super::dense::FormsByClass;
 use super::network::ChoiceNetwork;
@@ -9,7 +9,7 @@ use super::term::{Class, SignedClass};
 use super::timing::NEVER;
 use robovec_analysis::critical_path::Weights;
 
-/// One form for every class, and what follows from it. Indexed by class.
+/// One form for every class, with costs and times. Indexed by class.
 #[derive(Clone)]
 pub(crate) struct Mapping {
     /// The form chosen.
@@ -57,7 +57,7 @@ impl Mapper<'_> {
         used.map(|at| (Class(at as u32), mapping.chosen[at]))
     }
 
-    /// A mapping in which nothing has a form.
+    /// A mapping in which no class has a form.
     pub(super) fn unmapped(&self) -> Mapping {
         let count = self.forms.len();
         let mut demanded = vec![false; count];
@@ -82,7 +82,7 @@ impl Mapper<'_> {
         arrivals.fold(0, u32::max)
     }
 
-    /// Takes the forms chosen in another mapping. What is not used gets no time.
+    /// Takes the forms chosen in another mapping. Unused classes have no time.
     pub(super) fn take(&self, mapping: &mut Mapping, chosen: &[u32], latest: u32) {
         mapping.chosen.copy_from_slice(chosen);
         self.settle(mapping, None);
@@ -100,12 +100,12 @@ impl Mapper<'_> {
         self.forms.arrival(&mapping.arrivals, form)
     }
 
-    /// Chooses for one class after the other what costs least now. False when
-    /// that changes nothing.
+    /// Chooses for each class in turn the form that costs least at present.
+    /// False when that changes nothing.
     ///
-    /// Arrivals are always those of the forms chosen: only what is after a
-    /// change is timed again. What is not used then has no time until a form
-    /// that uses it is tried.
+    /// Arrivals are always those of the chosen forms: only classes after a
+    /// change are timed again. Classes that become unused have no time until a
+    /// form that uses them is tried.
     pub(super) fn exact_round(&self, mapping: &mut Mapping) -> bool {
         let mut counter = UseCounter::default();
         let mut moved = vec![false; self.forms.len()];
@@ -229,8 +229,8 @@ impl Mapper<'_> {
     }
 }
 
-/// Counts the uses of classes as forms are taken and given up. Its vectors are
-/// kept from one form to the next.
+/// Counts the uses of classes as forms are selected and deselected. Its vectors
+/// are kept from one form to the next.
 #[derive(Default)]
 struct UseCounter {
     open: Vec<u32>,
@@ -272,7 +272,7 @@ impl UseCounter {
     }
 
     /// The operations that taking a form adds, unless they are more than
-    /// `most`. Uses stay as they were.
+    /// `most`. Numbers of uses are unchanged.
     fn try_out(
         &mut self,
         forms: &FormsByClass<'_>,

@@ -10,7 +10,7 @@ use robovec_ir::{Input, Operand, Operation, SourceSet, Symbol};
 use robovec_num::arithmetic::Arithmetic;
 use smallvec::SmallVec;
 
-/// An operation that is taken as it is.
+/// An operation that is not rewritten.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Opaque {
     pub(crate) operation: Operation,
@@ -76,10 +76,10 @@ impl ChoiceNetwork {
         network
     }
 
-    /// Asks for room at once for about what the network of a function of this
-    /// number of operations takes when forms are composed in it. Vectors that
-    /// grow to that leave memory in pieces, which no larger one can use, and
-    /// tables that grow take a tenth of the time at 500,000 operations.
+    /// Reserves memory for a network of about the size that composition makes
+    /// from this number of operations. Vectors that grow to that leave memory
+    /// in pieces, which no larger one can use, and tables that grow take a
+    /// tenth of the time at 500,000 operations.
     pub(crate) fn reserve(&mut self, operations: usize) {
         let (classes, forms) = (2 * operations, FORMS_PER_OPERATION * operations);
         self.values.reserve(classes);
@@ -98,8 +98,8 @@ impl ChoiceNetwork {
         self.forms.len()
     }
 
-    /// Numbers the classes again, in order of rank: the new number of each.
-    /// None can be added any more; what finds classes and forms is freed.
+    /// Numbers the classes again, in order of rank: the new number of each. No form can
+    /// be added any more; the tables for finding classes and forms are freed.
     pub(crate) fn sort(&mut self) -> Vec<Class> {
         self.values = ValueTable::new(self.values.images);
         self.recent = RecentSums::default();
@@ -125,8 +125,8 @@ impl ChoiceNetwork {
         places
     }
 
-    /// The class of a value, made when it does not exist, and whether the
-    /// value is its negation.
+    /// The class of a value, made when it does not exist, and a flag: true when
+    /// the value is its negation.
     pub(crate) fn class(&mut self, value: Fingerprint, rank: u64) -> SignedClass {
         let (place, negative) = self.values.place(value);
         if place as usize == self.classes.len() {
@@ -183,12 +183,12 @@ impl ChoiceNetwork {
         self.ranks[class.index()]
     }
 
-    /// The symbol a class is named after, and the equations it comes from.
+    /// The symbol after which a class is named, and its equations.
     pub(crate) fn origin_of(&self, class: Class) -> (Symbol, SourceSet) {
         self.origins[self.classes[class.index()].origin as usize]
     }
 
-    /// Records which equations a class comes from.
+    /// Records the equations of a class.
     pub(crate) fn set_sources(&mut self, class: Class, sources: SourceSet) {
         let owner = self.origin_of(class).0;
         self.classes[class.index()].origin = self.origins.len() as u32;
@@ -206,7 +206,7 @@ impl ChoiceNetwork {
         self.forms.form(form)
     }
 
-    /// The class that a form belongs to.
+    /// The class of a form.
     pub(crate) fn class_of(&self, form: u32) -> Class {
         self.forms.class(form)
     }
@@ -252,7 +252,7 @@ impl ChoiceNetwork {
         }
     }
 
-    /// True when a class has a greater rank than all that a form uses.
+    /// True when a class has a greater rank than all operands of a form.
     fn is_above_operands(&self, class: Class, form: u32) -> bool {
         let mut is_above = true;
         let rank = self.rank(class);
@@ -289,8 +289,8 @@ impl ChoiceNetwork {
         }
     }
 
-    /// Adds a sum of [tidy](ChoiceNetwork::tidy) terms as a form of a class
-    /// whose value it has, or, `negated`, the negation of it. Refused when it
+    /// Adds a sum of [tidy](ChoiceNetwork::tidy) terms as a form of the class
+    /// with its value, or, `negated`, with the negated value. Refused when it
     /// is known already or would use a class of no smaller rank.
     pub(crate) fn add_sum(&mut self, class: Class, terms: &mut [ProductTerm], negated: bool) {
         if let [only] = *terms {
@@ -306,8 +306,8 @@ impl ChoiceNetwork {
 
     /// As [`ChoiceNetwork::add_sum`] of a sum that was composed for the class,
     /// but refused only when it is one of `own`, forms of the class with their
-    /// hashes, which it becomes one of. Nothing else needs to find it, and the
-    /// table of all forms would be several times as large with such forms.
+    /// hashes, to which it is added. No search needs to find it, and the table
+    /// of all forms would be several times as large with such forms.
     pub(crate) fn add_composed(
         &mut self,
         class: Class,
@@ -369,8 +369,8 @@ impl ChoiceNetwork {
         terms.len() >= 2 && terms.iter().all(|term| low(term.a) && low(term.b()))
     }
 
-    /// The class that has these terms as a form, and whether they are the
-    /// negation of it.
+    /// The class that has these terms as a form, and a flag: true when they are
+    /// the negation of it.
     fn known(&self, terms: &[ProductTerm], product: bool) -> Option<SignedClass> {
         let form = self.forms.find(terms, product)?;
         Some(SignedClass {
@@ -396,7 +396,7 @@ impl ChoiceNetwork {
         class
     }
 
-    /// As [`ChoiceNetwork::sum`], of a sum that may not have been looked for.
+    /// As [`ChoiceNetwork::sum`], of a sum that may not have been searched for.
     fn new_sum(&mut self, terms: &mut Vec<ProductTerm>) -> Option<SignedClass> {
         self.tidy(terms);
         match terms[..] {
@@ -467,7 +467,7 @@ impl ChoiceNetwork {
     }
 }
 
-/// Makes the first of tidy terms positive; whether all signs were changed for
+/// Makes the first of tidy terms positive; true when all signs were changed for
 /// that. The terms stay in order: of one product there is one sign.
 fn normalise(terms: &mut [ProductTerm]) -> bool {
     let flipped = terms.first().is_some_and(|term| term.negative());

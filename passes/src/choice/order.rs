@@ -6,8 +6,8 @@ use petgraph::visit::DfsPostOrder;
 use robovec_framework::fingerprint::{Fingerprint, Images};
 use robovec_ir::Function;
 
-/// For each function and each of its values how many operations lie after it
-/// at most, whichever function its operands are computed by: the same number
+/// For each function and each of its values the maximum number of operations
+/// after it, for any function that computes its operands: the same number
 /// wherever the value occurs, up to its sign.
 ///
 /// Functions can contradict one another (`x = y - z` here, `y = x + z` there).

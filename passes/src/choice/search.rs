@@ -10,7 +10,7 @@ use robovec_analysis::critical_path::{Weights, arrivals, longest};
 use robovec_ir::{Function, Tables};
 use robovec_num::limits::NumberLimit;
 
-/// Operations allowed, in percent of those there are.
+/// Operations allowed, in percent of the present number.
 pub(crate) const GROWTH: NumberLimit = NumberLimit::whole(
     0,
     10_000,
@@ -32,8 +32,8 @@ pub(crate) const ROUNDS: NumberLimit = NumberLimit::whole(
     "in every round the operations of every value are counted and chosen again",
 );
 
-/// The operations allowed: so many, or for 0 a part of those there are, in
-/// percent.
+/// The operations allowed: this number, or for 0 a part of the present number,
+/// in percent.
 pub(crate) fn allowed(operations: u32, growth: u32, before: u64) -> u64 {
     match operations {
         0 => before * u64::from(growth) / 100,
@@ -77,7 +77,7 @@ impl PathSearch<'_> {
     }
 
     /// The function with the shortest path, and its size, if it is better than
-    /// what there was.
+    /// the best so far.
     pub(crate) fn run(
         &self,
         tables: &mut Tables,

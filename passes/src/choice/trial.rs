@@ -7,9 +7,9 @@ use crate::sums::earliest::{LatestTwo, fits, joined, levels};
 use robovec_ir::Operation;
 use smallvec::SmallVec;
 
-/// Steps from the latest to the earliest time that a form is considered for its
-/// curve: half way and at both ends. Three to eight took longer and found no
-/// shorter paths.
+/// Number of steps from the latest to the earliest time at which a form is
+/// evaluated for its curve: half way and at both ends. Three to eight took
+/// longer and found no shorter paths.
 const STEPS: u32 = 2;
 
 /// A class that a form uses, with a point of its curve.
@@ -21,7 +21,7 @@ struct TrialSlot {
     flow: f32,
 }
 
-/// A class or a product of two: one of what the form joins.
+/// A class or a product of two: one operand of the form.
 #[derive(Clone, Copy)]
 struct TrialTerm {
     /// Its classes are those at this place and, in a product, the next.
@@ -39,12 +39,12 @@ pub(super) struct FormTrial {
     form: u32,
     slots: Vec<TrialSlot>,
     terms: Vec<TrialTerm>,
-    /// Weight of what joins the terms.
+    /// Weight of the operation that combines the terms.
     weight: u32,
     multiply: u32,
     /// True when terms are not joined two by two.
     is_opaque: bool,
-    /// The operations of the form and what it has of those of its classes.
+    /// The operations of the form and its shares of those of its classes.
     flow: f32,
 }
 
@@ -123,8 +123,8 @@ impl FormTrial {
         self.terms.iter().map(|term| term.time)
     }
 
-    /// A time before which the form is not available, and whether it is known
-    /// to be available then.
+    /// A time before which the form is not available, and a flag: true when it
+    /// is known to be available then.
     #[inline]
     fn bound(&self) -> (u32, bool) {
         if self.is_opaque {
@@ -152,9 +152,8 @@ impl FormTrial {
         &self.slots[first..=first + usize::from(term.is_product)]
     }
 
-    /// Takes earlier points for what the terms later than `limit` wait for, and
-    /// at least for what the latest do of those that can be earlier. False when
-    /// none can.
+    /// Moves to earlier points for the terms later than `limit`, and at least
+    /// for the latest of those that can be earlier. False when none can.
     fn hasten(&mut self, curves: &Curves, limit: u32) -> bool {
         loop {
             let open = self.terms.iter().filter(|term| !term.is_earliest);
@@ -206,9 +205,9 @@ impl FormTrial {
         true
     }
 
-    /// Adds what the form can be to the curve of its class, which has this
-    /// number of users. It is not available before a time whatever points are
-    /// taken.
+    /// Adds the possible points of the form to the curve of its class, which
+    /// has this number of users. It is not available before a time for any
+    /// choice of points.
     pub(super) fn trace(
         &mut self,
         curves: &Curves,
@@ -246,7 +245,7 @@ impl FormTrial {
         }
     }
 
-    /// Takes earlier points until the form is in time; whether it is.
+    /// Moves to earlier points until the form is in time; true on success.
     pub(super) fn meet(&mut self, curves: &Curves, required: u32) -> bool {
         loop {
             let (bound, is_exact) = self.bound();
@@ -269,8 +268,8 @@ impl FormTrial {
         }
     }
 
-    /// Cost beyond what is there already, by the time that each class in use is
-    /// required at.
+    /// Additional cost, given the times at which the classes in use are
+    /// required.
     pub(super) fn marginal(&self, curves: &Curves, required: &[Option<u32>]) -> f32 {
         let mut flow = self.flow;
         for slot in &self.slots {

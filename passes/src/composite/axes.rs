@@ -2,14 +2,14 @@
 //!
 //! With all coordinates and attachment points zero every frame is the base's,
 //! and an element of the matrix depends on the axes of its two joints and on
-//! the inertia beyond the second alone. What bodies do not show, as point
-//! masses, single components of attachment points or single coordinates of
-//! prismatic joints do: a joint moves what lies along another axis than its
-//! own.
+//! the inertia beyond the second alone. Parameters that bodies do not show as
+//! point masses are shown by single components of attachment points or single
+//! coordinates of prismatic joints: a joint moves points along another axis
+//! than its own.
 //!
 //! Every joint has at most three axes left; those of a joint and of one before
-//! it must agree with their element. What still is open then does not matter:
-//! the whole may be turned.
+//! it must agree with their element. The remaining freedom does not matter: the
+//! whole may be turned.
 
 use super::bodies::{CompositeInertia, JointAxis};
 use super::model::{AncestorTree, ModelInputs, SystemInput};
@@ -21,8 +21,8 @@ const MAX_COMPARISONS: usize = 20_000_000;
 /// The axes of joints.
 pub(super) struct FoundAxes {
     pub(super) chosen: Vec<JointAxis>,
-    /// Joints, counted from 0, with other axes that agree as well with all
-    /// other joints as theirs are.
+    /// Joints, counted from 0, with alternative axes that agree equally well
+    /// with all other joints.
     pub(super) open: Vec<(usize, JointAxis)>,
 }
 
@@ -58,8 +58,8 @@ struct AlignedFrames<'a> {
     inertias: Vec<CompositeInertia<f64>>,
     /// With point masses and attachment points along one axis.
     points: [ProbedMatrix; 3],
-    /// By axis and joint: whether something beyond the joint is moved by the
-    /// points along this axis beyond it.
+    /// By axis and joint: whether the points along this axis move something
+    /// beyond the joint.
     reach: [Vec<bool>; 3],
     /// By prismatic joint: the matrix with its coordinate alone and point
     /// masses.
@@ -131,7 +131,7 @@ impl<'a> AlignedFrames<'a> {
         }
     }
 
-    /// The kinds that a joint may be of, as far as its own element shows.
+    /// The possible kinds of a joint, from its own element.
     fn domain(&self, joint: usize) -> Vec<JointAxis> {
         let own = self.bodies.at(joint, joint);
         let size = self.bodies.largest();
@@ -160,7 +160,7 @@ impl<'a> AlignedFrames<'a> {
     }
 
     /// Tests whether the kinds of two joints, the first before the second,
-    /// agree with what was seen.
+    /// agree with the observations.
     fn agree(&self, [before, joint]: [usize; 2], [first, second]: [JointAxis; 2]) -> bool {
         let expected = self.inertias[joint].wrench(second).along(first);
         if !near(
@@ -185,7 +185,7 @@ impl<'a> AlignedFrames<'a> {
     }
 
     /// Tests whether the kinds of two joints, the first before the second,
-    /// agree with what they feel of the coordinate of a prismatic joint.
+    /// agree with their dependence on the coordinate of a prismatic joint.
     fn agree_on_slide(
         &self,
         (slide, along): (usize, usize),
@@ -218,8 +218,7 @@ fn reach(matrix: &ProbedMatrix, tree: &AncestorTree) -> Vec<bool> {
 }
 
 /// The sign of the scalar product of the velocities that two joints give to a
-/// point that lies along an axis, at a positive distance; 0 where there is no
-/// product.
+/// point on an axis, at a positive distance; 0 where there is no product.
 fn velocities(along: usize, first: JointAxis, second: JointAxis) -> i32 {
     let velocity = |kind: JointAxis| match kind {
         JointAxis::Prismatic(axis) => (axis, 1),
@@ -238,7 +237,7 @@ struct AxisSearch<'a> {
     domains: Vec<Vec<JointAxis>>,
     /// By joint: the place of its axis in its domain.
     chosen: Vec<usize>,
-    /// Joints that nothing is asked of any more.
+    /// Joints that need no further explanation.
     unexplained: Vec<bool>,
     comparisons: usize,
 }
@@ -255,8 +254,8 @@ impl AxisSearch<'_> {
         domain.get(self.chosen[joint]).copied().unwrap_or(any)
     }
 
-    /// Chooses axes that agree with one another; the first joint for which
-    /// there is none, if there is one.
+    /// Chooses axes that agree with one another; returns the first joint
+    /// without such an axis, if any.
     fn choose(&mut self) -> Option<usize> {
         self.chosen.fill(0);
         let mut joint = 0;

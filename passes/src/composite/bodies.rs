@@ -9,10 +9,10 @@
 //! FM = a*AM + b*OM        CM = b'*AM + d*OM
 //! ```
 //!
-//! Over the reals with true sines `a` is the mass times the identity and `b`
-//! is skew, but nothing here uses that: with free sines and cosines a rotation
-//! does not keep lengths. Nor is `d` taken to be symmetric: Robotran leaves
-//! out what is zero in a model, and models exist that give the products of
+//! Over the reals with true sines `a` is the mass times the identity and `b` is
+//! skew, but nothing here uses that: with free sines and cosines a rotation
+//! does not keep lengths. Nor is `d` taken to be symmetric: Robotran leaves out
+//! zero parameters of a model, and models exist that give the products of
 //! inertia on one side of the diagonal only.
 
 /// Numbers to compute with: those of probes while a tree is looked for, values
@@ -57,14 +57,14 @@ impl<N> RigidBody<N> {
 }
 
 impl<N> RigidBody<Option<N>> {
-    /// True when nothing of it is there.
+    /// True when all its elements are zero.
     pub(super) fn is_absent(&self) -> bool {
         let parts = self.centre.iter().chain(self.inertia.iter().flatten());
         self.mass.is_none() && parts.into_iter().all(Option::is_none)
     }
 
-    /// The body with what is missing of its inertia on one side of the diagonal
-    /// taken from the other, if that is requested.
+    /// The body with the missing half of its inertia copied across the
+    /// diagonal, if that is requested.
     pub(super) fn mirrored(self, symmetric: bool) -> RigidBody<Option<N>>
     where
         N: Copy,
@@ -322,7 +322,7 @@ impl<N: Copy> CompositeInertia<N> {
         })
     }
 
-    /// Of nothing.
+    /// The composite of no bodies.
     pub(super) fn none<R: Ring<Number = N>>(ring: &mut R) -> CompositeInertia<N> {
         let zero = [[ring.zero(); 3]; 3];
         CompositeInertia {
@@ -383,8 +383,8 @@ impl<N: Copy> CompositeInertia<N> {
         }
     }
 
-    /// The row of the frame's own joint: what does work in it, for any
-    /// acceleration, and by symmetry what its own unit acceleration needs.
+    /// The row of the frame's own joint: the force component that does work in it, for
+    /// any acceleration, and by symmetry the force for its own unit acceleration.
     pub(super) fn wrench(&self, joint: JointAxis) -> UnitWrench<N> {
         match joint {
             JointAxis::Revolute(axis) => UnitWrench {

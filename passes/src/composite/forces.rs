@@ -18,9 +18,9 @@
 //! ```
 //!
 //! with OM beyond the joint, so that joint k adds a wrench of ten products to
-//! what the joints before it carry. Nothing is computed body by body. Whether
-//! that takes fewer operations than the recursion over bodies depends on the
-//! tree: the caller has to compare both.
+//! the wrench that the joints before it transmit. No step is a loop over
+//! bodies. Whether that takes fewer operations than the recursion over bodies
+//! depends on the tree: the caller has to compare both.
 
 use super::bodies::{
     CompositeInertia, JointAxis, RingMatrix, RingVector, Stand, UnitWrench, cross,
@@ -32,7 +32,7 @@ pub(super) trait MovingSystem: BodySystem {
     /// The velocity of a joint.
     fn rate(&mut self, joint: usize) -> Self::Number;
 
-    /// Its acceleration, as far as it is given.
+    /// Its acceleration, if given.
     fn acceleration(&mut self, joint: usize) -> Self::Number;
 
     /// Gravity in the axes of the base.

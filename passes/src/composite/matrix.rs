@@ -18,13 +18,13 @@ pub(super) struct JointPlacement {
 }
 
 /// A tree of bodies in the numbers of a ring. Joints are counted from 0, and
-/// the body of a joint is the one that it moves last.
+/// the body of a joint is the last one that it moves.
 pub(super) trait BodySystem: Ring {
     /// Called before the composite body of a joint is made.
     fn enter(&mut self, joint: usize);
 
-    /// The body of a joint, with what is missing of its inertia on one side of
-    /// the diagonal mirrored if its placement states it.
+    /// The body of a joint, with the missing half of its inertia mirrored if
+    /// its placement requires that.
     fn body(&mut self, joint: usize, place: &JointPlacement) -> RigidBody<Self::Number>;
 
     fn stand(&mut self, joint: usize, place: &JointPlacement) -> Stand<Self::Number>;

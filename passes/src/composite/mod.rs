@@ -1,10 +1,10 @@
 //! The mass matrix from composite bodies.
 //!
 //! `model` reads the inputs of the system, `tree`, with `axes` and `points`,
-//! finds the joints from what the function computes at the states of `probe`,
-//! `bodies`, `matrix` and `forces` hold the mechanics over any ring, and `write`
-//! makes the new equations as values of the network that `factor` works on, so
-//! that what is zero, equal or opposite there is never computed.
+//! finds the joints from the values of the function at the states of `probe`,
+//! `bodies`, `matrix` and `forces` have the mechanics over any ring, and
+//! `write` makes the new equations as values of the network of `factor`, so
+//! that zero, equal or opposite values are never computed.
 
 mod axes;
 mod bodies;
@@ -29,17 +29,17 @@ declare_pass! {
     /// Robotran finds the mass matrix column by column: for every pair of a
     /// joint and a joint before it a force and a torque, passed on from body to
     /// body. The same matrix follows from one inertia for each joint, that of
-    /// everything it carries, with a third to a half of the operations for real
+    /// all bodies beyond it, with a third to a half of the operations for real
     /// models and a quarter for long chains (Featherstone, Rigid Body Dynamics
     /// Algorithms, 2008, section 6.2).
     ///
     /// The pass reads no model. It needs Robotran's arrays (`M` among the
     /// outputs; `q`, `m`, `l`, `In` and `dpt` among the inputs) and finds the
-    /// tree of joints from what the function computes at states that show one
-    /// thing each: with the mass of one body only, which joints move it; with
-    /// all frames aligned, the axes; with one attachment point at a time, which
-    /// joints follow it. Every element of `M` whose new equations have the
-    /// value of the old ones, at random points of two prime fields and in
+    /// tree of joints from the values of the function at states that isolate
+    /// one property each: with the mass of one body only, the joints that move
+    /// it; with all frames aligned, the axes; with one attachment point at a
+    /// time, the joints after it. Every element of `M` whose new equations have
+    /// the value of the old ones, at random points of two prime fields and in
     /// numbers, is replaced; and so are the forces `c` with the same values,
     /// where that takes fewer operations. All other values of the function are
     /// kept, and so are elements that do not follow from a tree, and a matrix

@@ -6,8 +6,7 @@ use hashbrown::HashSet;
 use robovec_ir::{Array, Function, Input, Shape, Tables};
 use robovec_num::random::mix;
 
-/// An input element of the system, with what it belongs to; everything is
-/// counted from 0.
+/// An input element of the system, with its joint or body; all indices are from 0.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum SystemInput {
     /// The coordinate of a joint.
@@ -23,7 +22,7 @@ pub(super) enum SystemInput {
 }
 
 impl SystemInput {
-    /// The body it is a parameter of.
+    /// The body of the parameter.
     pub(super) fn body(self) -> Option<usize> {
         match self {
             SystemInput::Mass(body)
@@ -70,7 +69,7 @@ pub(super) struct ModelInputs {
     /// For every element of the mass matrix, row by row, the place of its
     /// assignment; `None` where it is zero.
     pub(super) elements: Vec<Option<usize>>,
-    /// Other inputs that the forces depend on.
+    /// Other inputs on which the forces depend.
     pub(super) motion: MotionInputs,
 }
 
@@ -89,8 +88,8 @@ pub(super) struct MotionInputs {
     pub(super) biases: Vec<Option<usize>>,
 }
 
-/// Systems with more joints are left alone: everything here is quadratic in
-/// their number.
+/// Systems with more joints are unchanged: the time of this code is quadratic
+/// in their number.
 const MAX_JOINTS: usize = 1000;
 
 impl ModelInputs {
@@ -230,7 +229,7 @@ fn read_inputs(network: &FactorNetwork) -> HashSet<Input> {
     inputs.collect()
 }
 
-/// Tree of the joints: each with the one it is attached to.
+/// Tree of the joints: the parent of each.
 pub(super) struct AncestorTree {
     /// The joint before each, counted from 0.
     pub(super) parents: Vec<Option<usize>>,

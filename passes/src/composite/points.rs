@@ -1,22 +1,22 @@
 //! The attachment points that joints are on, one point at a time.
 //!
-//! With point masses and a single attachment point, what a joint feels is the
-//! mass beyond the point times the square of the speed it gives to it. So the
-//! body that a point belongs to is one for which every joint before it, and no
-//! other, feels as much as the rotations between them state, and the mass shows
-//! which of the body's children are on the point. A point that no joint
-//! feels has no place, and needs none.
+//! With point masses and a single attachment point, the effect on a joint is
+//! the mass beyond the point times the square of the point's speed. So the body
+//! of a point is the one for which exactly the joints before it have the effect
+//! that follows from the rotations between them, and the mass identifies the
+//! body's children at the point. A point that no joint feels has no place, and
+//! needs none.
 
 use super::bodies::{JointAxis, cross};
 use super::matrix::{BodySystem, JointPlacement};
 use super::model::{AncestorTree, ModelInputs, SystemInput};
 use super::probe::{MatrixProbe, UsualState, near};
 
-/// Children of one body of which every set is tried; of more only single ones
-/// and all of them.
+/// Maximum number of children of a body for which every set is tried; of more
+/// only single ones and all of them.
 const MAX_CHILDREN: usize = 16;
 
-/// By joint: the points of its parent that it is on, counted from 0.
+/// By joint: the points of its parent at its place, counted from 0.
 pub(super) fn find(
     probe: &mut MatrixProbe<'_>,
     model: &ModelInputs,
@@ -110,8 +110,8 @@ impl<'a> TurnedFrames<'a> {
         frames
     }
 
-    /// The children of a body that are on a point of it, if what joints feel
-    /// states that it has this point.
+    /// The children of a body that are at a point of it, if the effects on
+    /// joints confirm that it has this point.
     fn children_at(&self, body: usize, arm: [f64; 3], felt: &[f64]) -> Option<Vec<usize>> {
         let arm = sum(self.axes[body], arm);
         let speeds: Vec<(usize, f64)> = self
@@ -133,8 +133,8 @@ impl<'a> TurnedFrames<'a> {
         self.children_of_mass(body, mass)
     }
 
-    /// The square of the speed that a joint gives to what lies at an arm, in
-    /// the axes of the base, from it.
+    /// The square of the speed, per unit speed of the joint, of a point at an
+    /// arm, in the axes of the base.
     fn square_of_speed(&self, joint: usize, arm: [f64; 3]) -> f64 {
         let ring = &mut UsualState { model: self.model };
         let [x, y, z] = cross(ring, self.turns[joint], arm);

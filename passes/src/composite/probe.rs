@@ -2,9 +2,9 @@
 //!
 //! The function is evaluated in binary64 at states that a system would hardly
 //! meet: without the mass of all bodies but one, with all frames aligned, with
-//! a single attachment point. Each shows one thing about the tree of joints
-//! and nothing else. Rounding is harmless: whatever is concluded is proved
-//! afterwards, element by element, in the images of the network.
+//! a single attachment point. Each isolates one property of the tree of joints.
+//! Rounding is harmless: every conclusion is proved afterwards, element by
+//! element, in the images of the network.
 
 use super::bodies::{RigidBody, Ring, Stand};
 use super::matrix::{BodySystem, JointPlacement};

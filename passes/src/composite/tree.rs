@@ -1,7 +1,7 @@
-//! The search for the tree of bodies that a mass matrix belongs to.
+//! The search for the tree of bodies of a mass matrix.
 //!
-//! The function shows what it computes at any state, so the tree need not be
-//! guessed: each property has states that show it alone.
+//! The function can be evaluated at any state, so the tree need not be guessed:
+//! for each property there are states that isolate it.
 //!
 //! 1. *Ancestors*: with the mass of one body only, the rows that are not
 //!    zero show which joints move it.
@@ -132,7 +132,7 @@ fn differences(model: &ModelInputs, places: &[JointPlacement], usual: &ProbedMat
 }
 
 /// Tests whether the products of inertia of a body are those of a symmetric
-/// matrix of which one side is left out: the choice that is nearer to the
+/// matrix of which one half is left out: the choice that is nearer to the
 /// matrix with this body's mass alone.
 fn is_symmetric(
     probe: &mut MatrixProbe<'_>,
@@ -150,7 +150,7 @@ fn is_symmetric(
     distance(true) <= distance(false)
 }
 
-/// The largest difference of a diagonal element from what a body gives.
+/// The largest difference of a diagonal element from the value of a body.
 fn distance(
     model: &ModelInputs,
     tree: &AncestorTree,

@@ -119,8 +119,8 @@ impl MovingSystem for EquationWriter<'_> {
 
 /// Tree of bodies found in a function.
 pub(super) struct RebuiltEquations {
-    /// The elements of the mass matrix, row by row and counted from 0, that are
-    /// not those of the tree and stay as they are.
+    /// The elements of the mass matrix, row by row and counted from 0, that
+    /// differ from those of the tree and are unchanged.
     pub(super) unexplained: Vec<usize>,
     /// Number of forces computed from composite bodies now.
     pub(super) forces: usize,
@@ -184,8 +184,8 @@ pub(super) fn rebuild(
 }
 
 /// Puts other equations instead of those of some outputs, given by their places
-/// among the assignments. Those that have another value stay as they are and
-/// are returned by their indices.
+/// among the assignments. Elements with another value are unchanged and
+/// returned by their indices.
 fn exchange(
     network: &mut FactorNetwork,
     places: &[Option<usize>],
@@ -217,8 +217,8 @@ fn exchange(
     kept
 }
 
-/// For each joint what its equations represent: those of the diagonal element
-/// of the matrix, or, if that is zero, of the first element in its row.
+/// For each joint the origin of its equations: the diagonal element of the
+/// matrix, or, if that is zero, the first element in its row.
 fn origins(
     network: &FactorNetwork,
     model: &ModelInputs,

@@ -1,9 +1,9 @@
-//! Values that may compute the same, found without a look at any two of them.
+//! Values that may compute the same, found without a comparison of pairs.
 //!
-//! A table of 600,000 operations lies outside the caches, and nearly every
-//! look into it finds nothing. So operations are hashed first, with what they
-//! read down to inputs and constants, and a table need know only those whose
-//! hash is there twice. The bits that show so lie in a cache of second level.
+//! A table of 600,000 operations is larger than the caches, and nearly every
+//! lookup in it fails. So operations are hashed first, with their operands down
+//! to inputs and constants, and only operations whose hash occurs twice need an
+//! entry in a table. The bits that show so lie in a cache of second level.
 
 use super::Key;
 use robovec_ir::{Function, Operand, Value};

@@ -15,8 +15,7 @@ option_words! {
         /// As they came.
         #[default]
         Kept = "kept",
-        /// Each where the outputs first need it, whatever the order they came
-        /// in.
+        /// Each at its first use by the outputs, for any original order.
         Outputs = "outputs",
     }
 }

@@ -1,10 +1,10 @@
-//! An order of values that does not depend on the order they came in.
+//! An order of values that does not depend on their original order.
 //!
-//! What ties are broken by is often the order of a file: the same equations
-//! in another order then make another program. Here every value is where
-//! the outputs first need it: the last output first, of operands the one with
-//! the longest chain first, and of equally long ones that with the smaller
-//! hash of the expression it represents.
+//! Ties are often broken by the order of a file: the same equations in another
+//! order then make another program. Here every value is where the outputs first
+//! need it: the last output first, of operands the one with the longest chain
+//! first, and of equally long ones that with the smaller hash of the expression
+//! it represents.
 
 use crate::hash;
 use robovec_framework::rewrite::{Rewriter, lay_out};

@@ -1,14 +1,14 @@
 //! The elimination of the vertices between the ends of a linearised graph.
 //!
-//! To eliminate a vertex is to multiply the weights of every edge into it with
-//! those of every edge out of it and to add the products to the edges past
+//! The elimination of a vertex multiplies the weights of every edge into it
+//! with those of every edge out of it and adds the products to the edges past
 //! it. When no vertex between the ends is left, the edges are the elements of
 //! the Jacobian. Eliminating in program order is the forward mode, against it
-//! the reverse mode; which order costs least is NP-hard to find (Naumann
-//! 2008). Two rules of thumb look at the graph as it is: the vertex with the
-//! fewest products less the edges that go (Markowitz 1957; Griewank and Reese
-//! 1991), and that with the fewest edges more. Of equal ones the last is taken,
-//! since reverse is the better mode for most of what robots compute.
+//! the reverse mode; which order costs least is NP-hard to find (Naumann 2008).
+//! Two rules of thumb use the present graph: the vertex with the fewest
+//! products minus the edges removed (Markowitz 1957; Griewank and Reese 1991),
+//! and that with the fewest additional edges. Of equal ones the last is taken,
+//! since reverse is the better mode for most functions of robots.
 //!
 //! Parts of the graph that share nothing but ends are counted each for
 //! itself, on a copy, and each is then eliminated in its cheapest order.
@@ -21,11 +21,11 @@ use std::collections::BTreeSet;
 /// An order in which vertices are eliminated.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum EliminationOrder {
-    /// As the program computes them.
+    /// In the order of the program.
     Forward,
     /// Against that.
     Reverse,
-    /// Those with the fewest products first, less the edges that go.
+    /// Those with the fewest products first, minus the edges removed.
     FewestProducts,
     /// Those first that leave the fewest edges.
     LeastFill,
@@ -189,7 +189,7 @@ impl Elimination<'_> {
     }
 }
 
-/// The products for eliminating a vertex, less the edges that go with it.
+/// The products for eliminating a vertex, minus the edges removed with it.
 fn products(graph: &LinearisedGraph, vertex: u32) -> i64 {
     let [into, out] = degrees(graph, vertex);
     into * out - into - out

@@ -1,8 +1,7 @@
-//! The linearised graph of a function: what depends on the inputs that are
-//! differentiated by and leads to the outputs that are differentiated, with
-//! the partial derivative of every operation by every operand on the edges
-//! (Bauer 1974; Griewank and Walther, *Evaluating Derivatives*, 2008, section
-//! 9.2).
+//! The linearised graph of a function: the values that depend on the inputs of
+//! differentiation and lead to the differentiated outputs, with the partial
+//! derivative of every operation by every operand on the edges (Bauer 1974;
+//! Griewank and Walther, *Evaluating Derivatives*, 2008, section 9.2).
 //!
 //! **Invariant.** Vertices are numbered in topological order, every vertex
 //! lies on a path from an end to an end, and no edge has the weight zero.

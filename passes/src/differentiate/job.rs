@@ -34,7 +34,7 @@ pub(super) struct DerivativeJob<'a> {
     columns: Vec<u32>,
     /// Places of the assignments that are differentiated.
     rows: Vec<u32>,
-    /// By assignment what its derivatives are named after.
+    /// By assignment the base of its derivatives' names.
     row_names: Vec<Symbol>,
 }
 
@@ -168,7 +168,7 @@ impl<'a> DerivativeJob<'a> {
         }
     }
 
-    /// Remarks on where there is no derivative, or not the whole of it.
+    /// Remarks on missing or incomplete derivatives.
     fn tell(&self, graph: &LinearisedGraph, context: &mut Context<'_>) {
         let symbols = &context.tables.symbols;
         let roots = graph.vertices.iter().filter_map(|&vertex| match vertex {
@@ -299,8 +299,8 @@ impl<'a> DerivativeJob<'a> {
         (writer.function.assignments.len() - kept) as u64
     }
 
-    /// An array whose elements are all zero by structure gets the first of
-    /// them, since a function sets something of every output.
+    /// An array whose elements are all zero by structure gets an assignment of
+    /// its first element, since a function sets an element of every output.
     fn set_empty_arrays(&self, writer: &mut WeightWriter) {
         let function = &mut writer.function;
         let mut is_set = vec![false; function.outputs().len()];

@@ -32,8 +32,8 @@ fn size(module: &Module) -> usize {
     module.functions[0].nodes().len()
 }
 
-/// A function with one part that many inputs enter and one output leaves, and
-/// one that is the other way around.
+/// A function with one part that has many inputs and one output, and one with
+/// one input and many outputs.
 fn wide_and_tall(count: u32) -> Module {
     let mut text = format!(
         "function f equations {{\n  in x[1..{count}]\n  in y\n  out s\n  out F[1..{count}]\n"

@@ -1,8 +1,8 @@
 //! The numbers on the edges of a linearised graph, and their algebra.
 //!
-//! A weight is known as far as it is known: one, a constant, a value, each of
-//! either sign. Products with one cost nothing, signs travel until somebody
-//! needs the number, and an operation that is there already is used again.
+//! The known form of a weight: one, a constant, a value, each of either sign.
+//! Products with one cost nothing, signs are deferred until the number is
+//! needed, and an existing operation is used again.
 
 use crate::cse::{Key, KnownValues};
 use crate::fold::known;
@@ -14,7 +14,7 @@ use robovec_ir::{FreshNames, Function, Name, Node, Operand, Operation, SourceSet
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct PathWeight {
     pub(super) negative: bool,
-    /// `None` is one. A constant is positive and not one.
+    /// `None` represents one. A constant is positive and not one.
     pub(super) factor: Option<Operand>,
 }
 

@@ -2,8 +2,8 @@
 //! its forms.
 //!
 //! The e-graph keeps a value and its negation apart, and signs outside of
-//! products. Here both become their own classes where somebody needs them,
-//! so that `b - a` costs no more than `a - b` when the opposite is wanted.
+//! products. Here both become their own classes on demand, so that `b - a`
+//! costs no more than `a - b` when the opposite is wanted.
 
 use super::form::{EquivalentForm, terms};
 use super::graph::EquivalenceGraph;
@@ -18,8 +18,8 @@ use rustc_hash::FxBuildHasher;
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct RequiredResult {
     pub(crate) class: u32,
-    /// The result may be as late as this; when it cannot be that early, it is
-    /// made as early as it can be.
+    /// The latest time of the result; if it cannot be met, the result is made
+    /// as early as possible.
     pub(crate) required: u32,
 }
 
@@ -110,13 +110,13 @@ pub(crate) struct SurroundingTimes<'a> {
 #[derive(Clone, Default, Debug)]
 pub(crate) struct Alternatives {
     pub(crate) classes: Vec<Vec<Alternative>>,
-    /// For each alternative the form of the e-graph it came from.
+    /// For each alternative its form in the e-graph.
     pub(crate) origins: Vec<Vec<Option<EquivalentForm>>>,
 }
 
 impl Alternatives {
-    /// All that can take part in computing these classes of an e-graph; also
-    /// the place of each of them.
+    /// All forms that can contribute to these classes of an e-graph, with the
+    /// place of each class.
     pub(crate) fn of(graph: &EquivalenceGraph, roots: &[Id]) -> (Alternatives, Vec<u32>) {
         let mut collector = AlternativeCollector {
             graph,
@@ -279,8 +279,8 @@ impl AlternativeCollector<'_> {
         }
     }
 
-    /// True when a class can be had with the other sign at no cost, or
-    /// earlier than after the product it is in.
+    /// True when a class is available with the other sign at no cost, or
+    /// earlier than after its product.
     fn turns(&self, class: Id) -> bool {
         !self.graph.forms(self.graph.find(class)).is_empty()
     }

@@ -1,7 +1,7 @@
 //! The fewest operations by trying everything, as far as steps reach.
 //!
-//! Small e-graphs are searched to the end, so that what is extracted from them
-//! is the optimum; larger ones keep what was found before the search.
+//! Small e-graphs are searched to the end, so that the extracted form is the
+//! optimum; larger ones keep the form found before the search.
 
 use super::alternatives::{Alternatives, RequiredResult, SurroundingTimes};
 
@@ -17,8 +17,8 @@ pub(crate) struct ExactExtractor<'a> {
 }
 
 impl<'a> ExactExtractor<'a> {
-    /// A choice with fewer operations than are known and every demand met in
-    /// time, the best if all could be tried; and whether all could be tried.
+    /// A choice with fewer operations than the best known and every demand met in time,
+    /// the best if the search was complete; and a flag: true for a complete search.
     pub(crate) fn search(
         alternatives: &'a Alternatives,
         times: SurroundingTimes<'a>,

@@ -1,14 +1,14 @@
 //! Choosing one form per class: the critical path first, then operations.
 //!
 //! Depth alone is easy: the earliest arrival of every class is found as
-//! Dijkstra finds distances (Knuth 1977), and all classes can have theirs at
-//! once. Operations are counted once however many results share them, which
-//! makes their number hard to minimise. So the times the surroundings need
-//! are kept as bounds, small fronts of (arrival, operations) are built bottom
-//! up, a cover is chosen top down, and single choices are then changed as long
-//! as the whole cover gets smaller. Everything is linear in the number of
-//! alternatives: fronts have a fixed size, and changes a fixed budget. At the
-//! end all covers are tried, as far as a fixed number of steps reaches.
+//! Dijkstra finds distances (Knuth 1977), and all classes can have theirs in
+//! one cover. Operations are counted once however many results share them,
+//! which makes their number hard to minimise. So the times the surroundings
+//! need are kept as bounds, small fronts of (arrival, operations) are built
+//! bottom up, a cover is chosen top down, and single choices are then changed
+//! as long as the whole cover gets smaller. Everything is linear in the number
+//! of alternatives: fronts have a fixed size, and changes a fixed budget. At
+//! the end all covers are tried, as far as a fixed number of steps reaches.
 
 use super::alternatives::{Alternatives, RequiredResult, SurroundingTimes};
 use super::exact::ExactExtractor;
@@ -18,8 +18,8 @@ use std::collections::BinaryHeap;
 /// One form for every class that is needed.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Cover {
-    /// For each class its alternative; classes not needed have one too, which
-    /// means nothing.
+    /// For each class its alternative; unneeded classes have one too, which has
+    /// no meaning.
     pub(crate) choice: Vec<u32>,
     /// The classes needed, operands before their users.
     pub(crate) order: Vec<u32>,
@@ -162,7 +162,7 @@ impl Depth {
     }
 }
 
-/// A point of a front: when a class can be ready at what cost as a tree.
+/// A point of a front: time and cost, as a tree, of a class.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 struct ArrivalPoint {
     arrival: u32,
@@ -290,7 +290,7 @@ impl Extractor<'_> {
     }
 
     /// The latest time of each child of a form with which the form is in time:
-    /// one after the other takes what is left.
+    /// the children in sequence use up the time left.
     fn bounds(&self, class: u32, index: usize, limit: u32, bounds: &mut Vec<u32>) {
         let form = &self.alternatives.classes[class as usize][index];
         bounds.clear();

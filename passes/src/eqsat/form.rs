@@ -1,9 +1,9 @@
 //! The language of the e-graph: signed sums and products of any arity.
 //!
-//! Associativity and commutativity by rule cost exponentially many e-nodes
-//! (3^n for a sum of n terms), so sums and products enter as what they are:
-//! bags. A term carries its sign in the sum, and a product carries none, so
-//! that the rules about signs need no e-nodes either.
+//! Associativity and commutativity by rule cost exponentially many e-nodes (3^n
+//! for a sum of n terms), so sums and products are represented as bags. A term
+//! has its sign in the sum, and a product has none, so that the rules about
+//! signs need no e-nodes either.
 
 use egg::{Analysis, DidMerge, EGraph, Id, Language};
 use robovec_ir::Operation;
@@ -73,7 +73,7 @@ impl ClassReference {
         self.signed(true)
     }
 
-    /// The term, with its sign turned if so asked.
+    /// The term, with its sign turned on request.
     pub(crate) fn signed(self, negative: bool) -> ClassReference {
         ClassReference {
             class: self.class,
@@ -102,10 +102,10 @@ pub(crate) fn terms(signs: u64, children: &[Id]) -> impl Iterator<Item = ClassRe
         })
 }
 
-/// The facts about an e-class that normalisation must know at once.
+/// The facts about an e-class that normalisation needs immediately.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub(crate) struct ClassFacts {
-    /// The bits of the number the class is.
+    /// The bits of the class's number, if it is one.
     pub(crate) number: Option<u64>,
     /// A class this one is the negation of.
     pub(crate) minus: Option<Id>,

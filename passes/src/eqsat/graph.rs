@@ -1,4 +1,4 @@
-//! The e-graph of one window, and the normal form of what enters it.
+//! The e-graph of one window, and the normal form of its inputs.
 //!
 //! Zeros, ones and signs are taken care of where a form is made: a sum holds
 //! no zero and no pair of opposite terms, a product no one and no sign, and a
@@ -45,7 +45,7 @@ impl EquivalenceGraph {
         EGraph::new(ClassAnalysis).into()
     }
 
-    /// Number of forms ever made; what budgets count.
+    /// Number of forms ever made, which budgets limit.
     pub(crate) fn size(&self) -> usize {
         self.egraph.nodes().len()
     }
@@ -94,7 +94,7 @@ impl EquivalenceGraph {
         self.egraph[self.egraph.find(id)].data
     }
 
-    /// The number a class is.
+    /// The number of a class, if it is one.
     pub(crate) fn number_of(&self, id: Id) -> Option<f64> {
         self.facts(id).number.map(f64::from_bits)
     }

@@ -1,13 +1,13 @@
 //! The search for occurrences of a pattern over bags in the e-graph.
 //!
-//! A sum pattern takes as many terms of a sum as it has, whichever they are;
-//! at the root of a rule the terms that are left over stay beside the result.
+//! A sum pattern matches the same number of terms of a sum, in any selection;
+//! at the root of a rule the remaining terms are kept beside the result.
 //! Inside, the last free variable takes all that is left, so that `b + c`
-//! splits a wide sum into each term and its rest. A sign that no pattern asks
-//! for goes to the last free variable of a product, as signs do.
+//! splits a wide sum into each term and its rest. A sign that the pattern does
+//! not contain is given to the last free variable of a product, as signs are.
 //!
-//! Every step is counted, and matching ends when the count is used up: which
-//! matches are found depends on the e-graph alone.
+//! Every step is counted, and matching ends at the limit: the matches found
+//! depend on the e-graph alone.
 
 use super::form::{ClassReference, EquivalentForm};
 use super::graph::EquivalenceGraph;
@@ -46,7 +46,7 @@ pub(crate) struct Matcher<'g> {
 
 /// The continuation after a part has matched.
 type Next<'n> = &'n mut dyn FnMut(&mut Matcher<'_>);
-/// The same, with what is left over.
+/// The same, with the unmatched terms.
 type NextTerms<'n> = &'n mut dyn FnMut(&mut Matcher<'_>, &[ClassReference]);
 
 impl<'g> Matcher<'g> {
@@ -223,8 +223,8 @@ impl<'g> Matcher<'g> {
         });
     }
 
-    /// Matches patterns with terms of a sum. What is left goes to the last
-    /// free variable, unless it may stay beside.
+    /// Matches patterns with terms of a sum. The unmatched terms are bound to
+    /// the last free variable, unless they may be left unmatched.
     fn sum(
         &mut self,
         patterns: &[SignedPattern],

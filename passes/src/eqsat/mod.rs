@@ -38,11 +38,11 @@ declare_pass! {
     /// forms chosen are those with which the result is in time, and of these
     /// the ones with the fewest operations.
     ///
-    /// Windows are taken one after the other along the function, so that each
-    /// sees what those before it have gained. A round that makes the longest
-    /// path no shorter, and with the same path saves no operation, is undone.
-    /// Rules are left out whose results the machine cannot place: quotients and
-    /// roots without an element for them, sines of sums of angles.
+    /// Windows are processed in sequence along the function, so that each benefits from
+    /// the gains of those before it. A round that makes the longest path no shorter, and
+    /// with the same path saves no operation, is undone. Rules are left out whose results
+    /// the machine cannot place: quotients and roots without an element for them, sines
+    /// of sums of angles.
     pub struct Eqsat("eqsat") {
         /// Operations per window.
         pub window: u32 = 12 => NumberLimit::whole(
@@ -77,8 +77,8 @@ declare_pass! {
     destroys: [Timed],
 }
 
-/// Forms made in all windows of a function: so many, and this number of more
-/// per operation. Time grows with them, and so with the function.
+/// Maximum number of forms made in all windows of a function: this number, and
+/// the next per operation. Time grows with them, and so with the function.
 const FIRST_NODES: usize = 600_000;
 /// See [`FIRST_NODES`].
 const NODES_PER_OPERATION: usize = 2;
@@ -92,7 +92,7 @@ pub const OUT_OF_ITERATIONS: &str = "windows with no rounds of rules left";
 /// The statistic of forms in all windows.
 pub const FORMS: &str = "forms in all windows";
 
-/// Rules that are one to this pass, and those it has no use for.
+/// Rules that are equal in this pass, and rules without use in it.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct Kinds {
     /// Names of rules that are the same between signed bags, in order.
@@ -102,7 +102,7 @@ pub struct Kinds {
     pub unused: Vec<String>,
 }
 
-/// Sorts the rules of a set by what this pass makes of them.
+/// Sorts the rules of a set by their use in this pass.
 pub fn kinds(rules: &RuleSet, trig: bool) -> Kinds {
     let class = if trig {
         NumericClass::RealTrig
@@ -141,10 +141,10 @@ fn maker_name(rules: &[BagRule], maker: u32) -> &str {
     }
 }
 
-/// The rules of a set, in one direction each, that make nothing which the
-/// machine cannot place, and the names of others that a user wrote: a quotient or root
-/// without an element for it, or the sine or cosine of what was no angle, since
-/// a host prepares those of inputs alone.
+/// The rules of a set, in one direction each, without those whose results the
+/// machine cannot place, and the names of the user's rules among these: a
+/// quotient or root without an element for it, or the sine or cosine of a value
+/// other than an angle, since a host prepares those of inputs alone.
 fn placeable(rules: &RuleSet, machine: &Machine) -> (RuleSet, Vec<String>) {
     let is_placeable = |rule: &Rule| {
         let made = rule

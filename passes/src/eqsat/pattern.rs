@@ -4,7 +4,7 @@ use robovec_analysis::class::NumericClass;
 use robovec_ir::Operation;
 use robovec_rules::{Condition, Pattern, PatternNode, Rule, RuleSet};
 
-/// A pattern: sums and products as wide as they are written, signs outside.
+/// A pattern: sums and products in the widths written, signs outside.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Bag {
     /// Represents any value.
@@ -198,10 +198,10 @@ pub(crate) struct BagRule {
 }
 
 impl BagRule {
-    /// The rules of a set that state something about bags, in one direction
-    /// each: not those whose sides are the same bag, as associativity,
-    /// commutativity and the rules of signs are, nor those that would match
-    /// everything. Rules of a weaker class than allowed are left out.
+    /// The rules of a set that change bags, in one direction each: not those
+    /// whose sides are the same bag, as associativity, commutativity and the
+    /// rules of signs are, nor those that would match every bag. Rules of a
+    /// weaker class than allowed are left out.
     pub(crate) fn all(rules: &RuleSet, weakest: NumericClass) -> Vec<BagRule> {
         let allowed = rules.rules.iter().filter(|rule| rule.class <= weakest);
         let directed = allowed.flat_map(Rule::directed);

@@ -1,9 +1,9 @@
 //! Saturation with associativity and commutativity by rule.
 //!
-//! Operations enter as they are, on two operands, and every order and every
-//! parenthesis is its own form: 3^n of them for a sum of n terms. That is
-//! for small windows, for questions about rules, and for the proof that bags
-//! merged earliest first lose nothing against it.
+//! Operations have two operands, as in the function, and every order and every
+//! parenthesis is its own form: 3^n of them for a sum of n terms. This mode is
+//! for small windows, for questions about rules, and for the test that the
+//! order of bags (earliest first) loses nothing.
 
 use super::form::{ClassAnalysis, EquivalentForm};
 use super::saturate::{SaturationEnd, SaturationLimits};
@@ -154,8 +154,8 @@ pub(crate) fn plain_number(number: f64) -> EquivalentForm {
 /// are kept before the first one makes a form.
 const MATCHES_PER_NODE: usize = 4;
 
-/// Takes no more than this number of matches of a rule in a round, and makes no
-/// more forms than there is room for.
+/// Uses at most this number of matches of a rule in a round, and makes no more
+/// forms than the limit.
 struct BoundedMatches {
     most: usize,
     nodes: usize,

@@ -22,7 +22,7 @@ pub(crate) struct Settings<'a> {
     pub(crate) limits: SaturationLimits,
     /// Sines and cosines lie on the circle.
     pub(crate) trig: bool,
-    /// Somebody asks which rule made what.
+    /// True when the rules that made each form are recorded.
     pub(crate) trail: bool,
 }
 
@@ -43,7 +43,7 @@ pub(crate) struct Rewriting {
     pub(crate) class: u32,
     pub(crate) cover: Cover,
     /// The maker of the chosen form of each class of the cover, in its order;
-    /// empty when nobody asked.
+    /// empty without a trail.
     pub(crate) makers: Vec<Option<FormMaker>>,
 }
 
@@ -56,14 +56,14 @@ pub(crate) struct RewritingRound {
     pub(crate) windows: u64,
     /// Of them those whose e-graph had no room for more forms.
     pub(crate) out_of_nodes: u64,
-    /// Of them those whose rounds of rules were used up.
+    /// Number of those whose rounds of rules were used up.
     pub(crate) out_of_iterations: u64,
     /// Forms made.
     pub(crate) nodes: usize,
 }
 
-/// Looks for windows whose results come too late for a target, and rewrites
-/// what can be made earlier.
+/// Searches for windows whose results are too late for a target, and rewrites
+/// those that can be earlier.
 pub(crate) fn run(
     function: &Function,
     settings: &Settings<'_>,
@@ -127,7 +127,7 @@ pub(crate) fn run(
     round
 }
 
-/// Forms below which a window is not worth looking at.
+/// Number of forms below which a window is skipped.
 const SMALLEST: usize = 60;
 
 /// The largest number of windows.

@@ -1,4 +1,4 @@
-//! Growing an e-graph by rules and by what bags need.
+//! Growing an e-graph by rules and by the steps for bags.
 
 use super::form::{ClassReference, EquivalentForm, terms};
 use super::graph::{EquivalenceGraph, FormMaker};
@@ -18,13 +18,13 @@ pub(crate) struct SaturationLimits {
     pub(crate) steps: u32,
 }
 
-/// The steps that are no rules: what bags need to be seen through.
+/// The steps that are no rules, by which rules match inside bags.
 pub(crate) const STRUCTURE: [&str; 3] = ["normal form", "flattening", "shared part"];
 
 /// Reason why an e-graph grew no further.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum SaturationEnd {
-    /// Nothing new is left to find.
+    /// No new form exists.
     Complete,
     /// There was no room for more forms.
     Nodes,
@@ -32,7 +32,7 @@ pub(crate) enum SaturationEnd {
     Iterations,
 }
 
-/// Grows the e-graph until nothing new is found or a limit is met.
+/// Grows the e-graph until no new form is found or a limit is met.
 pub(crate) fn saturate(
     graph: &mut EquivalenceGraph,
     rules: &[BagRule],
@@ -78,7 +78,7 @@ pub(crate) fn saturate(
     SaturationEnd::Iterations
 }
 
-/// True when what the variables represent is known to meet the conditions.
+/// True when the operands of the variables are known to meet the conditions.
 fn is_allowed(graph: &EquivalenceGraph, rule: &BagRule, found: &RuleMatch) -> bool {
     rule.conditions.iter().all(|condition| {
         let bound = found.bindings[condition.variable as usize].as_ref();
@@ -159,7 +159,7 @@ fn instantiate(
     Some(term.signed(pattern.negative))
 }
 
-/// Forms to be added: the class they belong to, and what they are made of.
+/// Forms to be added: their class and their children.
 #[derive(Default)]
 struct StructuralForms {
     /// Sums and products whose normal form has changed.
@@ -290,7 +290,7 @@ impl StructuralForms {
         }
     }
 
-    /// Adds what was found; false when there was no room for all.
+    /// Adds the forms found; false when the graph was full.
     fn apply(self, graph: &mut EquivalenceGraph, first: FormMaker, most: usize) -> bool {
         graph.maker = Some(first);
         for (class, form) in &self.normal {

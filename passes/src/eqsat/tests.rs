@@ -127,8 +127,8 @@ impl Case {
     }
 }
 
-/// Time at which `balance` has the result, and when the best of all trees has
-/// it; `None` when there were too many trees.
+/// Time of the result of `balance`, and of the best of all trees; `None` when
+/// there were too many trees.
 fn both(case: Case, result: (Operand, Id), weights: &Weights) -> Option<(u32, u32)> {
     let Case {
         mut function,
@@ -270,9 +270,9 @@ fn demands(
     demands
 }
 
-/// Extracts from a random e-graph; gives the operations found, the fewest
-/// there are, and the number of classes. `None` when trying everything takes
-/// too long.
+/// Extracts from a random e-graph; gives the operations found, the fewest there
+/// are, and the number of classes. `None` when a complete search takes too
+/// long.
 fn gap(operations: u32, nodes: usize, random: &mut Random) -> Option<(u32, u32, Alternatives)> {
     let weights = thesis();
     let (graph, roots, times) = random_graph(operations, nodes, random);
@@ -383,8 +383,7 @@ fn extraction_equals_every_combination_of_small_graphs() {
     assert!(compared >= 1000, "only {compared} graphs were small");
 }
 
-/// On larger e-graphs the search ends before all is tried; what is then lost
-/// is printed and bounded.
+/// On larger e-graphs the search ends early; the loss is printed and bounded.
 #[test]
 fn the_gap_on_larger_graphs_is_small() {
     let mut random = Random::new(3);

@@ -1,10 +1,10 @@
 //! Windows: small parts of a function around one late result.
 //!
 //! A window is grown from its root backwards, the latest operand first, since
-//! only what is late can be brought forward by a rewriting. What it does not
-//! reach is its surroundings and enters as leaves with real arrival times.
-//! Values of the window that others need too stay alive whatever happens, so
-//! they are leaves as well, beside their definitions, and cost nothing.
+//! only late values can be made earlier by a rewriting. Values that it does not
+//! reach are its surroundings and become leaves with real arrival times. Values
+//! of the window that others need too stay alive in any case, so they are
+//! leaves as well, beside their definitions, and cost nothing.
 
 use super::form::{ClassReference, EquivalentForm};
 use super::graph::EquivalenceGraph;
@@ -31,13 +31,13 @@ pub(crate) struct RewriteWindow {
 /// The facts about the function while its windows are chosen.
 pub(crate) struct Surroundings<'a> {
     pub(crate) function: &'a Function,
-    /// Time at which each value is ready, as far as it is known.
+    /// Time of each value, if known.
     pub(crate) times: &'a [u32],
     /// The number of reads of each value.
     pub(crate) uses: &'a [u32],
     /// The arguments of sines and cosines are of interest.
     pub(crate) trig: bool,
-    /// Operations enter on two operands as they are, not as bags.
+    /// Operations have two operands, as in the function, not bags.
     pub(crate) plain: bool,
 }
 

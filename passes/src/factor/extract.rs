@@ -9,8 +9,8 @@
 //! size of a sum and linear in that of the function. Larger kernels come about
 //! one term at a time.
 //!
-//! A divisor is identified by its value and not by its form: what several
-//! sums share may be written differently in each, and it may exist already.
+//! A divisor is identified by its value and not by its form: the common part of
+//! several sums may be written differently in each, and it may exist already.
 
 use super::network::{Edge, FactorKind, FactorNetwork, NodeOrigin, tidy};
 use super::times::NodeTimes;
@@ -25,7 +25,7 @@ const REACH: usize = 24;
 /// The part that is taken out of both terms of a pair.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Common {
-    /// Nothing: the pair itself is the divisor.
+    /// No product: the pair itself is the divisor.
     Nothing,
     /// All factors they have in common.
     All,
@@ -42,7 +42,7 @@ struct DivisorOccurrence {
     common: Common,
 }
 
-/// Divisors in order of what they promise.
+/// Divisors in order of their expected gain.
 struct Divisors {
     /// By divisor, without their signs.
     values: ValueTable,
@@ -56,9 +56,9 @@ const RULE: &str = "common-part";
 /// Gains are estimated in these fractions of an operation.
 const UNIT: i64 = 12;
 
-/// Finds divisors that pay and applies them, the most promising first; gives
-/// the number of operations saved.
-/// `times`, if given, shows what may be how late.
+/// Finds and applies divisors with a gain, the most promising first; returns
+/// the number of operations saved. `times`, if given, has the latest time of
+/// each value.
 pub(super) fn extract(
     network: &mut FactorNetwork,
     order: &[u32],
@@ -104,7 +104,7 @@ impl Divisors {
         divisors
     }
 
-    /// Ranges of the occurrences of those divisors that may pay, best first.
+    /// Ranges of the occurrences of those divisors that may have a gain, best first.
     fn rank(&self, network: &FactorNetwork) -> Vec<(usize, usize)> {
         let mut ranked = Vec::new();
         let mut start = 0;
@@ -129,7 +129,7 @@ impl Divisors {
 }
 
 impl DivisorOccurrence {
-    /// The operations that the divisor would save here if it were there.
+    /// The operations that the divisor would save here if it existed.
     fn estimate(&self, network: &FactorNetwork) -> i64 {
         if self.common == Common::Nothing {
             return UNIT;
@@ -226,8 +226,8 @@ fn without(factors: &[Edge], factor: Edge) -> Vec<Edge> {
     rest
 }
 
-/// Calls back for every pair of operands, with each thing that can be taken
-/// out of it: the divisor's value, the user, the pair.
+/// Calls back for every pair of operands, with each divisor that it contains:
+/// the divisor's value, the user, the pair.
 fn for_each_pair(
     network: &FactorNetwork,
     order: &[u32],
@@ -286,8 +286,8 @@ fn for_each_pair(
 }
 
 /// The number of occurrences of each divisor, without the divisors: a byte for
-/// each slot of a table. Divisors that share a slot look more frequent than
-/// they are, which costs a look and nothing else.
+/// each slot of a table. Divisors that share a slot seem more frequent than
+/// they are, which costs only one more test.
 struct DivisorSketch {
     slots: Vec<u8>,
 }
@@ -318,7 +318,7 @@ impl DivisorSketch {
     }
 }
 
-/// Applies a divisor wherever it still occurs, unless that does not pay.
+/// Applies a divisor wherever it still occurs, if there is a gain.
 fn apply(
     network: &mut FactorNetwork,
     value: Fingerprint,

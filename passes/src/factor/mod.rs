@@ -2,10 +2,10 @@
 //!
 //! A function is read into a `network` of n-ary sums and products in which no
 //! two values are equal or opposite, as their `fingerprint`s show; `horner`
-//! writes polynomials by Horner's schemes if asked to, `extract` takes common
-//! factors and shared parts out, `times` keeps the longest path,
-//! and `write` makes trees of operations again. `factor` and `factor-trig` are
-//! this engine with two notions of equality.
+//! writes polynomials by Horner's schemes on request, `extract` takes common
+//! factors and shared parts out, `times` keeps the longest path, and `write`
+//! makes trees of operations again. `factor` and `factor-trig` are this engine
+//! with two notions of equality.
 
 mod extract;
 mod horner;
@@ -36,7 +36,7 @@ option_words! {
 option_words! {
     /// Method of writing polynomials again.
     pub enum HornerChoice {
-        /// They stay as they are.
+        /// They are unchanged.
         None = "none",
         /// The variables that most terms have come first.
         Occurrences = "occurrences",
@@ -66,13 +66,12 @@ declare_pass! {
     /// Computes equal values once, takes common factors out, shares parts.
     ///
     /// Values are identified by their residues at random points of two prime
-    /// fields, so equal values are found in whatever form they are written. A
-    /// value that is zero, or the negation or a copy of another value, is not
-    /// computed. Then pairs of terms or factors that several sums or products
-    /// have in common become separate values, and `a*b + a*c` becomes `a*(b +
-    /// c)`, where that saves operations: the pairs that save most first
-    /// (Hosangadi, Fallah and Kastner, 2006), in rounds until nothing is
-    /// gained.
+    /// fields, so equal values are found in any form. A value that is zero, or
+    /// the negation or a copy of another value, is not computed. Then pairs of
+    /// terms or factors that several sums or products have in common become
+    /// separate values, and `a*b + a*c` becomes `a*(b + c)`, where that saves
+    /// operations: the pairs that save most first (Hosangadi, Fallah and
+    /// Kastner, 2006), in rounds until there is no gain.
     ///
     /// Fused operations are taken apart; `fma` makes them again.
     pub struct Factor("factor") {
@@ -146,7 +145,7 @@ struct FactorOptions {
     path: PathChoice,
     cycles: u32,
     rounds: u32,
-    /// `None` when polynomials stay as they are.
+    /// `None` when polynomials are not rewritten.
     search: Option<HornerSearch>,
 }
 
@@ -208,7 +207,7 @@ fn rewrite(function: &mut Function, context: &mut Context<'_>, options: &FactorO
     context.statistics.push(("operations saved", saved as u64));
 }
 
-/// Goal for which factors are taken out.
+/// Goal for common factors.
 struct FactorGoal {
     weights: Weights,
     /// The longest path allowed.

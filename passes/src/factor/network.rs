@@ -1,12 +1,12 @@
 //! The function as a network of n-ary sums and products.
 //!
-//! **Invariants.** A node's value never changes; what is rewritten is how it
-//! is computed, so that its users need not be touched. No two live nodes have
-//! values that are equal or opposite: a value that is made is looked up by its
-//! fingerprint first. Operands are at lower positions than their user, which
-//! keeps the network free of cycles. `uses` counts reads by live nodes and by
-//! outputs; a node without uses does not count its operands, so `cost` is the
-//! number of operations of what the outputs need.
+//! **Invariants.** A node's value never changes, only its computation does, so
+//! that its users need not be changed. No two live nodes have values that are
+//! equal or opposite: a value that is made is looked up by its fingerprint
+//! first. Operands are at lower positions than their user, which keeps the
+//! network free of cycles. `uses` counts reads by live nodes and by outputs; a
+//! node without uses does not count its operands, so `cost` is the number of
+//! operations on which the outputs depend.
 
 use crate::sums::terms::cancel;
 use crate::sums::values::ValueTable;
@@ -49,7 +49,7 @@ pub(crate) enum FactorKind {
     Product,
     /// Any other operation, or one on a value that is not defined.
     Other(Operation),
-    /// Nothing any more: it is part of this node.
+    /// Absorbed: it is part of this node.
     Part(u32),
 }
 
@@ -59,14 +59,14 @@ pub(crate) struct FactorNode {
     pub(crate) kind: FactorKind,
     pub(crate) operands: Vec<Edge>,
     pub(crate) uses: u32,
-    /// False for a value without a meaning, such as a quotient by zero, and
-    /// for all that depends on it: left as it is, equal to nothing.
+    /// False for a value without a meaning, such as a quotient by zero, and for
+    /// all that depends on it: unchanged, and equal to no other value.
     pub(crate) defined: bool,
     /// Greater than those of the operands.
     pub(crate) position: u64,
     /// [`Name::NONE`] for a value the pass made.
     pub(crate) name: Name,
-    /// The symbol that names derived for it start with.
+    /// The symbol with which derived names start.
     pub(crate) owner: Symbol,
     pub(crate) sources: SourceSet,
     /// The rule that made or rewrote it, for the trail.
@@ -82,7 +82,7 @@ pub(crate) struct NodeOrigin {
 }
 
 impl NodeOrigin {
-    /// Of what belongs to the network and to no equation.
+    /// Origin of nodes of the network without an equation.
     pub(crate) const NONE: NodeOrigin = NodeOrigin {
         name: Name::NONE,
         owner: Name::NONE.base,
@@ -284,7 +284,7 @@ impl FactorNetwork {
         }
     }
 
-    /// Computes a live sum or product another way and returns how it was.
+    /// Replaces the computation of a live sum or product; returns the old one.
     /// The operands must give the same value and are at lower positions.
     pub(crate) fn replace(
         &mut self,
@@ -333,8 +333,8 @@ impl FactorNetwork {
         order
     }
 
-    /// Spreads positions in the present order, so that there is room between
-    /// them, and forgets the values that nothing uses.
+    /// Spreads positions in the present order, so that there are gaps between
+    /// them, and drops unused values.
     pub(crate) fn renumber(&mut self) -> Vec<u32> {
         let order = self.order();
         for (rank, &node) in order.iter().enumerate() {
@@ -356,8 +356,8 @@ impl FactorNetwork {
         }
     }
 
-    /// Makes sums and products as large as they are: an operand of the same
-    /// kind that nothing else uses becomes part of its user.
+    /// Makes sums and products as large as possible: an operand of the same
+    /// kind without another user becomes part of its user.
     pub(crate) fn regroup(&mut self, order: &[u32]) {
         for &user in order {
             let user = user as usize;

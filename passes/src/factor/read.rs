@@ -126,8 +126,8 @@ impl FactorReader<'_> {
         network.find_or_push(kind, operands, value, origin)
     }
 
-    /// A value without a meaning: what it is computed from may be rewritten,
-    /// but not the operation.
+    /// A value without a meaning: its operands may be rewritten, but not the
+    /// operation.
     fn unknown(
         network: &mut FactorNetwork,
         operation: Operation,

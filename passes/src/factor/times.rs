@@ -69,8 +69,8 @@ impl NodeTimes {
         self.finish(kind, operands) <= self.latest[node]
     }
 
-    /// Takes note of rewritten nodes, and of the values from `first` on that
-    /// were made for them.
+    /// Updates the times of rewritten nodes, and of the values from `first` on
+    /// that were made for them.
     pub(super) fn update(&mut self, network: &FactorNetwork, rewritten: &[usize], first: usize) {
         self.extend(network);
         for &node in rewritten {

@@ -92,14 +92,14 @@ impl MergedParts {
 
 struct FactorWriter<'n> {
     writer: SumWriter,
-    /// For each node the operand it is stored in.
+    /// For each node the operand that stores it.
     stored: Vec<SignedOperand>,
     network: &'n FactorNetwork,
 }
 
 impl FactorWriter<'_> {
-    /// The sign each node had better be stored with: true for negated. Only
-    /// outputs ask, and what cannot choose hands the wish to an operand.
+    /// The sign each node had better be stored with: true for negated. Only outputs have
+    /// a wish, and an operation without a choice passes it to an operand.
     fn wishes(&self, order: &[u32]) -> Vec<Option<bool>> {
         let mut wishes: Vec<Option<bool>> = vec![None; self.network.nodes.len()];
         for edge in &self.network.outputs {

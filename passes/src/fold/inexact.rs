@@ -1,10 +1,9 @@
-//! Operations on constants whose result no format holds.
+//! Operations on constants whose result is exact in no format.
 //!
-//! `1.0/0.01` is computed once, in double-double, and rounded to binary64,
-//! whatever it was made of: the machine then rounds one number instead of
-//! several. As in [`crate::specialise`], whose table of known numbers this
-//! uses, the semantic check proves a *witness* in which they are still
-//! expressions.
+//! `1.0/0.01` is computed once, in double-double, and rounded to binary64: the
+//! machine then rounds one number instead of several. As in
+//! [`crate::specialise`], whose table of known numbers this uses, the semantic
+//! check proves a *witness* in which they are still expressions.
 
 use crate::specialise::constants::{Known, KnownNumbers};
 use crate::specialise::slice::SliceSignature;
@@ -14,7 +13,7 @@ use robovec_framework::pass::Context;
 use robovec_ir::{Assignment, Function, Node, Operand, OperandKind, Operation, View};
 
 /// The function with constants computed, its witness, and the number of
-/// operations that went; `None` when there are none.
+/// operations removed; `None` when there are none.
 pub(super) fn fold(old: &Function, context: &mut Context<'_>) -> Option<(Function, Function, u64)> {
     let (written, folded) = folded(old, context);
     if is_kept(&written, context.tables, context.scene) {
@@ -79,7 +78,7 @@ struct ConstantFolder<'a> {
     new: Function,
     constants: KnownNumbers,
     has_sines: bool,
-    /// For every old value what it is.
+    /// For every old value its new operand.
     places: Vec<Operand>,
 }
 

@@ -14,16 +14,15 @@ declare_pass! {
     /// 1`, `x - x` ….
     ///
     /// Constants are combined only where the result is exact in every number
-    /// format from binary32 up, so that not a bit changes whatever the
-    /// machine's format. Infinities and NaN are not considered: `0*x` and
-    /// `x - x` are 0.
+    /// format from binary32 up, so that no bit changes in any of these formats.
+    /// Infinities and NaN are not considered: `0*x` and `x - x` are 0.
     ///
     /// With `inexact` all constants are computed, in double-double, and rounded
     /// once, to binary64: also `1.0/0.01`, `0.081 + 0.02`, roots and, unless a
     /// unit of the host has its own, sines. Bits change then, and the class is
-    /// real: what is computed before the run is proved exactly as it was
-    /// before constants are rounded, as of `specialise`. Functions whose values
-    /// have their own formats keep theirs.
+    /// real: the values computed before constants are rounded are proved
+    /// exactly, as for `specialise`. Functions whose values have their own
+    /// formats keep theirs.
     pub struct Fold("fold") {
         /// Computes constants that binary32 does not hold.
         pub inexact: bool = false,
@@ -113,8 +112,8 @@ fn simplify(function: &mut Function, node: Node) -> Simple {
     }
 }
 
-/// A fused operation that is a sum or a product, or less. Where its product
-/// is known exactly, or a factor is 1 or -1, one rounding is left either way.
+/// A fused operation that is a sum or a product, or less. Where its product is known
+/// exactly, or a factor is 1 or -1, the result is rounded once in both forms.
 fn simplify_fused(function: &mut Function, node: Node, [a, b, c]: [Operand; 3]) -> Simple {
     let (x, y, z) = (function.number(a), function.number(b), function.number(c));
     let product = match (x, y) {

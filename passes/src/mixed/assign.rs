@@ -17,7 +17,7 @@ const PROFILES: u32 = 2;
 /// that were seen.
 const MARGIN: f64 = 4.0;
 
-/// The formats there are to choose from.
+/// The available formats.
 pub(super) struct Choices {
     /// By node and format: cost, and share in the squared error.
     options: Vec<(f64, f64)>,
@@ -165,7 +165,7 @@ impl Choices {
     }
 }
 
-/// The weights of the outputs: errors count in units of what is allowed.
+/// The weights of the outputs: errors count in units of the allowed ones.
 fn seeds(
     function: &Function,
     profile: &SensitivityProfile,

@@ -1,4 +1,4 @@
-//! Errors against what is allowed.
+//! Errors relative to the allowed ones.
 
 use robovec_framework::scene::Allowed;
 use robovec_ir::evaluate::{evaluate, evaluate_nodes_in};
@@ -7,7 +7,7 @@ use robovec_ir::{Format, Function, OperandKind, ValueFormats, View};
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
 
-/// Exact outputs at some states, and the errors they may have.
+/// Exact outputs at some states, and their allowed errors.
 pub(super) struct AccuracyCheck {
     inputs: Vec<Vec<f64>>,
     exact: Vec<Vec<Double>>,
@@ -44,7 +44,7 @@ impl AccuracyCheck {
         }
     }
 
-    /// For every assignment the largest error over what is allowed.
+    /// For every assignment the largest ratio of an error to the allowed one.
     pub(super) fn ratios(&self, function: &Function, formats: &ValueFormats) -> Vec<f64> {
         let mut ratios = vec![0.0f64; function.assignments.len()];
         for ((inputs, exact), allowed) in self.inputs.iter().zip(&self.exact).zip(&self.allowed) {
@@ -61,7 +61,7 @@ impl AccuracyCheck {
         ratios
     }
 
-    /// The largest ratio of an error to what is allowed.
+    /// The largest ratio of an error to the allowed one.
     pub(super) fn worst(&self, function: &Function, formats: &ValueFormats) -> f64 {
         self.ratios(function, formats)
             .into_iter()
@@ -69,8 +69,8 @@ impl AccuracyCheck {
     }
 }
 
-/// An error over what is allowed; where the exact number is not finite
-/// nothing can be stated.
+/// An error divided by the allowed one; undefined where the exact number is not
+/// finite.
 fn ratio(exact: Double, computed: f64, allowed: f64) -> f64 {
     if !exact.high.is_finite() {
         return 0.0;

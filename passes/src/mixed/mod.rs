@@ -42,13 +42,13 @@ impl OptionValue for Bound {
 declare_pass! {
     /// Gives every value the cheapest number format that the outputs allow.
     ///
-    /// Of the formats from `narrow` to `wide` every value gets one, so that
-    /// no output is further from the exact one than `error` times the largest
-    /// element of its array (or than the scene allows, where it does) in
-    /// any of the random states that are tried. What a format costs is
-    /// counted in bits: a product or a quotient costs the square of the bits
-    /// of the significand, as a multiplier does, a sum and a value that is
-    /// only stored cost the bits.
+    /// Of the formats from `narrow` to `wide` every value gets one, so that no
+    /// output is further from the exact one than `error` times the largest
+    /// element of its array (or than the scene allows, where it does) in any of
+    /// the random states that are tried. The cost of a format is counted in
+    /// bits: a product or a quotient costs the square of the bits of the
+    /// significand, as a multiplier does, a sum and a value that is only stored
+    /// cost the bits.
     ///
     /// A rounding moves the outputs by its size times their derivative, so each
     /// value has, for each format, a share in the error; a value gets the
@@ -204,8 +204,8 @@ struct FormatSearch<'a> {
 
 impl FormatSearch<'_> {
     /// The choices and the price at which the cheapest assignment was found;
-    /// the ratio of error to what is allowed when even the widest format
-    /// alone does not meet it.
+    /// the ratio of the error to the allowed one when even the widest format
+    /// alone exceeds it.
     fn run(&mut self) -> Result<(Choices, i32), f64> {
         let widest = self.choosing.worst(self.view.function, &self.widest());
         if widest > 1.0 {
@@ -256,7 +256,7 @@ impl FormatSearch<'_> {
     }
 
     /// The assignment at the lowest price from this one on that fresh states
-    /// accept as well; everything in the widest format when there is none.
+    /// accept as well; the widest format for all values when there is none.
     fn settle(
         &self,
         choices: &Choices,

@@ -1,9 +1,9 @@
 //! The variant that suits the machine.
 //!
-//! - [`steps`]: what may be tried, as data;
-//! - [`search`](mod@search): what is tried next, and the best of it;
+//! - [`steps`]: the possible steps, as data;
+//! - [`search`](mod@search): the next step to try, and the best program;
 //! - [`trial`]: programs with their figures;
-//! - `table`: what was tried, for users.
+//! - `table`: the trials, for users.
 //!
 //! The search is open to others: `robovec optimise` runs it over several
 //! formulations and on all cores.

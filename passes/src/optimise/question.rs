@@ -40,15 +40,15 @@ pub struct SearchStart<P> {
 /// A program to be made.
 #[derive(Clone, Debug)]
 pub struct SearchJob<P> {
-    /// Index of the start that it comes from.
+    /// Index of its start.
     pub start: usize,
-    /// Program it is made from.
+    /// The program before the step.
     pub program: P,
     /// The passes that make it.
     pub pipeline: Pipeline,
     /// All passes from the start on.
     pub passes: String,
-    /// The work it counts for.
+    /// The work it is charged with.
     pub work: u64,
 }
 
@@ -93,11 +93,11 @@ pub struct SkippedVariant {
     pub reason: String,
 }
 
-/// The reason of what waits for more effort.
+/// The reason for trials that wait for more effort.
 pub(super) const BEYOND_EFFORT: &str = "beyond the effort";
 
 impl SkippedVariant {
-    /// True for what more effort would make.
+    /// True for trials that more effort would make.
     pub(super) fn is_beyond_effort(&self) -> bool {
         self.reason == BEYOND_EFFORT
     }
@@ -112,7 +112,7 @@ pub struct SearchOutcome<P> {
     pub best: Option<usize>,
     /// Variants that were not made.
     pub skipped: Vec<SkippedVariant>,
-    /// Number of programs that looked like one of them.
+    /// Number of programs with the same figures.
     pub alike: usize,
 }
 

@@ -4,17 +4,17 @@
 //! With few elements operations decide, with many the longest path does, and
 //! between the two neither; so programs are placed and the schedules compared.
 //! Facts that hold for every list scheduler (a schedule is at least as long as
-//! the path, and as the operations of a kind over its elements) show what need
-//! not be placed, and what need not be tried.
+//! the path, and as the operations of a kind over its elements) show which
+//! programs need not be placed or tried.
 //!
 //! Invariants:
 //!
-//! - work is counted in operations, never in time, and what is tried next
-//!   depends on figures alone: the same question gives the same programs on
-//!   any number of threads;
-//! - a search of more effort begins with the search of less: what does not fit
-//!   into the work allowed so far waits, and is tried first when there is more.
-//!   More effort is therefore never worse.
+//! - work is counted in operations, never in time, and the next trial depends
+//!   on figures alone: the same question gives the same programs on any number
+//!   of threads;
+//! - a search of more effort begins with the search of less: trials beyond the
+//!   work allowed so far wait, and come first when there is more. More effort
+//!   is therefore never worse.
 
 use super::Goal;
 use super::question::BEYOND_EFFORT;
@@ -33,7 +33,7 @@ use robovec_ir::Operation;
 ///
 /// # Errors
 ///
-/// Fails when not a single program can be made: what the first pass stated.
+/// Fails when not a single program can be made: the error of the first pass.
 pub fn search<M: ProgramMaker>(
     maker: &mut M,
     starts: Vec<SearchStart<M::Program>>,
@@ -81,8 +81,8 @@ enum Origin {
     Trial(usize),
 }
 
-/// Origin of a program: its start, and whether the preparation
-/// looked for composite bodies and whether it put sums into another order.
+/// Origin of a program: its start, a flag for a preparation that searches for
+/// composite bodies, and one for a preparation that reorders sums.
 type Lineage = (usize, bool, bool);
 
 /// A step on a program.
@@ -114,7 +114,7 @@ struct ProgramSearch<'a, M: ProgramMaker> {
     budget: u64,
     /// Programs that moves were tried on.
     expansions: u32,
-    /// Of those that only a preparation made, where they came from.
+    /// Of those that only a preparation made, their origins.
     expanded: Vec<Lineage>,
     /// Programs that looked like others and were not kept.
     alike: usize,
@@ -122,8 +122,7 @@ struct ProgramSearch<'a, M: ProgramMaker> {
 
 /// Programs that moves are tried on by the first effort, and by each of the
 /// others: a bound for small functions, of which this number of take little of
-/// the work allowed. The first is to be quick, since whole explorations take
-/// it.
+/// the work allowed. The first is short, since whole explorations run it.
 const EXPANSIONS: [u32; 2] = [9, 24];
 
 /// Operations up to which a function is small: each effort but the first has
@@ -133,7 +132,7 @@ const SMALL: usize = 2_500;
 /// In one turn of this number of moves are tried on the best of all programs.
 const TURNS: u32 = 3;
 
-/// Programs placed at a time. A constant, so that what is placed does not
+/// Programs placed at a time. A constant, so that the placed programs do not
 /// depend on the number of threads.
 const PLACED_AT_ONCE: usize = 4;
 
@@ -155,7 +154,7 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
         planned
     }
 
-    /// These steps where nothing but operations counts, none elsewhere.
+    /// These steps where only operations count, none elsewhere.
     fn if_fewest(&self, steps: &'static [SearchStep]) -> &'static [SearchStep] {
         match self.question.goal {
             Goal::Operations => steps,
@@ -163,7 +162,7 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
         }
     }
 
-    /// Carries out what fits into the budget; the rest waits.
+    /// Carries out the steps within the budget; the rest waits.
     fn carry_out(&mut self, planned: Vec<PlannedStep>) {
         let before = self.trials.len();
         self.make(planned);
@@ -275,9 +274,9 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
         (program.clone(), start, plan.step.after(name), passes)
     }
 
-    /// True when a preparation will not save so much that it comes near the
-    /// best program: what the first one of its kind made of the start is twice
-    /// as far.
+    /// True when a preparation will not save enough to come near the best
+    /// program: the result of the first of its kind from this start is more
+    /// than twice as far.
     fn is_far_off(&self, start: usize, step: &SearchStep) -> bool {
         let scarce = |trial: &VariantTrial<M::Program>| match self.question.goal {
             Goal::Cycles => trial.shared as usize,
@@ -322,7 +321,7 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
         shared * plan.step.growth / 100 >= u64::from(best) || is_saturated
     }
 
-    /// Places what may be better than the best, in order of the bounds.
+    /// Places the programs that may be better than the best, in order of the bounds.
     fn place(&mut self) {
         let mut order: Vec<(u32, usize, usize)> = Vec::new();
         for (index, trial) in self.trials.iter().enumerate() {
@@ -386,8 +385,8 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
         self.best().and_then(|best| self.trials[best].cycles)
     }
 
-    /// Tries all moves on one program after the other, as long as there is one
-    /// that promises something and its moves fit into the budget.
+    /// Tries all moves on one program after the other, while a promising one is
+    /// left and its moves fit into the budget.
     fn expand(&mut self, effort: u32) {
         let [first, others] = EXPANSIONS;
         let most = first.saturating_add((effort - 1).saturating_mul(others));

@@ -1,14 +1,14 @@
 //! The steps a search is made of: data, in the order in which they are tried.
 //!
-//! Every start goes through a *preparation* first; a program may
-//! go through a *move* after it, and again after another move. Those most
-//! often best are first, so that they win among equals.
+//! Every start goes through a *preparation* first; a program may go through a
+//! *move* after it, and again after another move. Those most often best are
+//! first, so that they are preferred among equals.
 
 use robovec_analysis::class::NumericClass;
 use robovec_framework::pass::Registry;
 use robovec_framework::pipeline::Pipeline;
 
-/// Form of a start, so that nothing is tried on it that it already is.
+/// Form of a start, so that no step to the same form is tried.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum StartForm {
     /// Equations of any kind, as a user's file has them, or in which composite
@@ -22,7 +22,7 @@ pub enum StartForm {
 /// One step of a search.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SearchStep {
-    /// Its name, which steps of one kind share: the pipeline distinguishes them.
+    /// Its name, which steps of one kind share; their pipelines differ.
     pub name: &'static str,
     /// The passes it represents.
     pub pipeline: &'static str,
@@ -30,16 +30,16 @@ pub struct SearchStep {
     /// reassociating one: rounded from processor times at 4,000 operations;
     /// look-ahead costs two to three times as much at 30,000 and more.
     pub weight: u64,
-    /// The operations it may reach, in percent of those it starts from: where
-    /// so many do not fit below the best schedule, it is not tried.
+    /// Limit of the operations, in percent of those of the start: a step is not
+    /// tried if that number cannot be scheduled faster than the best.
     pub growth: u64,
-    /// True when it is of use to printed equations alone.
+    /// True when it applies to printed equations alone.
     pub printed_only: bool,
     /// True when it finds composite bodies in equations, which saves more than
-    /// anything else does.
+    /// any other step.
     pub finds_bodies: bool,
-    /// True for a preparation that every start goes through: it shows whether
-    /// the others promise anything.
+    /// True for the preparation of every start: its result decides whether the
+    /// others are promising.
     pub is_first: bool,
 }
 
@@ -96,8 +96,8 @@ pub const REASSOCIATED: &str = "dce{order=outputs},fold,zero-removal,balance,cse
 pub const COMPOSITE: &str =
     "dce{order=outputs},fold,zero-removal,composite,factor-trig{path=free},balance,cse,dce";
 
-/// Preparations of all starts. The order of the equations is forgotten, so that
-/// it does not matter.
+/// Preparations of all starts. The order of the equations is discarded, so that
+/// it has no effect.
 pub const PREPARATIONS: &[SearchStep] = &[
     first(step("balanced", REASSOCIATED)),
     first(bodies("composite", COMPOSITE)),
@@ -152,8 +152,8 @@ pub const FEWEST: &[SearchStep] = &[
     },
 ];
 
-/// Moves after them where nothing but operations counts. Look-ahead that may
-/// not spend finds values that are equal, and is paid for by factors.
+/// Moves after them where only operations count. Look-ahead that may not spend
+/// finds values that are equal, and is paid for by factors.
 pub const FEWEST_MOVES: &[SearchStep] = &[heavy(
     "look-ahead",
     "lookahead{growth=95},factor{path=free horner=occurrences},cse,dce",
@@ -215,15 +215,15 @@ pub const MOVES: &[SearchStep] = &[
 ];
 
 /// Moves of the best program alone, since they take as long as all other moves
-/// together, and only when it is small or the others make nothing better of it.
+/// together, and only when it is small or the other moves do not improve it.
 pub const SATURATED: &[SearchStep] = &[heavy("saturated", "eqsat,cse,dce", 200, 105)];
 
-/// Products and sums in one, on machines that have elements for it.
+/// Fused products and sums, on machines that have elements for them.
 pub const FUSED: &[SearchStep] = &[step("fused", "fma"), step("fused", "fma{share=true}")];
 
 impl SearchStep {
-    /// Name of a program that goes through this step after those of its name
-    /// so far: every kind of step once, with how often it was taken.
+    /// Name of a program after this further step: every kind of step once, with
+    /// its number of uses.
     pub(super) fn after(&self, name: &str) -> String {
         let mut kinds: Vec<String> = Vec::new();
         let mut is_known = false;
@@ -250,7 +250,7 @@ impl SearchStep {
         self.pipeline.split(',').any(|step| step == "balance")
     }
 
-    /// Its pipeline; `None` when the registry lacks a pass of it.
+    /// Its pipeline; `None` when the registry lacks one of its passes.
     pub fn pipeline(&self, registry: &'static Registry) -> Option<Pipeline> {
         let known = self
             .pipeline
@@ -264,8 +264,8 @@ impl SearchStep {
     }
 }
 
-/// The weakest class of the passes of a pipeline: what its result may differ
-/// in from the function.
+/// The weakest class of the passes of a pipeline: the permitted difference of
+/// its result from the function.
 pub(super) fn class(pipeline: &Pipeline) -> NumericClass {
     let classes = pipeline.passes().map(|step| step.info.class);
     classes.fold(NumericClass::Exact, NumericClass::max)

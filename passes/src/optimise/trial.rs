@@ -11,7 +11,7 @@ use robovec_schedule::{PlaceError, schedule_bound};
 pub struct VariantTrial<P> {
     /// The steps it went through.
     pub name: String,
-    /// Index of the start it comes from.
+    /// Index of its start.
     pub start: usize,
     /// The passes from the start on.
     pub pipeline: String,
@@ -21,7 +21,7 @@ pub struct VariantTrial<P> {
     pub operations: usize,
     /// The longest path, in cycles.
     pub path: u32,
-    /// No schedule is shorter; the reason when there is none at all.
+    /// A lower bound of every schedule; the reason when there is no schedule.
     pub bound: Result<u32, PlaceError>,
     /// The schedule, where one was made.
     pub cycles: Option<u32>,
@@ -30,7 +30,7 @@ pub struct VariantTrial<P> {
     pub words: Option<u32>,
     /// The reason why it was not placed.
     pub remark: &'static str,
-    /// The preparation that alone made it from a start.
+    /// The preparation, if it alone made the program from a start.
     pub preparation: Option<&'static SearchStep>,
     /// No schedule is shorter for want of elements alone.
     pub(super) shared: u32,
@@ -39,7 +39,7 @@ pub struct VariantTrial<P> {
 }
 
 impl<P> VariantTrial<P> {
-    /// A program with what can be reported without placing it.
+    /// A program with the figures that are available without placing it.
     pub(super) fn new(
         (name, start, pipeline): (String, usize, String),
         program: P,

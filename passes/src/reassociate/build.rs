@@ -39,7 +39,7 @@ pub(crate) fn reassociate(
     reassociate_asking(function, tables, weights, reach, shape, &rewrites)
 }
 
-/// As [`reassociate`], asking before each group.
+/// As [`reassociate`], with a test before each group.
 pub(crate) fn reassociate_asking(
     function: &Function,
     tables: &mut Tables,
@@ -70,9 +70,9 @@ struct ReassociationPlan<'a> {
     function: &'a Function,
     groups: OperandGroups,
     natural: NaturalSigns,
-    /// The signs that outputs ask for, before anything is negated early.
+    /// The signs that outputs require, before early negations.
     asked: Wishes,
-    /// Way in which groups get their other sign earliest, once that was needed.
+    /// The earliest negation of each group, computed on first use.
     turns: OnceCell<Turns>,
     wishes: Wishes,
     negations: Negations,
@@ -120,11 +120,11 @@ impl<'a> ReassociationPlan<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GroupTerm {
     pub(super) value: SignedOperand,
-    /// The leaf it still is, for pair counts.
+    /// Its leaf, for pair counts.
     pub(super) leaf: Option<GroupLeaf>,
 }
 
-/// The rank of a pair: how often it is wanted, and how early it is ready.
+/// The rank of a pair: its number of requests, and its time.
 pub(super) type Score = (u32, Reverse<u32>);
 
 /// Latest times of the groups' results, and the pairs worth sharing.
@@ -333,9 +333,9 @@ impl<'p> TreeBuilder<'p> {
 }
 
 /// At the equations level an unnamed node has exactly one user; those that
-/// sharing has given more get names. Those that no definition and no output
-/// depends on are left out when the function is laid out, whatever uses them:
-/// there is no name to derive theirs from.
+/// sharing has given more get names. Nodes without a path to a definition or an
+/// output are left out when the function is laid out: there is no name to
+/// derive theirs from.
 fn name_shared(function: &mut Function, tables: &mut Tables, names: &mut FreshNames) {
     let owners = owners(tables, function);
     for (index, uses) in function.use_counts().into_iter().enumerate() {

@@ -2,7 +2,7 @@
 //!
 //! All three read the function as *groups*, a group being a signed sum of terms
 //! or a product of factors, and write each group again as a tree of operations.
-//! They differ in how far a group reaches ([`GroupReach`]) and in the shape of
+//! They differ in the extent of a group ([`GroupReach`]) and in the shape of
 //! the tree ([`TreeShape`]).
 //!
 //! Signs never cost an operation while they travel: a value may be stored

@@ -1,11 +1,11 @@
 //! The places where a value is negated that an output needs with the other
 //! sign.
 //!
-//! What [`super::signs`] cannot arrange for nothing costs one `0 - x`. After
-//! the result it comes latest of all; before it, on a leaf that is early
-//! enough, or inside a leaf that nothing else reads, it may cost no time. For
-//! every group the earliest arrival with either sign follows from those of
-//! its leaves, which makes the choice exact.
+//! A sign that [`super::signs`] cannot absorb costs one `0 - x`. After the
+//! result it comes latest; before it, on a leaf that is early enough, or inside
+//! a leaf without another reader, it may cost no time. For every group the
+//! earliest arrival with either sign follows from those of its leaves, which
+//! makes the choice exact.
 
 use super::signs::{NaturalSigns, Wishes};
 use crate::sums::earliest::finish;
@@ -24,9 +24,9 @@ impl Negations {
         found.ok().map(|place| self.0[place].1)
     }
 
-    /// Decides for every group with the wrong sign; `latest` states, once it is
-    /// known, how late results may be: those with the time for a `0 - x`
-    /// after them have it there. Wishes are passed on to leaves.
+    /// Decides for every group with the wrong sign; `latest`, once known, is
+    /// the latest time of each result: results with slack get the `0 - x` after
+    /// them. Wishes are passed on to leaves.
     pub(super) fn plan<'t>(
         (function, groups): (&Function, &OperandGroups),
         natural: &NaturalSigns,
@@ -74,7 +74,7 @@ impl Negations {
     }
 }
 
-/// The way in which a group gets its other sign earliest.
+/// The earliest negation of a group.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Turn {
     /// By a `0 - x` after it.

@@ -1,13 +1,13 @@
 //! Pairs of leaves that occur together in several groups.
 //!
-//! Two terms that several sums have in common are worth adding once. The
-//! count of a pair shows in how many groups it occurs; groups with many leaves
+//! Two terms that several sums have in common are worth adding once. The count
+//! of a pair is the number of groups that contain it; groups with many leaves
 //! are left out, so that the number of pairs stays linear.
 //!
-//! Counts are kept without their pairs, one byte per slot of a table four
-//! times as large as the number of pairs: pairs that meet in a slot are
-//! counted together. That can only make a pair look more wanted than it is,
-//! which costs nothing, and the same function always gives the same counts.
+//! Counts are kept without their pairs, one byte per slot of a table four times
+//! as large as the number of pairs: pairs that meet in a slot are counted
+//! together. That can only make a pair seem more wanted than it is, which is
+//! harmless, and the same function always gives the same counts.
 
 use crate::hash;
 use crate::sums::groups::{GroupFamily, GroupLeaf};
@@ -24,7 +24,7 @@ pub(super) fn pairs_of(leaves: usize) -> usize {
     }
 }
 
-/// In how many groups each pair occurs.
+/// Number of groups that contain each pair.
 pub(super) struct PairCounts {
     slots: Vec<u8>,
 }

@@ -1,17 +1,17 @@
 //! The signs with which values should be stored.
 //!
-//! A sum with terms of both signs can be stored either way for nothing, all
-//! other groups inherit their sign from their leaves. Going backwards from
-//! the outputs, which need true signs, each group that would come out wrong
-//! asks one leaf that can choose to be stored the other way. What cannot be
-//! arranged costs a `0 - x` at the output later; the signs themselves are
+//! A sum with terms of both signs can be given either sign at no cost; all
+//! other groups inherit their sign from their leaves. Backwards from the
+//! outputs, which need true signs, each group that would have the wrong sign
+//! requests the other sign of one leaf that can choose. A sign that cannot be
+//! absorbed costs a `0 - x` at the output later; the signs themselves are
 //! tracked exactly while building, so a bad choice here is never wrong.
 
 use crate::sums::groups::{GroupFamily, GroupLeaf, OperandGroups};
 use robovec_ir::{Function, Operation, Value};
 
-/// For each group root the sign it is asked to be stored with: true for
-/// negated, `None` when nobody asks.
+/// For each group root the requested sign: true for negated, `None` without a
+/// request.
 #[derive(Clone)]
 pub(super) struct Wishes(Vec<Option<bool>>);
 
@@ -54,8 +54,8 @@ impl Wishes {
         wishes
     }
 
-    /// Asks the first leaf that can and that nobody has asked yet to change
-    /// its sign.
+    /// Requests a change of sign from the first leaf that can change and has no
+    /// request yet.
     fn ask_one(&mut self, natural: &NaturalSigns, leaves: &[GroupLeaf]) {
         let asked = leaves
             .iter()
@@ -67,13 +67,13 @@ impl Wishes {
     }
 }
 
-/// The sign that comes about when nobody asks for anything.
+/// The sign without any request.
 #[derive(Clone, Copy, Default)]
 pub(super) struct NaturalSign {
     pub(super) negative: bool,
-    /// The sign can be chosen, perhaps by asking a leaf.
+    /// The sign can be chosen, perhaps by a request to a leaf.
     pub(super) flippable: bool,
-    /// The sign can be chosen without asking a leaf.
+    /// The sign can be chosen without a request to a leaf.
     pub(super) flippable_alone: bool,
 }
 

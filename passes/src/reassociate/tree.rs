@@ -9,8 +9,8 @@ use robovec_ir::{Operand, Operation, Value};
 use std::cmp::Reverse;
 
 impl TreeBuilder<'_> {
-    /// Negates a leaf of a group that would come out with another sign than
-    /// an output needs.
+    /// Negates a leaf of a group that would have another sign than an output
+    /// needs.
     pub(super) fn negate_early(
         &mut self,
         family: GroupFamily,
@@ -113,8 +113,8 @@ impl TreeBuilder<'_> {
         }
     }
 
-    /// Combines pairs that exist already or that other groups want too, as
-    /// long as the group is not later than it may be.
+    /// Combines pairs that exist already or that other groups contain too, as
+    /// long as the group stays in time.
     fn share(
         &mut self,
         family: GroupFamily,
@@ -167,8 +167,8 @@ impl TreeBuilder<'_> {
         best.map(|(_, pair)| pair)
     }
 
-    /// The worth of sharing a pair, and when it is ready; `None` when nobody
-    /// else wants it.
+    /// The benefit of sharing a pair, and its time; `None` without another
+    /// user.
     fn worth(
         &self,
         family: GroupFamily,

@@ -1,13 +1,13 @@
-//! Numbers that are known: how they were made, to 30 digits, and what they
-//! are in the prime field.
+//! Known numbers: their construction, to 30 digits, and their residues in the
+//! prime field.
 //!
-//! A constant is kept as the expression of the numbers it was made of, so that
-//! the semantic check can prove the specialised function before anything is
+//! A constant is kept as an expression of its source numbers, so that the
+//! semantic check can prove the specialised function before anything is
 //! rounded. Its value, in double-double with a bound of its error, is rounded
-//! once, when the function is written. Two constants are one when they agree
-//! in both fields and within their bounds: `0.1*0.3` is the same however it was
-//! put together, and `0.5 - 0.5` is a zero that multiplies terms away. What is
-//! left of a cancellation is a constant only while its bound leaves it all
+//! once, when the function is written. Two constants are one when they agree in
+//! both fields and within their bounds: `0.1*0.3` is the same however it was
+//! put together, and `0.5 - 0.5` is a zero that multiplies terms away. The
+//! result of a cancellation is a constant only while its bound guarantees all
 //! digits of a binary64 number. Where rounding them would move results by more
 //! than rounding does (a large number in an angle, a sum that cancels), only
 //! those are computed that binary64 holds ([`KnownNumbers::exact`]).
@@ -53,11 +53,11 @@ struct KnownNumber {
 pub(crate) struct KnownNumbers {
     entries: Vec<KnownNumber>,
     /// Those with the same elements of the fields; more than one only where
-    /// different numbers coincide there by accident.
+    /// different numbers have the same residues by accident.
     of_elements: HashMap<[u64; 2], SmallVec<[Known; 1]>, FxBuildHasher>,
     /// The fields numbers are distinguished in. The semantic check draws others.
     fields: [PrimeField; 2],
-    /// True where only numbers are made that binary64 holds.
+    /// True when only numbers exact in binary64 are made.
     exact: bool,
 }
 
@@ -81,7 +81,7 @@ impl KnownNumbers {
         constants
     }
 
-    /// Numbers of which only those are made that binary64 holds.
+    /// The set of known numbers limited to those exact in binary64.
     pub(crate) fn exact() -> KnownNumbers {
         KnownNumbers {
             exact: true,
@@ -89,8 +89,8 @@ impl KnownNumbers {
         }
     }
 
-    /// A number as it is written. What is not finite is no element of the
-    /// field: nothing can be made of it.
+    /// A literal number. A number that is not finite is no element of the field
+    /// and cannot be folded.
     pub(crate) fn literal(&mut self, number: f64) -> Known {
         let entry = KnownNumber {
             value: Balls.literal(number),
@@ -115,7 +115,7 @@ impl KnownNumbers {
         (!self.exact || is_held).then_some(known)
     }
 
-    /// As [`KnownNumbers::apply`], whether or not binary64 holds it.
+    /// As [`KnownNumbers::apply`], also for results that binary64 does not represent.
     fn computed(&mut self, operation: Operation, operands: [Known; 2]) -> Option<Known> {
         let values = operands.map(|known| self.entries[known.index()].value);
         let mut elements = [0; 2];
@@ -160,7 +160,7 @@ impl KnownNumbers {
         }
     }
 
-    /// A number without its sign, and whether it was negative.
+    /// A number without its sign, and a flag: true when it was negative.
     pub(crate) fn magnitude(&mut self, known: Known) -> (Known, bool) {
         if self.rounded(known) < 0.0 {
             (self.negative(known), true)

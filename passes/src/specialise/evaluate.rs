@@ -11,7 +11,7 @@ use robovec_ir::{
     SourceSet, Symbol, Tables, Value,
 };
 
-/// The tally of what happened to operations.
+/// The counts of folded and removed operations.
 #[derive(Clone, Copy, Default, Debug)]
 pub(super) struct OperationTally {
     /// Their result is a number.
@@ -126,7 +126,7 @@ impl<'a> PartialEvaluator<'a> {
         Reading::Operand(self.push(node.operation, operands, node.name, node.sources))
     }
 
-    /// An operation on values that are what they were.
+    /// An operation on values that are unchanged.
     fn same(&mut self, node: &Node, operands: [Operand; Operand::MAX_COUNT]) -> Reading {
         if self.new.level == Level::Atomic {
             let found = self
@@ -144,7 +144,7 @@ impl<'a> PartialEvaluator<'a> {
         Reading::Operand(self.push(node.operation, operands, node.name, node.sources))
     }
 
-    /// The result of an operation as a form; `None` when it is left as it is.
+    /// The result of an operation as a form; `None` when it is not folded.
     fn calculate(
         &mut self,
         node: &Node,
@@ -189,7 +189,7 @@ impl<'a> PartialEvaluator<'a> {
         }
     }
 
-    /// As [`PartialEvaluator::form`], computing what is long.
+    /// As [`PartialEvaluator::form`], with long forms computed as values.
     fn short_form(&mut self, reading: &Reading, owner: Symbol) -> LinearForm {
         match reading {
             Reading::Form(form) if form.terms.len() > MAX_TERMS => {
@@ -391,7 +391,7 @@ impl<'a> PartialEvaluator<'a> {
         result
     }
 
-    /// Gives the result of a form the name of the value it is.
+    /// Gives the result of a form the name of its value.
     fn bear(&mut self, result: Operand, name: Name) {
         if let Some(value) = result.value()
             && !name.is_none()

@@ -29,7 +29,7 @@ pub(super) struct LinearForm {
     /// In order of appearance; no operand twice, no factor zero.
     pub(super) terms: SmallVec<[ScaledOperand; 2]>,
     pub(super) constant: Known,
-    /// The equations it comes from.
+    /// Its equations.
     pub(super) sources: SourceSet,
     /// The name of the value it represents.
     pub(super) name: Name,
@@ -42,8 +42,8 @@ pub(super) struct ScaledOperand {
     pub(super) operand: Operand,
 }
 
-/// The maximum number of terms of a form that is put off: what is longer is
-/// computed, so that no chain costs more than its length times this.
+/// The maximum number of terms of a deferred form: a longer one is computed, so
+/// that no chain costs more than its length times this.
 pub(super) const MAX_TERMS: usize = 32;
 
 impl LinearForm {
@@ -71,7 +71,7 @@ impl LinearForm {
         self.terms.is_empty().then_some(self.constant)
     }
 
-    /// The operand it is, when nothing else is left.
+    /// The operand, if the form has no other part.
     pub(super) fn as_operand(&self) -> Option<Operand> {
         match self.terms.as_slice() {
             [term] if term.factor == Known::ONE && self.constant == Known::ZERO => {

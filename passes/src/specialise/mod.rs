@@ -1,18 +1,17 @@
-//! A function for what a scene needs: `specialise`.
+//! A function specialised to a scene: `specialise`.
 //!
-//! Slicing keeps the outputs that are needed, partial evaluation
-//! ([`evaluate`]) carries what is known through the function once. A value is
-//! a number, an operand, or a *form*: a number plus operands times numbers.
-//! Forms of values that are read once are not computed but passed on to their
-//! reader, where numbers meet: `(a*x)*b` becomes `(a*b)*x`, `a*x + b*x`
-//! becomes `(a+b)*x`, and `a*x + a*y` becomes `a*(x+y)`.
+//! Slicing keeps the outputs that are needed, partial evaluation ([`evaluate`])
+//! propagates known values through the function once. A value is a number, an
+//! operand, or a *form*: a number plus operands times numbers. Forms of values
+//! that are read once are not computed but passed on to their reader, where
+//! numbers meet: `(a*x)*b` becomes `(a*b)*x`, `a*x + b*x` becomes `(a+b)*x`,
+//! and `a*x + a*y` becomes `a*(x+y)`.
 //!
-//! Numbers are combined in double-double and rounded once. What is proved is
+//! Numbers are combined in double-double and rounded once. The proof is about
 //! the function before that: the pass leaves a *witness* in its context, in
 //! which numbers are still expressions ([`mod@write`]), and the semantic check
-//! shows that it equals the function taken wherever the bound inputs have
-//! their numbers, and that the result differs from it in nothing but rounded
-//! constants.
+//! shows that it equals the input wherever the bound inputs have their numbers,
+//! and that the result differs from it only in rounded constants.
 
 pub(crate) mod constants;
 mod evaluate;
@@ -48,7 +47,7 @@ declare_pass! {
     /// Arrays of which nothing is read or set any more are dropped. Without a
     /// scene nothing is bound, and only numbers that occur in the function are
     /// known. The check sets bound inputs to their numbers and proves the
-    /// function exactly as it is before constants are rounded.
+    /// function exactly in its form before constants are rounded.
     pub struct Specialise("specialise") {}
     takes: [Equations, Atomic],
     gives: Gives::Same,
@@ -116,7 +115,7 @@ struct SpecialisedFunction {
     /// The constants in it are indices of known numbers.
     numbered: Function,
     tally: OperationTally,
-    /// With constants, and the witness of them.
+    /// With constants, and their witness.
     written: (Function, Function),
 }
 

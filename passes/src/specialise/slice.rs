@@ -6,9 +6,9 @@ use robovec_framework::scene::Scene;
 use robovec_ir::count::Counts;
 use robovec_ir::{Array, Function, Input, Operand, OperandKind, Output, View};
 
-/// The function without the outputs that a scene does not need and what only
-/// they depended on, and how many outputs and operations went. The arguments
-/// of calls of the user's functions are needed in any case.
+/// The function without the outputs that a scene does not need and the values
+/// that only they use, with the numbers of outputs and operations removed. The
+/// arguments of calls of the user's functions are needed in any case.
 pub(super) fn needed(view: View<'_>, scene: &Scene) -> (Function, [u64; 2]) {
     let function = view.function;
     let symbols = &view.tables.symbols;
@@ -31,7 +31,7 @@ pub(super) fn needed(view: View<'_>, scene: &Scene) -> (Function, [u64; 2]) {
     (sliced, [outputs, gone])
 }
 
-/// For every input element whether the function reads it.
+/// For every input element a flag: true when the function reads it.
 pub(super) fn read_inputs(function: &Function) -> Vec<bool> {
     let mut read = vec![false; function.input_len()];
     let operands = function.nodes().iter().flat_map(|node| node.operands());
@@ -66,8 +66,8 @@ impl SliceSignature {
         }
     }
 
-    /// Keeps what a function reads and sets, and the arrays of calls of the
-    /// user's functions.
+    /// Keeps the inputs and outputs of a function, and the arrays of calls of
+    /// the user's functions.
     pub(super) fn of(view: View<'_>) -> SliceSignature {
         let function = view.function;
         let read = read_inputs(function);

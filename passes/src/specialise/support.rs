@@ -102,7 +102,7 @@ fn tested(view: View<'_>, bound: &[Option<f64>]) -> Vec<usize> {
         .collect()
 }
 
-/// Zero where the range of an input has it, else the middle of the range.
+/// Zero if the range of an input contains it, else the middle of the range.
 fn inside(view: View<'_>, place: usize, scene: &Scene) -> f64 {
     let (array, indices, _) = view.function.input_element(Input(place as u32));
     let range = (scene.ranges).get(view.tables.symbols.text(array.name), indices);

@@ -1,5 +1,5 @@
-//! From the function with numbered constants to the result, and to the
-//! witness that proves it.
+//! Conversion of the function with numbered constants into the result, and into
+//! the witness that proves it.
 //!
 //! While a function is specialised, the number of a constant in it is its index
 //! in [`KnownNumbers`]. The *result* has the rounded numbers in their place.
@@ -41,7 +41,7 @@ pub(crate) fn write(
     (result, witness)
 }
 
-/// Number of states at which a pass measures how far rounding constants moves
+/// Number of states at which a pass measures the effect of rounded constants on
 /// outputs.
 const STATES: u32 = 4;
 /// Their seed; the semantic check draws others.
@@ -83,7 +83,7 @@ pub(crate) fn known(function: &Function, operand: Operand) -> Option<Known> {
     function.number(operand).map(|number| Known(number as u32))
 }
 
-/// Copies the body after `first` nodes that are there.
+/// Copies the body after the existing `first` nodes.
 fn copy(
     numbered: &Function,
     signature: &SliceSignature,
@@ -115,7 +115,7 @@ fn copy(
         .collect();
 }
 
-/// Writes the expressions of all constants that are read; where each is.
+/// Writes the expressions of all constants that are read; returns their places.
 fn expressions(numbered: &Function, constants: &KnownNumbers, to: &mut Function) -> Vec<Operand> {
     let mut needed = vec![false; constants.len()];
     let operands = numbered.nodes().iter().flat_map(|node| node.operands());

@@ -25,9 +25,9 @@ impl LatestTwo {
         self.count += 1;
     }
 
-    /// A time before which the last operation is not done, and whether it is
-    /// done then: mostly a balanced tree of all other operands is done when the
-    /// latest comes.
+    /// A time before which the last operation is not done, and a flag: true
+    /// when it is done then. Mostly a balanced tree of all other operands is
+    /// done when the latest comes.
     #[inline]
     pub(crate) fn finish(self, weight: u32) -> (u32, bool) {
         let others = match self.count {
@@ -97,7 +97,7 @@ pub(crate) fn joined(mut times: SmallVec<[u32; 32]>, weight: u32) -> u32 {
     times[times.len() - 2]
 }
 
-/// For each operand how many operations of the tree it goes through. Of
+/// For each operand the number of operations on its path in the tree. Of
 /// operands with one time the first is taken first, and before results.
 pub(crate) fn levels(arrivals: &[u32], weight: u32) -> SmallVec<[u32; 16]> {
     let count = arrivals.len();
@@ -208,8 +208,8 @@ impl OpenTerms {
 }
 
 /// Joins terms, always the two earliest, until one is left; `None` of none.
-/// `join` gets them in the order chosen for ties, and whether its result is
-/// the last. The vector is left with results in the places of terms.
+/// `join` gets them in the order chosen for ties, with a flag for the last
+/// result. The vector is left with results in the places of terms.
 pub(crate) fn join_earliest<T: Copy>(
     terms: &mut Vec<T>,
     ties: TieOrder,

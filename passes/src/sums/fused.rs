@@ -18,8 +18,8 @@ pub(crate) fn apart<T>(operation: Operation, product: T, addend: T) -> (Operatio
     (operation, operands)
 }
 
-/// The fused operation whose product and addend change sign where stated, and
-/// whether its result is stored negated.
+/// The fused operation whose product and addend change sign where requested,
+/// and a flag: true when its result is stored negated.
 pub(crate) fn turned(operation: Operation, product: bool, addend: bool) -> (Operation, bool) {
     let (first, second) = signs(operation);
     match (product ^ first, addend ^ second) {
@@ -30,7 +30,7 @@ pub(crate) fn turned(operation: Operation, product: bool, addend: bool) -> (Oper
     }
 }
 
-/// A sum of two operands with the product on one side taken in.
+/// A sum of two operands with the product on one side fused.
 pub(crate) fn contraction(
     function: &Function,
     sum: &Node,

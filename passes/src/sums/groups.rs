@@ -63,12 +63,12 @@ pub(crate) struct GroupLeaf {
 /// the groups' results.
 pub(crate) struct OperandGroups {
     absorbed: Vec<bool>,
-    /// Values of groups that must stay as they are; empty when there are none.
+    /// Values of groups that must not change; empty when there are none.
     frozen: Vec<bool>,
     leaves: Vec<GroupLeaf>,
     inner: Vec<Value>,
-    /// For each value where its leaves and absorbed values start; those of
-    /// the next value end them. Empty for all but the results of groups.
+    /// For each value the start of its leaves and absorbed values; those of the
+    /// next value end them. Empty for all but the results of groups.
     starts: Vec<(u32, u32)>,
 }
 
@@ -143,7 +143,7 @@ impl OperandGroups {
         self.absorbed[value.index()]
     }
 
-    /// True when the value must stay the operation it is.
+    /// True when the operation of the value must not change.
     pub(crate) fn is_frozen(&self, value: Value) -> bool {
         !self.frozen.is_empty() && self.frozen[value.index()]
     }
@@ -161,7 +161,7 @@ impl OperandGroups {
         &self.inner[start as usize..end as usize]
     }
 
-    /// Takes the group of a value apart.
+    /// Collects the group of a value.
     fn collect(&mut self, function: &Function, root: Value, open: &mut Vec<GroupLeaf>) {
         let node = function.node(root);
         let is_sum = GroupFamily::of(node.operation) == Some(GroupFamily::Sum);
@@ -199,7 +199,7 @@ impl OperandGroups {
 }
 
 /// The operands of a sum or product as terms or factors, left to right; with
-/// other signs where it is itself subtracted.
+/// other signs when it is itself subtracted.
 fn operands_of(
     node: &Node,
     negative: bool,
@@ -243,7 +243,7 @@ fn absorbed(function: &Function, reach: GroupReach) -> Vec<bool> {
     absorbed
 }
 
-/// The product that an operand is, when nothing else reads it.
+/// The product that an operand is, when it has no other reader.
 pub(crate) fn single_product(function: &Function, uses: &[u32], operand: Operand) -> Option<Value> {
     let value = operand.value()?;
     let single = uses[value.index()] == 1;

@@ -1,51 +1,51 @@
-//! Places of things that lie in a table, found by hash.
+//! Places of items in a table, found by hash.
 
 use hashbrown::HashTable;
 
-/// The places of things that a caller keeps, which also gives their hashes:
-/// to keep those here would nearly double what a table of millions takes.
+/// The places of items that a caller stores and hashes: storing the hashes here
+/// would nearly double the memory of a table of millions.
 #[derive(Clone, Default)]
 pub(crate) struct PlaceTable {
     places: HashTable<u32>,
 }
 
 impl PlaceTable {
-    /// Asks for room for this number of places at once: a table that grows asks
-    /// for the hashes of all that is in it, wherever in memory that lies.
+    /// Reserves this number of places in one step: a table that grows
+    /// recomputes the hashes of all its items, wherever they are in memory.
     pub(crate) fn reserve(&mut self, places: usize, hash_at: impl Fn(u32) -> u64) {
         let again = |&place: &u32| spread(hash_at(place));
         self.places.reserve(places, again);
     }
 
-    /// The place of what has this hash and is equal.
+    /// The place of the equal item with this hash.
     #[inline]
     pub(crate) fn find(&self, hash: u64, equal: impl Fn(u32) -> bool) -> Option<u32> {
         let found = self.places.find(spread(hash), |&place| equal(place));
         found.copied()
     }
 
-    /// Lets a place be found. Nothing equal must be there. The hashes of all
-    /// places that are there are requested when the table grows.
+    /// Lets a place be found. No equal item may be in the table. The hashes of
+    /// all places that are there are requested when the table grows.
     #[inline]
     pub(crate) fn insert(&mut self, hash: u64, place: u32, hash_at: impl Fn(u32) -> u64) {
         let again = |&place: &u32| spread(hash_at(place));
         self.places.insert_unique(spread(hash), place, again);
     }
 
-    /// Lets what has this hash and is equal not be found any more.
+    /// Removes the equal item with this hash from the index.
     pub(crate) fn remove(&mut self, hash: u64, equal: impl Fn(u32) -> bool) {
         if let Ok(entry) = self.places.find_entry(spread(hash), |&place| equal(place)) {
             entry.remove();
         }
     }
 
-    /// Lets nothing be found any more.
+    /// Removes all items.
     pub(crate) fn clear(&mut self) {
         self.places.clear();
     }
 }
 
-/// A hash as the table wants it: it takes the slot from the low bits and
+/// A hash for the table, which takes the slot from the low bits and
 /// distinguishes neighbours by the high ones.
 fn spread(hash: u64) -> u64 {
     (hash ^ hash >> 32).wrapping_mul(0x9e37_79b9_7f4a_7c15)

@@ -27,7 +27,7 @@ impl ValueTable {
         }
     }
 
-    /// Asks for room for this number of values at once.
+    /// Reserves memory for this number of values.
     pub(crate) fn reserve(&mut self, values: usize) {
         self.values.reserve(values);
         let hash_at = hash_at(&self.images, &self.values);
@@ -45,7 +45,7 @@ impl ValueTable {
         self.values.len() as u32 - 1
     }
 
-    /// The place of a value, and whether it is the negation of what is there.
+    /// The place of a value, and a flag: true when the stored value is its negation.
     pub(crate) fn find(&self, value: Fingerprint) -> Option<(u32, bool)> {
         self.find_hashed(value, hash(&self.images, value))
     }
@@ -66,7 +66,7 @@ impl ValueTable {
         })
     }
 
-    /// Lets the value at a place be found, unless an equal one is.
+    /// Adds the value at a place to the index, unless an equal one is in it.
     pub(crate) fn remember(&mut self, place: u32) {
         let value = self.values[place as usize];
         let hash = hash(&self.images, value);
@@ -97,12 +97,12 @@ fn hash(images: &Images, value: Fingerprint) -> u64 {
     FxBuildHasher.hash_one(images.without_sign(value).0)
 }
 
-/// The hash of what is at a place.
+/// The hash of the value at a place.
 fn hash_at(images: &Images, values: &[Fingerprint]) -> impl Fn(u32) -> u64 {
     |place| hash(images, values[place as usize])
 }
 
-/// Tests whether what is at a place is a value or its negation.
+/// Tests whether the value at a place is equal to another or to its negation.
 fn is_equal(images: &Images, values: &[Fingerprint], value: Fingerprint) -> impl Fn(u32) -> bool {
     let negation = images.neg(value);
     move |place| [value, negation].contains(&values[place as usize])

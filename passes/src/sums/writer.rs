@@ -1,9 +1,9 @@
 //! Writing sums and products as operations.
 //!
-//! Signs cost nothing while they travel: a value may be stored with the wrong
-//! sign, and its users subtract instead of adding or pass the sign on.
-//! Rounding to nearest is symmetric, so a flipped sign changes no bit. Only
-//! what needs the true sign of a value, an output or a root, forces a `0 - x`.
+//! Signs cost nothing until the outputs: a value may be stored with the wrong
+//! sign, and its users subtract instead of adding or pass the sign on. Rounding
+//! to nearest is symmetric, so a flipped sign changes no bit. Only what needs
+//! the true sign of a value, an output or a root, forces a `0 - x`.
 
 use super::earliest::{TieOrder, join_earliest};
 use super::groups::GroupFamily;
@@ -18,7 +18,7 @@ use robovec_ir::{
 use rustc_hash::FxBuildHasher;
 use smallvec::{SmallVec, smallvec};
 
-/// An operand that holds a value or its negation, and when it is there.
+/// An operand that holds a value or its negation, and its arrival time.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct SignedOperand {
     pub(crate) operand: Operand,
@@ -33,7 +33,7 @@ impl SignedOperand {
         arrival: 0,
     };
 
-    /// The operand, representing the negation if so asked.
+    /// The operand, representing the negation on request.
     pub(crate) fn flip(self, flip: bool) -> SignedOperand {
         SignedOperand {
             negative: self.negative ^ flip,
@@ -42,9 +42,9 @@ impl SignedOperand {
     }
 }
 
-/// The operation that joins two signed terms or factors, its operands, and
-/// whether its result is stored negated; `flip` chooses the negated form where
-/// both cost the same.
+/// The operation that joins two signed terms or factors, its operands, and a
+/// flag: true when its result is stored negated; `flip` chooses the negated
+/// form where both cost the same.
 pub(crate) fn joining<T>(
     family: GroupFamily,
     [(a, a_negative), (b, b_negative)]: [(T, bool); 2],
@@ -63,7 +63,7 @@ pub(crate) fn joining<T>(
 
 /// Names and sources of the operations that one value becomes.
 pub(crate) struct ValueNaming {
-    /// For the last operation; [`Name::NONE`] when it is like the others.
+    /// For the last operation; [`Name::NONE`] when it has no special name.
     root: Name,
     /// Of values that became part of this one, to be used again; last first.
     spare: SmallVec<[Name; 4]>,
@@ -127,7 +127,7 @@ pub(crate) struct ArrivalTimes {
 }
 
 impl ArrivalTimes {
-    /// Of no value yet; about so many will come.
+    /// Of no value yet, with memory for about this number.
     pub(crate) fn new(weights: Weights, count: usize) -> ArrivalTimes {
         ArrivalTimes {
             weights,
@@ -175,8 +175,8 @@ pub(crate) struct SumWriter {
     names: FreshNames,
     /// True when operations inside sums and products have names.
     named: bool,
-    /// The operations written, to find equal ones, and where what was merged
-    /// came from; `None` when equal operations are written again.
+    /// The operations written, for finding equal ones, and the origins of
+    /// merged ones; `None` when equal operations are written again.
     shared: Option<(KnownValues, SourceMerges)>,
     negated: HashMap<Operand, Operand, FxBuildHasher>,
 }
@@ -191,7 +191,7 @@ impl SumWriter {
         }
     }
 
-    /// The same, but what is written is only considered: it needs no names.
+    /// The same for a tentative result, which needs no names.
     pub(crate) fn draft(old: &Function, level: Level, weights: Weights) -> SumWriter {
         let count = old.nodes().len();
         let mut out = old.skeleton(level);
@@ -264,8 +264,8 @@ impl SumWriter {
         }
     }
 
-    /// Appends an operation, or finds an equal one; only a new one asks for
-    /// its name.
+    /// Appends an operation, or finds an equal one; only a new one needs a
+    /// name.
     fn append<const COUNT: usize>(
         &mut self,
         operation: Operation,
@@ -374,13 +374,13 @@ impl SumWriter {
         negated
     }
 
-    /// Lets every value be negated again: where one is needed for another
-    /// equation, it states it.
+    /// Permits new negations of all values: a negation for another equation
+    /// gets that equation as its source.
     pub(crate) fn forget_negations(&mut self) {
         self.negated.clear();
     }
 
-    /// Sets the outputs to operands, by place; what a `0 - x` is needed for
+    /// Sets the outputs to operands, by place; an output that needs a `0 - x`
     /// gives it its name.
     pub(crate) fn outputs(
         &mut self,
@@ -401,7 +401,7 @@ impl SumWriter {
         self.out.assignments = assignments;
     }
 
-    /// Gives up the function, and the names that are free in it.
+    /// Returns the function, and the unused names in it.
     pub(crate) fn finish(mut self, tables: &mut Tables) -> (Function, FreshNames) {
         if let Some((_, merges)) = self.shared {
             merges.apply(&mut self.out, tables);

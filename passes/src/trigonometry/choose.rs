@@ -16,7 +16,7 @@ pub(super) struct Wish {
     pub(super) format: Option<Format>,
 }
 
-/// Polynomials for a range, with what is proved of them.
+/// Polynomials for a range, with their proved errors.
 #[derive(Clone, Debug)]
 pub(super) struct PolynomialChoice {
     pub(super) halved: Halved,

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 
 /// The treatment of one angle.
 pub(super) enum Treatment {
-    /// Nothing: its sines and cosines stay.
+    /// No recipe: its sines and cosines stay.
     Left,
     /// It is a number, and so are its sine and cosine.
     Known([f64; 2]),
@@ -53,7 +53,7 @@ pub(super) struct Emitter<'a> {
 
 impl<'a> Emitter<'a> {
     /// Replaces the sines and cosines whose angles have a recipe, and returns
-    /// how many there were.
+    /// their number.
     pub(super) fn run(
         function: &'a Function,
         keys: &Angles,
@@ -106,7 +106,7 @@ impl<'a> Emitter<'a> {
         (new, emitter.replaced)
     }
 
-    /// Counts how often every angle occurs, and joins the equations it is in.
+    /// Counts the occurrences of every angle, and joins the equations that contain it.
     fn survey(
         &mut self,
         function: &Function,
@@ -215,7 +215,7 @@ impl<'a> Emitter<'a> {
         }
     }
 
-    /// An angle that represents its sine can be read as often as that was.
+    /// An angle that represents its sine can be read as often as the sine was.
     fn rename_angle(&mut self, angle: Operand, name: Name) {
         if let Some(value) = angle.value()
             && self.rewriter.new.node(value).name.is_none()

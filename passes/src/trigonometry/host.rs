@@ -1,4 +1,4 @@
-//! Sines and cosines left to the host, with a word on how it computes them.
+//! Sines and cosines left to the host, with the method by which it computes them.
 
 use super::Trigonometry;
 use super::options::CircularMethod;
@@ -11,8 +11,8 @@ use robovec_num::trigonometry::host::{Implementation, KEY, TrigonometricUnit};
 const ORDER: u32 = 9;
 
 impl Trigonometry {
-    /// Records in the function what computes its sines and cosines, and reports
-    /// what is proved of it.
+    /// Records in the function the method for its sines and cosines, and
+    /// reports the proved error.
     pub(super) fn record(
         &self,
         function: &mut Function,

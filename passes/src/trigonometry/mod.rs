@@ -3,7 +3,7 @@
 //! The thesis' machine adds and multiplies; sines and cosines are computed
 //! before the run, or the thesis cuts their series off (1.2.2). This pass
 //! writes them as polynomials ([`robovec_num::trigonometry`]) whose error on
-//! the range of each angle is proved, and reports what it proved.
+//! the range of each angle is proved, and reports the proved bounds.
 
 mod builder;
 mod choose;
@@ -57,11 +57,11 @@ declare_pass! {
     /// `sin 2y = 2 sin y cos y` and `cos 2y = 1 - 2 sin² y`, so that large angles need no large
     /// orders.
     ///
-    /// For every range a remark has what is proved: the largest error of
-    /// sine and cosine with the coefficients as they are used, and what
-    /// rounding in the machine's format adds at most. Angles without a known
-    /// range stay with the host. Equal angles share their square. Follow it by
-    /// `fold` to get rid of the cosines that are 1.
+    /// For every range a remark gives the proved bounds: the largest error of
+    /// sine and cosine with the rounded coefficients, and the most that
+    /// rounding in the machine's format adds. Angles without a known range stay
+    /// with the host. Equal angles share their square. Follow it by `fold` to
+    /// get rid of the cosines that are 1.
     ///
     /// With `on=host` sines and cosines are computed before the run, where
     /// there are comparisons, shifts and tables, for angles of any size:
@@ -197,11 +197,11 @@ fn promise(
 struct CircularAngle {
     /// Between these bounds it lies.
     bounds: Option<Interval>,
-    /// The number it is.
+    /// The number, if known.
     known: Option<f64>,
-    /// True for the sine and for the cosine where it is there.
+    /// For the sine and for the cosine a flag: true when it occurs.
     wanted: [bool; 2],
-    /// The sources of the place where it is first written.
+    /// The sources of the place of its first occurrence.
     sources: SourceSet,
 }
 
@@ -231,7 +231,7 @@ fn occurrences(
 /// The decisions for every angle.
 struct Decided {
     treatments: BTreeMap<u64, Treatment>,
-    /// One per recipe: its range, what was chosen for it.
+    /// One per recipe: its range and the chosen polynomials.
     choices: Vec<(f64, PolynomialChoice)>,
     recipes: Vec<Recipe>,
 }

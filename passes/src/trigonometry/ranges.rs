@@ -1,16 +1,16 @@
 //! The angles that are the same, and the bounds between which they lie.
 //!
 //! An angle is mostly a joint coordinate or a sum of several. Angles with the
-//! same expression share what is computed of them, however often the
-//! expression is written; their bounds follow from those of the inputs by
-//! interval arithmetic.
+//! same expression share their intermediate values, for any number of
+//! occurrences of the expression; their bounds follow from those of the inputs
+//! by interval arithmetic.
 
 use hashbrown::HashMap;
 use robovec_ir::{Function, Input, Node, Operand, OperandKind, Operation};
 use robovec_num::interval::Interval;
 use rustc_hash::FxBuildHasher;
 
-/// An expression: what is computed, of which expressions.
+/// An expression: the operation, and the numbers of its operand expressions.
 type NumberedExpression = (Operation, [u64; Operand::MAX_COUNT]);
 
 /// Numbers expressions: equal ones have the same number.

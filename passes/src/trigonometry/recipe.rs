@@ -1,8 +1,8 @@
 //! The recipe for the sine and cosine of one angle: a small function.
 //!
 //! A recipe is a function of one input, the angle, at the atomic level and
-//! without names. What evaluates, times and bounds functions does so with
-//! recipes; the pass writes their nodes into the program, with names.
+//! without names. The code that evaluates, times and bounds functions works
+//! with recipes; the pass writes their nodes into the program, with names.
 
 use super::builder::RecipeBuilder;
 use super::options::Scheme;
@@ -16,7 +16,7 @@ use robovec_num::trigonometry::{Circular, Halved, Polynomial};
 pub struct Recipe {
     /// The operations; input 0 is the angle.
     pub function: Function,
-    /// The sine and the cosine, [`Operand::NONE`] where it is not wanted.
+    /// The sine and the cosine, [`Operand::NONE`] for an unneeded one.
     pub results: [Operand; 2],
     /// The number of reads of each node, by nodes and results.
     pub uses: Vec<u32>,

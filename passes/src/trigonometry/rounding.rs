@@ -15,7 +15,7 @@ use robovec_num::soft_float::FormatArithmetic;
 /// Parts the range is cut into.
 const PARTS: u32 = 64;
 
-/// A value and how far the computed one can be from it.
+/// A value with a bound of the error of the computed one.
 #[derive(Clone, Copy)]
 struct Computed {
     exact: Interval,
@@ -23,9 +23,9 @@ struct Computed {
 }
 
 impl Recipe {
-    /// Bounds of what rounding in a format adds to the errors of the sine and
-    /// the cosine, for angles of at most `range` radians that are numbers of
-    /// the format; 0 for what is not computed.
+    /// Bounds of the rounding errors of a format, in addition to the errors of
+    /// the sine and the cosine, for angles of at most `range` radians that are
+    /// numbers of the format; 0 for a function that is not computed.
     pub fn rounding_errors(&self, range: f64, format: Format) -> [f64; 2] {
         let mut worst = [0.0f64; 2];
         for part in 0..PARTS {

@@ -1,12 +1,11 @@
 //! Horner's schemes for all polynomials of a function at once.
 //!
-//! What the pairs of `extract` find depends on how sums and products are
-//! grouped, and a polynomial that was multiplied out is not grouped at all.
-//! `polynomials` reads the network as polynomials, `schemes` counts what an
-//! order of the variables makes of them, `search` looks for good orders, and
-//! `rebuild` makes a network of one; `extract` takes out of each what is left
-//! to be shared, and the one with the fewest operations stays, which is the one
-//! that came in when no scheme is better.
+//! The pairs that `extract` finds depend on the grouping of sums and products,
+//! and an expanded polynomial has no grouping. `polynomials` reads the network
+//! as polynomials, `schemes` counts the operations for an order of the
+//! variables, `search` looks for good orders, and `rebuild` makes a network of
+//! one; `extract` then shares common parts in each, and the network with the
+//! fewest operations is kept, which is the original when no scheme is better.
 
 mod polynomials;
 mod rebuild;
@@ -27,7 +26,7 @@ use schemes::SchemeSet;
 pub(super) struct HornerSearch {
     /// Terms to be considered.
     pub(super) work: u64,
-    /// Orders of which the factors are taken out.
+    /// Number of orders for which factors are taken out.
     pub(super) orders: usize,
     pub(super) seed: u64,
 }
@@ -38,8 +37,8 @@ const ROUNDS: u32 = 4;
 
 /// Writes the polynomials of a network again where that saves operations.
 ///
-/// `network` is the input, of which nothing has been taken out yet; the
-/// result has its factors taken out.
+/// `network` is the input, without common parts taken out; the result has them
+/// taken out.
 pub(super) fn improve(
     network: &mut FactorNetwork,
     search: HornerSearch,
@@ -80,7 +79,7 @@ pub(super) fn improve(
 /// finds, products with several readers dissolved or not, and with factors
 /// taken out of each.
 ///
-/// Those with a longer path than the goal allows are left out.
+/// Networks with a longer path than the goal allows are left out.
 fn candidates(
     network: &FactorNetwork,
     (dissolving, search): (bool, HornerSearch),

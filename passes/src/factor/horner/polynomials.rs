@@ -3,11 +3,11 @@
 //!
 //! A sum or product that only one other reads is taken into it as long as no
 //! product of two sums has to be multiplied out, so a polynomial has no more
-//! terms than the function has operands. A product that several read can be taken
-//! into each of them: what an expanded polynomial shares is mostly the
-//! beginnings of its products, as its writer happened to order them.
-//! Everything else is a variable: quotients, roots, sines, sums with several
-//! readers, and literals that are no small integers (products of others round).
+//! terms than the function has operands. A product with several readers can be
+//! absorbed into each of them: expanded polynomials mostly share the beginnings
+//! of their products, in the order in which they were written. All other nodes
+//! are variables: quotients, roots, sines, sums with several readers, and
+//! literals that are no small integers (products of others round).
 //!
 //! **Invariant.** A polynomial has the value of its node, and its variables
 //! are at lower positions.
@@ -16,7 +16,7 @@ use super::super::network::{Edge, FactorKind, FactorNetwork};
 use robovec_framework::rewrite_limit::RewriteLimit;
 use smallvec::SmallVec;
 
-/// A larger sum is written over its terms as they are.
+/// A larger sum is written over its unexpanded terms.
 const MAX_TERMS: usize = 1 << 17;
 /// Maximum degree of a product: exponents are kept in bytes.
 const MAX_DEGREE: u32 = 255;
@@ -34,20 +34,20 @@ pub(super) struct PolynomialTerm {
 }
 
 pub(super) struct NetworkPolynomials {
-    /// By node; `None` for what is no sum or product, and for what nothing
-    /// reads but the polynomials it has been taken into.
+    /// By node; `None` for nodes other than sums and products, and for nodes
+    /// that only the polynomials that absorbed them read.
     pub(super) terms: Vec<Option<Vec<PolynomialTerm>>>,
     /// By node: true for those that still have to be computed.
     pub(super) needed: Vec<bool>,
-    /// By node: a node that it has been taken into, or itself.
+    /// By node: the node that absorbed it, or itself.
     pub(super) heirs: Vec<u32>,
     dissolving: bool,
 }
 
 impl NetworkPolynomials {
-    /// Reads a network with its live nodes in order. What may not be rewritten
-    /// stays a variable without a polynomial. When not `dissolving`, products
-    /// with several readers are variables too.
+    /// Reads a network with its live nodes in order. A node that must not be
+    /// rewritten stays a variable without a polynomial. When not `dissolving`,
+    /// products with several readers are variables too.
     pub(super) fn read(
         network: &FactorNetwork,
         order: &[u32],
@@ -100,8 +100,8 @@ impl NetworkPolynomials {
         }
     }
 
-    /// For each operand, whether its polynomial is taken into that of the
-    /// user; of the factors of a product at most one that is a sum.
+    /// For each operand, a flag: true when its polynomial is absorbed into that
+    /// of the user; of the factors of a product at most one that is a sum.
     fn taken(&self, network: &FactorNetwork, operands: &[Edge], product: bool) -> Vec<bool> {
         let size = |edge: &Edge| self.terms[edge.node()].as_ref().map_or(0, Vec::len);
         let largest = operands
@@ -204,8 +204,8 @@ impl NetworkPolynomials {
         Some(terms)
     }
 
-    /// Marks what the outputs need now that much has become part of
-    /// polynomials, and forgets the polynomials of the rest.
+    /// Marks the nodes that the outputs need after many were absorbed into
+    /// polynomials, and drops the polynomials of the others.
     fn mark_needed(&mut self, network: &FactorNetwork, order: &[u32]) {
         for edge in &network.outputs {
             self.needed[edge.node()] = true;

@@ -68,7 +68,7 @@ impl Rebuilding<'_> {
             .flip(edge.negative())
     }
 
-    /// Computes a node as it was computed.
+    /// Computes a node in its original form.
     fn keep(&mut self, node: u32) -> Edge {
         let own = &self.old.nodes[node as usize];
         let operands: Vec<Edge> = own.operands.iter().map(|&edge| self.mapped(edge)).collect();
@@ -83,8 +83,8 @@ impl Rebuilding<'_> {
         }
     }
 
-    /// Computes a polynomial: the parts of a scheme come before what they are
-    /// parts of when they are taken from the end.
+    /// Computes a polynomial: with schemes taken from the end, parts precede
+    /// the schemes that contain them.
     fn scheme(&mut self, scheme: &Scheme, variables: &[u32], node: u32) -> Edge {
         let origin = unnamed(self.old, node);
         let mut edges = vec![Edge::new(0, false); scheme.parts.len()];
@@ -121,8 +121,8 @@ impl Rebuilding<'_> {
         power
     }
 
-    /// Gives a value the name it had; `before` nodes were there when it was
-    /// looked for.
+    /// Gives a value its original name; `before` nodes existed when it was
+    /// searched for.
     fn name(&mut self, node: u32, edge: Edge, before: usize) {
         let own = &self.old.nodes[node as usize];
         let origin = NodeOrigin {
@@ -141,7 +141,7 @@ impl Rebuilding<'_> {
         }
     }
 
-    /// Connects the outputs; what became part of others leaves them its names.
+    /// Connects the outputs; nodes absorbed by others give them their names.
     fn finish(mut self, heirs: &[u32]) -> FactorNetwork {
         // A node stands above what was taken into it.
         let mut targets = self.map.clone();

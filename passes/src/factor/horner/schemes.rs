@@ -1,9 +1,9 @@
 //! Horner's scheme in many variables, and its cost.
 //!
-//! An order of the variables decides the scheme: what all terms have in common
-//! is taken out; the rest is split into the terms without the first variable
-//! in which they differ and those with it, and each part is written in the
-//! same way. The second part has the variable in common.
+//! An order of the variables decides the scheme: the common factor of all terms
+//! is taken out; the rest is split into the terms without the first variable in
+//! which they differ and those with it, and each part is written in the same
+//! way. The second part has the variable in common.
 //!
 //! With the terms sorted by the order every part is a range of them, and its
 //! value at a random point of a field a difference of two prefix sums. Equal
@@ -23,14 +23,14 @@ const STRETCH: usize = 32;
 /// Exponents of sixteen variables.
 type Exponents = [u8; 16];
 
-/// A prime. It only decides what a scheme is thought to cost.
+/// A prime. It affects only the estimated cost of a scheme.
 const PRIME: u64 = (1 << 60) - 93;
 
 /// The variables of some polynomials, and their values at a random point.
 pub(super) struct SchemeVariables {
     pub(super) nodes: Vec<u32>,
     inverses: Vec<u64>,
-    /// In how many terms each of them is.
+    /// Number of terms that contain each of them.
     pub(super) occurrences: Vec<u32>,
 }
 
@@ -52,7 +52,7 @@ pub(super) struct SchemeSet {
     field: Modulus,
 }
 
-/// A part of a polynomial: what its terms have in common, times the rest.
+/// A part of a polynomial: the common factor of its terms, times the rest.
 pub(super) struct SchemePart {
     /// Variables and exponents, in [`Scheme::powers`].
     pub(super) common: (u32, u32),
@@ -80,7 +80,7 @@ pub(super) struct Scheme {
 struct OpenPart {
     start: u32,
     end: u32,
-    /// The part that has it as its first (0) or second (1) term.
+    /// The part of which it is the first (0) or second (1) term.
     parent: (u32, u8),
     /// The inverse of the value of the powers taken out so far.
     inverse: u64,
@@ -92,7 +92,7 @@ pub(super) struct SchemeBuffers {
     known: FxHashSet<u64>,
     /// The variables of the polynomial, first in the order first.
     columns: Vec<(u32, u32)>,
-    /// Terms as they are sorted, with exponents in the order of the columns.
+    /// Sorted terms, with exponents in the order of the columns.
     terms: Vec<(u128, u32)>,
     rows: Vec<Exponents>,
     /// The smallest exponents of every [`STRETCH`] rows, so that a part is not
@@ -199,8 +199,8 @@ impl SchemeSet {
             .sum()
     }
 
-    /// The operations of the scheme of one polynomial that nothing known yet
-    /// gives; on request the scheme itself, in which equal parts are not one.
+    /// The number of operations of the scheme of one polynomial that no known value
+    /// provides; on request the scheme itself, in which equal parts are not merged.
     pub(super) fn scheme(
         &self,
         polynomial: &PackedPolynomial,
@@ -247,8 +247,7 @@ impl SchemeSet {
         cost
     }
 
-    /// Takes the powers that a part has in common, the smallest ones, out of
-    /// it.
+    /// Takes the common powers of a part, the smallest ones, out of it.
     fn common(
         &self,
         polynomial: &PackedPolynomial,
@@ -406,8 +405,8 @@ impl SchemeBuffers {
         self.known.insert(value.min(field.neg(value)))
     }
 
-    /// Opens the terms without the first variable in which a range differs,
-    /// and those with it.
+    /// Separates the terms without the first variable in which a range differs
+    /// from those with it.
     fn split(&mut self, (start, end): (usize, usize), blocks: usize, from: (u32, u64)) {
         let at = |term: usize, column: u32| {
             self.rows[term * blocks + column as usize / 16][column as usize % 16]

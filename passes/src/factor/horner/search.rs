@@ -1,20 +1,20 @@
 //! The search for orders of the variables.
 //!
 //! A tree search and, from its best orders and that of occurrences, annealing,
-//! as FORM does it (Ruijl, Vermaseren,
-//! Plaat and van den Herik, "Combining simulated annealing and Monte Carlo tree
-//! search for expression simplification", 2014): a variable moves to another
-//! place or two change places, and a worse order is taken with a probability
-//! that falls. What is minimised are the operations of the schemes with equal
-//! parts shared; since what factors and shared pairs save afterwards differs
-//! from order to order, several orders are kept.
+//! as FORM does it (Ruijl, Vermaseren, Plaat and van den Herik, "Combining
+//! simulated annealing and Monte Carlo tree search for expression
+//! simplification", 2014): a variable moves to another place or two change
+//! places, and a worse order is taken with a probability that falls. The number
+//! of operations of the schemes, with equal parts shared, is minimised; since
+//! the savings of factors and shared pairs afterwards differ from order to
+//! order, several orders are kept.
 
 use super::schemes::{SchemeBuffers, SchemeSet};
 use super::tree::OrderTree;
 use robovec_num::random::Random;
 use std::cmp::Reverse;
 
-/// The temperature at the beginning, as a part of the operations there are.
+/// The temperature at the beginning, as a part of the number of operations.
 const HOT: f64 = 0.03;
 /// Temperature at the end, relative to that at the start.
 const COOLING: f64 = 0.02;
@@ -24,13 +24,13 @@ const STARTS: usize = 8;
 /// No more orders are tried than this times the square of the number of
 /// variables: by then those of few variables have all been seen.
 const TRIES: u64 = 200;
-/// The part of the work that goes into a tree: one of so many.
+/// The part of the work for a tree search: one part in this number.
 const TREE_SHARE: u64 = 4;
 /// With more variables there is no tree: it would not grow beyond the first
 /// variable, and any order is worse there than that of occurrences.
 const MAX_TREE: usize = 64;
 
-/// An order of variables: what each of them has before it, and the operations.
+/// An order of variables: the set before each of them, and the operations.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) struct RatedOrder {
     pub(super) cost: u64,
@@ -67,10 +67,10 @@ impl KeptOrders {
 }
 
 /// The maximum number of promising orders for a set of polynomials, best first:
-/// that of occurrences, and what is found until `work` terms were considered.
+/// that of occurrences, and those found until `work` terms were considered.
 ///
-/// Every start of annealing has its share of them: what factors save afterwards
-/// is similar for orders that are similar.
+/// Every start of annealing has its share of them: the savings of factors
+/// afterwards are similar for similar orders.
 pub(super) fn orders(set: &SchemeSet, work: u64, count: usize, seed: u64) -> Vec<RatedOrder> {
     let occurrences = &set.variables.occurrences;
     let mut usual: Vec<u32> = (0..occurrences.len() as u32).collect();

@@ -1,9 +1,9 @@
 //! Search for the first variables: a tree of the beginnings of orders.
 //!
-//! Monte Carlo tree search as Kuipers, Plaat, Vermaseren and van den Herik use
-//! it ("Improving multivariate Horner schemes with Monte Carlo tree search",
-//! 2013): the beginning that promises most by what its orders cost so far and by
-//! how seldom it was tried (UCT) grows by one variable, and the rest follows at
+//! Monte Carlo tree search after Kuipers, Plaat, Vermaseren and van den Herik
+//! ("Improving multivariate Horner schemes with Monte Carlo tree search",
+//! 2013): the most promising beginning by the costs of its orders so far and by
+//! its number of trials (UCT) is extended by one variable, and the rest is
 //! random.
 
 use robovec_num::random::Random;
@@ -16,7 +16,7 @@ struct OrderBeginning {
     visits: f64,
     /// The sum of its rewards.
     rewards: f64,
-    /// The variables tried next, and the beginnings with them.
+    /// The variables tried next, and their beginnings.
     next: Vec<(u32, usize)>,
 }
 
@@ -34,7 +34,7 @@ impl OrderTree {
         }
     }
 
-    /// The next order to be tried, and the beginnings it has.
+    /// The next order to be tried, and its beginnings.
     pub(super) fn next(&mut self, random: &mut Random) -> (Vec<u32>, Vec<usize>) {
         let mut order: Vec<u32> = (0..self.variables as u32).collect();
         let mut path = vec![0];
@@ -60,7 +60,7 @@ impl OrderTree {
         (order, path)
     }
 
-    /// Takes note of what an order with these beginnings was worth.
+    /// Records the reward of an order with these beginnings.
     pub(super) fn reward(&mut self, path: &[usize], reward: f64) {
         for &beginning in path {
             self.beginnings[beginning].visits += 1.0;
