@@ -2,12 +2,12 @@
 //!
 //! Equations are generated from a model and then live on their own: the model
 //! is changed, a point added or a zero filled in, and the old files compile as
-//! before and give wrong results. What such a file states about itself (project,
-//! number of joints) catches few of these cases. So the model's equations are
-//! generated again and compared with the file's as functions, at random points
-//! of a prime field with the model's zeros filled in: equal ones are right for
-//! the model whoever wrote them. Only when they differ does the comparison of
-//! used parameters show why.
+//! before and give wrong results. The statements of such a file about itself
+//! (project, number of joints) detect few of these cases. So the model's
+//! equations are generated again and compared with the file's as functions, at
+//! random points of a prime field with the model's zeros filled in: equal ones
+//! are right for the model, from any writer. Only when they differ does the
+//! comparison of used parameters show why.
 
 mod explain;
 mod inputs;
@@ -142,8 +142,8 @@ fn identity(model: &Model, function: &Function, comparison: &mut Comparison) {
 /// An element of an array: name and indices from 1, absent ones 0.
 type ArrayElement = (String, [u32; 2]);
 
-/// The input elements that a function uses, each with the first place where it
-/// does.
+/// The input elements that a function uses, each with the place of its first
+/// use.
 fn used(tables: &Tables, function: &Function) -> BTreeMap<ArrayElement, Option<SourcePlace>> {
     let mut used = BTreeMap::new();
     let operands = function.nodes().iter().flat_map(|node| {
@@ -184,7 +184,7 @@ fn extent(model: &Model, array: &str) -> Option<(&'static str, usize)> {
     })
 }
 
-/// False, with a finding, when the function uses what the model does not have.
+/// False, with a finding, when the function uses an element that the model does not have.
 fn in_range(
     model: &Model,
     equations: &Module,
@@ -278,8 +278,8 @@ fn body(model: &Model, equations: &Module, function: &Function, comparison: &mut
     }
 }
 
-/// The first output in which a function differs from the one expected; both
-/// with the model's zeros filled in.
+/// The first output that differs from that of the expected function; both with
+/// the model's zeros filled in.
 fn difference(
     model: &Model,
     equations: &Module,

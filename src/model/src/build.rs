@@ -163,7 +163,7 @@ impl ModelBuilder {
         self.model.sensors.push(sensor);
     }
 
-    /// Adds an external force at a point; its law gets what is requested.
+    /// Adds an external force at a point; its law gets the requested arguments.
     ///
     /// # Panics
     ///

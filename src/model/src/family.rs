@@ -186,9 +186,9 @@ impl TrunkTree {
         TrunkTree { trunk, branches }
     }
 
-    /// Many branches on the base or on one body. The numbers of joints fitted to
-    /// the thesis are those of [`TrunkTree::semi_serial`]; others have about as
-    /// many branches as each branch has bodies.
+    /// Many branches on the base or on one body. The numbers of joints fitted
+    /// to the thesis are those of [`TrunkTree::semi_serial`]; others have about
+    /// as many branches as each branch has bodies.
     pub fn parallel(joints: usize) -> TrunkTree {
         let (trunk, branches) = match joints {
             23 => (1, vec![8, 3, 3, 3, 3, 2]),

@@ -1,16 +1,16 @@
 //! Models: the bodies, joints, points and loops that equations are made of.
 //!
-//! A model has the contents of a `.mbs` file without its drawings, or what a program
-//! builds. Everything is a flat list in file order, because Robotran's numbers
-//! are places in these lists: a joint id counts joints over all bodies, a
-//! point id (the column of `dpt`) counts the points of the base first, then
-//! those of the bodies. Both count from 1 in files and messages; the indices
-//! in these structures count from 0.
+//! A model has the contents of a `.mbs` file without its drawings, or those
+//! built by a program. All lists are flat and in file order, because Robotran's
+//! numbers are places in these lists: a joint id counts joints over all bodies,
+//! a point id (the column of `dpt`) counts the points of the base first, then
+//! those of the bodies. Both count from 1 in files and messages; the indices in
+//! these structures count from 0.
 //!
-//! **Invariants** (what every reader and builder of models upholds, and
-//! [`Model::check`] verifies): a joint's parent has a smaller index; a body has
-//! at least one joint and its joints are consecutive; points are in the order
-//! of their bodies and sensors in the order of their points; every index is in
+//! **Invariants** (upheld by every reader and builder of models, and verified
+//! by [`Model::check`]): a joint's parent has a smaller index; a body has at
+//! least one joint and its joints are consecutive; points are in the order of
+//! their bodies and sensors in the order of their points; every index is in
 //! range; every number is finite.
 
 pub mod build;
@@ -185,7 +185,7 @@ pub struct Joint {
     pub kind: JointKind,
     /// Cause of its motion.
     pub nature: Nature,
-    /// The body it belongs to.
+    /// The body of the point.
     pub body: usize,
     /// The joint before it on the way to the base; `None` for the base.
     pub parent: Option<usize>,
@@ -320,7 +320,7 @@ pub struct Sensor {
     pub asks: Asks,
 }
 
-/// Quantities asked of a sensor; all in the base frame.
+/// Quantities requested from a sensor; all in the base frame.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Asks {
     /// Position.
@@ -440,7 +440,7 @@ impl Model {
         depths
     }
 
-    /// Derives from the bodies what joints are attached to.
+    /// Derives the attachments of joints from the bodies.
     pub fn connect(&mut self) {
         for index in 0..self.bodies.len() {
             let Body { parent, point, .. } = self.bodies[index];

@@ -17,7 +17,7 @@ pub struct ConstantTurn {
     pub angle: f64,
 }
 
-/// Place where a joint's frame is, and which way it moves.
+/// Frame of a joint, and the direction of its motion.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct JointMounting {
     /// The constant rotations between the frame before and the joint's own, in
@@ -28,7 +28,7 @@ pub struct JointMounting {
 }
 
 impl JointMounting {
-    /// True for what every joint of Robotran is.
+    /// True for a joint that Robotran can have: along or about an axis of its frame.
     pub fn is_plain(&self) -> bool {
         self.turns.is_empty() && !self.reversed
     }

@@ -6,7 +6,7 @@ use robovec_ir::diagnostic::clip;
 use std::ops::Range;
 
 /// Warns of massless ends of the tree and of impossible inertias; `places` are
-/// where the names of bodies are.
+/// those of the names of bodies.
 pub(super) fn remark(model: &Model, places: &[Range<usize>], messages: &mut Messages) {
     assert_eq!(
         places.len(),
@@ -19,7 +19,7 @@ pub(super) fn remark(model: &Model, places: &[Range<usize>], messages: &mut Mess
     }
 }
 
-/// Warns of an inertia that no body has.
+/// Warns of an inertia that no real body can have.
 pub(super) fn impossible(
     title: &str,
     inertia: &[f64; 6],

@@ -112,8 +112,8 @@ fn tree(model: &Model) -> String {
     text + "\n"
 }
 
-/// Puts the bodies that are attached to one onto the stack, the last one
-/// lowest, each with what is before its line and before those of its branch.
+/// Pushes the bodies attached to one onto the stack, in reverse order, each
+/// with the prefixes of its line and of its branch.
 fn push_children(children: &[usize], prefix: &str, stack: &mut Vec<(usize, String, String)>) {
     for (place, &child) in children.iter().enumerate().rev() {
         let (head, below) = match children.len() {

@@ -1,4 +1,4 @@
-//! Accelerations against `M qdd + c = Qq`, and what is not given.
+//! Accelerations against `M qdd + c = Qq`, and functions that cannot be generated.
 
 use super::formulation_tests::{at_point, make, point_field, tree};
 use super::tests::serial;
@@ -8,7 +8,7 @@ use robovec_model::family::built_in;
 use robovec_model::{JointKind, Nature};
 use robovec_num::arithmetic::Arithmetic;
 
-/// A random tree without what makes a mass matrix singular: bodies without
+/// A random tree without the causes of a singular mass matrix: bodies without
 /// mass, and joints of one kind in a row.
 fn regular_tree(seed: u64) -> Model {
     let mut model = tree(seed, 1 + seed as usize % 6);

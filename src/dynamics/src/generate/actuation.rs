@@ -1,18 +1,18 @@
 //! Forces of actuators: inverse dynamics of models whose joints follow from
 //! constraints.
 //!
-//! With given accelerations of independent and driven joints those of dependent
-//! ones follow from the constraints, and with all of them the forces
-//! `phi = M qdd + c - Qq` that the tree without constraints asks for. At joints
-//! w that nothing moves, the constraints exert them, `J_w^T lambda = phi_w`; what
-//! they leave at the others is for actuators a and drives c:
+//! Given accelerations of independent and driven joints, those of dependent
+//! ones follow from the constraints, and from all of them the forces `phi = M
+//! qdd + c - Qq` that the tree without constraints requires. At joints w
+//! without actuators or drives, the constraints exert them, `J_w^T lambda =
+//! phi_w`; the remaining forces at the others are for actuators a and drives c:
 //!
 //! ```text
 //! Qa = phi_a - J_a^T lambda,    Qc = phi_c - J_c^T lambda
 //! ```
 //!
-//! There must be as many actuators as joints move freely. Any joints may have
-//! them; a model that names none has them at its independent joints.
+//! The number of actuators must equal the number of independent joints. Any joints may
+//! have them; a model that names none has them at its independent joints.
 
 use super::algebra::{Scalar, Sum};
 use super::blocks::solve_blocks;

@@ -1,4 +1,4 @@
-//! Sums of products: what an equation is made of while it is written.
+//! Sums of products: the form of an equation while it is written.
 //!
 //! A [`Scalar`] is nothing, one, or a named quantity, with a sign. Because the
 //! sign belongs to the scalar, a quantity and its negative share one equation,

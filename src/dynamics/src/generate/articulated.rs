@@ -10,8 +10,8 @@
 //! torque = KA alpha + KB a        force = KB^T alpha + KD a
 //! ```
 //!
-//! The forces left over after the bias, `Qq - c`, are carried the same way, and
-//! the accelerations follow from the base to the leaves. Driven joints hide
+//! The forces left after the bias, `Qq - c`, are propagated in the same manner,
+//! and the accelerations follow from the base to the leaves. Driven joints hide
 //! nothing; their accelerations are inputs. The bias is that of
 //! [`super::recursive`], so that nothing here depends on velocities.
 //!
@@ -68,7 +68,7 @@ struct SumBlocks {
     linear: [SumVector; 3],
 }
 
-/// Quantities of a joint on the way out.
+/// Quantities of a joint in the recursion from the base.
 #[derive(Clone, Copy)]
 struct Share {
     /// `U / D` of a free joint, one along the joint.
@@ -140,7 +140,7 @@ impl Articulated<'_, '_, '_> {
         Ok(shares)
     }
 
-    /// The inertia of a joint's own body and what its children carry.
+    /// The inertia of a joint's own body and of its children's contributions.
     fn collect(&mut self, joint: usize, carried: &[(Blocks, Wrench)]) -> (Blocks, Wrench) {
         let parameters = self.parameters;
         let mut own = SumInertia::new();
@@ -185,7 +185,7 @@ impl Articulated<'_, '_, '_> {
         share.define(self.equations, ("FV", "NV"), joint, 0)
     }
 
-    /// `I - U U^T / D`: nothing is left along the joint.
+    /// `I - U U^T / D`: no inertia remains along the joint.
     fn left(&mut self, joint: usize, blocks: &Blocks, unit: &Wrench, share: &Wrench) -> Blocks {
         let axis = self.parameters.axis(joint);
         let revolute = self.parameters.is_revolute(joint);

@@ -9,10 +9,10 @@
 //! BE_ab += 2 OM_b qd    BE_ac += 2 OM_c qd    BE_bb, BE_cc -= (2 OM_a - qd) qd
 //! ```
 //!
-//! with `OM` beyond the joint. So joint k adds a wrench of ten products to what
-//! the joints before it carry (`FW`, `NW`), and `c_i` is one component of a
-//! rigid wrench plus one of that sum. Nothing is computed body by body, and
-//! fictitious bodies are no special case.
+//! with `OM` beyond the joint. So joint k adds a wrench of ten products to the
+//! wrench that the joints before it transmit (`FW`, `NW`), and `c_i` is one
+//! component of a rigid wrench plus one of that sum. No step is a loop over
+//! bodies, and fictitious bodies are no special case.
 
 use super::algebra::{Scalar, Sum, given};
 use super::equations::{Equations, QuantityLabel};
@@ -110,7 +110,7 @@ impl<'a, 'm> Bias<'a, 'm> {
         forces
     }
 
-    /// The base is at rest, and what it does not fall with is gravity.
+    /// The base is at rest; its acceleration is minus gravity.
     pub(super) fn base(&self) -> BiasMotion {
         BiasMotion {
             linear: self.parameters.gravity.map(|component| -component),
@@ -225,8 +225,8 @@ impl<'a, 'm> Bias<'a, 'm> {
         wrench
     }
 
-    /// `c`: the rigid motion of the composite and what the joints beyond add,
-    /// along the axis.
+    /// `c`: the component along the axis of the rigid motion of the composite
+    /// and of the contributions of the joints beyond.
     fn force(
         &self,
         equations: &mut Equations,

@@ -1,5 +1,5 @@
-//! The motion of points along a chain of joints, seen from a reference frame:
-//! what sensors, links, external forces and loops need.
+//! The motion of points along a chain of joints in a reference frame, for
+//! sensors, links, external forces and loops.
 //!
 //! Everything is in the axes of the reference. A frame's rotation is kept as
 //! its three axes (rows). Levers are kept joint by joint, and the vector from
@@ -44,7 +44,7 @@ pub(super) struct Chain {
     suffix: &'static str,
     pub(super) steps: Vec<ChainJoint>,
     /// From the origin of the reference to that of the first joint, or to the
-    /// place where there is none.
+    /// place if there is none.
     start: SumVector,
     /// From the last frame's origin to the place.
     pub(super) end: Vector,
@@ -186,7 +186,7 @@ impl Chain {
     }
 
     /// From the origin of the reference to the end of the chain, as terms: the
-    /// difference of two chains then drops what they start with in common.
+    /// difference of two chains then drops their common beginning.
     pub(super) fn position_terms(&self, equations: &mut Equations) -> SumVector {
         let arms = self.arms(equations);
         let mut position = self.start.clone();

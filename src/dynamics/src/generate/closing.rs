@@ -2,7 +2,7 @@
 //! the others.
 //!
 //! With `h(q) = 0` and its Jacobian `J = [Ju Jc Jv]` (independent, driven and
-//! dependent joints), one round of Newton's method and the velocities are
+//! dependent joints), one iteration of Newton's method and the velocities are
 //!
 //! ```text
 //! q_v  := q_v - Jv^-1 h
@@ -12,10 +12,10 @@
 //! Rows that the user computes come on top, with their own joints that follow
 //! from them ([`super::user_constraints`]).
 //!
-//! A round is straight-line code; how many rounds are needed is for the caller,
-//! who sees `h` as it was before the round. Which joints depend and the order
-//! of pivots are those of the reduced accelerations ([`super::reduced`]), so
-//! that the functions fit together.
+//! An iteration is straight-line code; the caller, who receives `h` before the
+//! iteration, decides the number of iterations. Which joints depend and the
+//! order of pivots are those of the reduced accelerations ([`super::reduced`]),
+//! so that the functions fit together.
 
 use super::algebra::{Scalar, Sum};
 use super::blocks::solve_blocks;

@@ -2,10 +2,10 @@
 //!
 //! Column k holds the load of every joint when joint k alone accelerates by
 //! one. A revolute joint's column is accumulated from the leaves, body by body.
-//! When a prismatic joint accelerates, all bodies beyond it do so alike, for
-//! any orientation: joint i then carries the mass `MS_i` beyond it times
-//! `AM_i,k`, with the first moment `MD_i` as its lever. This holds for true
-//! sines and cosines only (`sin^2 + cos^2 = 1`).
+//! When a prismatic joint accelerates, all bodies beyond it have the same
+//! acceleration, for any orientation: the load of joint i is then the mass
+//! `MS_i` beyond it times `AM_i,k`, with the first moment `MD_i` as its lever.
+//! This holds for true sines and cosines only (`sin^2 + cos^2 = 1`).
 
 use super::Options;
 use super::algebra::{Scalar, Sum};
@@ -14,8 +14,8 @@ use super::parameters::ModelParameters;
 use super::recursive::{DIRECT, FrameMotion, JointLoad, Recursion};
 use super::vector::{SumVector, Vector, ZERO, add_cross, add_matrix_product, define, sums, unit};
 
-/// Mass and first moment (about the joint's origin, in its frame) of all that
-/// a joint moves.
+/// Mass and first moment (about the joint's origin, in its frame) of all bodies
+/// beyond a joint.
 struct MassAndMoment {
     mass: Scalar,
     moment: Vector,

@@ -4,7 +4,7 @@
 //! acceleration of joint i takes the wrench `I_i s_i` of its composite, which
 //! is carried to the joints before it; its components along their axes are the
 //! column of `M`. So each pair of joints costs one change of frame, where the
-//! recursive family pays for a whole body.
+//! recursive family has the cost of a whole body.
 //!
 //! The moments of inertia are turned with `sin^2 + cos^2 = 1`.
 
@@ -26,7 +26,7 @@ pub(super) struct MassAndBias {
 }
 
 impl MassAndBias {
-    /// Takes back what was set as outputs `M` and `c`.
+    /// Removes the values set as outputs `M` and `c`, and returns them.
     pub(super) fn take(equations: &mut Equations, joints: usize) -> MassAndBias {
         let mut dynamics = MassAndBias {
             mass: vec![Vec::new(); joints],
@@ -114,7 +114,7 @@ pub(super) fn bias(
     }
 }
 
-/// Writes forces both ways to see which takes fewer operations: those for
+/// Writes forces in both forms to find the one with fewer operations: those for
 /// given accelerations, or the bias beside composites that are needed anyway.
 fn body_by_body(parameters: &ModelParameters<'_>, options: &Options, accelerated: bool) -> bool {
     let count = |bodies: bool| {

@@ -1,12 +1,12 @@
 //! Composite rigid bodies, with the columns of `M` in one common frame.
 //!
-//! Composites and bias are those of [`super::composite`], in body frames, where
-//! they are sparse. But the wrench of a column is written in the axes and
+//! Composites and bias are those of [`super::composite`], in body frames, in
+//! which they are sparse. But the wrench of a column is written in the axes and
 //! about the origin of the hub ([`super::hub`]) once, and each entry of `M` is
 //! a scalar product with the twist of a joint, `M_ij = z_j.n_i + v_j.f_i` with
-//! `v_j = P_j x z_j`: 11 operations for each pair of joints instead of 16 for
-//! a change of frame, and all entries at the same time. The entry with a
-//! joint's parent is taken in the parent's frame, where it costs less.
+//! `v_j = P_j x z_j`: 11 operations for each pair of joints instead of 16 for a
+//! change of frame, and all entries at the same time. The entry with a joint's
+//! parent is taken in the parent's frame, where it costs less.
 
 use super::Options;
 use super::algebra::{Scalar, Sum};

@@ -1,5 +1,5 @@
-//! Loops: the constraints `h`, their Jacobian `Jac` and what remains of their
-//! second derivative, `Jdqd`.
+//! Loops: the constraints `h`, their Jacobian `Jac` and the velocity terms of
+//! their second derivative, `Jdqd`.
 //!
 //! A loop is cut into two chains that start at the last joint both have in
 //! common. A ball demands that their ends coincide (3 rows), a rod that their

@@ -1,12 +1,11 @@
 //! Formulations of a function among which the shortest one is, without those
 //! that cannot be it.
 //!
-//! How long a program is shows after passes, which take far longer over a
-//! long function than the generator took to write it. No pass halves one
-//! formulation and leaves another alone, so what is more than twice as long
-//! as the shortest when it is written is out of the question. The elimination
-//! of a dense mass matrix is out of it before it is written: how many
-//! operations it takes is known.
+//! The length of a program is known after passes, which take far longer over a
+//! long function than its generation. No pass halves one formulation and does
+//! nothing for another, so a formulation more than twice as long as the
+//! shortest when it is written is excluded. The elimination of a dense mass
+//! matrix is excluded before it is written: its number of operations is known.
 
 use super::{Formulation, GenerateError, GenerationRequest, Options, factor, generate};
 use robovec_ir::count::Counts;
@@ -31,8 +30,8 @@ pub struct Contender {
 /// Formulations that came into question.
 #[derive(Clone, Default, Debug)]
 pub struct Contenders {
-    /// Those that may be the shortest, in the order they were named in; of
-    /// those with the same equations the first.
+    /// Those that may be the shortest, in the order of their list; of those
+    /// with the same equations the first.
     pub possible: Vec<Contender>,
     /// Those that the generator does not give for the model, and why.
     pub refused: Vec<(Formulation, GenerateError)>,
@@ -90,9 +89,9 @@ fn eliminates(formulation: Formulation) -> bool {
     formulation != Formulation::Articulated
 }
 
-/// Operations that a function has at the least: those of the elimination of
-/// the mass matrix, where each product is subtracted from something. Loops
-/// change how much there is to eliminate.
+/// Minimum number of operations of a function: those of the elimination of the
+/// mass matrix, where each product is subtracted. Loops change the size of the
+/// elimination.
 fn least_operations(model: &Model, function: FunctionKind, formulation: Formulation) -> usize {
     let is_known = function == FunctionKind::Accelred && model.cuts.is_empty();
     if is_known && eliminates(formulation) {
@@ -107,7 +106,7 @@ fn operations(module: &Module) -> usize {
     counts.map(|counts| counts.operations).sum()
 }
 
-/// True for the same equations, whatever formulation they come from.
+/// True for the same equations, from any formulations.
 fn is_same(one: &Contender, other: &Contender) -> bool {
     let text = |contender: &Contender| {
         let mut module = contender.module.clone();
@@ -129,7 +128,7 @@ mod tests {
         contenders(model, function, &Formulation::ALL, &Options::default())
     }
 
-    /// Nothing that is left out is shorter than what is kept, as generated.
+    /// No formulation left out has a shorter path than those kept, as generated.
     #[test]
     fn the_shortest_as_generated_is_among_them() {
         for joints in [3, 12] {

@@ -1,6 +1,6 @@
-//! Derivatives of inverse dynamics by positions and velocities, with
-//! composites in body frames: what a change of joint j does to the force of
-//! joint i costs one change of frame, as an element of `M` does.
+//! Derivatives of inverse dynamics by positions and velocities, with composites
+//! in body frames: the effect of a change of joint j on the force of joint i
+//! costs one change of frame, as an element of `M` does.
 //!
 //! Let joint j change by a little, and look at the bodies beyond it from the
 //! frame beyond it. They see their base move otherwise: where joint j turns
@@ -389,8 +389,7 @@ impl<'e, 'p, 'm> Derivative<'e, 'p, 'm> {
         wrench.define(self.equations(), ("VG", "VH"), joint, joint + 1)
     }
 
-    /// Adds the wrench that an acceleration (angular, linear) of a composite
-    /// takes.
+    /// Adds the wrench for an acceleration (angular, linear) of a composite.
     fn add_answer(
         &self,
         wrench: &mut SumWrench,

@@ -3,8 +3,8 @@
 //! Every right-hand side is kept once: an equation that equals an earlier one,
 //! or its negative, in any order of terms and factors, is that earlier one
 //! (hash-consing). Terms that cancel, zeros and ones disappear on the way. So
-//! structural zeros of a model, like a centre of mass on the joint's axis,
-//! cost nothing.
+//! structural zeros of a model, like a centre of mass on the joint's axis, cost
+//! no operation.
 
 use super::algebra::{ProductFactor, Scalar, SignedProduct, Sum};
 use super::joint_arrays::JointNumbers;
@@ -132,7 +132,7 @@ pub(super) struct Equations {
     pub(super) atoms: Vec<Atom>,
     pub(super) equations: Vec<Equation>,
     pub(super) groups: Vec<Sum>,
-    /// Names of the input arrays and how many indices each takes.
+    /// Names of the input arrays and the number of indices of each.
     pub(super) arrays: Vec<(String, usize)>,
     /// Names of the output arrays, in order of appearance.
     pub(super) results: Vec<String>,
@@ -188,9 +188,9 @@ impl Equations {
         self.atoms.len() as u32 - 1
     }
 
-    /// An element of an input array; indices count from 1, and frames where
-    /// the array counts joints. Of a joint that moves against its axis the
-    /// negative of the symbol; of a constant rotation nothing.
+    /// An element of an input array; indices count from 1, and frames where the
+    /// array counts joints. For a joint that moves against its axis the
+    /// negative of the symbol; for a constant rotation nothing.
     pub(super) fn input(&mut self, array: &str, indices: &[usize]) -> Scalar {
         if !self.bound.is_empty()
             && let Some(&value) = self.bound.get(&(array.to_owned(), padded(indices)))
@@ -270,8 +270,8 @@ impl Equations {
             .outputs(&self.results, &mut self.outputs);
     }
 
-    /// Frees what finds earlier equations: nothing is defined any more. Of
-    /// large functions it is a third of all.
+    /// Frees the tables for finding earlier equations: no more equations are
+    /// defined. Of large functions it is a third of all.
     pub(super) fn close(&mut self) {
         self.inputs = hashbrown::HashMap::default();
         self.numbers = hashbrown::HashMap::default();
@@ -514,7 +514,7 @@ fn padded(indices: &[usize]) -> [u32; 2] {
     padded
 }
 
-/// The scalar that a sum is, when it is one.
+/// The scalar, if the sum is one.
 fn trivial(sum: &Sum) -> Option<Scalar> {
     match sum.terms.as_slice() {
         [] => Some(Scalar::ZERO),

@@ -1,5 +1,5 @@
-//! External forces: the motion of the points where they act, a call of the
-//! user's law for each, and what its nine numbers add to `frc` and `trq`.
+//! External forces: the motion of their points, a call of the user's law for
+//! each, and the contribution of its nine numbers to `frc` and `trq`.
 //!
 //! The law returns a force and a torque in the base frame and, in the frame of
 //! the body, the place of the force from the frame's origin.

@@ -1,4 +1,4 @@
-//! The recursions equations can be made by, what each needs and gives.
+//! The recursions for equations, with the requirements and outputs of each.
 
 use super::algebra::Scalar;
 use super::composite::MassAndBias;
@@ -174,7 +174,7 @@ impl Formulation {
     }
 }
 
-/// Refuses what a formulation cannot give, with what can.
+/// Refuses a function that a formulation cannot give, and names those that can.
 pub(super) fn check(model: &Model, request: &GenerationRequest) -> Result<(), GenerateError> {
     let (chosen, function) = (request.formulation, request.function);
     let formulation = chosen.name();
@@ -265,7 +265,7 @@ pub(super) fn inverse(
     }
 }
 
-/// The joint forces that given accelerations of all joints ask for.
+/// The joint forces for given accelerations of all joints.
 pub(super) fn inverse_forces(
     equations: &mut Equations,
     parameters: &ModelParameters<'_>,

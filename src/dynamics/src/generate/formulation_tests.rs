@@ -145,8 +145,8 @@ pub(super) fn point_field(seed: u64, circle: bool) -> PrimeField {
 }
 
 /// The output arrays of the first function at a random point of the prime
-/// field; sines and cosines lie on the circle where asked. Elements that are
-/// not set are zero.
+/// field; sines and cosines are on the circle on request. Elements that are not
+/// set are zero.
 pub(super) fn at_point(module: &Module, seed: u64, circle: bool) -> Vec<(String, Vec<u64>)> {
     let function = &module.functions[0];
     let name = |array: &robovec_ir::Array| module.tables.symbols.text(array.name);

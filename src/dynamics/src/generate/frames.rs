@@ -1,9 +1,9 @@
 //! The frames of a model: its joints, and the constant rotations between them.
 //!
-//! A recursion goes from frame to frame, each turned about one of its axes.
-//! A constant rotation is a frame like any other whose angle is a number and
-//! which nothing moves: it has no symbols, no column and no row. So every
-//! formulation knows constant rotations without a word about them.
+//! A recursion goes from frame to frame, each turned about one of its axes. A
+//! constant rotation is a frame like any other whose angle is a number and
+//! which no coordinate moves: it has no symbols, no column and no row. So
+//! constant rotations need no code in formulations.
 //!
 //! Inside the generator a *joint* is such a frame, numbered with the others
 //! (which shows in the names of equations, where there are constant
@@ -21,7 +21,7 @@ use std::borrow::Cow;
 const RIGHT_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
 
 pub(super) struct ModelFrames<'m> {
-    /// The model as it was given.
+    /// The original model.
     pub(super) source: &'m Model,
     /// The model whose joints are all frames.
     pub(super) model: Cow<'m, Model>,

@@ -1,14 +1,14 @@
-//! Inertias without what no joint distinguishes from those of the body before: the base
-//! parameters of a model, in numbers.
+//! Inertias without the parts that no joint distinguishes from those of the
+//! body before: the base parameters of a model, in numbers.
 //!
 //! A point mass on the axis of a revolute joint moves as one on the body before
-//! does, and so does any inertia that is the same all around the axis and has no
-//! moment about it. So the mass, the first moment along the axis and one of the
-//! moments across it may go to the body before; of a prismatic joint all moments
-//! of inertia may, and across a constant rotation everything. What remains has
-//! fewer numbers, and no joint force changes (Gautier and Khalil, "Direct
-//! calculation of minimum set of inertial parameters of serial robots", IEEE
-//! Transactions on Robotics and Automation 6, 1990).
+//! does, and so does any inertia that is the same all around the axis and has
+//! no moment about it. So the mass, the first moment along the axis and one of
+//! the moments across it may be moved to the body before; of a prismatic joint
+//! all moments of inertia may, and across a constant rotation all parameters.
+//! The remaining set has fewer numbers, and no joint force changes (Gautier and
+//! Khalil, "Direct calculation of minimum set of inertial parameters of serial
+//! robots", IEEE Transactions on Robotics and Automation 6, 1990).
 
 use super::frames::ModelFrames;
 use robovec_model::Axis;
@@ -81,7 +81,7 @@ impl GroupedInertia {
         }
     }
 
-    /// Takes out what the body before a revolute joint may have instead.
+    /// Removes the part that the body before a revolute joint may have instead.
     fn split_revolute(&mut self, axis: usize) -> GroupedInertia {
         let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
         let across = self.moments[b][b];

@@ -1,9 +1,9 @@
-//! Mass, first moment and moments of inertia of sets of bodies, and the forces
-//! that joints carry: what composite-body recursions pass from frame to frame.
+//! Mass, first moment and moments of inertia of sets of bodies, and the forces in joints:
+//! the quantities that composite-body recursions transform from frame to frame.
 //!
-//! Both are moved across a joint the same way: turned by its one rotation,
-//! then referred to the parent's origin. Zeros of offsets and inertias cost
-//! nothing, because sums drop them.
+//! Both are moved across a joint the same way: turned by its one rotation, then
+//! referred to the parent's origin. Zeros of offsets and inertias cost no
+//! operation, because sums drop them.
 
 use super::algebra::{Scalar, Sum};
 use super::equations::{Equations, QuantityLabel};
@@ -103,7 +103,7 @@ impl SumInertia {
         self.add_body(equations, joint, mass, moments, center);
     }
 
-    /// Adds what a child carries, referred to the origin of its parent.
+    /// Adds the inertia of a child, referred to the origin of its parent.
     pub(super) fn add_child(
         &mut self,
         equations: &mut Equations,
@@ -125,10 +125,10 @@ impl SumInertia {
         self.refer(equations, ("HS", "SS"), child, &turned, offset);
     }
 
-    /// Adds a first moment and what it changes about an origin that lies
-    /// `offset` before the inertia's own. With `k = h + m d` the moments change
-    /// by `d.(h + k) E` minus `k d + d h`: no product of two lengths and a
-    /// mass is written twice.
+    /// Adds a first moment and its contribution to the inertia about an origin
+    /// that lies `offset` before the inertia's own. With `k = h + m d` the
+    /// moments change by `d.(h + k) E` minus `k d + d h`: no product of two
+    /// lengths and a mass is written twice.
     fn refer(
         &mut self,
         equations: &mut Equations,
@@ -240,7 +240,7 @@ impl Inertia {
         composites
     }
 
-    /// Nothing.
+    /// The inertia of an empty body.
     const NONE: Inertia = Inertia {
         mass: Scalar::ZERO,
         first: ZERO,

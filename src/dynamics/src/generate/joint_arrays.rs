@@ -6,7 +6,7 @@ use super::algebra::Scalar;
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum IndexMeaning {
-    /// Something else, or nothing.
+    /// Any other parent, or none.
     Other,
     /// The bodies that joints move.
     Body,
@@ -30,8 +30,8 @@ fn meanings(array: &str) -> [IndexMeaning; 2] {
     }
 }
 
-/// The number of the joint of each frame, both from 1, and whether it is
-/// reversed.
+/// The number of the joint of each frame, both from 1, and a flag: true when it
+/// is reversed.
 #[derive(Clone, Default, Debug)]
 pub(super) struct JointNumbers {
     /// By frame: 0 for a constant rotation. Empty where frames are joints.
@@ -40,8 +40,8 @@ pub(super) struct JointNumbers {
 }
 
 impl JointNumbers {
-    /// The indices of an element in arrays of joints, and whether its sign
-    /// changes; `None` for one of a constant rotation.
+    /// The indices of an element in arrays of joints, and a flag: true when its
+    /// sign changes; `None` for one of a constant rotation.
     pub(super) fn element(&self, array: &str, mut indices: [u32; 2]) -> Option<([u32; 2], bool)> {
         if self.numbers.is_empty() {
             return Some((indices, false));

@@ -1,8 +1,8 @@
 //! Forces and torques on bodies, collected from force elements: the columns of
 //! `frc` and `trq`.
 //!
-//! They act on a body's centre of mass, in its frame, and are added to what
-//! the caller has put there.
+//! They act on a body's centre of mass, in its frame, and are added to the
+//! loads of the caller.
 
 use super::algebra::{Scalar, Sum};
 use super::equations::{Equations, QuantityLabel};

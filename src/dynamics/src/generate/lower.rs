@@ -1,9 +1,9 @@
 //! From generated equations to a function of the representation.
 //!
-//! Only what the outputs need is written: a backward sweep marks it, a forward
-//! sweep appends the trees. Arrays get the extents and the order that the
-//! reader of Robotran's files gives them, so that a function does not change
-//! during the run through a file.
+//! Only equations on which outputs depend are written: a backward sweep marks
+//! them, a forward sweep appends the trees. Arrays get the extents and the
+//! order that the reader of Robotran's files gives them, so that a function
+//! does not change during the run through a file.
 
 use super::algebra::{ProductFactor, Scalar, SignedProduct, Sum};
 use super::equations::{Atom, Equations, RightHandSide};
@@ -177,8 +177,8 @@ fn mark(sum: &Sum, needed: &mut [bool], pending: &mut Vec<u32>) {
     }
 }
 
-/// Declares the arrays of which elements are read; the flattened input of every
-/// atom that is one.
+/// Declares the arrays with elements that are read; returns the flattened input
+/// of every atom that is one.
 fn declare_inputs(
     equations: &Equations,
     extents: &Extents,

@@ -2,10 +2,10 @@
 //!
 //! A *formulation* is a recursion over the tree of joints. It is carried out
 //! with symbols: every component it computes becomes an equation, unless it is
-//! zero, a copy or known already ([`equations`]). What the outputs do not need
-//! is dropped at the end ([`lower`]). All conventions are Robotran's: names of
-//! arrays, indices from 1, `M qdd + c = Qq`, forces and torques of a body at
-//! its centre of mass and in its frame.
+//! zero, a copy or known already ([`equations`]). Equations that the outputs do
+//! not need are dropped at the end ([`lower`]). All conventions are Robotran's:
+//! names of arrays, indices from 1, `M qdd + c = Qq`, forces and torques of a
+//! body at its centre of mass and in its frame.
 
 // An axis is an index into several vectors at once.
 #![allow(clippy::needless_range_loop)]
@@ -68,11 +68,11 @@ use robovec_model::Model;
 use robovec_robotran::FunctionKind;
 use thiserror::Error;
 
-/// In which order the terms of a backward sum are written. It decides the
-/// critical path of the equations as printed, and nothing else.
+/// In which order the terms of a backward sum are written. It affects only the
+/// critical path of the unoptimised equations.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum TermOrder {
-    /// The body's own terms, then what its children carry.
+    /// The body's own terms, then those of its children.
     #[default]
     OwnFirst,
     /// Loads of the children, then the body's own terms.
@@ -105,7 +105,7 @@ pub struct Options {
     /// is negative; otherwise signs are moved to where they cost nothing.
     pub leading_signs: bool,
     /// Multiply out lever arms and `OM x (I OM)`, as Robotran prints them,
-    /// instead of naming what is used twice.
+    /// instead of naming repeated parts.
     pub expanded: bool,
     /// Use that `sin^2 + cos^2 = 1`. Without it the equations hold for any
     /// substitute of sine and cosine.
@@ -117,10 +117,10 @@ pub struct Options {
     /// with `M qdd + c = Qq + Jac^T Lambda`, those of the loops first; zero for
     /// redundant rows. And the forces `Qc` that move driven joints.
     pub multipliers: bool,
-    /// Rows of constraints that the user computes, in their own inputs:
-    /// their values `huserc`, their Jacobian `Juserc` by all joints, and what
-    /// remains of their second derivative, `jdqduserc`. As many joints that
-    /// the model names dependent, beside those of the loops, follow from them.
+    /// Number of rows of constraints that the user computes, in their own inputs: their
+    /// values `huserc`, their Jacobian `Juserc` by all joints, and the velocity terms of
+    /// their second derivative, `jdqduserc`. The same number of joints that the model
+    /// names dependent, besides those of the loops, follow from them.
     pub user_constraints: usize,
 }
 
@@ -148,7 +148,7 @@ pub struct GenerationRequest {
     pub function: FunctionKind,
     /// The recursion.
     pub formulation: Formulation,
-    /// Everything else.
+    /// All other options.
     pub options: Options,
 }
 
@@ -204,25 +204,25 @@ pub enum GenerateError {
         /// The names of those that give it.
         possible: String,
     },
-    /// The formulation knows no constraints.
+    /// The formulation supports no constraints.
     #[error("the formulation '{formulation}' does not support constraints; these do: {possible}")]
     NoLoops {
         /// The name of the formulation.
         formulation: &'static str,
-        /// The names of those that close them.
+        /// The names of the formulations that close them.
         possible: String,
     },
-    /// The formulation knows no forces of driven joints.
+    /// The formulation gives no forces of driven joints.
     #[error(
         "the formulation '{formulation}' gives no forces of driven joints; these do: {possible}"
     )]
     NoDriveForces {
         /// The name of the formulation.
         formulation: &'static str,
-        /// The names of those that give them.
+        /// The names of the formulations that give them.
         possible: String,
     },
-    /// The formulation uses what the options forbid.
+    /// The formulation needs identities that the options forbid.
     #[error(
         "the formulation '{formulation}' needs sin^2 + cos^2 = 1, which the options exclude; \
          'recursive' does not need it"
@@ -231,7 +231,7 @@ pub enum GenerateError {
         /// The name of the formulation.
         formulation: &'static str,
     },
-    /// The function uses what the options forbid, in every formulation.
+    /// The function needs identities that the options forbid, in every formulation.
     #[error(
         "{function} needs sin^2 + cos^2 = 1, and the cosine as the derivative of the sine, which \
          the options exclude; the pass 'trigonometry' may replace sines and cosines afterwards"
@@ -246,7 +246,7 @@ pub enum GenerateError {
          what it moves has no mass or inertia in that direction"
     )]
     Singular(String),
-    /// Constraints of the user have no joints that follow from them.
+    /// Constraints of the user have no dependent joints.
     #[error(
         "{rows} user constraint(s) determine as many dependent joints beside the {of_loops} of \
          the loops, and the model names {left}: set the nature of the joints to 'dependent'"
@@ -276,7 +276,7 @@ pub enum GenerateError {
          other joints may"
     )]
     Unactuated,
-    /// Derivatives would need those of what the user computes.
+    /// Derivatives would need those of the user's computations.
     #[error(
         "{function} needs the derivatives of constraints that the user computes, which are not \
          known"
@@ -285,7 +285,7 @@ pub enum GenerateError {
         /// The name of the function.
         function: &'static str,
     },
-    /// There is nothing to linearise.
+    /// There is no motion to linearise.
     #[error("no joint of '{0}' moves freely")]
     Motionless(String),
     /// The equations cannot be differentiated.

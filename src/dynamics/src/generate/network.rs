@@ -1,12 +1,12 @@
 //! Networks that combine values along all paths of a tree.
 //!
 //! A recursion from joint to joint is as deep as the tree. When a step is
-//! associative, the values of a path can be combined in another order: in
-//! depth `log2 n` (Sklansky) with some `n/2 log2 n` combinations, in `2 log2 n`
-//! (Brent and Kung) with at most `2 n`, or one after another with `n`. What is
-//! combined are blocks of a path that begin at multiples of a power of two,
-//! counted from the root. Such blocks depend on the ancestors alone, so all
-//! branches beyond a joint share the blocks before it.
+//! associative, the values of a path can be combined in another order: in depth
+//! `log2 n` (Sklansky) with some `n/2 log2 n` combinations, in `2 log2 n`
+//! (Brent and Kung) with at most `2 n`, or one after another with `n`. The
+//! combined blocks of a path begin at multiples of a power of two, counted from
+//! the root. Such blocks depend on the ancestors alone, so all branches beyond
+//! a joint share the blocks before it.
 
 /// In which order values along a path are combined.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -119,8 +119,8 @@ impl JointPaths<'_> {
         combined
     }
 
-    /// The joint at place p (from 1) first gathers the block of as many joints
-    /// as the largest power of two that divides p, then all that comes before.
+    /// The joint at place p (from 1) first combines a block whose length is the
+    /// largest power of two that divides p, then all blocks before it.
     fn brent_kung<T: Copy>(
         &self,
         values: &[T],
@@ -159,9 +159,9 @@ impl JointPaths<'_> {
 /// Sums of values over the joints beyond every joint, itself included. The tree
 /// is cut into chains, each as long as it can be; along a chain the network
 /// adds, and where a chain ends on another its whole sum is added to the value
-/// there. Nothing is ever subtracted. `add` gets the joint whose sum (or part of
+/// there. There are no subtractions. `add` gets the joint whose sum (or part of
 /// a sum: the block reaches from the joint `start` places towards the leaf) it
-/// makes, and what to add.
+/// makes, and the terms to be added.
 pub(super) fn subtrees<T: Copy>(
     network: PrefixNetwork,
     parents: &[Option<usize>],

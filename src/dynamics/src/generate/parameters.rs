@@ -1,4 +1,4 @@
-//! The symbols of a model: what its parameters and its state are called in the
+//! The symbols of a model: the names of its parameters and of its state in the
 //! equations.
 //!
 //! A parameter that the model gives as zero is a structural zero: it never
@@ -145,8 +145,8 @@ impl<'m> ModelParameters<'m> {
         }
     }
 
-    /// The same with inertias as numbers, of which as much as possible is moved
-    /// to the bodies before (see [`super::grouping`]).
+    /// The same with inertias as numbers, as much as possible moved to the
+    /// bodies before (see [`super::grouping`]).
     pub(super) fn grouped(
         frames: &'m ModelFrames<'m>,
         options: &Options,
@@ -254,7 +254,7 @@ struct Properties {
 }
 
 impl Properties {
-    /// Those of the body a joint moves. A fictitious body has none, unless all
+    /// Those of the body of a joint. A fictitious body has none, unless all
     /// symbols are requested: then it has zeros.
     fn of(model: &Model, joint: usize, all: bool) -> Option<Properties> {
         match model.body_of(joint) {
@@ -332,8 +332,8 @@ impl ParameterSource<'_> {
         })
     }
 
-    /// The external force or torque, by the name of its array, on what a
-    /// joint moves.
+    /// The external force or torque, by the name of its array, on the body of a
+    /// joint.
     fn load(&mut self, model: &Model, name: &str, joint: usize) -> Vector {
         if self.options.external_forces && self.moved(model, joint).is_some() {
             [1, 2, 3].map(|k| self.equations.input(name, &[k, joint + 1]))

@@ -1,7 +1,7 @@
 //! The prefix form: `M` and `c` in logarithmic depth.
 //!
 //! In one common frame every recursion from joint to joint is a sum or a
-//! product over the path, and what joints carry is a sum over the joints
+//! product over the path, and the load of a joint is a sum over the joints
 //! beyond; a network ([`super::network`]) combines them in any depth between
 //! logarithmic and linear. With `z_i` the axis of joint i, `D_i` the lever to
 //! its origin, both in the axes of the reference, and h the joint before it:
@@ -118,7 +118,7 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
         }
     }
 
-    /// The twists of all joints, and what they carry.
+    /// The twists of all joints, and their loads.
     fn loads(&mut self) -> (Vec<Twist>, Vec<CompositeLoad>) {
         let stem = self.stem();
         let Motions { poses, motions } = self.motions(&stem);
@@ -131,7 +131,7 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
         (poses.iter().enumerate().map(twist).collect(), loads)
     }
 
-    /// The components of what joints carry along their axes.
+    /// The components of the joints' loads along their axes.
     fn forces(&mut self, twists: &[Twist], loads: &[CompositeLoad]) -> Vec<Scalar> {
         let force = |(joint, load): (usize, &CompositeLoad)| {
             if self.behind[joint] {
@@ -154,7 +154,7 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
     }
 
     /// The parents of the joints that networks combine; joints of stems and
-    /// hubs are alone.
+    /// hubs have none.
     fn forest(&self) -> Vec<Option<usize>> {
         (0..self.behind.len())
             .map(|joint| {

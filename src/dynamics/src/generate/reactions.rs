@@ -22,8 +22,8 @@ use robovec_model::Nature;
 pub(super) struct ForceBalance<'a> {
     /// `c` of all joints.
     pub(super) bias: &'a [Scalar],
-    /// `Qq - c` of joints that are not driven, less what given accelerations
-    /// take.
+    /// `Qq - c` of joints that are not driven, minus the forces for given
+    /// accelerations.
     pub(super) forces: &'a [Scalar],
     /// `qdd` of all joints.
     pub(super) accelerations: &'a [Scalar],

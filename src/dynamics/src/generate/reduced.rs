@@ -10,9 +10,9 @@
 //! Mr qdd_u = f_u - Muv b + B^T (f_v - Mvv b),    f = Qq - c - M_c qdd_c
 //! ```
 //!
-//! Rows `A qdd_u + g = 0` that the user computes are satisfied by separate
-//! multipliers, `(A Mr^-1 A^T) mu = -g - A Mr^-1 f_r`: their Jacobian is not
-//! known before, and this matrix is positive definite whatever it is.
+//! Rows `A qdd_u + g = 0` that the user computes are satisfied by separate multipliers,
+//! `(A Mr^-1 A^T) mu = -g - A Mr^-1 f_r`: their Jacobian is not known before, and this
+//! matrix is positive definite for any Jacobian of full rank.
 //!
 //! The accelerations of driven joints c are inputs. Positions and velocities
 //! must satisfy the loops. Which joints depend and which rows are redundant are

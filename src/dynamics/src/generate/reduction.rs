@@ -234,7 +234,7 @@ impl CoordinateReduction<'_, '_, '_> {
     }
 }
 
-/// `Qq - c` of a joint, less what given accelerations take.
+/// `Qq - c` of a joint, minus the forces for given accelerations.
 pub(super) fn residual_input(
     equations: &mut Equations,
     joint: usize,

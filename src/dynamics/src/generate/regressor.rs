@@ -2,12 +2,12 @@
 //! inertias of bodies.
 //!
 //! `Qq = Y(q, qd, qdd) p` without external forces, where `p` holds ten numbers
-//! for each joint: of the body it moves the mass, the first moment `m l` and the
-//! moments of inertia about the origin of its frame, `I11 I12 I13 I22 I23 I33`.
-//! Joints of fictitious bodies have columns of zeros. With the acceleration `AF`
-//! of the origin minus gravity and `BE = ~OA + ~OM ~OM` a body takes the force
-//! `m AF + BE h` and the torque `h x AF + I OA + OM x I OM`, whose columns
-//! are carried to the joints before it.
+//! for each joint: of the body it moves the mass, the first moment `m l` and
+//! the moments of inertia about the origin of its frame, `I11 I12 I13 I22 I23
+//! I33`. Joints of fictitious bodies have columns of zeros. With the
+//! acceleration `AF` of the origin minus gravity and `BE = ~OA + ~OM ~OM` the
+//! force on a body is `m AF + BE h` and the torque `h x AF + I OA + OM x I OM`,
+//! whose columns are transformed to the joints before it.
 
 use super::Options;
 use super::algebra::{Scalar, Sum};

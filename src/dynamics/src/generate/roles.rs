@@ -110,13 +110,13 @@ pub(super) struct ReactionRoles {
     /// multipliers of the loops, in the order of pivots.
     pub(super) of_loops: Vec<usize>,
     pub(super) rows: Vec<usize>,
-    /// Those left for the multipliers of the user's constraints.
+    /// Those available for the multipliers of the user's constraints.
     pub(super) of_user: Vec<usize>,
 }
 
 impl ReactionRoles {
-    /// Decides where forces act, at the closed initial state; in frames, as the
-    /// roles are.
+    /// Decides the points of forces, at the closed initial state; frames are
+    /// those of the roles.
     pub(super) fn new(
         frames: &ModelFrames<'_>,
         roles: &JointRoles,
@@ -208,8 +208,8 @@ pub fn constraints(model: &Model) -> Result<LoopConstraints, GenerateError> {
     Ok(LoopConstraints::new(model, format, position, row_cuts))
 }
 
-/// The independent joints, from 0, ascending: those whose accelerations the
-/// others follow from.
+/// The independent joints, from 0, ascending: the accelerations of all others
+/// follow from theirs.
 ///
 /// # Errors
 ///
@@ -230,7 +230,7 @@ pub fn redundant_rows(model: &Model) -> Result<Vec<usize>, GenerateError> {
 }
 
 /// The cut, from 0, of each row of the constraints. The equations leave out
-/// rows that no joint changes; how many a cut keeps is seen when it is
+/// rows that no joint changes; the number that a cut keeps is known when it is
 /// alone.
 ///
 /// # Errors

@@ -1,18 +1,18 @@
 //! Change of accelerations: the inverse of the mass matrix, and the derivatives
 //! of forward dynamics.
 //!
-//! `M(q) qdd + c(q, qd) = Qq` holds whatever changes, so that with the
+//! `M(q) qdd + c(q, qd) = Qq` holds for all changes, so that with the
 //! derivatives of the forces of inverse dynamics at these accelerations
 //!
 //! ```text
 //! qdd_q = -M^-1 Qq_q      qdd_qd = -M^-1 Qq_qd      qdd_Qq = M^-1
 //! ```
 //!
-//! `M` is eliminated once, in the order that keeps a tree's zeros, and solved for
-//! every column: an inverse that is multiplied would take no fewer operations for
-//! a chain and more for a tree. Driven joints move as prescribed: they have
-//! columns, and their own accelerations change by nothing. Loops are not closed
-//! here.
+//! `M` is eliminated once, in the order that keeps a tree's zeros, and solved
+//! for every column: an inverse that is multiplied would take no fewer
+//! operations for a chain and more for a tree. Driven joints move as
+//! prescribed: they have columns, and the changes of their own accelerations
+//! are zero. Loops are not closed here.
 
 use super::algebra::Scalar;
 use super::composite::{self, MassAndBias};

@@ -56,7 +56,7 @@ pub(super) const ALL: Asks = Asks {
     jacobian: true,
 };
 
-/// Joint accelerations as far as the model has symbols for them.
+/// Joint accelerations, if the model has symbols for them.
 pub(super) fn accelerations(equations: &mut Equations, model: &Model) -> Vec<Scalar> {
     let joints = model.joints.iter().enumerate();
     joints

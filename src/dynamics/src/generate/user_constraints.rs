@@ -2,10 +2,10 @@
 //!
 //! Values, Jacobian and quadratic terms are inputs, so that nothing is known of
 //! their structure: any joint may appear in any row, and no order of pivots is
-//! known to be a good one. What is solved with them is therefore solved by
-//! means that need none: the multipliers of accelerations have a symmetric
-//! positive definite matrix, and joints that follow are found from the
-//! equations for a solution of least length ([`solve_unknown`]).
+//! known to be a good one. They are therefore solved without pivoting: the
+//! multipliers of accelerations have a symmetric positive definite matrix, and
+//! dependent joints are found from the equations for a solution of least length
+//! ([`solve_unknown`]).
 //!
 //! With the joints of loops eliminated, `x_v = rest + B x`, a row
 //! `A x + A_v x_v + a = 0` becomes `(A + A_v B) x + (a + A_v rest) = 0`.
@@ -97,7 +97,7 @@ pub(super) struct BoundAccelerations {
 
 impl BoundAccelerations {
     /// The multipliers of the rows, from accelerations without them and from
-    /// what each row's own column does to accelerations.
+    /// the effect of each row's own column on accelerations.
     pub(super) fn multipliers(
         &self,
         equations: &mut Equations,
@@ -156,7 +156,7 @@ impl BoundAccelerations {
 
 /// Solves `A x = -rest` for a square matrix of which nothing is known, without
 /// pivots: `A A^T y = -rest`, `x = A^T y`. The matrix of `y` is positive
-/// definite, but its condition is that of `A` squared, so that what is left is
+/// definite, but its condition is that of `A` squared, so that the residual is
 /// solved for once more. A singular `A` gives no numbers.
 pub(super) fn solve_unknown(equations: &mut Equations, system: &ReducedRows) -> Vec<Scalar> {
     let matrix = &system.matrix;
@@ -188,7 +188,7 @@ pub(super) fn solve_unknown(equations: &mut Equations, system: &ReducedRows) -> 
     sums.collect()
 }
 
-/// `A^T (A A^T)^-1 b`; names of what is on the way and of the result.
+/// `A^T (A A^T)^-1 b`; names of intermediate values and of the result.
 fn least(
     equations: &mut Equations,
     matrix: &[Vec<Scalar>],

@@ -52,7 +52,7 @@ impl ClosingLimits {
     }
 }
 
-/// A model and the constraints that its loops put on it.
+/// A model and the constraints from its loops.
 pub struct LoopClosure<'a> {
     /// The model.
     pub model: &'a Model,
@@ -99,7 +99,7 @@ impl LoopClosure<'_> {
     }
 
     /// Moves the dependent joints until the loops are closed, and gives them
-    /// the velocities that keep them so.
+    /// consistent velocities.
     ///
     /// # Errors
     ///
@@ -113,7 +113,7 @@ impl LoopClosure<'_> {
     ///
     /// # Errors
     ///
-    /// As there.
+    /// As in that state.
     pub fn close_in_rounds(
         &self,
         state: &mut MotionState,
@@ -199,9 +199,9 @@ impl LoopClosure<'_> {
         true
     }
 
-    /// The state with the dependent joints moved by one round of Newton's
-    /// method, and with the velocities that the loops ask for where they are
-    /// now: what stabilisation pulls the state towards.
+    /// The state with the dependent joints moved by one iteration of Newton's
+    /// method, and with the velocities that the loops require at their present
+    /// positions: the target of stabilisation.
     ///
     /// # Errors
     ///

@@ -115,7 +115,7 @@ impl CompiledFunction {
     }
 
     /// The places, from 0, of the elements that the function sets in an array
-    /// with one number for each joint or row, in the order it sets them.
+    /// with one number for each joint or row, in the order of the assignments.
     pub fn assigned(&self, name: &str) -> Vec<usize> {
         let found = self.outputs.iter().find(|array| array.0 == name);
         let places = found.into_iter().flat_map(|&(_, first, shape)| {
@@ -141,8 +141,8 @@ impl CompiledFunction {
 }
 
 impl EvaluatedOutputs<'_> {
-    /// An array; empty where the function does not have it, as everything in
-    /// it is zero.
+    /// An array; empty where the function does not have it, as all its elements
+    /// are zero.
     fn array(&self, name: &str) -> (Shape, &[f64]) {
         let found = self.compiled.outputs.iter().find(|array| array.0 == name);
         match found {

@@ -46,7 +46,7 @@ impl LoopConstraints {
         self.row_cuts.len()
     }
 
-    /// The cut, from 0, that a row belongs to.
+    /// The cut of a row, from 0.
     pub fn cut_of(&self, row: usize) -> usize {
         self.row_cuts[row]
     }

@@ -2,11 +2,11 @@
 
 use thiserror::Error;
 
-/// Reason why a model cannot be brought into a state, or its equations mean
-/// nothing there.
+/// Reason why a model cannot be brought into a state, or its equations are
+/// undefined there.
 #[derive(Clone, PartialEq, Debug, Error)]
 pub enum StateError {
-    /// The equations read something that the model does not have.
+    /// The equations read an element that the model does not have.
     #[error("the function '{function}' reads {element}, which the model does not have")]
     Element {
         /// The function.

@@ -30,7 +30,7 @@ pub struct MotionState {
 }
 
 impl MotionState {
-    /// The direction in which nothing changes.
+    /// The direction without any change.
     pub fn none(model: &Model) -> MotionState {
         let mut state = MotionState::initial(model);
         for numbers in [&mut state.q, &mut state.qd, &mut state.qdd] {
@@ -93,8 +93,8 @@ impl InputSources {
         InputSources::with_numbers(model, view, |_, _| None)
     }
 
-    /// Does as [`InputSources::new`], with numbers for elements that the model
-    /// does not have: what a user gives beside it.
+    /// Does as [`InputSources::new`], with numbers from the user for elements
+    /// that the model does not have.
     ///
     /// # Errors
     ///

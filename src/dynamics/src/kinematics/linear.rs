@@ -176,8 +176,7 @@ pub fn solve_positive(
     Ok(right)
 }
 
-/// One step of an elimination: the row and the column it takes, and how large
-/// the pivot is.
+/// One step of an elimination: its row and column, and the size of the pivot.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Pivot {
     /// Row of the matrix.

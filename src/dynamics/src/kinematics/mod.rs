@@ -1,9 +1,9 @@
 //! Models in a state: the inputs that their equations read there, and their
 //! loops closed.
 //!
-//! Equations are given to this room ready made, so that their generator can
-//! use it to choose dependent joints and pivots, and whoever moves a model in
-//! time uses the same Newton steps.
+//! This module takes equations as input, so that their generator can use it to
+//! choose dependent joints and pivots, and simulations in time use the same
+//! Newton steps.
 
 mod closing;
 mod compiled;

@@ -1,5 +1,5 @@
-//! The equations of a model, evaluated: what the generator writes, what
-//! passes make of it, in the arithmetic of a target.
+//! The equations of a model, evaluated: those of the generator, after passes,
+//! in the arithmetic of a target.
 
 use super::MotionError;
 use super::generated_loops::GeneratedLoops;
@@ -20,25 +20,25 @@ pub struct EquationSetting<'a> {
     pub formulation: Formulation,
     /// Passes that are run over them, and their machine.
     pub passes: Option<(&'a Pipeline, &'a Machine)>,
-    /// The numbers they are evaluated in. What surrounds them (linear
-    /// solutions, integration) stays in binary64.
+    /// The numbers they are evaluated in. The surrounding computations (linear
+    /// solutions, integration) are in binary64.
     pub format: Format,
-    /// Take accelerations from the function `accelred` instead of solving
-    /// `M qdd + c = Qq`. Formulations that give nothing else are taken so
-    /// whatever is asked.
+    /// Take accelerations from the function `accelred` instead of solving `M
+    /// qdd + c = Qq`. Formulations that give nothing else are used without
+    /// linear solutions for any request.
     pub accelerations: bool,
     /// Take the loops' positions and velocities and all accelerations from the
     /// generated functions of the whole step (`loop_positions`,
-    /// `loop_velocities`, `accelred`). What the model is watched by (residuals,
-    /// the work of drives) then comes from its equations as they are generated,
+    /// `loop_velocities`, `accelred`). The monitored quantities of the model
+    /// (residuals, the work of drives) then come from its generated equations,
     /// in binary64.
     pub whole_step: bool,
     /// A scene that the passes use in the equations of motion (`dirdyna`,
-    /// `accelred`), and how these are generated for it. Positions, loops and
-    /// links stay those of the model.
+    /// `accelred`), and the options with which these are generated for it.
+    /// Positions, loops and links stay those of the model.
     pub scene: Option<(&'a Scene, &'a Options)>,
     /// A program that gives some of the outputs of the equations of motion in
-    /// separate numbers; the others stay as they are.
+    /// separate numbers; the others are unchanged.
     pub program: Option<(&'a Module, Format)>,
 }
 
@@ -150,7 +150,7 @@ impl MotionEquations {
         &self.constraints
     }
 
-    /// The generated functions that close the loops, where they do.
+    /// The generated functions that close the loops, if they do.
     pub(super) fn generated_loops(&self) -> Option<&GeneratedLoops> {
         self.loops.as_ref()
     }
@@ -288,7 +288,7 @@ impl MotionEquations {
         )
     }
 
-    /// Adds to the derivatives of forces and torques on bodies what links give.
+    /// Adds the derivatives of the forces of links to those of forces and torques on bodies.
     pub(super) fn add_links_along(&self, state: &MotionState, direction: &mut MotionState) {
         if let Some(compiled) = &self.links {
             let outputs = compiled.evaluate_along(state, direction);
@@ -296,8 +296,8 @@ impl MotionEquations {
         }
     }
 
-    /// Adds to the derivatives of forces and torques on bodies what external
-    /// forces give.
+    /// Adds the derivatives of external forces to those of forces and torques
+    /// on bodies.
     pub(super) fn add_forces_along(&self, state: &MotionState, direction: &mut MotionState) {
         if let Some(compiled) = &self.forces {
             let outputs = compiled.evaluate_along(state, direction);
@@ -317,7 +317,7 @@ fn point_motions(outputs: &EvaluatedOutputs<'_>, count: usize) -> Vec<[[f64; 3];
         .collect()
 }
 
-/// A program as it is evaluated in its own numbers.
+/// A program evaluated in its own numbers.
 fn program(
     model: &Model,
     (module, format): (&Module, Format),

@@ -1,9 +1,9 @@
 //! Equilibria of a model under its laws.
 //!
-//! Newton's method on the reduced equations `T^T (c - Q) = 0` at rest, with their
-//! derivative `K` ([`super::linearise`]). Steps are halved until the residual is
-//! smaller. Coordinates that nothing holds (a car may be anywhere along the
-//! road) keep their value, as long as no force asks for another one.
+//! Newton's method on the reduced equations `T^T (c - Q) = 0` at rest, with
+//! their derivative `K` ([`super::linearise`]). Steps are halved until the
+//! residual is smaller. Coordinates without stiffness (a car may be anywhere
+//! along the road) keep their value, as long as no force acts on them.
 
 use super::MotionError;
 use super::linearise::SmallMotions;
@@ -19,7 +19,7 @@ pub struct Equilibrium {
     /// Small motions around it.
     pub motions: SmallMotions,
     /// Bound of each independent joint's distance from its position without
-    /// rounding, m or rad; `None` for one that nothing holds.
+    /// rounding, m or rad; `None` for a coordinate without stiffness.
     pub errors: Vec<Option<f64>>,
     /// Rounds of Newton's method.
     pub rounds: u32,
@@ -32,7 +32,7 @@ const ROUNDS: u32 = 200;
 const HALVINGS: u32 = 30;
 
 /// Pivots of the stiffness smaller than this, relative to the largest, are
-/// rounding: nothing holds the coordinate.
+/// rounding: the coordinate has no stiffness.
 const RANK: f64 = 1e-12;
 
 impl MultibodySystem<'_> {
@@ -42,7 +42,7 @@ impl MultibodySystem<'_> {
     /// # Errors
     ///
     /// [`MotionError::NoEquilibrium`] where the search does not end, or a force
-    /// moves a coordinate that nothing holds; otherwise as a simulation.
+    /// moves a coordinate without stiffness; otherwise as a simulation.
     pub fn equilibrium(&mut self, near: &MotionState) -> Result<Equilibrium, MotionError> {
         let mut here = self.at_rest(near, &near.q)?;
         let mut motions = self.linearise(&here)?;
@@ -84,8 +84,8 @@ impl MultibodySystem<'_> {
         })
     }
 
-    /// Takes a step, or the longest half of a half of it that leaves less over;
-    /// false when none does.
+    /// Takes a step, or the longest repeatedly halved step that decreases the
+    /// residual; false when none does.
     fn advance(
         &mut self,
         here: &mut MotionState,
@@ -134,8 +134,8 @@ impl MultibodySystem<'_> {
 /// relative to the largest position.
 const NEAR: f64 = 1e-9;
 
-/// By how much more than what may be rounding in the largest component a force
-/// may be on a coordinate that nothing holds.
+/// Factor between the possible rounding error of the largest component and the
+/// largest force that a coordinate without stiffness may have.
 const SLACK: f64 = 1e3;
 
 /// Rows of the residual by the size of their stiffness, so that metres and
@@ -159,7 +159,7 @@ fn size(residual: &[f64], weights: &[f64]) -> f64 {
     scaled.map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// The coordinates that something holds, as pivots of the stiffness.
+/// The coordinates with stiffness, as pivots of the stiffness matrix.
 fn held(motions: &SmallMotions) -> Vec<Pivot> {
     // Rows are scaled, so that a soft bush beside a hard spring is no rounding.
     let weight = weights(motions);
@@ -173,7 +173,7 @@ fn held(motions: &SmallMotions) -> Vec<Pivot> {
     eliminate(scaled, &vec![1.0; count], RANK)
 }
 
-/// `K^-1 numbers` for the coordinates that something holds, zero for others.
+/// `K^-1 numbers` for the coordinates with stiffness, zero for others.
 fn newton(motions: &SmallMotions, pivots: &[Pivot], numbers: &[f64]) -> Option<Vec<f64>> {
     assert_eq!(
         numbers.len(),
@@ -194,7 +194,7 @@ fn newton(motions: &SmallMotions, pivots: &[Pivot], numbers: &[f64]) -> Option<V
     Some(step)
 }
 
-/// By how much coordinates may be off where each row may be by its bound.
+/// Possible errors of coordinates when the error of each row is up to its bound.
 fn uncertainty(motions: &SmallMotions, pivots: &[Pivot], bound: &[f64]) -> Vec<Option<f64>> {
     let mut errors: Vec<Option<f64>> = vec![None; motions.joints.len()];
     for pivot in pivots {

@@ -14,7 +14,7 @@ pub enum MotionError {
     /// A pass over the equations failed.
     #[error("the passes failed: {0}")]
     Passes(String),
-    /// A state cannot be reached, or the equations mean nothing there.
+    /// A state cannot be reached, or the equations are undefined there.
     #[error(transparent)]
     State(#[from] StateError),
     /// Forces cannot move a joint in a determined way.
@@ -38,7 +38,7 @@ pub enum MotionError {
     DeadPoint {
         /// Name of the joint with the smallest pivot.
         joint: String,
-        /// Name of the cut of the row it is in.
+        /// Name of the cut of the row.
         cut: String,
         /// The pivot, as a fraction of the smallest one of the best choice.
         pivot: f64,
@@ -66,13 +66,13 @@ pub enum MotionError {
         ))
     )]
     NoEquilibrium {
-        /// The name of a joint that a force moves and nothing holds.
+        /// The name of a joint with a force but no stiffness.
         free: Option<String>,
     },
     /// The small motions of a state have no modes in finite numbers.
     #[error("the modes cannot be computed: {0}")]
     Modes(String),
-    /// A joint whose motion is watched stays where it is.
+    /// A joint whose motion is measured does not move.
     #[error("the watched joint '{0}' does not move")]
     Still(String),
 }

@@ -1,4 +1,4 @@
-//! Events that a run is to watch for, as laws name them.
+//! Events of a run, as named by laws.
 
 use robovec_model::Model;
 use serde::Deserialize;
@@ -31,7 +31,7 @@ impl EventQuantity {
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum EventDirection {
-    /// In either.
+    /// In either direction.
     #[default]
     Both,
     /// From below.
@@ -57,14 +57,14 @@ impl EventDirection {
 pub struct EventLaw {
     /// Watched quantity.
     pub quantity: EventQuantity,
-    /// The index of the joint, or of the external force whose contact it is.
+    /// The index of the joint, or of the external force of the contact.
     #[serde(skip)]
     pub subject: usize,
     /// The value it passes.
     pub value: f64,
     /// In which direction.
     pub direction: EventDirection,
-    /// The run ends there.
+    /// The run ends at the event.
     pub stop: bool,
 }
 

@@ -27,13 +27,13 @@ pub struct EventRecord {
     pub rising: bool,
 }
 
-/// Something a run watches: an event, or a contact that the step is cut for.
+/// A monitored quantity of a run: an event, or a contact at which the step is cut.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Watched {
     law: EventLaw,
     /// The event's index; `None` for a contact without an event.
     event: Option<usize>,
-    /// On which side of its value it was last seen; `None` before it left it.
+    /// Its last side of the value; `None` before it left it.
     above: Option<bool>,
 }
 
@@ -76,7 +76,7 @@ impl EventWatch {
         }
     }
 
-    /// True when there is nothing to watch.
+    /// True when there are no events.
     pub(super) fn is_empty(&self) -> bool {
         self.watched.is_empty()
     }
@@ -110,8 +110,8 @@ impl EventWatch {
         self.watched.iter().map(signal).collect()
     }
 
-    /// Those that are on another side than they were last seen on, and whose
-    /// direction is requested.
+    /// Those whose side differs from their last one, in the requested
+    /// direction.
     pub(super) fn passed(&self, signals: &[Signal]) -> Vec<usize> {
         assert_eq!(
             signals.len(),
@@ -132,8 +132,8 @@ impl EventWatch {
         passed.map(|(place, _)| place).collect()
     }
 
-    /// Remembers the sides at a state the run has reached at `time`: what has
-    /// happened there, and whether the run is to end.
+    /// Records the sides at a state the run has reached at `time`: the events
+    /// there, and whether the run ends.
     pub(super) fn reach(&mut self, time: f64, signals: &[Signal]) -> ReachedEvents {
         let mut reached = ReachedEvents::default();
         for place in self.passed(signals) {
@@ -187,7 +187,7 @@ pub(super) struct ReachedEvents {
     pub(super) stop: bool,
 }
 
-/// On which side of zero a number is.
+/// The sign of a number as a side: true above zero, false below; `None` otherwise.
 fn side(value: f64) -> Option<bool> {
     (value != 0.0).then_some(value > 0.0)
 }
@@ -205,10 +205,10 @@ fn least_of_cubic([from, to]: [f64; 2], [down, up]: [f64; 2]) -> (f64, f64) {
     (part, at(part))
 }
 
-/// Narrows down where something happens between two times of which only the
-/// later has seen it. Every third time the interval is halved; the others aim
-/// at where a straight line through both ends passes zero, and a little beyond
-/// it as seen from the nearer end.
+/// Narrows down the time of an event between two times, of which only the later
+/// is after it. Every third time the interval is halved; the others aim at the
+/// zero of a straight line through both ends, and a little beyond it as seen
+/// from the nearer end.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct EventBracket {
     pub(super) from: f64,

@@ -1,11 +1,11 @@
 //! Free motion of trees in one arithmetic: accelerations, steps and the
 //! integrator's state.
 //!
-//! Elsewhere in this room only equations are evaluated in short numbers and
-//! the integrator keeps binary64. On a machine that does everything in one
-//! format, every step adds a small change to a state of many digits: the
-//! shorter the steps, the more of them, and the more is lost. This is the way
-//! to see it.
+//! Elsewhere in this room only equations are evaluated in short numbers and the
+//! integrator keeps binary64. On a machine with one format for everything,
+//! every step adds a small change to a state of many digits: shorter steps are
+//! more numerous, and the total rounding error is larger. These functions make
+//! it visible.
 
 use super::MotionError;
 use super::energy::{self, Momenta};
@@ -66,7 +66,7 @@ impl<'m> FreeMotion<'m> {
     /// # Errors
     ///
     /// [`MotionError::Generate`]; [`StateError::Element`] when the equations
-    /// read what the model does not have.
+    /// read an element that the model does not have.
     pub fn new(model: &'m Model, formulation: Formulation) -> Result<FreeMotion<'m>, MotionError> {
         let request = GenerationRequest {
             function: FunctionKind::Accelred,
@@ -112,8 +112,8 @@ impl<'m> FreeMotion<'m> {
         })
     }
 
-    /// Integrates from an initial state and returns how far energy and momenta
-    /// have moved; not a number when the motion does not stay finite.
+    /// Integrates from an initial state and returns the changes of energy and
+    /// momenta; not a number when the motion does not stay finite.
     pub fn drift<A: Arithmetic, S: Arithmetic>(
         &self,
         slopes: Calculus<'_, A>,

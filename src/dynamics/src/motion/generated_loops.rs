@@ -1,9 +1,9 @@
 //! Loops closed by the generated functions of the whole step.
 //!
-//! `loop_positions` is one round of Newton's method and `loop_velocities` what
-//! follows from it, both for dependent joints that are fixed when they are
-//! generated. So there is nothing to exchange near a dead point: a run that
-//! cannot be closed there ends, and reports which joint is undetermined.
+//! `loop_positions` is one iteration of Newton's method and `loop_velocities`
+//! gives the velocities, both for dependent joints that are fixed when they are
+//! generated. So no exchange is possible near a dead point: a run whose loops
+//! cannot be closed there ends, and reports the undetermined joint.
 
 use super::MotionError;
 
@@ -42,8 +42,8 @@ pub(super) struct GeneratedLoops {
 }
 
 impl GeneratedLoops {
-    /// The functions `loop_positions` and `loop_velocities` in numbers whose
-    /// neighbours are `epsilon` apart.
+    /// The functions `loop_positions` and `loop_velocities` in numbers with
+    /// relative spacing `epsilon`.
     pub(super) fn new(
         [positions, velocities]: [CompiledFunction; 2],
         epsilon: f64,
@@ -87,7 +87,7 @@ impl GeneratedLoops {
     ///
     /// # Errors
     ///
-    /// [`MotionError::DeadPoint`], and what is not finite.
+    /// [`MotionError::DeadPoint`], and results that are not finite.
     pub(super) fn close(
         &self,
         model: &Model,
@@ -116,8 +116,8 @@ impl GeneratedLoops {
         Ok(limits.rounds())
     }
 
-    /// The state with the dependent joints moved by one round, and with the
-    /// velocities that the loops ask for where they are now.
+    /// The state with the dependent joints moved by one iteration, and with the
+    /// velocities that the loops require at their present positions.
     pub(super) fn nearest(&self, state: &MotionState) -> MotionState {
         let mut near = state.clone();
         self.set_velocities(&mut near);

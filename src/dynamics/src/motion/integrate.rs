@@ -7,7 +7,7 @@
 ///
 /// # Errors
 ///
-/// Those of the right-hand side.
+/// Errors of the right-hand side.
 pub fn runge_kutta<E>(
     time: f64,
     state: &[f64],
@@ -93,7 +93,7 @@ const ERRORS: [f64; 7] = [
 ///
 /// # Errors
 ///
-/// Those of the right-hand side.
+/// Errors of the right-hand side.
 pub fn dormand_prince<E>(
     time: f64,
     state: &[f64],

@@ -1,7 +1,7 @@
 //! Laws of forces and driven motions, as a user gives them beside a model.
 //!
-//! A model holds no forces: what moves it besides gravity is in a small
-//! TOML file.
+//! A model contains no forces: its loads and driven motions, besides gravity,
+//! are in a small TOML file.
 //!
 //! ```toml
 //! [[joint]]
@@ -86,8 +86,7 @@ const SLIP: NumberLimit = NumberLimit::real(
     "friction that changes sign faster is a jump for an integrator",
 );
 
-/// The limits of the numbers of laws: name, limit, and what it is when the
-/// file does not specify it.
+/// The limits of the numbers of laws: name, limit, and the default.
 pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
     ("stiffness", LAW, "0"),
     ("damping", LAW, "0"),
@@ -139,7 +138,7 @@ pub struct Support {
     pub stiffness: [f64; 3],
     /// Force per velocity, N s/m.
     pub damping: [f64; 3],
-    /// Place where the springs hold the point, m; `None`: where it starts.
+    /// Position at which the springs hold the point, m; `None`: its initial position.
     pub place: Option<[f64; 3]>,
     /// Amplitude of the place's motion to both sides, m: a road, a rail, a
     /// shaker.
@@ -301,10 +300,10 @@ impl Laws {
     ///
     /// # Errors
     ///
-    /// Messages that point into the text (file 0): what is no TOML or no law,
-    /// a name the model does not have or that comes twice, a number beyond
-    /// its limit, a driven motion of a joint that is not driven or whose
-    /// equations hold no velocity.
+    /// Messages that point into the text (file 0): text that is no TOML or no
+    /// law, a name that the model does not have or that occurs twice, a number
+    /// beyond its limit, a driven motion of a joint that is not driven or whose
+    /// equations contain no velocity.
     pub fn parse(model: &Model, text: &str) -> Result<Laws, Vec<Diagnostic>> {
         let file: LawsFile = document::read(text).map_err(|error| vec![syntax(error)])?;
         let names: LawNames = document::read(text).map_err(|error| vec![syntax(error)])?;
@@ -397,8 +396,8 @@ struct LawReader<'e> {
 type NameRange = std::ops::Range<usize>;
 
 impl LawReader<'_> {
-    /// Reads the entries of a section into the laws of what they name; the
-    /// named indices with their places in the text.
+    /// Reads the entries of a section into the laws of the named items; returns
+    /// the indices with their places in the text.
     fn section<T: DeserializeOwned + Copy>(
         &mut self,
         what: &str,
@@ -497,7 +496,7 @@ impl LawReader<'_> {
     }
 }
 
-/// Fault of a number of an entry, if there is one.
+/// The fault in a number of an entry, if any.
 fn refused(entry: &toml::Table) -> Option<String> {
     entry.iter().find_map(|(key, value)| {
         let numbers = match value {

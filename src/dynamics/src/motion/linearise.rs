@@ -1,10 +1,10 @@
 //! The equations of motion for small motions around a state, loops and laws
 //! included.
 //!
-//! With the independent coordinates u, all positions `q(u)` close the loops, and
-//! `T = dq/du`. What the equations leave over is `T^T (M qdd + c - Q)`; multipliers
-//! `lambda` with `Jv^T lambda = (M qdd + c - Q)_v` take the rest. Small motions
-//! satisfy
+//! With the independent coordinates u, all positions `q(u)` close the loops,
+//! and `T = dq/du`. The residual of the equations is `T^T (M qdd + c - Q)`;
+//! multipliers `lambda` with `Jv^T lambda = (M qdd + c - Q)_v` take the rest.
+//! Small motions satisfy
 //!
 //! ```text
 //! Mr du'' + D du' + K du = T^T dQ
@@ -12,9 +12,9 @@
 //!
 //! Column by column, the generated functions are evaluated in dual numbers along
 //! the motion that the loops allow, so that nothing is rounded but the numbers
-//! themselves. What of `T^T` changes multiplies what the multipliers balance, so
-//! that `K` is `T^T (d(M qdd + c - Q) - dJ^T lambda)`, and what dependent
-//! accelerations change by.
+//! themselves. The change of `T^T` acts on the forces that the multipliers
+//! balance, so that `K` is `T^T (d(M qdd + c - Q) - dJ^T lambda)` plus the
+//! contribution of changed dependent accelerations.
 
 use super::MotionError;
 use super::solving::stack;
@@ -43,7 +43,7 @@ pub struct SmallMotions {
 }
 
 /// Part of a sum of terms of the size of one that may be rounding: evaluations
-/// take some dozens of operations one after the other.
+/// have some dozens of operations in sequence.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// Quantities that are the same for all directions.
@@ -273,7 +273,7 @@ impl MultibodySystem<'_> {
         Ok(around.transform.transposed_times(&left))
     }
 
-    /// The derivatives of all forces along a direction, which gets them.
+    /// The derivatives of all forces along a direction, which is completed with them.
     fn load_along(&self, around: &LinearisedState<'_>, direction: &mut MotionState) {
         let state = around.state;
         for (index, law) in self.laws.joints.iter().enumerate() {

@@ -101,7 +101,7 @@ impl MultibodySystem<'_> {
         power
     }
 
-    /// The state with every force that the laws give in it.
+    /// The state with every force of the laws.
     pub fn loaded(&self, state: &MotionState) -> MotionState {
         let mut loaded = state.clone();
         self.load(&mut loaded);

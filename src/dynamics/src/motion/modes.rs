@@ -1,10 +1,10 @@
 //! The modes of small motions: eigenvalues of `s^2 Mr + s D + K`.
 //!
-//! They are found as eigenvalues of the first-order system, in a time that makes
-//! stiffness and mass alike, and then refined where they belong: with right and
-//! left vectors x and y by inverse iteration, and Newton's step
-//! `y^H Q(s) x / y^H Q'(s) x`. The same quotient with what may be rounding in
-//! `Q(s) x` is the error (Tisseur, "Backward error and condition of polynomial
+//! They are found as eigenvalues of the first-order system, in a unit of time that gives
+//! stiffness and mass the same size, and then refined in the quadratic problem: with
+//! right and left vectors x and y by inverse iteration, and Newton's step `y^H Q(s) x /
+//! y^H Q'(s) x`. The same quotient with the possible rounding error of `Q(s) x` as
+//! numerator is the error bound (Tisseur, "Backward error and condition of polynomial
 //! eigenvalue problems", 2000, theorem 5).
 
 use super::MotionError;
@@ -20,8 +20,8 @@ pub type ComplexNumber = Complex<f64>;
 pub struct Mode {
     /// The eigenvalue, 1/s; of a pair the one above the real axis.
     pub eigenvalue: ComplexNumber,
-    /// Bound of its error by rounding, 1/s; `None` where it is one of several
-    /// that fall together and depend on rounding more than linearly.
+    /// Bound of its error by rounding, 1/s; `None` for one of several nearly
+    /// equal eigenvalues, which depend on rounding more than linearly.
     pub error: Option<f64>,
     /// The motion of every joint, the largest one 1.
     pub shape: Vec<ComplexNumber>,
@@ -166,7 +166,7 @@ impl QuadraticProblem {
         ROUNDING * total.norm()
     }
 
-    /// A unit vector that a matrix takes to nearly nothing, by inverse
+    /// A unit vector in the approximate null space of a matrix, by inverse
     /// iteration.
     fn null_vector(matrix: DMatrix<ComplexNumber>) -> DVector<ComplexNumber> {
         let count = matrix.nrows();

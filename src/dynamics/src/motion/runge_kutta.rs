@@ -7,7 +7,7 @@ use robovec_num::arithmetic::Arithmetic;
 pub struct IntegratedState<N> {
     /// Present values.
     pub numbers: Vec<N>,
-    /// Parts that additions to them left out so far.
+    /// Rounding errors of additions so far.
     rest: Vec<N>,
 }
 
@@ -16,9 +16,9 @@ pub struct IntegratedState<N> {
 pub struct TimeStep {
     /// s.
     pub step: f64,
-    /// Keep for each number what its last addition left out, and add it to the
-    /// next change (Kahan, "Further remarks on reducing truncation errors",
-    /// 1965).
+    /// Keep for each number the rounding error of its last addition, and add it
+    /// to the next change (Kahan, "Further remarks on reducing truncation
+    /// errors", 1965).
     pub compensated: bool,
 }
 

@@ -34,8 +34,8 @@ pub struct SimulationPlan {
     pub samples: u32,
     /// Way in which steps are made.
     pub method: IntegrationMethod,
-    /// Steps, rejected ones and those that look for events included, after
-    /// which the run is given up.
+    /// Maximum number of steps of a run, with rejected ones and those that
+    /// locate events.
     pub step_limit: u64,
     /// Precision of the times of events, s.
     pub event_tolerance: f64,
@@ -65,7 +65,7 @@ pub struct SimulationRun {
     pub rejected: u64,
     /// Steps that looked for the times of events.
     pub searched: u64,
-    /// Evaluations of all of them.
+    /// Total evaluations.
     pub work: EvaluationWork,
     /// The events of the laws that happened, in time.
     pub events: Vec<EventRecord>,
@@ -84,8 +84,7 @@ impl SimulationRun {
         changes.fold(0.0, f64::max)
     }
 
-    /// The range that kinetic energy went through, J: what a drift of energy
-    /// is to be compared with.
+    /// The range of the kinetic energy, J: the scale for a drift of energy.
     pub fn energy_scale(&self) -> f64 {
         let kinetic = self.samples.iter().map(|sample| sample.energy.kinetic);
         kinetic.fold(0.0, f64::max)
@@ -226,7 +225,7 @@ impl Integrator<'_, '_, '_> {
         Ok(())
     }
 
-    /// Looks at what is watched in a state that the run has reached.
+    /// Evaluates the monitored quantities in a state that the run has reached.
     fn look(&mut self, state: &MotionState) {
         if self.watch.is_empty() {
             return;
@@ -245,7 +244,7 @@ impl Integrator<'_, '_, '_> {
         self.watch.signals(system.model, &system.laws, state)
     }
 
-    /// Tries a step from where the run is.
+    /// Tries a step from the present state of the run.
     fn attempt(&mut self, time: f64, length: f64) -> Result<TriedStep, MotionError> {
         let slope = |time: f64, packed: &[f64]| self.system.slope(time, packed);
         let (next, ratio) = match self.plan.method {
@@ -271,8 +270,8 @@ impl Integrator<'_, '_, '_> {
         Ok(self.signals(&state))
     }
 
-    /// The step, or where something happens in it the shorter one to just
-    /// after the first time at which it does.
+    /// The step, or, if an event occurs in it, the shorter one to just after
+    /// the first event.
     fn cut(&mut self, time: f64, whole: TriedStep) -> Result<TriedStep, MotionError> {
         if self.watch.is_empty() {
             return Ok(whole);

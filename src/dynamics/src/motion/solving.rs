@@ -14,7 +14,7 @@ pub(super) struct SystemMotion {
 }
 
 impl MultibodySystem<'_> {
-    /// Accelerations, and the power of what is not conservative.
+    /// Accelerations, and the power of nonconservative forces.
     pub(super) fn motion(&self, state: &mut MotionState) -> Result<SystemMotion, MotionError> {
         let mut power = self.load(state);
         let accelerations = match self.equations.accelerations(state) {

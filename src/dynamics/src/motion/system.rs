@@ -1,10 +1,10 @@
 //! The differential equation of a model.
 //!
-//! The state of the integrator holds all positions, all velocities and the
-//! work done so far. Driven joints are put where their laws want them before
-//! anything is computed, and so are dependent joints where loops are projected
-//! ([`LoopKeeping`]); what the integrator predicts for them then only serves
-//! as a start.
+//! The state of the integrator has all positions, all velocities and the work
+//! done so far. Driven joints get the positions of their laws before anything
+//! is computed, and so do dependent joints where loops are projected
+//! ([`LoopKeeping`]); the integrator's prediction for them is then only a
+//! start.
 
 use super::equations::EquationSetting;
 use super::generated_loops::LoopKeeping;
@@ -20,8 +20,8 @@ pub struct MultibodySystem<'m> {
     pub(super) laws: Laws,
     /// The positions that joints start from.
     pub(super) initial: Vec<f64>,
-    /// The lengths of links there, as the equations give them. Along one axis
-    /// of the common frame they have the axis' sign, and keep it.
+    /// The lengths of links, from the equations. Along one axis of the common
+    /// frame they have the axis' sign, and keep it.
     pub(super) lengths: Vec<f64>,
     /// Places where springs hold the points of external forces.
     pub(super) places: Vec<[f64; 3]>,
@@ -31,7 +31,7 @@ pub struct MultibodySystem<'m> {
     /// First time at which the joints that generated functions move came near a
     /// dead point, s.
     weak_since: Option<f64>,
-    /// On which side of a dead point they are.
+    /// Their side of a dead point.
     side: Option<i8>,
 }
 
@@ -134,7 +134,7 @@ impl<'m> MultibodySystem<'m> {
         &self.laws
     }
 
-    /// Sets how loops are kept closed from now on.
+    /// Sets the method of closing loops from now on.
     pub fn keep_loops(&mut self, keeping: LoopKeeping) {
         self.keeping = keeping;
     }
@@ -152,7 +152,7 @@ impl<'m> MultibodySystem<'m> {
         }
     }
 
-    /// Puts driven joints where they are at the state's time.
+    /// Puts driven joints at their positions for the state's time.
     fn drive(&self, state: &mut MotionState) {
         for (index, joint) in self.model.joints.iter().enumerate() {
             if joint.nature != Nature::Driven {
@@ -167,7 +167,7 @@ impl<'m> MultibodySystem<'m> {
         }
     }
 
-    /// Positions, velocities and work, as the integrator holds them.
+    /// Positions, velocities and work, in the layout of the integrator.
     pub(super) fn pack(state: &MotionState, work: f64) -> Vec<f64> {
         let mut packed = state.q.clone();
         packed.extend_from_slice(&state.qd);
@@ -217,8 +217,8 @@ impl<'m> MultibodySystem<'m> {
         Ok(slope)
     }
 
-    /// Adds to the accelerations of dependent joints what pulls positions and
-    /// velocities back onto the constraints.
+    /// Adds to the accelerations of dependent joints the terms that return
+    /// positions and velocities to the constraints.
     fn stabilise(
         &mut self,
         state: &MotionState,
@@ -248,8 +248,8 @@ impl<'m> MultibodySystem<'m> {
     ///
     /// # Errors
     ///
-    /// [`MotionError::DeadPoint`] where fixed ones have gone past it: there
-    /// the others follow in two ways, and nothing shows which.
+    /// [`MotionError::DeadPoint`] where fixed ones have moved past it: there
+    /// the others have two possible positions, and the choice is undetermined.
     pub(super) fn renew(&mut self, state: &MotionState) -> Result<(), MotionError> {
         let constraints = self.equations.constraints();
         if constraints.rows() == 0 {

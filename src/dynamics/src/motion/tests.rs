@@ -25,9 +25,9 @@ fn accelerations(model: &Model, formulation: Formulation, state: &MotionState) -
     evaluate(view.function, &Binary64, &inputs.gather(state))
 }
 
-/// The state after closing the loops, with joint forces and velocities that
-/// are nothing special: no velocity needs to satisfy the loops for the
-/// equations between `M`, `c`, `Jac` and `Jdqd` to hold.
+/// The state after closing the loops, with arbitrary joint forces and
+/// velocities: no velocity needs to satisfy the loops for the equations between
+/// `M`, `c`, `Jac` and `Jdqd` to hold.
 fn some_state(model: &Model) -> MotionState {
     let setting = EquationSetting::default();
     let laws = Laws::of_model(model);

@@ -8,7 +8,7 @@ use toml::{Table, Value};
 
 impl Laws {
     /// The laws as a file that [`Laws::parse`] reads back for the same model;
-    /// what gives no force and does not move is left out.
+    /// entries without force or motion are left out.
     pub fn to_text(&self, model: &Model) -> String {
         let mut file = Table::new();
         let mut section = |name: &str, entries: Vec<Table>| {

@@ -29,7 +29,7 @@ fn depends(tables: &Tables, function: &Function, on: &ArrayElement) -> bool {
     .holds()
 }
 
-/// A parameter as a user knows it.
+/// A parameter in a user's terms.
 fn describe(model: &Model, (array, indices): &ArrayElement) -> String {
     let [first, second] = *indices;
     let name = match second {

@@ -1,8 +1,8 @@
 //! Error of a step's results that are computed in a shorter format.
 //!
 //! Random positions would leave loops open, where the results mean nothing. So
-//! the joints that move freely are drawn around the model's closed initial
-//! state, and the loops are closed again, in binary64 as the step itself does.
+//! the independent joints are drawn around the model's closed initial state,
+//! and the loops are closed again, in binary64 as the step itself does.
 
 use super::StepFunction;
 use crate::generate::{GenerateError, loop_constraints};
@@ -24,8 +24,8 @@ const REACH: f64 = 0.2;
 const ATTEMPTS: i32 = 20;
 
 /// The error of the results of a step in a format, against exact results of the
-/// same equations. `None` where no state was found that closes the
-/// loops, or where the function reads what the model does not have.
+/// same equations. `None` where no state was found that closes the loops, or
+/// where the function reads an element that the model does not have.
 ///
 /// # Errors
 ///

@@ -1,12 +1,12 @@
 //! The text of the functions that MBsysC calls: calls in the order of MBsysC,
-//! and Newton's method. The C is in separate files beside this one, with
-//! names between `@` for what a model decides.
+//! and Newton's method. The C is in separate files beside this one, with names
+//! between `@` for the parts that depend on the model.
 
 use super::{StepFunction, StepPlan};
 use robovec_cgen::kind::{Generation, ProjectStructure, file_stem};
 use robovec_framework::template::fill;
 
-/// Text that both functions consist of.
+/// Text of both functions.
 const STEP: &str = include_str!("step.c");
 
 /// The C source, with the generated functions in it.
@@ -66,7 +66,7 @@ pub(super) fn source(step: &StepPlan<'_>, function: StepFunction, generated: &st
     )
 }
 
-/// Calls of the functions that add loads, those that the model has.
+/// Calls of the functions that add loads, if the model has them.
 fn loads(step: &StepPlan<'_>) -> String {
     let ProjectStructure { prefix, .. } = step.generation.structure();
     let model = step.model;

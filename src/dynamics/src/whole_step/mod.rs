@@ -1,25 +1,25 @@
 //! The whole step of a simulation as C that replaces Robotran's `accelred`, and
 //! of inverse dynamics as `invdynared`.
 //!
-//! MBsysC calls `mbs_accelred` once for every evaluation of the derivative and
-//! asks for everything: the motion of driven joints, loops that are closed,
+//! MBsysC calls `mbs_accelred` once for every evaluation of the derivative, for
+//! all quantities: the motion of driven joints, loops that are closed,
 //! constraints of the user, forces, and accelerations. Without it the library
-//! does the same with dense matrices around `dirdyna` and `cons_hJ`, in which
-//! most of the time of a simulation goes. What is straight-line code comes from
-//! the generator, sparse as the model is, one C function each; here they are put
-//! together, with the calls of the user's functions between them and Newton's
-//! method around the round that closes the loops.
+//! does the same with dense matrices around `dirdyna` and `cons_hJ`, which
+//! takes most of the time of a simulation. The straight-line parts come from
+//! the generator, sparse as the model is, one C function each; here they are
+//! combined, with the calls of the user's functions between them and Newton's
+//! method around the function that closes the loops.
 //!
-//! **Numbers.** Accelerations and forces of actuators can be computed in binary32; the project's arrays
-//! stay binary64, and so does whatever closes the loops: what Newton's method
-//! leaves open is below every tolerance of a project only in binary64, and
-//! differences of nearly equal positions are what it is made of.
+//! **Numbers.** Accelerations and forces of actuators can be computed in
+//! binary32; the project's arrays and the closing of loops stay binary64: the
+//! residual of Newton's method is below every tolerance of a project only in
+//! binary64, and it consists of differences of nearly equal positions.
 //!
-//! **What is requested at run time.** Which joints depend is decided when the
-//! equations are made. The project decides it too, when it starts; should the
-//! two differ, the function reports it and fails, since its result would be that
-//! of another system. It fails as well where numbers show that masses and
-//! constraints determine no motion.
+//! **Choices at run time.** The dependent joints are chosen when the equations
+//! are made. The project decides it too, when it starts; should the two differ,
+//! the function reports it and fails, since its result would be that of another
+//! system. It fails as well where numbers show that masses and constraints
+//! determine no motion.
 
 pub mod accuracy;
 mod driver;
@@ -114,16 +114,16 @@ pub fn generate_parts(
 pub struct StepStyle<'a> {
     /// Options of the equations as C.
     pub c: &'a c::Options,
-    /// The generator whose names the C has.
+    /// The generator whose names the C uses.
     pub generation: Generation,
     /// Options that the functions were generated with.
     pub options: &'a Options,
 }
 
-/// The C of steps, one file each that needs no other one, so that a project
-/// builds what it built before; from their functions ([`generate_parts`], with any passes
-/// run over them): names and texts of the files. What closes loops computes in
-/// binary64 whatever the style.
+/// The C of steps, one self-contained file each, so that a project needs no new
+/// rules for its build; from their functions ([`generate_parts`], with any
+/// passes run over them): names and texts of the files. Loops are closed in
+/// binary64 for every style.
 ///
 /// # Errors
 ///
@@ -152,7 +152,7 @@ pub fn files(
     steps.iter().map(file).collect()
 }
 
-/// The C of a generated function, for the file of a step alone.
+/// The C of a generated function, local to the file of a step.
 fn source(
     module: &Module,
     function: &Function,

@@ -59,7 +59,7 @@ pub(super) fn read(
     Some(scope)
 }
 
-/// Counts bodies and joints before anything is done with them.
+/// Counts bodies and joints before any are processed.
 fn within_limit(bodies: &[Node<'_, '_>], messages: &mut Messages) -> bool {
     if let Some(first_beyond) = bodies.get(JOINT_LIMIT) {
         messages.error(

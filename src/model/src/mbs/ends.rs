@@ -1,4 +1,4 @@
-//! Cuts of loops and links: what has two ends.
+//! Cuts of loops and links: elements with two ends.
 
 use super::fields::{ElementFields, Messages, place};
 use super::number::number;

@@ -9,7 +9,7 @@ use roxmltree::Node;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 
-/// Reads a joint of a body; what it is attached to is filled in later.
+/// Reads a joint of a body; its attachment is filled in later.
 pub(super) fn read_joint(
     node: Node<'_, '_>,
     body: usize,

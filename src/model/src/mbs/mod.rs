@@ -2,15 +2,15 @@
 //! editor keeps a model.
 //!
 //! A file passes through [`super::xml`] (bytes to a tree, with guards against
-//! hostile files), [`fields`] (what an element may hold, and messages about
-//! the rest), [`bodies`] with [`joints`], [`points`] and [`tree`], [`ends`]
-//! (cuts and links) and [`user`] (user models); [`scope`] knows the names.
+//! hostile files), [`fields`] (the fields of an element, and messages about
+//! others), [`bodies`] with [`joints`], [`points`] and [`tree`], [`ends`] (cuts
+//! and links) and [`user`] (user models); [`scope`] resolves the names.
 //! Drawings are passed over. [`write_mbs`] gives the canonical text.
 //!
 //! **Invariants.** A model that is returned upholds
 //! [`Model::check`](super::Model::check); a file with any error returns none.
-//! What the reader passes over without being asked to gets a warning: an
-//! element spelt wrong would otherwise be a parameter that silently stays zero.
+//! Elements that the reader skips without a request get a warning: a misspelt
+//! one would otherwise be a parameter that silently remains zero.
 
 mod bodies;
 mod ends;
@@ -51,9 +51,9 @@ pub struct ReadModel {
     pub model: Model,
     /// Warnings, with the text they are about.
     pub warnings: Report,
-    /// Warnings about what the model holds but no generated function does: one
-    /// for each `link3D`, with its place. They concern whoever makes equations
-    /// of the model, not who only looks at it.
+    /// Warnings about elements of the model that no generated function
+    /// contains: one for each `link3D`, with its place. They concern the
+    /// generation of equations, not the inspection of a model.
     pub left_out: Report,
 }
 

@@ -7,7 +7,7 @@ use crate::{Asks, Model, ModelPoint, Sensor};
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use roxmltree::Node;
 
-/// Reads a point of a body, or of the base, with what is on it.
+/// Reads a point of a body, or of the base, with its attachments.
 pub(super) fn read_point(
     node: Node<'_, '_>,
     body: Option<usize>,

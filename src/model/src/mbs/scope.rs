@@ -16,7 +16,7 @@ pub(super) const ORIGIN: &str = "origin";
 /// The maximum number of points that a message lists.
 const MAX_NAMED: usize = 8;
 
-/// The names of a model, for what refers to them. Indices are into
+/// The names of a model, for the resolution of references. Indices are into
 /// [`Model::bodies`] and [`Model::points`], from 0.
 #[derive(Default)]
 pub(super) struct ModelScope {
@@ -94,8 +94,7 @@ fn unknown_body(
     );
 }
 
-/// Adds the error that an element names a point that its body, or the base,
-/// does not have.
+/// Adds the error for a point that its body, or the base, does not have.
 fn unknown_point(
     fields: &ElementFields<'_>,
     owner: &str,

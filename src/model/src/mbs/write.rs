@@ -100,7 +100,7 @@ fn coordinates([x, y, z]: [f64; 3]) -> String {
     format!("<coordinates><x>{x:?}</x><y>{y:?}</y><z>{z:?}</z></coordinates>")
 }
 
-/// The numbers that are not zero; nothing when all are.
+/// The numbers that are not zero; empty when all are zero.
 fn numbers(element: &str, names: &[&str], values: &[f64]) -> String {
     assert_eq!(names.len(), values.len(), "every number has a name");
     let given = names.iter().zip(values).filter(|(_, value)| **value != 0.0);

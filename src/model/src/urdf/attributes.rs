@@ -37,8 +37,7 @@ pub(super) fn children<'a, const N: usize>(
     found
 }
 
-/// Extensions of simulators are many, so only what looks like a mistake is
-/// reported.
+/// Extensions of simulators are many, so only probable mistakes are reported.
 pub(super) fn remark_unknown(child: Node<'_, '_>, known: &[&str], messages: &mut Messages) {
     let name = child.tag_name().name();
     if let Some(near) = did_you_mean(name, known.iter().copied()) {
@@ -99,7 +98,7 @@ pub(super) fn name(
     None
 }
 
-/// A number in an attribute; `None`, with an error, where it is none, and
+/// A number in an attribute; `None`, with an error, for any other text, and
 /// without one where the attribute is missing.
 pub(super) fn number(
     node: Node<'_, '_>,
@@ -133,7 +132,7 @@ pub(super) fn number_or(
     number(node, attribute, owner, messages).unwrap_or(default)
 }
 
-/// A number that must be there; zero, with an error, where it is not.
+/// A required number; zero, with an error, where it is missing.
 pub(super) fn required(
     node: Node<'_, '_>,
     attribute: &str,
@@ -151,8 +150,8 @@ pub(super) fn required(
     number_or(node, attribute, 0.0, owner, messages)
 }
 
-/// Three numbers in an attribute; `default` where it is missing, and with an
-/// error where it holds anything else.
+/// Three numbers in an attribute; `default` where it is missing, and an error
+/// for any other text.
 pub(super) fn triple(
     node: Node<'_, '_>,
     attribute: &str,

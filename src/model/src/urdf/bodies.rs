@@ -16,13 +16,13 @@ use robovec_num::limits::Amount;
 use robovec_robotran::conventions::JOINTS;
 use std::ops::Range;
 
-/// A model, and where the name of each body is.
+/// A model, and the place of each body's name.
 pub(super) struct BuiltRobot {
     pub(super) model: Model,
     pub(super) places: Vec<Range<usize>>,
 }
 
-/// Place where a link is: on which body, and how it is there.
+/// Placement of a link: its body, and its pose on the body.
 #[derive(Clone, Copy)]
 struct LinkPlace {
     body: Option<usize>,
@@ -51,7 +51,7 @@ struct RobotBuilder<'r> {
     model: Model,
     places: Vec<Range<usize>>,
     inertias: Vec<BodyInertia>,
-    /// The joint of the model that a joint of the robot is, where it is one.
+    /// The joint of the model for a joint of the robot, if there is one.
     numbers: Vec<Option<usize>>,
 }
 
@@ -114,7 +114,7 @@ pub(super) fn build(
 }
 
 impl RobotBuilder<'_> {
-    /// Adds what a link weighs to its body; the base does not move.
+    /// Adds the mass of a link to its body; the base does not move.
     fn weigh(&mut self, link: usize, place: &LinkPlace) {
         if let (Some(body), Some(inertial)) = (place.body, &self.robot.links[link].inertial) {
             let inertia = BodyInertia::of_link(inertial, &place.pose);

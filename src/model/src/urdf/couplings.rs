@@ -21,7 +21,7 @@ fn can_follow(kind: UrdfJointKind) -> bool {
     )
 }
 
-/// For every joint, whom it follows.
+/// For every joint, the joint that it follows.
 pub(super) fn resolve(
     robot: &RobotElements,
     messages: &mut Messages,

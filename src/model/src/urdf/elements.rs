@@ -146,7 +146,7 @@ pub(super) fn read(
     })
 }
 
-/// True for what only xacro knows the meaning of.
+/// True for elements that only xacro can expand.
 fn is_xacro(node: &Node<'_, '_>) -> bool {
     let space = node.tag_name().namespace();
     node.is_element() && space.is_some_and(|space| space.ends_with("/xacro"))

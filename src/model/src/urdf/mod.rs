@@ -1,10 +1,10 @@
 //! The reader of URDF, the XML in which robots are exchanged.
 //!
 //! A file passes through [`super::xml`] (bytes to a tree of elements),
-//! [`elements`] and [`attributes`] (what the elements state, with their places),
-//! [`tree`] (links and joints in the order from the base), [`frames`] (which
-//! frame each moving body gets) and [`bodies`] (the model). Drawings, materials,
-//! collisions and whatever simulators add are passed over.
+//! [`elements`] and [`attributes`] (the content of elements, with their
+//! places), [`tree`] (links and joints in the order from the base), [`frames`]
+//! (the frame of each moving body) and [`bodies`] (the model). Drawings,
+//! materials, collisions and extensions of simulators are skipped.
 //!
 //! Frames of bodies are chosen, not copied: the frame of a body is that of the
 //! body it is attached to, where all joints are at zero, unless the axis of its
@@ -13,7 +13,7 @@
 //!
 //! **Invariants.** A model that is returned upholds
 //! [`Model::check`](super::Model::check); a file with any error returns none.
-//! Nothing recurses over links.
+//! There is no recursion over links.
 
 mod attributes;
 mod bodies;
@@ -31,7 +31,7 @@ use robovec_ir::diagnostic::Report;
 /// Base of a robot.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum RobotBase {
-    /// The first link is at rest, as the format has it.
+    /// The first link is at rest, as the format defines.
     #[default]
     Fixed,
     /// The first link moves freely, by six joints: three translations, then

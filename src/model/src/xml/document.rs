@@ -47,7 +47,7 @@ pub(crate) fn parse<'t>(text: &'t str, kind: &DocumentKind) -> Result<Document<'
     Document::parse_with_options(text, options).map_err(|error| explain(&error, text, kind))
 }
 
-/// Refuses tags with so many attributes that comparing them takes long.
+/// Refuses tags with too many attributes, whose comparison would take long.
 fn guard(text: &str) -> Result<(), Diagnostic> {
     let bytes = text.as_bytes();
     let (mut start, mut equals) = (None, 0);

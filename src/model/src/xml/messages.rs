@@ -31,7 +31,7 @@ pub(crate) fn diagnostic(
         .with_note(format!("help: {help}"))
 }
 
-/// An error about what is there twice.
+/// An error about a repeated item.
 pub(crate) fn second(
     message: &str,
     second: Range<usize>,
@@ -67,8 +67,8 @@ impl Messages {
         }
     }
 
-    /// Adds a warning about what is read but is in no equation. Only a command
-    /// that makes equations has reason to show it.
+    /// Adds a warning about an element that is read but is in no equation. Only
+    /// a command that makes equations has reason to show it.
     pub(crate) fn leave_out(
         &mut self,
         range: Range<usize>,
@@ -85,8 +85,8 @@ impl Messages {
         }
     }
 
-    /// The warnings about what is in no equation, which are no part of the
-    /// others.
+    /// The warnings about elements that no equation contains, which are
+    /// separate from the others.
     pub(crate) fn take_left_out(&mut self) -> Vec<Diagnostic> {
         let mut all = std::mem::take(&mut self.left_out);
         if self.more_left_out > 0 {

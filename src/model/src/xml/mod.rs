@@ -9,7 +9,7 @@ pub(crate) use document::{DocumentKind, decode, parse};
 pub(crate) use messages::{Messages, content, diagnostic, place, second};
 pub(crate) use number::{NUMBER, parse_number};
 
-/// True for what can be the name of a model: it becomes part of file names.
+/// True for a valid name of a model: it becomes part of file names.
 pub(crate) fn is_usable(name: &str) -> bool {
     !name.is_empty() && !name.contains(|c: char| matches!(c, '/' | '\\') || c.is_control())
 }

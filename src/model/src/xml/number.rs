@@ -21,7 +21,7 @@ pub(crate) struct NumberRefusal {
     pub(crate) help: &'static str,
 }
 
-/// The number that a text without blanks around it is.
+/// The number that a text without surrounding blanks represents.
 pub(crate) fn parse_number(text: &str) -> Result<f64, NumberRefusal> {
     let refused = |message: String, label, help| {
         Err(NumberRefusal {
