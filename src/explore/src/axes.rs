@@ -1,4 +1,4 @@
-//! Combinations of what is varied.
+//! Combinations of the values of axes.
 
 /// The lengths of the lists that are combined; the last one varies fastest.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

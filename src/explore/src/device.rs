@@ -1,7 +1,7 @@
 //! Resources of a device that a machine takes, by number format: an estimate.
 //!
-//! The formulas are those of [`robovec_fpga::hardware`], for the
-//! hardware that `robovec rtl` writes. Nothing is synthesised.
+//! The formulas are those of [`robovec_fpga::hardware`], for the hardware that
+//! `robovec rtl` writes. There is no synthesis.
 
 use super::placing::{placed, words_of_a_side};
 use robovec_fpga::hardware::{self, MachineClock, MachineShape, ResourceUse};
@@ -10,7 +10,7 @@ use robovec_ir::{Format, Function, Machine, Module};
 use robovec_schedule::{PlaceOptions, most_memory_words};
 use serde::Serialize;
 
-/// Resources that a machine takes.
+/// Resources of a machine.
 #[derive(Clone, Copy, PartialEq, Default, Debug, Serialize)]
 pub struct DeviceShare {
     /// Look-up tables.
@@ -42,15 +42,15 @@ pub struct MachineFigures {
     pub clock: MachineClock,
     /// Time of the schedule at that clock, µs.
     pub microseconds: f64,
-    /// Resources of the device that the machine takes.
+    /// Resources of the device that the machine uses.
     pub resources: DeviceShare,
     /// The largest of its shares of the device ([`DeviceShare::share`]).
     pub share: f64,
 }
 
-/// The figures of a machine in a format, for a program of this number of cycles whose
-/// elements hold at most this number of words each. A memory in logic counts as the
-/// tables whose place it takes.
+/// The figures of a machine in a format, for a program of this number of cycles
+/// whose elements hold at most this number of words each. A memory in logic
+/// counts as the tables that it replaces.
 pub fn figures(machine: &Machine, format: Format, cycles: u32, words: u32) -> MachineFigures {
     let machine = Machine {
         number: format,

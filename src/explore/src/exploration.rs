@@ -1,6 +1,6 @@
-//! What all explorations of functions have in common: the function with its
-//! formulations, shares of the work, and results as text, table, figure, data and
-//! page.
+//! Common parts of all explorations of functions: the function with its
+//! formulations, shares of the work, and results as text, table, figure, data
+//! and page.
 
 use crate::ExplorationProgress;
 use crate::optimise::found::{FoundProgram, found};
@@ -81,10 +81,10 @@ impl ExploredFunction {
 /// Results for a function.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Explored<R> {
-    /// A share of the work: its pieces, in words, and how many of them were kept by
-    /// an earlier run or another worker.
+    /// A share of the work: its pieces, in words, and the number of pieces that
+    /// an earlier run or another worker stored.
     Share(String, usize),
-    /// All of it.
+    /// All results.
     Whole(R),
 }
 
@@ -107,7 +107,7 @@ pub trait Exploration: Serialize + Sized {
     /// The points that matter most, for the terminal.
     fn short_table(&self) -> String;
 
-    /// All that is found, for those who ask for more.
+    /// All findings, for detailed output.
     fn details(&self) -> String;
 
     /// The results for the terminal: the answer, then a table.
@@ -130,7 +130,7 @@ pub trait Exploration: Serialize + Sized {
     /// Sentences about the machines, and the names of their devices.
     fn machines(all: &[Self]) -> [String; 2];
 
-    /// The figure, as HTML, with what else a page shows first.
+    /// The figure, as HTML, with the other first parts of the page.
     fn opening(all: &[Self], figure: String) -> String;
 }
 

@@ -3,8 +3,8 @@
 //! of a device, times on a processor, and the points that no other one beats.
 //!
 //! An exploration makes programs, varies axes ([`axes`]), measures a point for
-//! every combination and keeps what no other point beats ([`pareto`]). Its
-//! clients are the rooms `optimise`, `front`, `fit`, `sweep`, `study` and
+//! every combination and keeps the points that no other dominates ([`pareto`]).
+//! Its clients are the rooms `optimise`, `front`, `fit`, `sweep`, `study` and
 //! `trigonometry`; none of them uses another one, except for `optimise::found`.
 //!
 //! Of a function ([`exploration`]) `front` compares programs and `sweep` designs: both
@@ -43,5 +43,5 @@ pub mod study;
 pub mod sweep;
 pub mod trigonometry;
 
-/// Listener to what is measured next, or was measured.
+/// Listener to the start and end of measurements.
 pub type ExplorationProgress<'a> = &'a (dyn Fn(&str) + Sync);

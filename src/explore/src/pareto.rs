@@ -17,7 +17,7 @@ fn covers<const N: usize>(first: &[f64; N], second: &[f64; N]) -> bool {
 /// Choice of the points that are kept among equal ones.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum EqualPoints {
-    /// All of them.
+    /// All points.
     All,
     /// The first.
     First,
@@ -26,10 +26,10 @@ pub enum EqualPoints {
 /// The places of the points that no other one dominates, by their first
 /// measures, then the next.
 ///
-/// A point is compared with the kept ones alone: in this order nothing that
-/// comes later dominates it, and what dominated it and was dropped was
-/// dominated by a kept one. The work is n log n, and at most n times the
-/// points that are kept.
+/// A point is compared with the kept ones alone: in this order no later point
+/// dominates it, and a dropped point that dominated it was itself dominated by
+/// a kept one. The work is n log n, and at most n times the points that are
+/// kept.
 pub fn front<const N: usize>(points: &[[f64; N]], ties: EqualPoints) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|&a, &b| {

@@ -7,22 +7,22 @@ use robovec_schedule::{
     placement_statistics,
 };
 
-/// A machine with this number of adders and multipliers; other elements are as many as
-/// it has.
+/// A machine with this number of adders and multipliers; the counts of other
+/// elements are unchanged.
 pub fn with_elements(machine: &Machine, [add, multi]: [u32; 2]) -> Machine {
     with_counts(machine, &[(Operation::Add, add), (Operation::Mul, multi)])
 }
 
-/// A machine with this number of adders and multipliers, fused elements as many as the
-/// latter.
+/// A machine with this number of adders and multipliers, and with the latter
+/// number of fused elements.
 pub fn with_fused(machine: &Machine, [add, multi]: [u32; 2]) -> Machine {
     let machine = with_elements(machine, [add, multi]);
     with_counts(&machine, &[(Operation::Fma, multi)])
 }
 
 /// A machine with this number of elements of the kinds that perform these
-/// operations; a kind that performs several has the last number, others stay as
-/// they are.
+/// operations; a kind that performs several has the last number, others are
+/// unchanged.
 fn with_counts(machine: &Machine, counts: &[(Operation, u32)]) -> Machine {
     let mut machine = machine.clone();
     for &(operation, count) in counts {
@@ -81,7 +81,7 @@ pub fn verified(
 }
 
 impl PlacedFunction {
-    /// Use of the machine by the placement made for it.
+    /// Use of the machine by its placement.
     pub fn statistics(&self, machine: &Machine) -> PlacementStatistics {
         placement_statistics(&self.function, machine).expect("what is placed has a placement")
     }
@@ -93,7 +93,7 @@ impl PlacedFunction {
     }
 }
 
-/// The words of one memory of an element whose memories hold so many together.
+/// The words of one memory of an element whose memories have this number together.
 pub fn words_of_a_side(words: u32, machine: &Machine) -> u32 {
     words.div_ceil(machine.memory.style.banks() as u32)
 }

@@ -2,7 +2,7 @@
 //! `codegen` writes, compiled by the user's compiler and run on random
 //! states.
 //!
-//! These are measurements: they differ from run to run and stay apart from
+//! These are measurements: they differ from run to run and are separate from
 //! other results. [`contest`] is a bench among our own kinds of C, whose
 //! results are compared; [`compile_and_run`] times one function in one format,
 //! which need not be the bench's.

@@ -1,4 +1,4 @@
-//! Programs: what pipelines make of equations.
+//! Programs: results of pipelines on equations.
 
 use robovec_dynamics::generate::Formulation;
 use robovec_error::yardstick::Unmeasurable;
@@ -14,10 +14,10 @@ use std::sync::Arc;
 /// Reason why a program could not be made or measured.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum ExplorationError {
-    /// A pipeline that is none, or a pass that gave up.
+    /// An invalid pipeline, or a pass that gave up.
     #[error("{0}")]
     Pass(String),
-    /// The program is about something else.
+    /// The program does not match the function.
     #[error(transparent)]
     Unmeasurable(#[from] Unmeasurable),
     /// Too much work.
@@ -52,7 +52,7 @@ pub fn view(module: &Module) -> View<'_> {
 ///
 /// # Errors
 ///
-/// Those of the passes.
+/// Errors of the passes.
 pub fn transformed(
     module: &Module,
     pipeline: &Pipeline,

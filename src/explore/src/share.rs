@@ -1,10 +1,10 @@
 //! A share of the work of an exploration, for several workers on one folder.
 //!
-//! Where pieces of work do not depend on one another a worker does those of its
-//! share and no other. In a search what is tried next depends on the result of
-//! all that was tried before: there a worker does its own pieces first, then
-//! finds those of the others in the folder or does them itself. None ever waits
-//! for another one, so that each ends alone, too.
+//! Where pieces of work do not depend on one another a worker does only those
+//! of its share. In a search the next trial depends on the results of all
+//! earlier ones: there a worker does its own pieces first, then reads those of
+//! the others from the folder or does them itself. No worker ever waits for
+//! another, so that each also ends alone.
 
 use super::store::{PointKey, PointStore, build_key};
 use serde::Serialize;
@@ -41,20 +41,20 @@ impl WorkShare {
 /// Store of an exploration's results, and the share of it that is done.
 #[derive(Clone, Copy, Debug)]
 pub struct SharedWork<'a> {
-    /// Absent where nothing is kept.
+    /// Absent without a store.
     kept: Option<(&'a PointStore, PointKey)>,
     /// The share.
     pub share: WorkShare,
 }
 
 impl<'a> SharedWork<'a> {
-    /// All of the work, of which nothing is kept.
+    /// All of the work, without storage.
     pub const ALONE: SharedWork<'static> = SharedWork {
         kept: None,
         share: WorkShare::ALL,
     };
 
-    /// A share of the work, whose results are kept in a store, if there is one.
+    /// A share of the work, whose results are kept in a store, if given.
     pub fn new(store: Option<&'a PointStore>, share: WorkShare) -> SharedWork<'a> {
         SharedWork {
             // Where the build cannot be known no result can be told from another's.
@@ -64,7 +64,7 @@ impl<'a> SharedWork<'a> {
     }
 
     /// The key of results of this build of robovec, to be completed with all
-    /// that they depend on; `None` where nothing is kept.
+    /// their dependences; `None` without a store.
     pub fn key(&self, kind: &str) -> Option<PointKey> {
         let (_, build) = self.kept?;
         Some(build.with(kind))
@@ -83,8 +83,8 @@ impl<'a> SharedWork<'a> {
         }
     }
 
-    /// The result of a key, measured and kept where it is not there; and whether
-    /// it was there.
+    /// The result of a key, measured and stored if it is missing; and a flag:
+    /// true when it was stored before.
     ///
     /// # Errors
     ///

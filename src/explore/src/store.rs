@@ -1,9 +1,9 @@
 //! Finished points on disk, so that an interrupted exploration continues where
 //! it stopped.
 //!
-//! A point is stored under a key made of everything it depends on, the build
-//! of robovec included. A file that is not what its name promises (cut off,
-//! edited, of another version) counts as missing.
+//! A point is stored under a key made of all its dependences, with the build of
+//! robovec. A file that does not match its name (truncated, edited, of another
+//! version) counts as missing.
 
 use robovec_io::files::{Replace, make_folder, write_whole};
 use robovec_ir::{Machine, Module, Symbol, print};
@@ -138,7 +138,7 @@ impl PointStore {
         sound.then_some(stored.point)
     }
 
-    /// Keeps a point; where it cannot be written, a file of that name is as it was.
+    /// Keeps a point; when it cannot be written, an existing file of that name is unchanged.
     pub(crate) fn save(&self, key: PointKey, point: &impl Serialize) -> io::Result<()> {
         let stored = StoredPoint {
             key: key.file_name(),

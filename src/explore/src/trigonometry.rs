@@ -190,7 +190,7 @@ fn proved(machine: &Machine, setting: &TrigonometrySetting, order: u32, angle: f
 }
 
 /// The exact outputs at random states. The exact function starts from the
-/// numbers the format has.
+/// numbers of the format.
 fn yardstick(
     view: View<'_>,
     model: Option<&Model>,
@@ -208,7 +208,7 @@ fn yardstick(
     Ok(Yardstick::at(view, states))
 }
 
-/// Joints within the range, parameters as the model has them.
+/// Joints within the range, parameters from the model.
 fn ranges(view: View<'_>, model: Option<&Model>, angle: f64) -> Result<Ranges, MeasureError> {
     let mut ranges = Ranges::default();
     let parameters = match model {

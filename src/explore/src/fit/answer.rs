@@ -1,5 +1,5 @@
-//! Answer of a search: the cheapest choice, how much cheaper than binary32, how
-//! exact, and at which states it holds.
+//! Answer of a search: the cheapest choice, its cost relative to binary32, its
+//! error, and the tested states.
 
 use super::confirm::Confirmation;
 use super::text::percent;
@@ -221,8 +221,8 @@ fn choice(task: &FitTask<'_>, outcome: &FitOutcome, chosen: usize) -> Vec<Line> 
     ]
 }
 
-/// The used part of a scene's tolerances, each with its own measure, which is
-/// not that of the error beside them.
+/// The used part of a scene's tolerances, each with its own measure, which
+/// differs from that of the error beside them.
 fn allowed(task: &FitTask<'_>, used: f64) -> String {
     let needs = task.scene.outputs.iter();
     let allowed: Vec<String> = needs
@@ -239,7 +239,7 @@ fn allowed(task: &FitTask<'_>, used: f64) -> String {
     }
 }
 
-/// Reason why no program meets the scene: what comes nearest.
+/// Reason why no program meets the scene: the nearest ones.
 fn refusal(task: &FitTask<'_>, outcome: &FitOutcome) -> Vec<Line> {
     let candidates = || outcome.candidates.iter();
     let fastest = candidates().min_by_key(|candidate| candidate.cycles);

@@ -29,7 +29,7 @@ pub struct Confirmation {
     pub equal: bool,
     /// The largest error of the simulator's results over its tolerance.
     pub simulated_used: f64,
-    /// Reason why there is no simulation, or what went wrong in it.
+    /// Reason for a missing or failed simulation.
     pub remark: String,
     /// No machine runs it: it was chosen by the cells of its arithmetic, and
     /// each value has its own format.
@@ -37,7 +37,7 @@ pub struct Confirmation {
 }
 
 impl Confirmation {
-    /// True when the choice held in every run there can be.
+    /// True when the choice held in every possible run.
     pub fn holds(&self) -> bool {
         self.is_for_other_hardware || self.equal && self.simulated_used <= 1.0
     }
@@ -52,8 +52,8 @@ pub struct Ready {
     pub machine: Machine,
 }
 
-/// Places a candidate; a program in which each value has its own format stays
-/// as it is.
+/// Places a candidate; a program in which each value has its own format is
+/// unchanged.
 ///
 /// # Errors
 ///

@@ -1,5 +1,5 @@
 //! The narrowest formats that meet the tolerances, floating and fixed; the errors of a
-//! program in a format beside what the scene allows, and the size of its numbers.
+//! program in a format relative to the allowed ones, and the size of its numbers.
 
 use super::{FitError, FitProgram, FitTask};
 use crate::program::view;
@@ -127,7 +127,7 @@ impl FormatQuestion<'_> {
     }
 
     /// The narrowest of formats that are numbered by their bits; `None` where
-    /// the widest does not do.
+    /// the widest is not sufficient.
     ///
     /// The bits are halved down at the few states of the search and then
     /// widened until they also hold at the many of the validation.
@@ -176,9 +176,8 @@ impl FormatQuestion<'_> {
 #[derive(Clone, Debug)]
 pub(super) struct FormatErrors {
     pub(super) errors: MeasuredErrors,
-    /// For every state the largest error of an output over what is allowed of
-    /// it; 0 where the scene allows every error, infinite for what is no
-    /// number.
+    /// For every state the largest ratio of an output's error to the allowed
+    /// one; 0 where the scene allows every error, infinite for NaN.
     pub(super) shares: Vec<f64>,
 }
 
@@ -200,14 +199,14 @@ impl FormatErrors {
         })
     }
 
-    /// The largest error over what is allowed.
+    /// The largest ratio of an error to the allowed one.
     pub(super) fn used(&self) -> f64 {
         self.shares.iter().copied().fold(0.0, f64::max)
     }
 }
 
-/// For every state of a yardstick the largest error over what is allowed, of
-/// results in the order of the program's assignments.
+/// For every state of a yardstick the largest ratio of an error to the allowed
+/// one, of results in the order of the program's assignments.
 pub(super) fn shares(
     task: &FitTask<'_>,
     program: &FitProgram,

@@ -14,26 +14,24 @@ use robovec_num::NumberFormat;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Bits by which formats may be narrower than the one that does for all
-/// values.
+/// Number of bits by which formats may be narrower than the uniform one.
 const NARROWER: u32 = 7;
 
-/// The parts of the tolerances that the pass may use up at its own states, and
-/// the bits by which formats may be wider than the one that does for all
-/// values: one after the other, until the result holds at the states of the
-/// validation.
+/// The parts of the tolerances that the pass may use at its own states, and the
+/// number of bits by which formats may be wider than the uniform one: tried in
+/// sequence, until the result holds at the states of the validation.
 const PARTS: [(f64, u32); 5] = [(0.7, 3), (0.5, 4), (0.35, 5), (0.2, 7), (0.1, 9)];
 
 /// Formats of the single values of a program.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ValueMixture {
-    /// Index of the program whose values they are.
+    /// Index of the program with these values.
     pub base: usize,
     /// The format in which that program as a whole meets the tolerances.
     pub around: Format,
     /// Number of values in each format.
     pub text: String,
-    /// The next part of the tolerances to try where this one does not do.
+    /// The next part of the tolerances to try when this one fails.
     next: usize,
 }
 

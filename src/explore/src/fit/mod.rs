@@ -1,10 +1,10 @@
 //! The cheapest program and machine that meet a scene.
 //!
 //! A scene states which outputs are needed, how exact (tolerances) and how soon
-//! (a deadline). Many things can be chosen: the formulation of the equations,
-//! the passes, how sines and cosines are computed, the number format, the
-//! number of elements. They are chosen in this order, each against the scene's
-//! own tolerances and deadline, by measurement:
+//! (a deadline). The choices are the formulation of the equations, the passes,
+//! the method for sines and cosines, the number format, and the number of
+//! elements. They are chosen in this order, each against the scene's own
+//! tolerances and deadline, by measurement:
 //!
 //! 1. programs ([`variants`]): every formulation specialised to the scene,
 //!    with the equations as short or as few as the passes make them;
@@ -23,10 +23,10 @@
 //! of the device and error.
 //!
 //! The cheapest is then *challenged* ([`challenge`]): tried at many new states,
-//! and at states found by a search from the worst of them. Where it fails, these
-//! states join those it is measured at, formats are widened, and the cheapest is
-//! chosen again, until one holds. For small programs a bound over the ranges may
-//! prove the rest ([`bound`]).
+//! and at states found by a search from the worst of them. Where it fails,
+//! these states are added to those of the measurement, formats are widened, and
+//! the cheapest is chosen again, until one holds. For small programs a bound
+//! over the ranges may prove the rest ([`bound`]).
 //!
 //! Where the scene has a motion ([`motion`]), the choice has to stay within the
 //! error that is allowed over time as well, else its mantissa is widened.
@@ -78,8 +78,8 @@ use std::sync::Arc;
 /// Maximum number of steps of motions, all choices together.
 const MOTION_STEPS: u64 = 2_000_000;
 
-/// The part of a tolerance that the largest error found may use up: what is
-/// accepted is not the last that holds.
+/// The part of a tolerance that the largest error found may use, as a safety
+/// margin for states not tested.
 pub const ACCEPTED: f64 = 0.8;
 
 /// Relative uncertainty of estimated costs; smaller differences are ties.
@@ -103,8 +103,8 @@ pub enum CostMeasure {
 pub struct FitTask<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// The general function of the scene, alone in its module, by which
-    /// everything is measured.
+    /// The general function of the scene, alone in its module, the reference
+    /// for all measurements.
     pub general: &'a Module,
     /// The general function in every formulation that is to be tried, each
     /// alone in its module.
@@ -143,8 +143,8 @@ pub struct FitProgram {
     /// One function, at the atomic level.
     pub module: Arc<Module>,
     /// The largest error in binary64 over its tolerance, at the states of the
-    /// search: that of series and other approximations, next to which
-    /// binary64's own rounding is nothing.
+    /// search: that of series and other approximations, for which binary64's
+    /// own rounding is negligible.
     pub model_share: f64,
     /// The formats of its values, where each has its own.
     pub mixture: Option<ValueMixture>,
@@ -186,8 +186,8 @@ pub struct FitCandidate {
     pub share: f64,
     /// Cells of its arithmetic ([`robovec_ir::cost::function_cost`]).
     pub cells: f64,
-    /// Reason why it cannot be chosen, whatever its error and its cost; empty
-    /// when it can.
+    /// Reason why it cannot be chosen, for any error and cost; empty when it
+    /// can.
     pub remark: String,
     /// It can be chosen, tolerances and deadline are met, and the device has
     /// room.
@@ -200,9 +200,9 @@ pub struct FitOutcome {
     pub programs: Vec<FitProgram>,
     /// Everything that was placed and measured.
     pub candidates: Vec<FitCandidate>,
-    /// Index of the candidate chosen of those that meet everything: of the
+    /// Index of the candidate chosen of those that meet all conditions: of the
     /// cheapest ones, whose costs differ by less than their uncertainty, the
-    /// fastest, then the most exact; `None` when none meets everything.
+    /// fastest, then the most exact; `None` when there is none.
     pub chosen: Option<usize>,
     /// Challenge that the chosen one held.
     pub challenge: Option<Challenge>,
@@ -246,8 +246,8 @@ impl From<Unmeasurable> for FitError {
 ///
 /// # Errors
 ///
-/// See [`FitError`]. That no program meets the scene is no error: the outcome
-/// then has no chosen candidate, and its front shows what is possible.
+/// See [`FitError`]. A scene that no program meets is no error: the outcome
+/// then has no chosen candidate, and its front shows the possible ones.
 pub fn fit(task: &FitTask<'_>, progress: ExplorationProgress<'_>) -> Result<FitOutcome, FitError> {
     let mut search = FitSearch::new(task, progress)?;
     loop {
@@ -336,7 +336,7 @@ impl FitProgram {
 impl FitOutcome {
     /// Indices of the candidates that no other one dominates in time, share of
     /// the device and worst normwise error, in order of time: of those that
-    /// meet the scene, or of all when none does.
+    /// meet the scene, or of all when there are none.
     pub fn front(&self) -> Vec<usize> {
         let any_meets = self.candidates.iter().any(|candidate| candidate.meets);
         let is_eligible = |&index: &usize| self.candidates[index].meets || !any_meets;

@@ -13,10 +13,10 @@ use robovec_robotran::FunctionKind;
 const SAMPLES: u32 = 500;
 
 /// Steps from one sample to the next, at first. Both motions take the same
-/// steps, so that they differ by rounding alone.
+/// steps, so that they differ only by rounding.
 const STEPS: u32 = 4;
 
-/// Steps that a motion may take: every choice is tried with as many.
+/// Maximum number of steps of a motion, for every choice.
 const STEP_LIMIT: u64 = 100_000;
 
 /// A scene's motion in binary64, which that with a program is compared with.
@@ -63,7 +63,7 @@ impl MotionShare {
         self.used() <= 1.0
     }
 
-    /// The largest of its errors over what the scene allows.
+    /// The largest ratio of its errors to the allowed ones.
     pub fn used(&self) -> f64 {
         let energy = self
             .energy
@@ -82,7 +82,7 @@ fn drift(run: &SimulationRun) -> f64 {
 
 impl<'a> MotionTolerance<'a> {
     /// Integrates a scene's motion in binary64; `None` where the scene has
-    /// none, or needs nothing that moves.
+    /// none, or needs no moving quantity.
     ///
     /// # Errors
     ///

@@ -40,7 +40,7 @@ pub(super) struct FitSearch<'t, 'a> {
     search: Yardstick,
     validation: Yardstick,
     pub(super) programs: Vec<FitProgram>,
-    /// For every program the machines it is placed on.
+    /// For every program its machines.
     sizes: Vec<Vec<size::SizedMachine>>,
     /// For every program its formats with the errors at the validation.
     formats: Vec<Vec<MeasuredFormat>>,
@@ -298,9 +298,9 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         Ok(())
     }
 
-    /// Refuses a format of a program for its error over time, this many times
-    /// what is allowed: as many bits more as that calls for are tried next.
-    /// Other programs err as their formats do, and need nearly as many.
+    /// Refuses a format of a program for its error over time, given as a multiple of the
+    /// allowed one: the corresponding number of additional bits is tried next. Other
+    /// programs err as their formats do, and need nearly as many.
     pub(super) fn widen(
         &mut self,
         program: usize,
@@ -326,8 +326,8 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         Ok(())
     }
 
-    /// Refuses what has fewer bits of the formats of a program that are of a
-    /// kind, fixed or floating, and adds one that has them.
+    /// Excludes, for a program, the formats of a kind (fixed or floating) with
+    /// fewer than `least` bits, and adds one with `least` bits.
     fn at_least(&mut self, program: usize, kind: Format, least: u32) -> Result<(), FitError> {
         let mut narrow = None;
         for (format, errors) in &mut self.formats[program] {
@@ -438,8 +438,8 @@ fn yardstick(task: &FitTask<'_>, states: u32, seed: u64) -> Yardstick {
     Yardstick::new(view(task.general), &source, states)
 }
 
-/// Reason why a program in a format cannot be chosen, whatever its error and
-/// its cost; empty when it can.
+/// Reason why a program in a format cannot be chosen, for any error and cost;
+/// empty when it can.
 fn remark(task: &FitTask<'_>, program: &FitProgram, format: Format) -> String {
     if let Some(excluded) = &program.excluded {
         return excluded.clone();

@@ -28,7 +28,7 @@ pub enum SinePlace {
 /// Way in which the sines and cosines of a program are computed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SineTreatment {
-    /// As they are, before the run.
+    /// Exact ones, before the run.
     True,
     /// By a Taylor polynomial of an order.
     Taylor(u32),
@@ -74,9 +74,9 @@ const ORDERS: [u32; 7] = [1, 3, 5, 7, 9, 11, 13];
 /// Passes after a series: its products shared with others, its sums in time.
 const BEHIND: &str = "fold{inexact},zero-removal,balance,cse,dce";
 
-/// Writes sines and cosines as series where the task asks for it: every
-/// program becomes one per method and order, up to the first order that is
-/// exact enough. Programs without sines and cosines stay as they are.
+/// Writes sines and cosines as series on request: every program becomes one per
+/// method and order, up to the first order that is exact enough. Programs
+/// without sines and cosines are unchanged.
 pub(super) fn write(
     task: &FitTask<'_>,
     yardstick: &Yardstick,

@@ -98,8 +98,8 @@ pub(super) fn sizes(
     }
 }
 
-/// Sizes with more elements of the kind with more work, where that is shorter
-/// than as many of the other kind alone.
+/// Sizes with more elements of the kind with more work, where that schedule is
+/// shorter than with the same number of the other kind.
 fn uneven(task: &FitTask<'_>, program: &FitProgram, even: &[SizedMachine]) -> Vec<SizedMachine> {
     let counts = Counts::of(&program.module.functions[0]);
     let adds = counts.add_sub > counts.mul;
@@ -134,8 +134,8 @@ fn attempt(
     })
 }
 
-/// The fewest elements within the deadline: from as many as the work needs,
-/// one more of the kind that the work bound calls for until the schedule is
+/// The fewest elements within the deadline: from the number that the work
+/// needs, one more of the kind with the larger work bound until the schedule is
 /// short enough; then fewer again, as long as it stays so.
 fn fewest(task: &FitTask<'_>, program: &FitProgram) -> Option<SizedMachine> {
     let limit = task.scene.deadline?;

@@ -10,8 +10,8 @@ use robovec_num::arithmetic::Arithmetic;
 use robovec_num::soft_float::FormatArithmetic;
 use serde::Serialize;
 
-/// The largest errors over what is allowed of each source alone, at the worst
-/// states of a challenge.
+/// The largest ratio of an error to the allowed one for each source alone, at
+/// the worst states of a challenge.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct FitSources {
     /// Of inputs rounded to the format, with exact operations.
@@ -19,7 +19,7 @@ pub struct FitSources {
     /// Of series for sines and cosines, with exact data and operations of
     /// binary64.
     pub series: f64,
-    /// Of operations in the format, series included, with data that it holds.
+    /// Of operations in the format, series included, with data rounded to it.
     pub operations: f64,
 }
 

@@ -26,7 +26,7 @@ const SHOWN: usize = 8;
 const SCREEN: usize = 20;
 
 /// The answer, and the front; all evidence, units for sines and cosines,
-/// excluded candidates and the whole front for those who ask for more.
+/// excluded candidates and the whole front in detailed output.
 pub fn text(
     task: &FitTask<'_>,
     outcome: &FitOutcome,
@@ -173,7 +173,7 @@ fn columns(outcome: &FitOutcome) -> ColumnList<'_, usize> {
     }
 }
 
-/// The units that would do for sines and cosines, with what they take.
+/// The sufficient units for sines and cosines, with their resources.
 fn units(outcome: &FitOutcome) -> String {
     let mut text = String::new();
     for (index, program) in outcome.programs.iter().enumerate() {
@@ -203,9 +203,9 @@ fn units(outcome: &FitOutcome) -> String {
     text
 }
 
-/// Candidates that cannot be chosen, whatever they cost: of every reason the
-/// cheapest that keeps the tolerances, by the cells of its arithmetic; and
-/// those that could not even be tried.
+/// Candidates that cannot be chosen at any cost: of every reason the cheapest
+/// that keeps the tolerances, by the cells of its arithmetic; and those that
+/// could not be tried.
 fn excluded(outcome: &FitOutcome) -> String {
     let mut best: BTreeMap<&str, usize> = BTreeMap::new();
     for (index, candidate) in outcome.candidates.iter().enumerate() {

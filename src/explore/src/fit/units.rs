@@ -2,8 +2,8 @@
 //!
 //! A host's library rounds a sine once; a unit of shifts, tables or short
 //! polynomials (`trigonometry{on=host …}`) errs by more, which counts against
-//! the tolerances like every other error. What it takes is no part of the
-//! machine: of each method the cheapest one is looked for that does.
+//! the tolerances like every other error. Its resources are no part of the
+//! machine: of each method the cheapest sufficient one is chosen.
 
 use super::format::{FormatQuestion, MeasuredFormat, meets};
 use super::{FitError, FitProgram, SineTreatment};
@@ -13,7 +13,7 @@ use robovec_num::trigonometry::host::{Implementation, TrigonometricUnit};
 use std::sync::Arc;
 
 /// Guard bits of a unit: bits after the point, beyond those of the significand
-/// of the format that its results are rounded to.
+/// of its results' format.
 const GUARDS: [u32; 3] = [1, 4, 8];
 
 /// Orders of polynomials, and of those that follow a table.

@@ -20,7 +20,7 @@ use std::sync::Arc;
 /// operations, short paths, and between the two.
 const SEARCHED: [[u32; 2]; 3] = [[1, 1], [4, 4], [16, 16]];
 
-/// Passes for the fewest operations, whatever the length of chains.
+/// Passes for the fewest operations, for chains of any length.
 const FACTORED: &str = "dce{order=outputs},fold,cse,factor-trig{path=free},cse,dce";
 
 /// Sums that round less, in the time and with the operations of two programs:
@@ -30,9 +30,9 @@ const ACCURATE: &str = "accurate{growth=100 slack=100}";
 /// Passes that compute the constants other passes have made.
 const FOLDED: &str = "fold{inexact},zero-removal,cse,dce";
 
-/// Every formulation balanced, and what the search of `robovec optimise` finds
-/// from all of them. Formulations that a pass gives up on, or that compute
-/// something else for this scene, are left out.
+/// Every formulation balanced, and the results of the search of `robovec
+/// optimise` from all of them. Formulations on which a pass fails, or that
+/// compute a different function for this scene, are left out.
 pub(super) fn programs(
     task: &FitTask<'_>,
     yardstick: &Yardstick,
@@ -99,7 +99,7 @@ pub(super) fn programs(
     Ok(programs)
 }
 
-/// A program with sums that round less; `None` where that changes nothing.
+/// A program with sums of smaller rounding error; `None` where there is no change.
 pub(super) fn accurate(task: &FitTask<'_>, program: &FitProgram) -> Option<FitProgram> {
     // The pass gives up on what has no sums, or formats of its own.
     let module = transformed_by(&program.module, ACCURATE, task.machine, Some(task.scene)).ok()?;

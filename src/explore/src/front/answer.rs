@@ -1,4 +1,4 @@
-//! Answer of a front: how much faster than the thesis, how exact, at what cost.
+//! Answer of a front: speed relative to the thesis, error, and cost.
 
 use super::measure::FrontPoint;
 use super::{Front, FrontVerdict};
@@ -164,7 +164,7 @@ impl Front {
         )
     }
 
-    /// Number of choices of the thesis that are beaten in all measures at once.
+    /// Number of choices of the thesis that are worse in all measures.
     fn beaten(&self) -> String {
         let count = |by: fn(&FrontVerdict) -> Option<usize>| {
             let verdicts = self.verdicts.iter();

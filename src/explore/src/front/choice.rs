@@ -1,9 +1,9 @@
 //! Choices that are compared: those the thesis could make, and ours.
 //!
-//! The thesis takes Robotran's equations as printed, or with the trees of the
-//! longest path balanced by hand (2.4.3); computes in binary32 (1.1); and puts
-//! `sin x = x`, `cos x = 1` into the memories before the run (Taylor order 1,
-//! 1.2.2), or true sines and cosines from a host. Everything else is ours.
+//! The thesis takes Robotran's equations as printed, or with the trees of the longest
+//! path balanced by hand (2.4.3); computes in binary32 (1.1); and puts `sin x = x`, `cos
+//! x = 1` into the memories before the run (Taylor order 1, 1.2.2), or true sines and
+//! cosines from a host. All others are those of robovec.
 
 use robovec_dynamics::generate::Formulation;
 use robovec_ir::Format;
@@ -14,14 +14,14 @@ use serde::Deserialize;
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct FrontChoice {
     pub(super) name: String,
-    /// True for what the thesis could choose.
+    /// True for a choice of the thesis.
     pub(super) thesis: bool,
     /// Another formulation of the equations, made from the model; the
     /// equations as they came for `None`.
     pub(super) formulation: Option<Formulation>,
     /// Passes, in stages that other choices may share from the start on.
     pub(super) stages: Vec<String>,
-    /// The formats it is measured in.
+    /// The formats of its measurements.
     pub(super) formats: Vec<Format>,
 }
 
@@ -39,7 +39,7 @@ struct ChoiceFile {
 struct ChoiceEntry {
     name: String,
     stages: Vec<String>,
-    /// True for what takes long, false for what takes its place in large functions.
+    /// True for choices that take long, false for those that replace them in large functions.
     slow: Option<bool>,
 }
 

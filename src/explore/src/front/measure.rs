@@ -18,13 +18,13 @@ use serde::{Deserialize, Serialize};
 pub struct FrontPoint {
     /// The choice's name.
     pub choice: String,
-    /// True for what the thesis could choose.
+    /// True for a choice of the thesis.
     pub thesis: bool,
     /// The number format.
     pub format: String,
     /// Passes.
     pub pipeline: String,
-    /// Operations; sines and cosines apart.
+    /// Operations; sines and cosines separate.
     pub operations: usize,
     /// The longest chain, in cycles of the machine.
     pub path: u32,
@@ -103,8 +103,8 @@ pub(super) fn measure(
     choice.formats.iter().map(point).collect()
 }
 
-/// Times a program on this computer, in the formats that C has. Where there is
-/// no compiler, times stay away.
+/// Times a program on this computer, in the formats of C. Without a compiler
+/// there are no times.
 pub(super) fn time(module: &Module, points: &mut [FrontPoint]) {
     for point in points {
         let real = match point.format.as_str() {

@@ -5,8 +5,8 @@
 //! error (everything included: series, rounding, data that the format cannot
 //! hold) and a cost (its share of the device). One point *dominates* another
 //! that is nowhere better and somewhere worse: in time, in the median and in
-//! the worst case, in cost. What is not dominated is the front, and the only
-//! place where there is something to choose.
+//! the worst case, in cost. The front is the set of designs that are not
+//! dominated, the only ones worth a choice.
 
 mod answer;
 mod choice;
@@ -50,7 +50,7 @@ pub struct FrontQuestion<'a> {
 pub struct Front {
     /// The model or file.
     pub name: String,
-    /// The machine that it is measured on.
+    /// The machine of the measurements.
     #[serde(skip)]
     pub machine: Machine,
     /// Operations of the equations as they came.
@@ -68,7 +68,7 @@ pub struct Front {
     /// All points.
     pub points: Vec<FrontPoint>,
     /// For every choice of the thesis and every number of elements the best
-    /// of ours that dominates it.
+    /// choice of robovec that dominates it.
     pub verdicts: Vec<FrontVerdict>,
 }
 
@@ -92,8 +92,8 @@ pub struct FrontVerdict {
 ///
 /// # Errors
 ///
-/// Fails when a pass gives up on it, a formulation computes something else, or
-/// a point cannot be kept.
+/// Fails when a pass gives up on it, a formulation computes a different
+/// function, or a point cannot be stored.
 pub fn front(
     mut function: ExploredFunction,
     question: &FrontQuestion<'_>,
@@ -147,8 +147,8 @@ pub fn front(
     }))
 }
 
-/// What the thesis could choose, and ours: those of a list, and what the search of
-/// `robovec optimise` finds for the numbers of elements.
+/// The choices of the thesis, and those of robovec: a list, and the results of
+/// `robovec optimise` for the numbers of elements.
 fn choices(
     function: &ExploredFunction,
     question: &FrontQuestion<'_>,
@@ -166,8 +166,8 @@ fn choices(
     Ok(choices)
 }
 
-/// The keys of the points of choices: hashes of all that they depend on; `None` where
-/// nothing is kept.
+/// The keys of the points of choices: hashes of all their dependences; `None`
+/// without a store.
 fn keys(
     function: &ExploredFunction,
     question: &FrontQuestion<'_>,

@@ -100,8 +100,8 @@ fn order(front: &Front, elements: usize) -> Vec<usize> {
     order
 }
 
-/// A choice of the thesis with what of ours is nowhere worse, and what of ours
-/// in the same format.
+/// A choice of the thesis with the choice of robovec that dominates it, and the
+/// one in the same format.
 struct VerdictRow<'a> {
     front: &'a Front,
     place: usize,

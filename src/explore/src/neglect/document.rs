@@ -1,7 +1,7 @@
-//! The scene with things left out, as the text of a scene file.
+//! The scene with parts left out, as the text of a scene file.
 //!
-//! What is measured is the scene that is read back from this text, so that
-//! the file that is written is the one that was judged.
+//! The scene read back from this text is the one that is measured, so that the
+//! written file is the one that was judged.
 
 use super::search::NeglectFindings;
 use robovec_dynamics::motion::Laws;
@@ -17,8 +17,8 @@ pub(super) struct SceneTable {
     motion: Table,
 }
 
-/// Arrays in which the states of the full model are free, and which a scene may
-/// bind to leave something out.
+/// Arrays with the states of the full model, elements of which a scene may bind
+/// to leave parts out.
 const STATE: [&str; 5] = ["q", "qd", "Qq", "frc", "trq"];
 
 impl SceneTable {
@@ -33,8 +33,8 @@ impl SceneTable {
         SceneTable { table, motion }
     }
 
-    /// The scene without what it leaves out itself: no joint is locked, no
-    /// angle small, no state and no force a number.
+    /// The scene without its own omissions: no joint is locked, no angle small,
+    /// no state and no force a number.
     pub(super) fn full(&self) -> SceneTable {
         let mut full = self.clone();
         full.table.remove("locked");
@@ -101,7 +101,7 @@ impl SceneTable {
     }
 
     /// Binds the elements of an array that belong to a joint to zero; `names`
-    /// are all that the joint, or the body it moves, goes by.
+    /// are all names of the joint, or of its body.
     pub(super) fn clear(&mut self, array: &str, matrix: bool, joint: usize, names: &[&str]) {
         let number = (joint + 1).to_string();
         let words: Vec<&str> = names.iter().copied().chain([number.as_str()]).collect();
@@ -180,8 +180,8 @@ impl SceneTable {
 
 /// The files of a reduced scene, as (name, text): the scene, the model without
 /// the links and external forces that are left out, and the laws that remain.
-/// `stem` begins their names; `machine` is the file of the scene's machine
-/// where it is no built-in one.
+/// `stem` is the beginning of their names; `machine` is the file of the scene's
+/// machine if it is no built-in one.
 pub fn files(
     findings: &NeglectFindings,
     stem: &str,

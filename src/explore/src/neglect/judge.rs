@@ -1,5 +1,5 @@
-//! A scene with things left out: its equations counted, its motion simulated
-//! and compared with that of the full model.
+//! A scene with parts left out: its equations counted, its motion simulated and
+//! compared with that of the full model.
 
 use super::NeglectError;
 use super::document::SceneTable;
@@ -23,14 +23,14 @@ use std::path::Path;
 /// Samples of a motion that are compared.
 const SAMPLES: u32 = 500;
 
-/// Steps a motion may take, as a multiple of those of the full model: what
-/// takes more has become stiff and cheapens nothing.
+/// Maximum number of steps of a motion, as a multiple of those of the full
+/// model: a model that needs more has become stiff and saves nothing.
 pub(super) const STEP_FACTOR: u64 = 20;
 
 /// Steps the full model may take.
 pub(super) const FULL_STEPS: u64 = 1_000_000;
 
-/// A scene in which things are left out.
+/// A scene with parts of the model left out.
 pub(super) struct ReducedScene {
     /// The scene, as its file is read.
     pub(super) file: SceneFile,
@@ -76,7 +76,7 @@ pub(super) type Start = Vec<(usize, f64)>;
 pub(super) struct NeglectJudge<'a> {
     pub(super) name: &'a str,
     pub(super) folder: &'a Path,
-    /// The scene as it is written, without its section `[neglect]`.
+    /// The scene as written, without its section `[neglect]`.
     pub(super) own: SceneTable,
     pub(super) wish: &'a SceneMotion,
     /// The laws of the full model, every default a number.
@@ -89,12 +89,11 @@ pub(super) struct NeglectJudge<'a> {
 }
 
 impl NeglectJudge<'_> {
-    /// The scene of the file, with further things left out.
+    /// The scene of the file, with further parts left out.
     ///
     /// # Errors
     ///
-    /// Fails when the scene contradicts what is left out, or gives no
-    /// equations.
+    /// Fails when the scene contradicts the omissions, or gives no equations.
     pub(super) fn build(
         &self,
         table: &SceneTable,
@@ -132,7 +131,7 @@ impl NeglectJudge<'_> {
     ///
     /// # Errors
     ///
-    /// Those of the generator and of passes.
+    /// Errors of the generator and of passes.
     pub(super) fn operations(
         &self,
         reduced: &ReducedScene,
@@ -193,7 +192,7 @@ impl NeglectJudge<'_> {
         }
     }
 
-    /// Does something with the system of a scene at a start.
+    /// Calls a function with the system of a scene at a start.
     ///
     /// # Errors
     ///
@@ -210,8 +209,8 @@ impl NeglectJudge<'_> {
 }
 
 impl ReducedScene {
-    /// Takes links and external forces without a law out of the model: nothing
-    /// computes their lengths and places.
+    /// Removes links and external forces without a law from the model: their
+    /// lengths and places are not computed.
     fn drop_forces(&mut self) {
         let SceneSubject::Model(subject) = &mut self.file.subject else {
             return;

@@ -5,14 +5,13 @@
 //! Everything that could be left out ([`Omission`]) is left out alone, the
 //! operations this saves are counted and the motion is compared; then things
 //! are left out together, the least harmful first, as long as the watched
-//! joints stay within the error the scene allows of their largest
-//! displacement. What is found has to hold at corners of the ranges of starts,
-//! at draws inside and at what a directed search from the worst of them adds
+//! joints stay within the error the scene allows of their largest displacement.
+//! The result must hold at corners of the ranges of starts, at draws inside and
+//! at the states that a directed search from the worst of them adds
 //! ([`StartSearch`]); the integration is repeated with a finer tolerance.
 //!
-//! **Invariants.** What is measured is the scene as its file is read back:
-//! the file that is written is the one that was judged. Nothing depends on
-//! threads or clocks.
+//! **Invariants.** The measured scene is read back from its file: the file that is
+//! written is the one that was judged. Results do not depend on threads or clocks.
 
 mod document;
 mod judge;
@@ -44,7 +43,7 @@ pub enum NeglectError {
     /// No joint is watched.
     #[error("no joint is watched: the scene needs no acceleration 'qdd[…]'")]
     NothingWatched,
-    /// The scene contradicts what is left out.
+    /// The scene contradicts an omission.
     #[error("{0}")]
     Scene(String),
     /// The equations could not be made.

@@ -7,13 +7,13 @@ use crate::scene::{NeglectKind, NeglectWish};
 use robovec_dynamics::motion::{Laws, Spring, Support};
 use robovec_model::{Model, Nature};
 
-/// One thing that is left out: its kind, and the index of its joint, body, link or
-/// external force in the model.
+/// One omission: its kind, and the index of its joint, body, link or external
+/// force in the model.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Omission(pub NeglectKind, pub usize);
 
 impl Omission {
-    /// The larger thing that it goes with.
+    /// The larger omission that contains it.
     pub(super) fn goes_with(self) -> Option<Omission> {
         match self.0 {
             Velocities | Angles | JointForces => Some(Omission(Joints, self.1)),
@@ -50,7 +50,7 @@ impl Omission {
     }
 }
 
-/// Everything that can be left out of a model under laws, as a scene wishes,
+/// All parts of a model under laws that can be left out, as a scene requests,
 /// in the order of kinds. `model` holds the joints that the scene holds;
 /// watched joints stay.
 pub(super) fn candidates(

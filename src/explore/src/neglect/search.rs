@@ -1,4 +1,4 @@
-//! The search: what every omission does alone, and how many fit together.
+//! The search: the effect of every omission alone, and the largest set that is allowed.
 
 use super::NeglectError;
 use super::document::SceneTable;
@@ -24,19 +24,19 @@ const DRAWS: u32 = 2;
 /// Maximum number of searches for parts, each with the worst starts of the last.
 const REFUSALS: usize = 6;
 
-/// One of this number of samples of a motion is a state that equations are
-/// compared at.
+/// One in this number of samples of a motion is a state at which equations are
+/// compared.
 const COMPARED: usize = 8;
 
-/// A scene that may leave something out.
+/// A scene that permits omissions.
 pub struct NeglectTask<'a> {
-    /// The scene as it was read.
+    /// The scene as read.
     pub file: &'a SceneFile,
     /// The name of its file.
     pub name: &'a str,
     /// Its text.
     pub text: &'a str,
-    /// Place where the files that it names are looked for.
+    /// Folder of the files that it names.
     pub folder: &'a Path,
     /// The laws of its forces, for the model with the joints held that the
     /// scene holds.
@@ -60,7 +60,7 @@ pub struct NeglectFinding {
     /// The order in which it was left out with others, and the largest error
     /// of all of them then.
     pub taken: Option<(usize, f64)>,
-    /// It goes with something larger that is left out.
+    /// A larger omission contains it.
     pub within: bool,
 }
 
@@ -88,10 +88,9 @@ pub struct NeglectFindings {
     /// The names of the watched joints and their largest displacements from
     /// their means, m or rad.
     pub watched: Vec<(String, f64)>,
-    /// The full scene, the scene as it is written, and the scene with things
-    /// left out.
+    /// The full scene, the scene as written, and the scene with parts left out.
     pub figures: Vec<SceneFigures>,
-    /// Everything that was tried alone.
+    /// The findings of all omissions tried alone.
     pub findings: Vec<NeglectFinding>,
     /// Starts at which the reduced scene was compared; `None` where every start
     /// is the same.
@@ -106,7 +105,7 @@ pub struct NeglectFindings {
     pub curves: Vec<WatchedCurve>,
     /// The table of the reduced scene's file.
     pub(super) reduced: SceneTable,
-    /// Its model and laws, without the links and forces that are left out.
+    /// Its model and laws, without the omitted links and forces.
     pub(super) model: Model,
     pub(super) laws: Laws,
 }
@@ -116,30 +115,30 @@ pub struct NeglectFindings {
 pub struct WatchedCurve {
     /// In the full model.
     pub full: Vec<(f64, f64)>,
-    /// With things left out.
+    /// With parts left out.
     pub reduced: Vec<(f64, f64)>,
 }
 
-/// Motions of the full model, and what they are measured by.
+/// Motions of the full model, and their measures.
 pub(super) struct FullMotion {
     pub(super) scene: ReducedScene,
-    /// Motions that parts are left out by.
+    /// Motions for the selection of omissions.
     pub(super) runs: Vec<(Start, SimulationRun)>,
     pub(super) watched: WatchedJoints,
 }
 
-/// The search of a scene: its judge, the full motion, and the model as it was read.
+/// The search of a scene: its judge, the full motion, and the model as read.
 pub(super) struct NeglectSearch<'a> {
     pub(super) judge: NeglectJudge<'a>,
     pub(super) full: FullMotion,
-    /// Motions from all starts that what is left out has to hold at.
+    /// Motions from all starts at which the omissions must keep the limits.
     pub(super) known: Vec<(Start, SimulationRun)>,
     /// Number of steps of motions from them.
     pub(super) steps: u64,
     model: &'a Model,
 }
 
-/// Finds what a scene need not model. `progress` receives each step.
+/// Finds the parts that a scene need not model. `progress` receives each step.
 ///
 /// # Errors
 ///
@@ -258,7 +257,7 @@ fn full_motion(judge: &mut NeglectJudge<'_>, model: &Model) -> Result<FullMotion
 }
 
 impl NeglectSearch<'_> {
-    /// The scene as it is written with things left out.
+    /// The scene as written, with parts left out.
     fn without(&self, omitted: &[Omission]) -> Result<ReducedScene, NeglectError> {
         self.judge.build(&self.judge.own, self.model, omitted)
     }
@@ -282,7 +281,7 @@ impl NeglectSearch<'_> {
         Ok(errors.into_iter().fold(0.0, f64::max))
     }
 
-    /// Effect of leaving out one thing alone, judged by the first motion.
+    /// Effect of one omission alone, judged by the first motion.
     fn alone(&self, before: SceneOperations, one: Omission) -> NeglectFinding {
         let mut finding = NeglectFinding {
             what: one.describe(self.model),
@@ -331,10 +330,9 @@ impl NeglectSearch<'_> {
         unreachable!("nothing left out ends the search")
     }
 
-    /// Leaves things out together: those that save something alone first, then,
-    /// as long as there are any, those that save something now that others are
-    /// left out (the last joint across a plane, the mass beyond a locked
-    /// joint).
+    /// Combines omissions: those that save operations alone first, then, as
+    /// long as there are any, those that save operations after the others (the
+    /// last joint across a plane, the mass beyond a locked joint).
     fn together(&self, tried: &mut [(Omission, NeglectFinding)]) -> Vec<Omission> {
         tried
             .iter_mut()
@@ -379,8 +377,8 @@ impl NeglectSearch<'_> {
         taken
     }
 
-    /// Leaves out as many of a list as the error allows: as many at a time as
-    /// pass, fewer where they do not.
+    /// Leaves out as many of a list as the error allows: first all together,
+    /// then fewer at a time when they fail.
     fn as_many(
         &self,
         tried: &mut [(Omission, NeglectFinding)],

@@ -140,7 +140,7 @@ impl NeglectSearch<'_> {
 
     /// The largest error of a scene at the known starts and at those that a
     /// directed search from the worst adds. The worst starts that exceed the
-    /// allowed error join those that parts are left out by.
+    /// allowed error are added to those for the selection of omissions.
     pub(super) fn worst(&mut self, scene: &ReducedScene) -> f64 {
         if self.known.is_empty() {
             return 0.0;

@@ -1,5 +1,4 @@
-//! Answer of a search: how much faster than the input, how exact, and what was
-//! proved.
+//! Answer of a search: speed relative to the input, error, and proof.
 
 use super::text::SHOWN;
 use super::{OptimisationPoint, OptimisationQuestion, OptimisationTarget, Optimised};
@@ -312,8 +311,8 @@ fn elements(machine: &Machine) -> String {
     format!("{} ({})", machine.name, kinds.join(", "))
 }
 
-/// Neighbours on the front of the program that was taken: the fastest, where
-/// it is another one, and the next that is more exact.
+/// Neighbours of the chosen program on the front: the fastest, if it is another
+/// one, and the next that is more exact.
 fn others(found: &Optimised, measure: SpeedMeasure) -> Vec<String> {
     let taken = &found.points[found.best];
     let front = found.front(measure);

@@ -20,9 +20,9 @@ use std::sync::Arc;
 pub struct FoundProgram {
     /// The steps it went through, those of the start first.
     pub name: String,
-    /// Index of the start it comes from.
+    /// Index of its start.
     pub start: usize,
-    /// The passes from there.
+    /// The passes from that start.
     pub passes: String,
     /// One function at the level atomic, not placed; it is not kept, since it follows
     /// from start and passes.
@@ -32,9 +32,9 @@ pub struct FoundProgram {
 
 /// The best programs that one effort finds for a machine with this number of
 /// adders and multipliers each, in this order and each once. Numbers of
-/// elements with which the machine can place no program are left out. A worker
-/// searches for the numbers of its share first, so that it finds what others
-/// kept meanwhile.
+/// elements with which no program can be placed on the machine are left out. A
+/// worker searches for the numbers of its share first, so that it finds the
+/// results that others stored meanwhile.
 ///
 /// # Errors
 ///

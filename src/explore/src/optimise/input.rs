@@ -1,5 +1,5 @@
-//! The function as it came, measured where programs are: the figures that a
-//! gain is counted from.
+//! The original function, measured in the same manner as programs: the
+//! reference for gains.
 
 use super::measure::{self, ProgramFigures};
 use super::processor::single;
@@ -25,7 +25,7 @@ const ONE_PIECE: usize = 60_000;
 /// Rounds, and the time of a round, ms.
 const ROUNDS: (u32, u32) = (8, 60);
 
-/// The input as a point: placed as it is, or its own C timed with the flags of
+/// The input as a point: placed unchanged, or its own C timed with the flags of
 /// the question, and its errors.
 pub(super) fn point(
     prepared: &PreparedStarts,

@@ -43,7 +43,7 @@ pub(super) struct MadeProgram {
 pub struct MakerTally {
     /// Programs that were requested.
     pub programs: usize,
-    /// Those that were kept by an earlier run or another worker.
+    /// Number of those stored by an earlier run or another worker.
     pub found: usize,
 }
 
@@ -141,7 +141,7 @@ pub(super) fn place_nearby(
     }
 }
 
-/// A program of a search as it was made, where its text was read from disk.
+/// A program of a search in its original form, if its text was read from disk.
 pub(super) fn as_made(
     trial: &VariantTrial<MadeProgram>,
     prepared: &PreparedStarts,
@@ -222,7 +222,7 @@ impl ParallelMaker<'_> {
         })
     }
 
-    /// A program as it was made, not as its text was read.
+    /// A program in its original form, not as read from its text.
     fn as_made(&self, program: &MadeProgram, start: usize) -> Result<Arc<Module>, PassError> {
         let Some(passes) = &program.read else {
             return Ok(program.module.clone());

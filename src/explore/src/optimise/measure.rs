@@ -48,8 +48,8 @@ pub(super) fn format(question: &OptimisationQuestion<'_>) -> Format {
     }
 }
 
-/// Measures the input and what can be the best, and takes the most exact of
-/// the fastest programs.
+/// Measures the input and the candidates, and takes the most exact of the
+/// fastest programs.
 pub(super) fn measure(
     prepared: &PreparedStarts,
     outcome: &SearchOutcome<MadeProgram>,

@@ -1,16 +1,16 @@
-//! The best program for a target: what `robovec optimise` does.
+//! Search for the best program of a target, for `robovec optimise`.
 //!
 //! A function starts from its equations as they came and, where there is a
 //! model, from other formulations that compute the same ([`start`]). The search
 //! of the pass `optimise` makes programs from them, here on all cores and with
-//! a memory on disk ([`maker`]). They are measured where they will run
-//! ([`measure`]): the schedule on the machine, or the C that the compiler
-//! available makes of them; and for each the error is measured that its results
-//! have in the number format of the target.
+//! a memory on disk ([`maker`]). They are measured on their target
+//! ([`measure`]): the schedule on the machine, or the C made of them by the
+//! available compiler; and for each the error of its results in the number
+//! format of the target is measured.
 //!
-//! What is taken is proved once more, as a whole, against the equations as
-//! they came ([`proof`]): what the search trusts a pass for is not what the
-//! user has to trust.
+//! The chosen program is proved once more, as a whole, against the original
+//! equations ([`proof`]): the user need not trust the passes that the search
+//! trusts.
 
 pub mod answer;
 pub mod found;
@@ -85,7 +85,7 @@ pub struct OptimisationQuestion<'a> {
     pub compiler: Option<&'a Compiler>,
     /// Its flags.
     pub flags: &'a str,
-    /// The C file that the function came in.
+    /// The C file of the function.
     pub file: Option<&'a Path>,
     /// Place where programs that were made are kept, and which of them come
     /// first.
@@ -99,7 +99,7 @@ pub struct OptimisationPoint {
     pub name: String,
     /// Name of the start; empty for the equations as they came.
     pub start: String,
-    /// The passes from there.
+    /// The passes from that start.
     pub passes: String,
     /// Operations.
     pub operations: usize,
@@ -145,13 +145,13 @@ pub struct Optimised {
     pub best: usize,
     /// Programs that were not made, with the reasons.
     pub skipped: Vec<(String, String)>,
-    /// Number of programs that looked like one of them.
+    /// Number of programs with the same figures.
     pub alike: usize,
     /// The number of programs that were made and not timed, since they promise less.
     pub untimed: usize,
     /// The program that was taken: at the level atomic, not placed.
     pub program: Arc<Module>,
-    /// Index of the start it comes from.
+    /// Index of its start.
     pub start: usize,
     /// Proof about it.
     pub proof: String,
@@ -159,10 +159,10 @@ pub struct Optimised {
     pub errors: ErrorAccount,
 }
 
-/// Reason why nothing was found.
+/// Reason of a search without result.
 #[derive(Debug, thiserror::Error)]
 pub enum OptimisationError {
-    /// A pass gave up on the equations, or a program is about something else.
+    /// A pass failed on the equations, or a program does not match the function.
     #[error(transparent)]
     Program(#[from] ExplorationError),
     /// No program fits the machine.
@@ -171,17 +171,16 @@ pub enum OptimisationError {
     /// No program was timed.
     #[error("no program could be timed: {0}")]
     Timing(String),
-    /// The program that was taken is not what was requested: a mistake in a
-    /// pass.
+    /// The chosen program computes another function: a mistake in a pass.
     #[error(
         "the best program does not compute the function of the input; this is a mistake in a pass\n{0}"
     )]
     Proof(String),
 }
 
-/// Searches as one of several workers, so that their programs are kept: those of
-/// its share first, then those that no other worker has made by then. What is
-/// measured and proved waits for [`optimise`] with the same question.
+/// Searches as one of several workers, so that their programs are kept: those
+/// of its share first, then those that no other worker has made by then.
+/// Measurement and proof follow in [`optimise`] with the same question.
 ///
 /// # Errors
 ///

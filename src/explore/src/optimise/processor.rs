@@ -1,9 +1,9 @@
 //! Programs as C on this processor.
 //!
 //! Operations, loads and stores make most of the time of straight-line C
-//! ([`processor_work`]), but not all of it: what is done side by side the
-//! compiler and the processor know alone. So the programs of the least work,
-//! and one of every preparation, are compiled and timed.
+//! ([`processor_work`]), but not all of it: parallel execution depends on the
+//! compiler and the processor. So the programs of the least work, and one of
+//! every preparation, are compiled and timed.
 
 use super::maker::MadeProgram;
 use super::measure::ProgramFigures;
@@ -38,8 +38,8 @@ const TIMED: usize = 2;
 /// the least work are compiled in any case.
 const COMPILED: usize = 300_000;
 
-/// The programs that may be taken, with their times by that of the fastest, or
-/// with their operations where nothing can be timed.
+/// The candidate programs, with their times by that of the fastest, or with
+/// their operations without a compiler.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! The proof that a program is the function that came in.
+//! The proof that a program is equal to the input function.
 
 use super::maker::MadeProgram;
 use super::start::{PreparedStarts, compared};

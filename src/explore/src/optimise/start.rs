@@ -42,7 +42,7 @@ pub const FORMULATIONS: [Formulation; 4] = [
     Formulation::prefix(PrefixNetwork::Sklansky, MomentOrigin::Body),
 ];
 
-/// Points of the check whether a formulation is the function that came in.
+/// Points of the check whether a formulation is equal to the input function.
 const POINTS: u32 = 4;
 
 impl OptimisationStart {
@@ -152,8 +152,8 @@ fn ways() -> [(Options, String); 4] {
     })
 }
 
-/// The function of a module that is the one that came in, alone in it, with
-/// the same outputs; and whether outputs were changed for that.
+/// The function of a module that is equal to the input, alone in it, with the
+/// same outputs; and a flag: true when outputs were changed for that.
 fn same_function(given: &Module, mut module: Module) -> Result<(Module, bool), String> {
     let name = &given.functions[0].name;
     module.functions.retain(|function| function.name == *name);
@@ -181,8 +181,8 @@ fn same_function(given: &Module, mut module: Module) -> Result<(Module, bool), S
     Ok((module, is_changed))
 }
 
-/// Gives a function the outputs of the one that came in, which was found to be
-/// the same: what only one of them sets is zero.
+/// Gives a function the outputs of the input function, which was found to be
+/// equal: an output that only one of them sets is zero.
 fn with_outputs(given: &Module, module: &mut Module) -> Result<bool, String> {
     let names = |view: View<'_>| -> Vec<String> {
         let set = view.function.assignments.iter();
@@ -250,7 +250,7 @@ pub(super) fn compared(
     check(before, after, class, states, points)
 }
 
-/// Starts at the level atomic, with what a scene makes of them.
+/// Starts at the level atomic, specialised to a scene.
 pub struct PreparedStarts {
     /// The passes that prepared them; none for equations that were atomic.
     prelude: &'static str,

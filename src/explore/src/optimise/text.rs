@@ -98,7 +98,7 @@ fn mark(point: &OptimisationPoint) -> &str {
     }
 }
 
-/// The best programs with all their figures, for those who ask for more.
+/// The best programs with all their figures, for detailed output.
 pub fn table(found: &Optimised) -> String {
     let is_timed = found.points.iter().any(|point| point.nanoseconds.is_some());
     let order = order(&found.points);
@@ -146,8 +146,8 @@ pub fn points_table(found: &Optimised) -> DataTable {
     captions::table("optimise", &[], &columns(true), &rows)
 }
 
-/// Speed against error of what was measured: the front as steps, the input and
-/// the program that was taken with their figures.
+/// Speed against error of the measured programs: the front as steps, the input
+/// and the chosen program with their figures.
 pub fn figure(found: &Optimised, measure: SpeedMeasure) -> Figure {
     let place = |point: &OptimisationPoint| Some((measure.of(point)?, point.errors?[1]));
     let mark =

@@ -1,4 +1,4 @@
-//! The arrays a scene can speak of, and the names of what their indices count.
+//! The arrays that a scene can name, and the names of the items that their indices count.
 
 use super::document::WordProblem;
 use robovec_framework::scene::{ElementPattern, IndexPattern};
@@ -6,11 +6,11 @@ use robovec_ir::diagnostic::{clip, did_you_mean};
 use robovec_ir::{Module, Shape};
 use robovec_model::{CutKind, Model};
 
-/// An array with what its indices mean.
+/// An array with the meaning of its indices.
 pub(super) struct KnownArray {
     pub(super) name: String,
     pub(super) shape: Shape,
-    /// Index into [`SceneArrays::names`] of what the last index counts.
+    /// Index into [`SceneArrays::names`] of the items that the last index counts.
     counts: Option<usize>,
 }
 
@@ -109,8 +109,8 @@ impl SceneArrays {
         })
     }
 
-    /// The number of what the last index of an array counts, by name or
-    /// number.
+    /// The number of the item that the last index of an array counts, by name
+    /// or number.
     pub(super) fn last_index(&self, array: usize, word: &str) -> Result<u32, WordProblem> {
         let array = &self.list[array];
         let extent = match array.shape {
@@ -145,8 +145,8 @@ impl SceneArrays {
         Ok((array, pattern))
     }
 
-    /// Reads a pattern of elements of an output array. An index that counts
-    /// as many as there are joints counts joints.
+    /// Reads a pattern of elements of an output array. An index with as many
+    /// items as there are joints counts joints.
     pub(super) fn output_pattern(
         &self,
         outputs: &[(String, Shape)],
@@ -275,8 +275,7 @@ fn joint_names(model: &Model) -> Vec<(String, u32)> {
     names
 }
 
-/// Points as `body.point`, `base.point` or, where only one has it, by the name
-/// alone.
+/// Points as `body.point`, `base.point` or, for unique names, the name alone.
 fn point_names(model: &Model) -> Vec<(String, u32)> {
     let mut names = Vec::new();
     for (index, point) in model.points.iter().enumerate() {

@@ -48,7 +48,7 @@ impl From<String> for WordProblem {
     }
 }
 
-/// Collects what is wrong with a file.
+/// Collects the faults of a file.
 #[derive(Default)]
 pub(super) struct DocumentProblems {
     list: Vec<Diagnostic>,
@@ -70,7 +70,7 @@ impl DocumentProblems {
         None
     }
 
-    /// As [`DocumentProblems::add`], with what to do.
+    /// As [`DocumentProblems::add`], with a remedy.
     pub(super) fn advise(
         &mut self,
         span: DocumentRange,
@@ -80,7 +80,7 @@ impl DocumentProblems {
         self.point(span, message, note, None);
     }
 
-    /// As [`DocumentProblems::advise`], with an earlier place that has to do with it.
+    /// As [`DocumentProblems::advise`], with a related earlier place.
     pub(super) fn point(
         &mut self,
         span: DocumentRange,
@@ -118,7 +118,7 @@ impl DocumentProblems {
         read.map_err(report).ok()
     }
 
-    /// True when nothing is wrong so far.
+    /// True when no problem was found so far.
     pub(super) fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
@@ -142,7 +142,7 @@ pub(super) fn parse(text: &str) -> Result<Spanned<DocumentTable<'_>>, Diagnostic
     })
 }
 
-/// Complains of keys that a table does not have.
+/// Reports keys that a table does not have.
 pub(super) fn only_keys(
     table: &DocumentTable<'_>,
     known: &[&str],

@@ -54,7 +54,7 @@ const STATE_SEED: u64 = 1;
 /// The usual pipeline.
 pub const USUAL: &str = "atomise,zero-removal,balance,cse,dce";
 
-/// The usual pipeline, with the scene used in it.
+/// The usual pipeline, with the scene.
 pub const PIPELINE: &str = "atomise,specialise,zero-removal,balance,cse,dce";
 
 /// The general function, then the same with joints held, with the needed
@@ -62,7 +62,7 @@ pub const PIPELINE: &str = "atomise,specialise,zero-removal,balance,cse,dce";
 ///
 /// # Errors
 ///
-/// Those of the generator and of passes.
+/// Errors of the generator and of passes.
 pub fn effects(file: &SceneFile, machine: &Machine) -> Result<Vec<SceneEffect>, EffectError> {
     let sliced = Scene {
         bound: Bindings::default(),

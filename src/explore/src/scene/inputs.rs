@@ -30,7 +30,7 @@ enum InputSection {
 }
 
 impl InputReader<'_> {
-    /// Reads the sections in the order of how much they are about.
+    /// Reads the sections, the most general ones first.
     pub(super) fn read(&mut self, file: &DocumentTable<'_>) -> Vec<HeldJoint> {
         if let Some(value) = get(file, "parameters") {
             self.parameters(value);

@@ -13,7 +13,7 @@ pub(super) enum ElementKnowledge {
     Free,
     /// It is a number.
     Bound(f64),
-    /// It lies between two numbers.
+    /// It is between two numbers.
     Range(f64, f64),
 }
 
@@ -33,7 +33,7 @@ pub(super) enum Rank {
 }
 
 impl Rank {
-    /// That of a pattern for an array of a shape.
+    /// The condition of a pattern for an array of a shape.
     pub(super) fn of(pattern: &ElementPattern, shape: Shape) -> Rank {
         let fixed = |index: &robovec_framework::scene::IndexPattern| {
             use robovec_framework::scene::IndexPattern::Between;
@@ -60,8 +60,8 @@ pub(super) struct ElementStatements {
     elements: BTreeMap<(String, [u32; 2]), ElementStatement>,
 }
 
-/// The maximum number of elements a scene can speak of: far more than any
-/// system has.
+/// The maximum number of elements that a scene can name, far above that of any
+/// system.
 const MAX_ELEMENTS: usize = 1_000_000;
 
 impl ElementStatements {

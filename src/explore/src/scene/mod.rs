@@ -1,4 +1,4 @@
-//! Scene files: what a program is needed for, as a user writes it.
+//! Scene files: the intended use of a program, as a user writes it.
 //!
 //! The scene itself is [`robovec_framework::scene::Scene`]; here it is read,
 //! joined with its model or its equations ([`SceneSubject`]), and every mistake is
@@ -87,7 +87,7 @@ pub struct SceneFile {
 }
 
 impl SceneFile {
-    /// Reads a scene file (`*.scene.toml`) and what it names.
+    /// Reads a scene file (`*.scene.toml`) and the files it names.
     ///
     /// # Errors
     ///
@@ -99,12 +99,12 @@ impl SceneFile {
         read(&name.to_string_lossy(), &text, folder)
     }
 
-    /// The function the scene is about, in the formulation it wishes for,
-    /// before anything of the scene is used: joints are held already.
+    /// The function of the scene, in its formulation, before any entry of the
+    /// scene is used except fixed joints.
     ///
     /// # Errors
     ///
-    /// Those of the generator.
+    /// Errors of the generator.
     pub fn module(&self) -> Result<Module, GenerateError> {
         match &self.subject {
             SceneSubject::Equations(module) => Ok((**module).clone()),
@@ -112,12 +112,12 @@ impl SceneFile {
         }
     }
 
-    /// The same function for which nothing is known: every joint moves, every
-    /// output is there.
+    /// The same function with no inputs known: every joint moves, every output
+    /// is present.
     ///
     /// # Errors
     ///
-    /// Those of the generator.
+    /// Errors of the generator.
     pub fn general(&self) -> Result<Module, GenerateError> {
         match &self.subject {
             SceneSubject::Equations(module) => Ok((**module).clone()),

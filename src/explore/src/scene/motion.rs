@@ -1,5 +1,5 @@
-//! The sections `[motion]` and `[neglect]` of a scene file: the motion that a
-//! program is judged by, and what it may leave out.
+//! The sections `[motion]` and `[neglect]` of a scene file: the motion by which
+//! a program is judged, and the parts it may leave out.
 
 use super::document::{
     DocumentProblems, DocumentRange, DocumentTable, DocumentValue, array, get, limited, only_keys,
@@ -18,10 +18,10 @@ pub(super) const TIME: NumberLimit =
     NumberLimit::real(1e-6, 1e3, "every candidate is simulated for this time");
 
 option_words! {
-    /// A kind of thing that can be left out.
+    /// A kind of part that can be left out.
     #[derive(PartialOrd, Ord)]
     pub enum NeglectKind {
-        /// The velocity of a joint in the equations of motion: what it does to
+        /// The velocity of a joint in the equations of motion: its effect on
         /// centrifugal, Coriolis and gyroscopic forces.
         Velocities = "velocities",
         /// The curvature of sine and cosine of a joint's angle.
@@ -46,16 +46,16 @@ option_words! {
 /// The motion that a scene is judged by, as its file describes it.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SceneMotion {
-    /// The file of laws that make the motion, as it is written; without one,
-    /// gravity alone does.
+    /// The path of the file of laws that make the motion, as written; without
+    /// one, gravity alone does.
     pub laws: Option<PathBuf>,
     /// Length of the motion, s.
     pub time: f64,
     /// The error allowed of every watched joint, relative to its largest
     /// displacement from its mean.
     pub error: f64,
-    /// The drift of energy allowed, relative to the largest kinetic energy: what
-    /// no work of forces explains.
+    /// The drift of energy allowed, relative to the largest kinetic energy: the
+    /// change that no work of forces explains.
     pub energy: Option<f64>,
     /// The joints whose motion is watched, by index: those that the file
     /// names, else those whose accelerations the scene needs.
@@ -66,9 +66,9 @@ pub struct SceneMotion {
 }
 
 impl SceneMotion {
-    /// Positions at the start: every joint that has a range somewhere in it.
-    /// The draws are those of a sequence of Weyl, so that no two are near each
-    /// other; draw 0 is the high end of every range.
+    /// Positions at the start: a draw within the range of every joint that has
+    /// one. The draws are those of a sequence of Weyl, so that no two are near
+    /// each other; draw 0 is the high end of every range.
     pub fn start(&self, draw: u32) -> Vec<(usize, f64)> {
         let place = |&(joint, [low, high]): &(usize, [f64; 2])| {
             let turn = f64::from(draw) * (0.618_033_988_75 + 0.754_877_666_25 * joint as f64);
@@ -89,12 +89,12 @@ impl SceneMotion {
     }
 }
 
-/// Parts that a scene may leave out, as its file gives them.
+/// Parts that a scene may leave out, from its file.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct NeglectWish {
-    /// The kinds of things that may be left out; empty: all.
+    /// The kinds of parts that may be left out; empty: all.
     pub kinds: Vec<NeglectKind>,
-    /// The names of what must not be left out.
+    /// The names of the parts that must not be left out.
     pub keep: Vec<String>,
 }
 

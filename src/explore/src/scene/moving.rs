@@ -26,7 +26,7 @@ impl SceneFile {
     ///
     /// # Panics
     ///
-    /// Panics when the scene is one of equations, which do not move.
+    /// Panics for a scene of equations, which has no motion.
     pub fn moving<T>(
         &self,
         (laws, machine): (&Laws, &Machine),
@@ -70,7 +70,7 @@ impl SceneFile {
     }
 }
 
-/// Watched joints, and how far each of them moves.
+/// Joints of interest, with the range of motion of each.
 pub struct WatchedJoints {
     joints: Vec<usize>,
     /// The largest displacement of each from its mean, m or rad.
@@ -78,11 +78,11 @@ pub struct WatchedJoints {
 }
 
 impl WatchedJoints {
-    /// Measures how far joints, by index, move in all of some runs.
+    /// Measures the range of motion of joints, by index, over all given runs.
     ///
     /// # Errors
     ///
-    /// [`MotionError::Still`] where one of them stays where it is.
+    /// [`MotionError::Still`] where one of them does not move.
     pub fn new(
         joints: &[usize],
         model: &Model,

@@ -1,4 +1,4 @@
-//! From the text of a scene file to a scene and what it is about.
+//! Conversion of the text of a scene file into a scene and its function.
 
 use super::arrays::SceneArrays;
 use super::document::{

@@ -15,14 +15,14 @@ use robovec_robotran::FunctionKind;
 pub enum SceneSubject {
     /// A model and a function of it.
     Model(Box<ModelSubject>),
-    /// Equations as they were read: the one function of the scene.
+    /// Equations as read: the one function of the scene.
     Equations(Box<Module>),
 }
 
 /// A model and a function of it.
 #[derive(Clone, Debug)]
 pub struct ModelSubject {
-    /// The model as it was read.
+    /// The model as read.
     pub general: Model,
     /// The model with its joints held as in the scene: locked joints are driven
     /// ones without velocity and acceleration.
@@ -40,7 +40,7 @@ impl ModelSubject {
     ///
     /// # Errors
     ///
-    /// Those of the generator.
+    /// Errors of the generator.
     pub fn equations(&self, formulation: Formulation) -> Result<Module, GenerateError> {
         self.generate(&self.model, formulation)
     }

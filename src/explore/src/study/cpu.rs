@@ -21,7 +21,7 @@ pub struct CpuTime {
     /// Hash of the text of the functions, in hexadecimal: a time is one of
     /// these and no others.
     pub program: String,
-    /// Operations of the function, sines and cosines apart.
+    /// Operations of the function, without sines and cosines.
     pub operations: usize,
     /// Time of one evaluation in binary64 by straight-line C, sines and cosines
     /// included: the smallest over many repetitions, µs of processor time.
@@ -32,7 +32,7 @@ pub struct CpuTime {
     pub batch: Option<f64>,
     /// Reason why there is no time.
     pub remark: String,
-    /// The compiler and how it was called.
+    /// The compiler and its options.
     pub compiler: String,
     /// The processor.
     pub processor: String,

@@ -23,7 +23,7 @@ pub(super) struct Knee {
     pub fastest: Option<Split>,
     /// One adder and one multiplier.
     pub single: Option<Split>,
-    /// The largest equal numbers that were placed and fall short of it.
+    /// The largest equal numbers placed that fall short of it.
     pub below: Option<Split>,
     /// True when one element of each kind less was placed too and falls short,
     /// so that the knee is exact.
@@ -41,7 +41,7 @@ pub(super) struct Split {
     pub cycles: u32,
     /// Operations per element and cycle.
     pub rate: f64,
-    /// The share of the device that the machine takes.
+    /// The machine's share of the device.
     pub share: f64,
 }
 
@@ -61,7 +61,7 @@ impl Split {
         self.n_add + self.n_multi
     }
 
-    /// `4+4 (8)`, as the thesis' two ways of counting need it.
+    /// `4+4 (8)`, in both counts of the thesis.
     pub(super) fn text(&self) -> String {
         format!("{}+{} ({})", self.n_add, self.n_multi, self.elements())
     }

@@ -1,14 +1,14 @@
-//! Studies: many programs placed on many machines, and what follows for a user
-//! who has to choose.
+//! Studies: many programs placed on many machines, and the conclusions for a
+//! user who has to choose.
 //!
-//! `plan` lists what is placed; `run` places it, in parallel, with finished
+//! `plan` lists the points; `run` places them, in parallel, with finished
 //! points kept by [`crate::store`]; `tables` and `figures` are views of the
 //! points, each named by its number in the thesis; `verdict` sums them up in
 //! words; `page` puts everything into one HTML file. The figures of the thesis
 //! itself are data (`printed`), shown beside ours and never mixed with them.
 //!
-//! **Invariant.** Everything but CPU times is a function of plan and programs
-//! alone: no clock, no number of threads, no order of work enters a result.
+//! **Invariant.** All results except processor times are a function of plan and programs
+//! alone: they do not depend on a clock, the number of threads or the order of work.
 
 mod cpu;
 mod figures;

@@ -57,7 +57,7 @@ pub(super) struct PrintedSystem {
     pub topology: SystemTopology,
     /// The row of the system as Robotran wrote it.
     pub original: PrintedRow,
-    /// The row "modified", where there is one.
+    /// The row "modified", if there is one.
     #[serde(default)]
     pub modified: Option<PrintedRow>,
 }

@@ -1,5 +1,5 @@
-//! From a model to what is placed: read or generate it, run a pipeline,
-//! measure the result.
+//! Preparation of a program for placement: read or generate the model's
+//! equations, run a pipeline, measure the result.
 
 use super::plan::{NamedMachine, NamedPipeline, StudySubject};
 use crate::program::{transformed, view};
@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// Seed of the states at which rounding errors are measured.
 const SEED: u64 = 1;
 
-/// Source of programs: the caller knows files and models.
+/// Source of programs: the caller supplies files and models.
 pub trait ProgramSources: Sync {
     /// The equations of a source: a file, a model, a built-in name.
     ///
@@ -31,7 +31,7 @@ pub trait ProgramSources: Sync {
 pub struct ProgramFacts {
     pub model: String,
     pub pipeline: String,
-    /// The machine whose latencies count, and for which the pipeline works.
+    /// The machine with the latencies for the pipeline.
     pub machine: String,
     pub function: String,
     /// Equations as read or generated.

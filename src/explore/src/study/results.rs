@@ -39,7 +39,7 @@ impl<'a> StudyPlacement<'a> {
         [self.request.n_add, self.request.n_multi]
     }
 
-    /// True when there are as many adders as multipliers.
+    /// True for equal numbers of adders and multipliers.
     pub(super) fn is_equal(&self) -> bool {
         self.request.n_add == self.request.n_multi
     }
@@ -75,14 +75,14 @@ impl<'a> StudyPlacement<'a> {
         shape
     }
 
-    /// The share of the device that the machine takes, by formulas; above 1 it does
-    /// not fit. `None` where nothing was placed.
+    /// The machine's share of the device, by formulas; above 1 it does not fit.
+    /// `None` where there is no placement.
     pub(super) fn share(&self) -> Option<f64> {
         let shape = self.point.failure.is_none().then(|| self.shape())?;
         Some(device::taken_by(&shape, shape.device).share(shape.device))
     }
 
-    /// The time at the clock that the study counts with.
+    /// The time at the clock of the study.
     pub(super) fn time_us(&self) -> f64 {
         let clock = self.results.plan.machines[self.request.machine].clock();
         f64::from(self.point.cycles) / clock.mhz
@@ -117,7 +117,7 @@ impl<'a> StudiedProgram<'a> {
         self.results.plan.machines[self.place[2]].clock()
     }
 
-    /// The row of Table 3.1 that it is compared with.
+    /// The row of Table 3.1 for comparison.
     pub(super) fn row(&self) -> Option<&'static PrintedRow> {
         let system = self.results.system(self.place[0])?;
         system.row(self.pipeline().printed?)
@@ -132,9 +132,9 @@ impl<'a> StudiedProgram<'a> {
         })
     }
 
-    /// The usual placements that the plan asks for with as many adders as
-    /// multipliers, in ascending number; of many, those whose number is a power of
-    /// two.
+    /// The usual placements that the plan requests with equal numbers of adders
+    /// and multipliers, in ascending number; of many, those whose number is a
+    /// power of two.
     pub(super) fn ladder(&self) -> Vec<StudyPlacement<'a>> {
         let requests = &self.results.plan.requests;
         let mut equal: Vec<StudyPlacement<'a>> = (self.usual())
@@ -272,7 +272,7 @@ impl Results {
             .position(|pipeline| pipeline.printed == Some(printed))
     }
 
-    /// The pipeline that leaves equations as they are printed, or the first.
+    /// The pipeline for unchanged equations, or the first.
     pub(super) fn original(&self) -> usize {
         self.pipeline(Printed::Original).unwrap_or(0)
     }

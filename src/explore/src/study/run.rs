@@ -3,7 +3,7 @@
 //!
 //! Models follow one another, so that only two of them are in memory: while one
 //! is placed, on all cores, the next is made ready. Results have the order of
-//! their requests, whatever the order of work.
+//! their requests, for any order of work.
 
 use super::knee::is_saturated;
 use super::plan::{NamedMachine, NamedPipeline, PlacementRequest, StudyPlan};
@@ -82,7 +82,7 @@ struct StudyRunner<'a> {
 /// A model made ready.
 struct PreparedModel {
     model: usize,
-    /// Of its equations; `None` where nothing is kept.
+    /// Key of its equations; `None` without a store.
     key: Option<PointKey>,
     programs: Vec<StudyProgram>,
     /// The program of each pipeline and machine.
@@ -90,11 +90,11 @@ struct PreparedModel {
     facts: BTreeMap<(usize, usize, usize), ProgramFacts>,
 }
 
-/// A placement, and whether it was found on disk.
+/// A placement, and a flag: true when it was found on disk.
 type FoundPlacement = (PlacementRequest, PlacedPoint, bool);
 
 impl StudyRunner<'_> {
-    /// The models that requests ask for.
+    /// The models of the requests.
     fn models(&self) -> Vec<usize> {
         let mut models: Vec<usize> = self.plan.requests.iter().map(|r| r.model).collect();
         models.dedup();
@@ -156,7 +156,7 @@ impl StudyRunner<'_> {
         })
     }
 
-    /// Places a model as the plan asks, then searches for its knees.
+    /// Places a model as the plan requests, then searches for its knees.
     fn place(&self, prepared: &PreparedModel) -> Result<Vec<FoundPlacement>, Report> {
         let requests: Vec<&PlacementRequest> = self.requests(prepared.model).collect();
         let placed: Result<Vec<FoundPlacement>, Report> = requests

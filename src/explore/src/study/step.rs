@@ -2,8 +2,8 @@
 //! accelerations.
 //!
 //! A plan names the functions of a step as separate models with one source.
-//! This module puts them together: as many calls of each as a step makes, all
-//! of them on one machine with the same elements.
+//! This module combines them: the calls of a step, all of them on one machine
+//! with the same elements.
 
 use super::plan::StudySubject;
 use super::results::{Results, StudiedProgram, StudyPlacement};
@@ -11,11 +11,11 @@ use robovec_robotran::FunctionKind;
 use std::collections::BTreeMap;
 
 /// Rounds of Newton's method that a step is counted with. In a motion the
-/// joints start where the step before has left them.
+/// joints start at the end of the step before.
 pub(super) const ROUNDS: u32 = 2;
 
-/// The functions of a step, in the order of their calls, and how often each is
-/// called: every round, and once more to find the loops closed.
+/// The functions of a step, in the order of their calls, and the number of
+/// calls of each: every iteration, and once more to find the loops closed.
 pub(super) const PARTS: [(FunctionKind, u32); 3] = [
     (FunctionKind::LoopPositions, ROUNDS + 1),
     (FunctionKind::LoopVelocities, 1),

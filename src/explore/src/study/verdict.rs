@@ -26,9 +26,9 @@ pub(super) struct StudyVerdict {
     pub cost: String,
     /// Reasons, sentence by sentence.
     pub reasons: Vec<String>,
-    /// The three zones: name, range of elements, what limits them.
+    /// The three zones: name, range of elements, limiting factor.
     pub zones: Vec<[String; 3]>,
-    /// The numbers from which it follows.
+    /// The numbers from which the verdict follows.
     pub knee: Knee,
 }
 
@@ -46,8 +46,8 @@ pub(super) fn of_headline(results: &Results) -> Vec<StudyVerdict> {
     programs.filter_map(|program| verdict(&program)).collect()
 }
 
-/// The fastest of some pipelines beside the first, each with the elements that
-/// it is worth, in one line.
+/// The fastest of some pipelines beside the first, each with its recommended
+/// elements, in one line.
 pub(super) fn headline(verdicts: &[StudyVerdict]) -> String {
     let split = |verdict: &StudyVerdict| verdict.knee.cheapest.or(verdict.knee.fastest);
     let placed = verdicts.iter().filter_map(|one| Some((one, split(one)?)));
@@ -159,7 +159,7 @@ fn answer(facts: &ProgramFacts, knee: &Knee, clock: MachineClock) -> String {
     }
 }
 
-/// The share of the device and the errors of what the answer is about.
+/// The share of the device and the errors of the recommended design.
 fn cost(facts: &ProgramFacts, knee: &Knee) -> String {
     let Some(best) = knee.cheapest.or(knee.fastest) else {
         return String::new();

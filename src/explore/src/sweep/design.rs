@@ -9,7 +9,7 @@ use robovec_ir::machine::{
 };
 use serde::Serialize;
 
-/// One machine, and how many instances it evaluates at once.
+/// One machine, and its number of interleaved instances.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct MachineDesign {
     /// Adders.
@@ -117,8 +117,8 @@ impl DesignSpace {
         pairs.filter(|&[a, b]| a.max(b) <= a.min(b).saturating_mul(self.ratio))
     }
 
-    /// Number of designs, and how many instances all of them place
-    /// together, without making them.
+    /// Number of designs, and total number of instances in them, without making
+    /// them.
     pub fn count(&self) -> (u64, u64) {
         let designs = self.axes(self.pairs().count()).count();
         let instances: u64 = self.instances.iter().copied().map(u64::from).sum();

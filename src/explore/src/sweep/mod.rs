@@ -1,12 +1,12 @@
-//! Machines for one function: what each takes of a device, how long it needs
-//! for an evaluation, and which of them no other one beats.
+//! Machines for one function: the resources and the time per evaluation of
+//! each, and the set of those that no other dominates.
 //!
-//! A *design* is a machine and a way to use it: numbers of adders and of
-//! multipliers, their stages with the clock these allow (thesis, Table 1.3),
-//! a style of memories, buffers or none, instances at once, an interconnect.
-//! Every design is placed, not estimated; what it takes is estimated by the
-//! formulas of the hardware, and its clock is that of the tables, cut to what
-//! double-pumped memories follow (thesis 1.3).
+//! A *design* is a machine and its use: numbers of adders and of multipliers,
+//! their stages with the clock these allow (thesis, Table 1.3), a style of
+//! memories, buffers or none, instances at once, an interconnect. Every design
+//! is placed, not estimated; its resources are estimated by the formulas of the
+//! hardware, and its clock is that of the tables, limited by that of
+//! double-pumped memories (thesis 1.3).
 //!
 //! **Invariant.** Nothing but the time on the processor, which is measured
 //! only on request, depends on clocks, threads or the order of work.
@@ -37,7 +37,7 @@ use robovec_passes::optimise::steps;
 use serde::Serialize;
 use std::sync::Arc;
 
-/// The maximum number of operations times designs that are placed at once.
+/// The maximum number of operations times designs placed in one sweep.
 const MAX_WORK: u64 = 6_000_000_000;
 const MAX_DESIGNS: u64 = 1_000_000;
 
@@ -80,7 +80,7 @@ pub struct SweepPoint {
     /// Energy of an evaluation, µJ, where the power of the device is given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_uj: Option<f64>,
-    /// Resources that the machine takes.
+    /// Resources of the machine.
     pub resources: DeviceShare,
     /// The largest of its shares of the device; above 1 it does not
     /// fit.
@@ -110,7 +110,7 @@ pub struct FunctionSweep {
     /// Time of one evaluation in binary64 by the fastest generated C on one
     /// core of this computer, µs.
     pub cpu_us: Option<f64>,
-    /// The same per evaluation when eight are made at once.
+    /// The same per evaluation in batches of eight.
     pub cpu_batch_us: Option<f64>,
     /// Time by which one evaluation in a thousand takes longer there than the
     /// median one, µs. A design takes the same cycles every time.
@@ -118,7 +118,7 @@ pub struct FunctionSweep {
     /// Energy of one evaluation there, µJ, where the power of a core is given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cpu_energy_uj: Option<f64>,
-    /// The power from which energies are computed, as the user gave it.
+    /// The power from which energies are computed, from the user.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub power: Option<PowerFigures>,
     /// Reason why there is no such time, if it was requested.
@@ -167,14 +167,14 @@ impl SweptProgram {
     }
 }
 
-/// Places programs of a function on every design of a space, of which each takes the
-/// one with the shortest schedule, and times what a processor would run in its place;
+/// Places programs of a function on every design of a space, keeps the one with
+/// the shortest schedule for each design, and times a processor for comparison;
 /// or places them on a share of the designs.
 ///
 /// # Errors
 ///
-/// Fails when a pass gives up, no design can hold the function, the designs are too
-/// many for the programs' size, or a placement cannot be kept.
+/// Fails when a pass gives up, no design is large enough for the function, the designs
+/// are too many for the programs' size, or a placement cannot be stored.
 pub fn sweep(
     function: &ExploredFunction,
     question: &SweepQuestion<'_>,
@@ -265,7 +265,7 @@ fn programs(
     programs.collect()
 }
 
-/// Refuses more work than is done at once.
+/// Refuses more work than the limit.
 fn check_work(programs: &[SweptProgram], space: &DesignSpace) -> Result<(), ExplorationError> {
     let operations: usize = programs.iter().map(|program| program.operations).sum();
     let (designs, instances) = space.count();
@@ -383,8 +383,8 @@ mod tests {
         }
     }
 
-    /// A few machines, with this number of instances at once, and all points of
-    /// them.
+    /// A few machines, with this number of interleaved instances, and all
+    /// points of them.
     pub(super) fn small_sweep(instances: &[u32]) -> (DesignSpace, FunctionSweep) {
         let space = DesignSpace {
             instances: instances.to_vec(),

@@ -1,6 +1,6 @@
 //! Programs placed on the designs of a space, a share of them at a time; the
-//! result of a design is kept, so that several workers on one folder do the
-//! work of one, and one that was stopped loses nothing.
+//! result of a design is stored, so that several workers on one folder divide
+//! the work, and an interrupted one loses nothing.
 //!
 //! **Invariant.** A kept placement is found again only by the same programs, on
 //! the same machine, by the same build of robovec.
@@ -33,8 +33,8 @@ pub(super) struct DesignPlacement {
 /// A design and its result: a placement, or why there is none.
 type PlacedDesign = (MachineDesign, Result<DesignPlacement, String>);
 
-/// Places programs on the designs of a share, in the order of the space; those that
-/// are kept are found, and the others kept. The second result is how many were found.
+/// Places programs on the designs of a share, in the order of the space; those that are
+/// kept are found, and the others kept. The second result is the number found.
 pub(super) fn place(
     programs: &[SweptProgram],
     space: &DesignSpace,
@@ -65,7 +65,7 @@ pub(super) fn place(
     Ok((designs.into_iter().zip(results).collect(), found))
 }
 
-/// So many instances of a program in one.
+/// Interleaves this number of instances of a program into one.
 fn interleaved(program: &SweptProgram, count: u32) -> Result<Module, ExplorationError> {
     if count == 1 {
         return Ok(program.module.clone());

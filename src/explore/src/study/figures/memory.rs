@@ -40,7 +40,7 @@ pub(super) fn figures(results: &Results) -> Vec<Figure> {
     figures
 }
 
-/// Words of memory (part 0) or of buffer, of adders and of multipliers; nothing
+/// Words of memory (part 0) or of buffer, of adders and of multipliers; empty
 /// where one of the choices was not placed.
 fn panels(results: &Results, place: [usize; 3], part: usize, what: &str) -> Vec<Panel> {
     let points = |choice: ElementChoice| -> Vec<StudyPlacement<'_>> {

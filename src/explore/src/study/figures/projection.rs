@@ -42,7 +42,7 @@ fn numbers(results: &Results, topology: SystemTopology, pipeline: usize) -> Vec<
     programs.filter_map(point).collect()
 }
 
-/// Those of the thesis that can be right.
+/// Those of the thesis that are consistent.
 fn printed_numbers(topology: SystemTopology, printed: Printed) -> Vec<[f64; 2]> {
     let systems = thesis().systems.iter();
     let systems = systems.filter(|system| system.topology == topology);

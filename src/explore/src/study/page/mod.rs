@@ -1,8 +1,8 @@
 //! The report: one HTML file that needs nothing else.
 //!
-//! Figures are put in as they are drawn for paper, tables as HTML, points as
-//! JSON for the chart that a reader composes. **Invariant.** The page refers
-//! to no other file and no address.
+//! Figures are inserted as drawn for paper, tables as HTML, points as JSON for
+//! the chart that a reader composes. **Invariant.** The page refers to no other
+//! file and no address.
 
 use super::cpu::CpuTime;
 use super::results::Results;

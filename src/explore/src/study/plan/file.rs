@@ -44,7 +44,7 @@ pub(super) struct ModelEntry {
     pub(super) function: Option<String>,
     /// The system of the thesis that it represents.
     pub(super) printed: Option<Spanned<String>>,
-    /// True if only sweeps that name the model have it.
+    /// True if only sweeps that name the model include it.
     #[serde(default, rename = "by-name")]
     pub(super) by_name: bool,
     /// Style of this model's equations.
@@ -73,7 +73,7 @@ pub(super) struct PipelineEntry {
     pub(super) name: Spanned<String>,
     /// Its passes, without placement.
     pub(super) passes: Spanned<String>,
-    /// Rows of the thesis it is compared with.
+    /// Rows of the thesis for comparison.
     pub(super) printed: Option<super::Printed>,
 }
 

@@ -1,9 +1,9 @@
 //! Subjects of a study: models, pipelines, machines, numbers of elements.
 //!
 //! A plan is read from TOML and resolved here once and for all: afterwards
-//! every name is an index, every pipeline is parsed, every machine is read,
-//! and the placements are a sorted list without repetitions. Nothing is
-//! computed before all of it is known to be right.
+//! every name is an index, every pipeline is parsed, every machine is read, and
+//! the placements are a sorted list without repetitions. The whole plan is
+//! checked before any computation starts.
 
 mod file;
 mod resolve;
@@ -63,7 +63,7 @@ pub struct StudyPlan {
     pub requests: Vec<PlacementRequest>,
 }
 
-/// A model of a study: where its program comes from.
+/// A model of a study: the source of its program.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct StudySubject {
     /// Its name in results.
@@ -78,11 +78,11 @@ pub struct StudySubject {
     pub function: Option<String>,
     /// The system of the thesis' Table 3.1 that it represents.
     pub printed: Option<String>,
-    /// True if only sweeps that name it have it.
+    /// True if only sweeps that name it include it.
     #[serde(skip)]
     pub by_name: bool,
-    /// Style of equations generated from a model; files of equations are taken
-    /// as they are.
+    /// Style of equations generated from a model; files of equations are
+    /// unchanged.
     pub style: GenerationStyle,
 }
 
@@ -101,7 +101,7 @@ pub struct GenerationStyle {
     pub leading_signs: bool,
     /// External forces and torques are included.
     pub forces: bool,
-    /// Nothing is taken for granted of sines and cosines.
+    /// No identity of sines and cosines is assumed.
     pub any_angles: bool,
     /// Parameters that are zero in the model are kept.
     pub all_parameters: bool,
@@ -111,7 +111,7 @@ pub struct GenerationStyle {
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Printed {
-    /// The systems as Robotran wrote them.
+    /// The systems as written by Robotran.
     Original,
     /// The "modified" systems, changed by hand.
     Modified,
@@ -124,7 +124,7 @@ pub struct NamedPipeline {
     pub name: String,
     /// The pipeline.
     pub pipeline: Pipeline,
-    /// The rows of the thesis it is compared with.
+    /// The rows of the thesis for comparison.
     pub printed: Option<Printed>,
 }
 
@@ -140,8 +140,8 @@ pub struct NamedMachine {
 }
 
 impl NamedMachine {
-    /// The clock that the study counts with: what was published of the
-    /// machine, else the estimate.
+    /// The clock used in the study: the published one of the machine, else the
+    /// estimate.
     pub fn clock(&self) -> MachineClock {
         hardware::published_clock(&self.machine)
     }

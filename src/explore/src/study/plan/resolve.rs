@@ -16,8 +16,8 @@ use std::path::Path;
 /// The name that means the model of the verdict.
 pub(super) const HEADLINE: &str = "headline";
 
-/// The maximum number of placements of a study; what lies beyond is a slip of
-/// the pen.
+/// The maximum number of placements of a study; a larger number is probably a
+/// mistake in the plan.
 pub(super) const MAX_PLACEMENTS: usize = 1_000_000;
 
 /// Reads a machine by name or file; messages are the reader's own.

@@ -93,8 +93,8 @@ impl PlanResolver<'_> {
         names.iter().filter_map(place).collect()
     }
 
-    /// The place of a name in a list; what the command line leaves out of the list
-    /// leaves sweeps too.
+    /// The place of a name in a list; a sweep skips the entries that the
+    /// command line excludes from the list.
     fn named(
         &mut self,
         what: &str,

@@ -33,8 +33,8 @@ pub(super) fn sum([add, multi]: [u32; 2]) -> String {
     format!("{add}+{multi}")
 }
 
-/// Table 2.1: the preference of placement, and how often each rank occurs; status of
-/// the left and of the right operand.
+/// Table 2.1: the preference of placement, and the frequency of each rank;
+/// status of the left and of the right operand.
 const RANKS: [[&str; 2]; 9] = [
     ["memory", "memory"],
     ["memory", "direct"],

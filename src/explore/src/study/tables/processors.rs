@@ -14,7 +14,7 @@ use robovec_present::{DataTable, columns};
 /// Clock of the machine the thesis built (its section 1.3.4), MHz.
 const BUILT_MHZ: f64 = 25.0;
 
-/// The tables of times on one core; none where nothing was timed.
+/// The tables of times on one core; empty without measurements.
 pub(in crate::study) fn tables(results: &Results, cpu: &[CpuTime]) -> Vec<DataTable> {
     let Some(first) = cpu.first() else {
         return Vec::new();
@@ -69,7 +69,7 @@ impl ArrayTime {
         format!("{quick:.2} to {slow:.2}")
     }
 
-    /// Who needs less time, and by what factor.
+    /// The faster one, and by which factor.
     fn winner(&self, processor: f64) -> String {
         let [quick, slow] = self.ends();
         let factors = |low: f64, high: f64| format!("{low:.1} to {high:.1} times");
@@ -201,8 +201,8 @@ fn whole_steps(results: &Results, cpu: &[CpuTime], processor: &str) -> Option<Da
     captions::filled("whole-step-cpu", &words, &columns, &rows)
 }
 
-/// The time of a step on one core: of each function the fastest program, as
-/// often as it is called, µs. `None` where one was not timed.
+/// The time of a step on one core: of each function the fastest program, times
+/// its number of calls, µs. `None` where one was not timed.
 fn one_core(results: &Results, step: &StudyStep, cpu: &[CpuTime]) -> Option<f64> {
     let mut sum = 0.0;
     for (model, (_, calls)) in step.models.iter().zip(PARTS) {

@@ -116,7 +116,7 @@ impl<'a> KneeRow<'a> {
         }
     }
 
-    /// The cheapest numbers that it is worth.
+    /// The numbers of elements at its cheapest knee.
     fn cheapest(&self) -> Option<Split> {
         self.knee.as_ref()?.cheapest
     }
@@ -126,7 +126,7 @@ impl<'a> KneeRow<'a> {
     }
 }
 
-/// Share of the device and errors of what a program is worth.
+/// Share of the device and errors of a chosen program.
 fn costs<'a>() -> ColumnList<'a, KneeRow<'a>> {
     let [median, worst] = ERROR_HEADS;
     columns! { KneeRow<'_>;

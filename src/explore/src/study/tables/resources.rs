@@ -1,4 +1,4 @@
-//! Table 1.4: what a machine of 4 adders and 4 multipliers takes on a
+//! Table 1.4: the resources of a machine of 4 adders and 4 multipliers on a
 //! Cyclone V, from the words and cycles of its placement.
 //!
 //! The figures are those of [`robovec_fpga::hardware`] for the
@@ -28,8 +28,8 @@ fn key(part: PartKind, adds: bool) -> &'static str {
     }
 }
 
-/// A part of the machine, or all of them: what one takes, beside what the thesis
-/// prints for it.
+/// A part of the machine, or all of them: the resources of one, beside the
+/// figures of the thesis.
 struct PartRow {
     name: String,
     count: Option<u32>,
