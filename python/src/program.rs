@@ -27,7 +27,7 @@ pub(crate) struct PythonProgram {
     passes: Vec<PassRunRecord>,
     /// The counts of the function as it was read.
     read: Vec<ReadCounts>,
-    /// Remarks of readers, as the command line shows them.
+    /// Remarks of readers, as printed by the command line.
     remarks: String,
 }
 
@@ -311,7 +311,7 @@ fn generated(
     })
 }
 
-/// The one function of a name; without a name the only one there is.
+/// The only function of a name; without a name the only one of the program.
 fn single(
     mut module: Module,
     function: Option<&str>,

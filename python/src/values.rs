@@ -14,9 +14,9 @@ const BYTES: usize = size_of::<f64>();
 /// Number of threads; 0 is the number of processors.
 const THREADS: NumberLimit = NumberLimit::whole(0, 1024, "every thread takes memory");
 
-/// The outputs at states that lie one after the other, as bytes of binary64 in
-/// the order of this machine. Every state is computed alone, so results do not
-/// depend on the number of threads (0: as many as there are processors).
+/// The outputs at consecutive states, as bytes of binary64 in the order of this
+/// machine. Every state is computed alone, so results do not depend on the
+/// number of threads (0: as many as there are processors).
 pub(crate) fn evaluate_states(
     function: &Function,
     inputs: &[u8],

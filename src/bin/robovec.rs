@@ -1,6 +1,6 @@
-//! `robovec`: evaluation, simulation and comparison of what `robovec-opt`
-//! reads and writes. Called by the name `robovec-opt` it is that program, so
-//! that one file in WebAssembly holds both.
+//! `robovec`: evaluation, simulation and comparison of the files that
+//! `robovec-opt` reads and writes. Called by the name `robovec-opt` it is that
+//! program, so that one file in WebAssembly holds both.
 
 use std::path::Path;
 use std::process::ExitCode;

@@ -175,7 +175,7 @@ pub(super) struct LoadedSubject {
     pub(super) file: Option<PathBuf>,
     pub(super) module: Module,
     pub(super) model: Option<Model>,
-    /// Task that the function is, if a model gives it and peers know it.
+    /// Task of the function, if a model gives it and peers support it.
     pub(super) task: Option<BenchTask>,
     /// Reason why the equations are not those that Robotran prints, if they are
     /// not.
@@ -388,7 +388,7 @@ fn in_one_piece(operations: usize) -> String {
 /// is not.
 const PIECES: usize = 10;
 
-/// The C of the equations as they are, which is left out.
+/// The result for unchanged equations whose C is left out.
 fn not_compiled(question: &BenchQuestion<'_>, why: String) -> Contestant {
     own::refused(question, ContestantFamily::Equations, "C of them", why)
 }
@@ -405,7 +405,7 @@ struct BenchProgram {
     family: ContestantFamily,
     /// Text before the name of the way.
     name: String,
-    /// The equations as they are, in which loops are found.
+    /// The unchanged equations, in which loops are found.
     module: Module,
     /// After the passes for straight-line code.
     shorter: Module,
@@ -458,7 +458,7 @@ impl BenchProgram {
 /// Compilers, and the ways to write C by name.
 type BenchMeans<'a> = (&'a [Compiler], &'a [(&'static str, own::ContestantMaker)]);
 
-/// The way that finds loops in the equations as they are.
+/// The variant with loops found in the unchanged equations.
 const ROLLED: &str = "rolled";
 
 /// All ways to write equations as C.
@@ -470,7 +470,7 @@ const WAYS: &[(&str, own::ContestantMaker)] = &[
     ("batch, array of states", own::batch_of_states),
 ];
 
-/// Those that robots are compared in.
+/// The variants in which robots are compared.
 const ROBOT_WAYS: &[(&str, own::ContestantMaker)] = &[
     ("straight-line", own::straight),
     ("batch", own::batch),

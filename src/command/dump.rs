@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Writes states as they come and an index at the end.
+/// Writes states in the order of the passes and an index at the end.
 pub(crate) struct DumpFolder {
     folder: PathBuf,
     entries: Vec<DumpEntry>,
@@ -21,7 +21,7 @@ struct DumpEntry {
     function: String,
     pass: String,
     changed: bool,
-    /// The file; that of the state before when nothing changed.
+    /// The file; that of the state before when the pass changed nothing.
     file: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     cpu_s: Option<f64>,

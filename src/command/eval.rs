@@ -76,7 +76,7 @@ pub(super) struct EvalArguments {
     language: Option<InputLanguage>,
 }
 
-/// States as the command line gives them.
+/// States from the command line.
 #[derive(Clone, Debug)]
 enum GivenStates {
     Random(u32),

@@ -213,7 +213,7 @@ fn timing(moment: &Moment) -> String {
     format!(" available at cycle {arrival} of {path}, {slack}")
 }
 
-/// The definition with all that later levels add to it.
+/// The definition with all attributes of later levels.
 fn last_definition(view: View<'_>, item: trail::TrackedItem) -> Option<String> {
     let trail::TrackedItem::Value(name) = item else {
         return None;

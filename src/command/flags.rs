@@ -1,7 +1,7 @@
 //! Limits of the numbers that flags take.
 //!
 //! A flag declares its limit beside itself (`add = whole(1, 1000, "…")`);
-//! [`enforce`] gives every flag that has one a parser that knows it, and
+//! [`enforce`] gives every flag with a limit a parser that tests it, and
 //! [`rows`] lists them. A test refuses a flag that is a number and has none.
 
 use clap::builder::ArgExt;
@@ -30,7 +30,7 @@ pub(crate) const SEED: FlagLimit = FlagLimit(NumberLimit::SEED);
 /// The limit of the effort of a search.
 pub(crate) const EFFORT: FlagLimit = FlagLimit(robovec_passes::optimise::EFFORT);
 
-/// The limit of numbers that are data: whatever binary64 can hold.
+/// The limit of numbers that are data: all numbers of binary64.
 pub(crate) const NUMBER: FlagLimit = real(
     -f64::MAX,
     f64::MAX,
@@ -47,7 +47,7 @@ pub(crate) const fn states(least: u64, most: u64) -> FlagLimit {
     )
 }
 
-/// The command, every flag with a limit reading numbers by it.
+/// The command, with a parser for every flag that has a limit.
 pub(crate) fn enforce(command: Command) -> Command {
     command.mut_args(limited).mut_subcommands(enforce)
 }

@@ -141,7 +141,7 @@ pub(super) const GROUPS: [(&str, &[&str]); 5] = [
     ("Study rewriting rules", &["rules"]),
 ];
 
-/// Examples of every command, as they are typed in the root of the repository.
+/// Examples of every command, for the root of the repository.
 const EXAMPLES: &[(&str, &[&str])] = &[
     (
         "bench",

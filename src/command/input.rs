@@ -1,4 +1,4 @@
-//! Reading what the user names: equations, models, scenes, pipelines, machines.
+//! Reading the user's files: equations, models, scenes, pipelines, machines.
 //!
 //! Remarks of readers are printed here, when the file is read, so that no command
 //! can forget to.
@@ -36,7 +36,7 @@ pub(crate) fn scene_of(read: &ReadEquations, given: Option<Scene>) -> Option<Sce
     Some(scene)
 }
 
-/// The module for a command that knows no ranges.
+/// The module for a command without ranges.
 ///
 /// # Errors
 ///
@@ -77,7 +77,7 @@ pub(crate) fn equations_or_model(
     })
 }
 
-/// Random states, those of a scene where there is one.
+/// Random states, those of a scene if there is one.
 pub(crate) fn states(scene: Option<&Scene>, seed: u64) -> States {
     scene.map_or_else(|| States::new(seed), |scene| scene.states(seed))
 }
@@ -127,7 +127,7 @@ fn known(language: InputLanguage) -> EquationLanguage {
     }
 }
 
-/// Prints what the reader remarked.
+/// Prints the remarks of the reader.
 fn told(read: ReadEquations) -> ReadEquations {
     emit(&read.warnings);
     read
@@ -137,8 +137,8 @@ pub(crate) fn model(path: &Path) -> Result<ReadModel, CommandFailure> {
     model_for(path, None)
 }
 
-/// Reads a model to make a function of it; prints what the function leaves out,
-/// too.
+/// Reads a model to make a function of it; prints the omissions of the
+/// function, too.
 pub(crate) fn model_for(
     path: &Path,
     kind: Option<FunctionKind>,
@@ -151,7 +151,7 @@ pub(crate) fn model_for(
     Ok(read)
 }
 
-/// Reads a scene, and what it names.
+/// Reads a scene, and the files that it names.
 pub(crate) fn scene(path: &Path) -> Result<SceneFile, CommandFailure> {
     let file = SceneFile::load(path)?;
     emit(&file.warnings);

@@ -1,5 +1,5 @@
-//! The table of limits: every number that a user can write, what it can be,
-//! and what more would cost.
+//! The table of limits: every number that a user can write, its range, and the
+//! cost of a larger one.
 //!
 //! Limits are where their numbers are declared ([`NumberLimit`]); this
 //! module, above all rooms that declare some, only gathers them, for the manual (`docs/limits.md`) and for the
@@ -15,7 +15,7 @@ use robovec_num::limits::{self, NumberLimit};
 use robovec_passes::registry::REGISTRY;
 use std::fmt::Write;
 
-/// A part of the table: what it is about, a remark, and its lines.
+/// A part of the table: its subject, a remark, and its lines.
 #[derive(Clone, PartialEq, Debug)]
 pub struct LimitSection {
     /// The title.

@@ -1,5 +1,5 @@
-//! `robovec manual` and `robovec completion`: what goes with the programs when
-//! they are installed.
+//! `robovec manual` and `robovec completion`: files that are installed with the
+//! programs.
 
 use super::{CommandFailure, commands, opt, output};
 use clap::Args;

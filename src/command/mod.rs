@@ -1,9 +1,9 @@
 //! The programs.
 //!
-//! Results go to the standard output or to `-o`; everything else goes to the
+//! Results go to the standard output or to `-o`; all other output goes to the
 //! standard error or to the file an option names. Every mistake of the user
-//! ends in a diagnostic and exit code 1; wrong use of the command line is
-//! exit code 2.
+//! ends in a diagnostic and exit code 1; wrong use of the command line is exit
+//! code 2.
 
 pub(crate) mod arguments;
 mod bench;

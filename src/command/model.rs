@@ -134,7 +134,7 @@ fn unknown(name: &str) -> CommandFailure {
     CommandFailure::advised(format!("there is no file or family '{name}'"), notes)
 }
 
-/// The model of a family that the options ask for.
+/// The model of a family for the given options.
 fn member(family: ModelFamily, arguments: &ModelArguments) -> Result<Model, CommandFailure> {
     let joints = match (family.joints(), arguments.joints) {
         (Some(only), Some(asked)) if asked != only => {
@@ -174,7 +174,7 @@ fn write(model: &Model, arguments: &ModelArguments) -> Result<String, CommandFai
     Ok(String::new())
 }
 
-/// Warns of limits and losses of joints, which `.mbs` files do not have.
+/// Warns of limits and losses of joints, which `.mbs` files cannot express.
 fn warn_of_limits(model: &Model) {
     let limited = model.joints.iter().filter(|joint| joint.limits.is_some());
     let losing = model.joints.iter().filter(|joint| joint.losses.are_there());

@@ -300,7 +300,7 @@ pub(super) fn completion(program: &str, shell: &str) -> Result<String, CommandFa
     Ok(String::from_utf8_lossy(&script).into_owned())
 }
 
-/// Keeps one function of a module: the one asked for, else direct dynamics,
+/// Keeps one function of a module: the requested one, else direct dynamics,
 /// else the only one.
 pub(super) fn select_one(
     module: &mut Module,
@@ -360,7 +360,7 @@ fn filter(names: Option<&str>) -> PassFilter {
     }
 }
 
-/// Tests whether anything reports what each pass did.
+/// Tests whether any output shows the effect of each pass.
 fn tells_of_passes(arguments: &OptimiserArguments) -> bool {
     arguments.report.is_some()
         || arguments.stats.is_some()
@@ -510,7 +510,7 @@ fn located(
     CommandFailure(report)
 }
 
-/// Records of passes as reports show them.
+/// Records of passes for reports.
 pub(super) fn pass_records(outcome: &RunOutcome) -> Vec<report::PassRunRecord> {
     let records = outcome.records.iter();
     let records = records.map(|record| report::PassRunRecord {

@@ -1,5 +1,5 @@
-//! Progress of a command: a bar on a terminal, elsewhere a line now and then,
-//! so that whoever reads a log of a long run sees that it continues.
+//! Progress of a command: a bar on a terminal, elsewhere a line at intervals,
+//! so that the log of a long run shows that it continues.
 
 use super::telling;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -37,8 +37,8 @@ fn is_drawn() -> bool {
     stderr().is_terminal() && !telling::is_quiet()
 }
 
-/// Prints every now and then how far a bar is, until it is finished or dropped;
-/// nothing where no thread can be started, as in WebAssembly.
+/// Prints the progress of a bar at intervals, until it is finished or dropped;
+/// no output where no thread can be started, as in WebAssembly.
 fn tell_in_lines(bar: &ProgressBar) {
     let bar = bar.downgrade();
     let _ = thread::Builder::new().spawn(move || {

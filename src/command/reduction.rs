@@ -1,5 +1,4 @@
-//! `--auto-reduce` and `--reproducer`: what is made of a pass that goes
-//! wrong.
+//! `--auto-reduce` and `--reproducer`: reduction of a failing pass.
 
 use super::arguments::OptimiserArguments;
 use super::{CommandFailure, output, reproducer};
@@ -13,14 +12,14 @@ use std::io::{self, Write as _};
 use std::panic;
 use std::path::Path;
 
-/// The module as it was read, when something may have to be made of it.
+/// Keeps a copy of the module that was read, when a reduction may need it.
 pub(super) fn keep(arguments: &OptimiserArguments, module: &Module) -> Option<Module> {
     let wanted = arguments.auto_reduce.is_some() || arguments.reproducer.is_some();
     wanted.then(|| module.clone())
 }
 
-/// Adds to a failure of the pipeline what was requested: a small program, a
-/// reproducer. Failures that are no fault of a pass stay as they are.
+/// Adds the requested parts to a failure of the pipeline: a small program, a
+/// reproducer. Failures that are not caused by a pass are unchanged.
 pub(super) fn follow_up(
     mut failure: CommandFailure,
     kept: Option<&Module>,

@@ -62,7 +62,7 @@ pub(super) fn text(
     text + &print::print_module(program)
 }
 
-/// The word as a shell takes it.
+/// The word, quoted for a shell.
 fn quoted(word: &str) -> String {
     let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_./=,:@%+".contains(&byte);
     if !word.is_empty() && word.bytes().all(plain) {
@@ -87,8 +87,8 @@ pub(super) fn command(path: &Path, text: &str) -> Result<Vec<String>, CommandFai
     })
 }
 
-/// Splits a line as a shell does that knows spaces, single quotes and
-/// backslashes; `None` when a quote is not closed.
+/// Splits a line as a shell does, with spaces, single quotes and backslashes
+/// only; `None` when a quote is not closed.
 fn words(line: &str) -> Option<Vec<String>> {
     let mut words = Vec::new();
     let mut word: Option<String> = None;

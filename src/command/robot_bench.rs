@@ -16,7 +16,7 @@ use robovec_present::text_table;
 use robovec_schedule::PlaceOptions;
 use std::path::Path;
 
-/// The robots that ship, and what their bases do.
+/// The robots that ship, with the motion of their bases.
 const OWN: [(&str, &[u8], RobotBase); 4] = [
     (
         "arm",

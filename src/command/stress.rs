@@ -99,7 +99,7 @@ pub(super) fn run(arguments: &StressArguments) -> Result<String, CommandFailure>
 }
 
 /// The answer, the cases with the largest errors, and energies and gaps; all
-/// cases for those who ask for more.
+/// cases on request.
 fn text(arguments: &StressArguments, findings: &[(&StressCase, Findings)]) -> String {
     let name = arguments.input.as_deref().and_then(Path::file_name);
     let title = name.map_or("hard cases".into(), |name| name.to_string_lossy());

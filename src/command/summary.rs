@@ -1,9 +1,9 @@
 //! Summary of a run of `robovec-opt` without a report: speed, error and cost of
-//! every function, beside what came in.
+//! every function, beside those of the input.
 //!
-//! As in compilers, it is for users and not programs: only where the result
-//! goes to a file or to a terminal, and on the standard error. It has to cost
-//! next to nothing, so that errors are measured at few states, and at none
+//! As in compilers, it is for users and not programs: it is printed only where
+//! the result goes to a file or to a terminal, and on the standard error. It
+//! must take almost no time, so errors are measured at few states, and at none
 //! where the functions are large: the work is counted in operations, so that
 //! the same run prints the same on every computer.
 
@@ -28,7 +28,7 @@ use std::path::Path;
 /// Operations that are evaluated exactly, over all functions and states.
 const EVALUATIONS: usize = 400_000;
 
-/// States are evaluated so many at a time.
+/// Number of states evaluated at a time.
 const LANES: usize = 4;
 
 const MOST_STATES: usize = 64;
@@ -36,7 +36,7 @@ const MOST_STATES: usize = 64;
 /// Contents of the summary.
 pub(super) struct RunSummary<'a> {
     machine: &'a Machine,
-    /// Origin of the states, and whether a scene gives their ranges.
+    /// Origin of the states, and a flag: true when a scene gives their ranges.
     states: (States, bool),
     /// The format in which the pipeline's program computes.
     format: Format,
@@ -49,12 +49,12 @@ struct FunctionBefore {
     name: String,
     operations: usize,
     path: u32,
-    /// Its exact results; none where it is too large.
+    /// Its exact results; `None` where it is too large.
     yardstick: Option<Yardstick>,
 }
 
 impl<'a> RunSummary<'a> {
-    /// Looks at the functions before the run; `None` when nothing will be
+    /// Reads the functions before the run; `None` when no summary will be
     /// printed.
     pub(super) fn begin(
         arguments: &OptimiserArguments,
@@ -112,8 +112,8 @@ impl<'a> RunSummary<'a> {
         lines.collect()
     }
 
-    /// The longest path of a function, or its schedule and what the machine
-    /// takes of its device.
+    /// The longest path of a function, or its schedule and the machine's share
+    /// of its device.
     fn speed_and_cost(&self, before: &FunctionBefore, function: &Function) -> String {
         let schedule = function.schedule.as_ref();
         let own = schedule.filter(|schedule| schedule.check_machine(self.machine).is_ok());
@@ -197,8 +197,8 @@ fn measured_by<'m>(pipeline: &Pipeline, module: &'m Module, machine: &Machine) -
     }
 }
 
-/// True where somebody reads it: the result goes to a file or to a terminal,
-/// and nothing else was requested that prints the same.
+/// True when a user can read it: the result goes to a file or to a terminal,
+/// and no other requested output has the same figures.
 fn is_told(arguments: &OptimiserArguments, pipeline: &Pipeline) -> bool {
     let is_file = |path: &Path| path != Path::new("-");
     let goes_to_people = match &arguments.output {

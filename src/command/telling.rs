@@ -22,7 +22,7 @@ pub(crate) struct TellingArguments {
 
 static TELLING: OnceLock<TellingArguments> = OnceLock::new();
 
-/// Sets how much is printed; the first setting stays.
+/// Sets the amount of output; the first setting stays.
 pub(super) fn set(arguments: TellingArguments) {
     TELLING.get_or_init(|| arguments);
 }
@@ -41,7 +41,7 @@ pub(super) fn is_verbose() -> bool {
     current().verbose
 }
 
-/// Time without a message from work that continues where no terminal is.
+/// Time between messages from continuing work without a terminal.
 pub(super) fn interval() -> Duration {
     Duration::from_secs(if is_verbose() { 2 } else { 10 })
 }

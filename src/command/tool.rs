@@ -1,5 +1,4 @@
-//! `robovec`: what can be done with equations and programs besides compiling
-//! them.
+//! `robovec`: commands for equations and programs besides compiling them.
 
 use super::arguments::normalise;
 use super::bench::{self, BenchArguments};

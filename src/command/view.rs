@@ -117,7 +117,7 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<String, CommandFailure> {
 }
 
 /// The text of the equations with its name. Equations of a model have none:
-/// they are printed, and take their places from what is printed.
+/// they are printed, and take their places from the printed text.
 fn equations(read: &mut ReadEquations, arguments: &ViewArguments) -> Vec<(String, String)> {
     let name = if sources::is_model_path(&arguments.file) {
         format!("equations of {}", read.name)
@@ -153,7 +153,7 @@ fn model(arguments: &ViewArguments) -> Result<Option<ModelText>, CommandFailure>
     }))
 }
 
-/// Writes what was requested, and prints where it is.
+/// Writes the requested files, and prints their names.
 fn write(
     arguments: &ViewArguments,
     read: &ReadEquations,
@@ -198,7 +198,7 @@ fn summary(function: &str, last: Option<&PassRunRecord>) -> String {
     }
 }
 
-/// The graph of what was requested, else of all that the first function gives.
+/// The graph of the requested outputs, else of all outputs of the first function.
 fn graph(arguments: &ViewArguments, viewed: &ViewedRun<'_>) -> Result<String, CommandFailure> {
     let module = viewed.module;
     let (index, item) = match &arguments.value {

@@ -18,7 +18,7 @@ pub enum ResultFormat {
     Json,
 }
 
-/// A value as it is to be written.
+/// A value in its printed form.
 pub(super) struct Shown {
     /// The number.
     pub(super) text: String,

@@ -9,7 +9,7 @@ use robovec_model::Model;
 use robovec_num::hexadecimal;
 use std::ops::Range;
 
-/// One state: the numbers of the elements by name, and where it is.
+/// One state: the numbers of the elements by name, and its place.
 pub(super) struct GivenState<'t> {
     numbers: HashMap<&'t str, f64>,
     range: Range<usize>,

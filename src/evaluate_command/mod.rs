@@ -46,7 +46,7 @@ pub enum StateSource<'t> {
 pub struct EvaluationRequest<'a> {
     /// The functions.
     pub module: &'a Module,
-    /// The model that parameters are taken from, unless a state gives them.
+    /// The model with the parameters that no state gives.
     pub model: Option<&'a Model>,
     /// The states.
     pub states: StateSource<'a>,
@@ -61,8 +61,8 @@ pub struct EvaluationRequest<'a> {
 /// # Errors
 ///
 /// Messages that point into the text of states (file 0): a line that is not
-/// understood, no state at all, an input element to which a state gives no
-/// number; or a parameter that the model does not have.
+/// understood, no state at all, a missing number of an input element in a
+/// state; or a parameter that the model does not have.
 pub fn evaluate_at_states(request: &EvaluationRequest<'_>) -> Result<String, Vec<Diagnostic>> {
     let states = inputs(request)?;
     let text = match request.number {

@@ -79,7 +79,7 @@ pub(super) trait Show: Arithmetic {
         evaluate(function, self, &literals.collect::<Vec<_>>())
     }
 
-    /// A number as it is to be written.
+    /// A number in its printed form.
     fn show(&self, number: Self::Number, format: ResultFormat) -> Shown;
 
     /// Forgets all numbers made so far.
@@ -140,8 +140,8 @@ impl Show for DoubleDouble {
 pub(super) struct BigFloatArithmetic {
     precision: usize,
     numbers: RefCell<Vec<BigFloat>>,
-    /// Digits of pi and the like, computed when first needed; `None` when
-    /// there is no memory for them.
+    /// Digits of pi and the like, computed on first use; `None` when memory is
+    /// insufficient for them.
     constants: RefCell<Option<Consts>>,
 }
 

@@ -76,7 +76,7 @@ pub struct RunTime {
 /// The name of the file of results.
 pub(super) const RESULTS: &str = "results.bin";
 
-/// The file with a hash of what a program was made from.
+/// The file with a hash of the sources of a program.
 const MADE_OF: &str = "program.hash";
 
 impl Contestant {

@@ -127,8 +127,8 @@ impl<'a> ReferenceResults<'a> {
         measured.normwise
     }
 
-    /// Places of the outputs in the results of somebody who sets these: a
-    /// symmetric element may lie in the other half of its matrix.
+    /// Places of the outputs in the results of another tool: a symmetric
+    /// element may be in the other half of its matrix.
     fn places(&self, keys: &[OutputKey]) -> Vec<Option<usize>> {
         let places: BTreeMap<&OutputKey, usize> = keys.iter().zip(0..).collect();
         assert_eq!(places.len(), keys.len(), "nobody sets an output twice");
@@ -149,7 +149,7 @@ impl<'a> ReferenceResults<'a> {
     }
 
     /// The largest difference of some results, relative to the largest element
-    /// of its array in its state, and where it is. An element that a contestant
+    /// of its array in its state, and its place. An element that a contestant
     /// does not set is zero, or is in the other half of a matrix.
     pub(super) fn difference(
         &self,

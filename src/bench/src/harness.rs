@@ -19,8 +19,8 @@ pub(super) enum CallingConvention {
     /// Runs of this number of states, with parameters of these names prepared
     /// once.
     Batch(u32, Vec<String>),
-    /// Several states one after the other, in one call, with the same
-    /// parameters of these names for all.
+    /// Several states in sequence, in one call, with shared parameters of these
+    /// names.
     States(u32, Vec<String>),
     /// Robotran's: some outputs, the data structure, some scalars.
     Robotran(Vec<Parameter>),
@@ -180,7 +180,7 @@ struct HarnessWriter<'a> {
     storage: String,
     fill: String,
     arguments: Vec<String>,
-    /// Arguments of what prepares shared parameters.
+    /// Arguments of the function that prepares shared parameters.
     shared: Vec<String>,
     /// Place where each output array of a group begins.
     bases: Vec<String>,
@@ -191,7 +191,7 @@ impl HarnessWriter<'_> {
         self.view.tables.symbols.text(array.name)
     }
 
-    /// Storage of the inputs, and how a state is put into it.
+    /// Writes the storage of the inputs, and the copying of a state into it.
     fn inputs(&mut self) {
         let robotran = matches!(self.call, CallingConvention::Robotran(_));
         if robotran {

@@ -1,17 +1,17 @@
 //! Comparison of the speed of a function with other libraries.
 //!
 //! A bench takes the equations of a function, or the model they come from, and
-//! times in one run: Robotran's file as it is, the C that robovec writes for
-//! it, and, where they are installed, what else a user could call for the same
-//! function of the same model. Every contestant is a separate program that
-//! reads states from a file, writes its results to another and prints its least
-//! time; results are compared before times are shown.
+//! times in one run: Robotran's file unchanged, the C that robovec writes for
+//! it, and, where they are installed, other tools that give the same function
+//! of the same model. Every contestant is a separate program that reads states
+//! from a file, writes its results to another and prints its least time;
+//! results are compared before times are shown.
 //!
 //! States differ in positions, velocities, accelerations, forces of joints and
-//! loads; parameters are the model's, or drawn once. Contestants run one after the other in rounds,
-//! so that a busy minute of the computer meets all of them. Times are
-//! processor times of the thread: they are measurements and differ from run to
-//! run.
+//! loads; parameters are the model's, or drawn once. Contestants run in
+//! sequence in rounds, so that a busy minute of the computer affects all of
+//! them. Times are processor times of the thread: they are measurements and
+//! differ from run to run.
 
 pub mod contestant;
 mod functions;
@@ -40,7 +40,7 @@ use robovec_model::Model;
 pub struct BenchQuestion<'a> {
     /// The name of the folder of its programs.
     pub name: String,
-    /// The function as it came: what the results must be.
+    /// The original function, which defines the correct results.
     pub view: View<'a>,
     /// The model, whose parameters are used and which peers need.
     pub model: Option<&'a Model>,
@@ -107,9 +107,9 @@ impl BenchOutcome {
 /// Called with a line of text before each step.
 pub type BenchProgress<'a> = &'a mut dyn FnMut(&str);
 
-/// Builds all contestants, compares their results, and times them in rounds
-/// of `milliseconds` each. `folder` takes the programs; those that read the
-/// model as data are built there once, whatever the model.
+/// Builds all contestants, compares their results, and times them in rounds of
+/// `milliseconds` each. `folder` takes the programs; those that read the model
+/// as data are built there once, for all models.
 ///
 /// # Errors
 ///

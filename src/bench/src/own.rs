@@ -25,7 +25,7 @@ pub fn operations(view: View<'_>) -> usize {
     Counts::of(view.function).operations
 }
 
-/// The inputs of all states as a program reads them.
+/// The inputs of all states in the format that a program reads.
 fn input_bytes(question: &BenchQuestion<'_>, view: View<'_>) -> Vec<u8> {
     let states = 0..question.count;
     states
@@ -37,9 +37,9 @@ fn input_bytes(question: &BenchQuestion<'_>, view: View<'_>) -> Vec<u8> {
 /// Plan of a contestant in C.
 #[derive(Clone, Copy)]
 pub struct ContestantPlan<'a> {
-    /// Question to it.
+    /// The question of the bench.
     pub question: &'a BenchQuestion<'a>,
-    /// Compiler of it.
+    /// The compiler of the bench.
     pub compiler: &'a Compiler,
     /// Origin of its equations.
     pub family: ContestantFamily,
@@ -66,8 +66,8 @@ impl ContestantPlan<'_> {
         }
     }
 
-    /// The contestant with files of C, a main program around them, and how they
-    /// are built.
+    /// The contestant with files of C, a main program around them, and the
+    /// command that builds them.
     pub(super) fn program(
         &self,
         callee: &Callee<'_>,
@@ -128,7 +128,7 @@ pub fn rolled(plan: &ContestantPlan<'_>) -> Contestant {
     }
 }
 
-/// C for eight states at once, which lie side by side.
+/// C for eight states at once, side by side in memory.
 pub fn batch(plan: &ContestantPlan<'_>) -> Contestant {
     let options = batch::Options::default();
     let generated = Generated {
@@ -156,8 +156,8 @@ pub fn batch_single(plan: &ContestantPlan<'_>) -> Contestant {
     }
 }
 
-/// The same C for states that lie one after the other: one call for all of
-/// them, which prepares what they share and copies each batch in and out.
+/// The same C for consecutive states: one call for all of them, which prepares
+/// shared values and copies each batch in and out.
 pub fn batch_of_states(plan: &ContestantPlan<'_>) -> Contestant {
     let options = batch::Options::default();
     let generated = Generated {
@@ -183,7 +183,7 @@ pub fn refused(
     }
 }
 
-/// A source and its header, and how they are used.
+/// A source and its header, and their use.
 struct Generated<'a> {
     files: [(String, String); 2],
     call: CallingConvention,

@@ -1,9 +1,9 @@
 //! Other programs that a user could call: a hand-written loop, Pinocchio,
 //! MuJoCo, CasADi.
 //!
-//! The programs are files of `benches/peers`; libraries are taken from the
-//! user's Python packages (`pin`, `mujoco`, `casadi`), found by asking Python.
-//! What is not installed is named in the table with what to install.
+//! The programs are files of `benches/peers`; libraries are taken from the user's Python
+//! packages (`pin`, `mujoco`, `casadi`), whose folders Python reports. Tools that are not
+//! installed are named in the table with their packages.
 
 use super::contestant::{Contestant, ContestantFamily, RESULTS};
 use super::functions::inputs;
@@ -157,8 +157,8 @@ impl PeerQuestion<'_> {
         }
     }
 
-    /// The number of states and whether there are loads, then what each state
-    /// is (`peer.h`).
+    /// The number of states and a flag for loads, then the bytes of each state
+    /// (`peer.h`).
     fn state_bytes(&self) -> Vec<u8> {
         let (question, joints) = (self.question, self.model.joints.len());
         let head = [
@@ -377,9 +377,9 @@ mod tests {
         model
     }
 
-    /// Loops of one and of eight states compute what the generator's equations
-    /// do, of a tree whose joints turn and slide in general positions; where
-    /// there is a compiler.
+    /// Loops of one and of eight states give the results of the generator's
+    /// equations, for a tree whose joints turn and slide in general positions,
+    /// when there is a compiler.
     #[test]
     fn hand_written_loops_agree_with_the_equations() {
         let model = placed_tree(5);

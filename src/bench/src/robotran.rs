@@ -1,9 +1,9 @@
-//! Robotran's file as it is.
+//! Robotran's file, unchanged.
 //!
 //! The file is compiled unchanged, beside its own header, against a data
 //! structure that has the fields it reads and no others. A file in Matlab or
-//! Python, or the equations of a model, are written as one C function first,
-//! the way Robotran prints them.
+//! Python, or the equations of a model, are written as one C function first, in
+//! Robotran's style.
 
 use super::BenchQuestion;
 use super::contestant::{Contestant, ContestantFamily};
@@ -178,9 +178,9 @@ fn temporaries(view: View<'_>) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// Name, declaration and parameters of the first function of a file that is
-/// one of Robotran's: that takes the data structure, and is not for the file
-/// alone.
+/// Name, declaration and parameters of the first function of a file in
+/// Robotran's interface: one that takes the data structure, and is not local to
+/// the file.
 fn signature(text: &str) -> Option<(String, String, Vec<Parameter>)> {
     let code: String = text
         .lines()
@@ -192,8 +192,8 @@ fn signature(text: &str) -> Option<(String, String, Vec<Parameter>)> {
     lines.find_map(declaration)
 }
 
-/// The declaration a text begins with. Functions return nothing, or whether
-/// they came to an end.
+/// The declaration a text begins with. Functions return nothing, or a flag for
+/// success.
 fn declaration(text: &str) -> Option<(String, String, Vec<Parameter>)> {
     let returned = ["void", "int"]
         .into_iter()

@@ -210,7 +210,7 @@ impl ErrorSetting {
         })
     }
 
-    /// Runs the passes over a subject; what they remark is for who compiles.
+    /// Runs the passes over a subject; their remarks are not printed here.
     fn transform(&self, subject: &mut ErrorSubject) -> Result<(), CommandFailure> {
         let mut log = io::sink();
         let config = Config {

@@ -89,7 +89,7 @@ pub(super) fn run(
     })
 }
 
-/// Runs the passes and measures errors after every one of them.
+/// Runs the passes and measures errors after each of them.
 fn each_pass(
     subject: &mut ErrorSubject,
     arguments: &ErrorArguments,
@@ -145,8 +145,8 @@ fn every_output(
     Ok(())
 }
 
-/// The inputs of all functions in a state. Elements that several functions
-/// take are the same in all of them.
+/// The inputs of all functions in a state. Elements that several functions read
+/// have the same numbers in all of them.
 fn state_text(module: &Module, states: &States, state: u32) -> String {
     let mut text = format!("# state {state} of seed {}\nstate\n", states.seed());
     let mut seen: Vec<String> = Vec::new();

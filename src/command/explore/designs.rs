@@ -11,7 +11,7 @@ use robovec_explore::sweep::{
 use robovec_ir::machine::{DeviceFamily, Interconnect, MemoryStyle};
 use std::collections::BTreeSet;
 
-/// Axes of machines, and what designs are compared by.
+/// Axes of machines, and criteria for designs.
 #[derive(Args, Debug)]
 pub(super) struct DesignArguments {
     /// Explore designs of machines; implied by the other options of this

@@ -95,7 +95,7 @@ enum ExplorationKind {
 use ExplorationKind::{Designs, Plan, Programs};
 
 impl ExplorationKind {
-    /// Its name, and the words that ask for it.
+    /// Its name, and the words that request it.
     fn texts(self) -> [&'static str; 2] {
         match self {
             Programs => ["programs", "leave '--plan' and the options of machines out"],

@@ -16,7 +16,7 @@ use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
 
-/// Keeps a share of a plan. What placements of a program have in common is
+/// Keeps a share of a plan. The common part of placements of a program is
 /// computed once, so all of a model and pipeline stay together.
 fn keep(share: WorkShare, plan: &mut StudyPlan) {
     let mut groups: Vec<(usize, usize)> = Vec::new();

@@ -99,7 +99,7 @@ fn outputs(scene: &Scene, module: &Module) -> String {
     )
 }
 
-/// Number of elements of an input array that are read, and what is known of them.
+/// Number of elements of an input array that are read, and their known ranges.
 #[derive(Default)]
 struct InputCoverage {
     name: String,

@@ -205,7 +205,8 @@ fn place(arguments: &FitArguments, file: &SceneFile) -> SinePlace {
     }
 }
 
-/// The machine requested, else that of the scene, else what the function needs.
+/// The machine requested, else that of the scene, else one with the elements
+/// that the function needs.
 fn machine(
     arguments: &FitArguments,
     file: &SceneFile,
@@ -219,8 +220,8 @@ fn machine(
 }
 
 /// The formulations that are tried: those requested, else the one the scene
-/// wishes for, else all that can be the best. Those the generator refuses are
-/// left out.
+/// wishes for, else all that can be the best. Those that the generator refuses
+/// are left out.
 fn formulations(
     arguments: &FitArguments,
     file: &SceneFile,
@@ -245,9 +246,9 @@ fn formulations(
         .collect()
 }
 
-/// Formulations that can be the best of a scene: what came in, the starts of
-/// every search, of the two networks only the one with the shorter paths, and
-/// what gives accelerations of long chains alone.
+/// Formulations that can be the best of a scene: the input, the starts of every
+/// search, of the two networks only the one with the shorter paths, and those
+/// that give only accelerations of long chains.
 fn tried() -> impl Iterator<Item = Formulation> {
     let shared = FORMULATIONS.into_iter();
     let shared = shared

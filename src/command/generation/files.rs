@@ -126,7 +126,7 @@ pub(super) enum OutputLanguage {
     Python,
 }
 
-/// The generator whose names C has.
+/// The generator whose names the C uses.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum GenerationName {
     /// MbsData, mbs_dirdyna

@@ -373,8 +373,8 @@ fn of_model(path: &Path, arguments: &GenArguments) -> Result<Module, CommandFail
     Ok(module)
 }
 
-/// Runs a pipeline over a module, for the machine of the thesis; what passes
-/// remark goes to the standard error.
+/// Runs a pipeline over a module, for the machine of the thesis; remarks of
+/// passes go to the standard error.
 pub(super) fn transform(module: &mut Module, pipeline: &Pipeline) -> Result<(), CommandFailure> {
     transform_remarking(module, pipeline, &mut telling::remarks())
 }

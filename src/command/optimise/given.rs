@@ -1,4 +1,4 @@
-//! Starts of a search, as the user named them.
+//! Starts of a search, from the user's arguments.
 
 use super::OptimiseArguments;
 use crate::command::{CommandFailure, input, opt, subjects};
@@ -18,11 +18,11 @@ pub(super) struct GivenStarts {
     pub(super) scene: Option<Scene>,
     /// The model that formulations are made from, as a word of a command.
     pub(super) model: String,
-    /// The C file that the equations came in.
+    /// The C file of the equations.
     pub(super) file: Option<PathBuf>,
 }
 
-/// Reads what the user named.
+/// Reads the inputs that the user named.
 pub(super) fn given(arguments: &OptimiseArguments) -> Result<GivenStarts, CommandFailure> {
     if let Some(scene) = &arguments.scene {
         return with_scene(arguments, input::scene(scene)?.scene);
@@ -33,7 +33,7 @@ pub(super) fn given(arguments: &OptimiseArguments) -> Result<GivenStarts, Comman
     equations(arguments, arguments.function.as_deref(), None)
 }
 
-/// Equations for a scene that the user named beside them.
+/// Equations for a scene that the user named in addition.
 fn with_scene(arguments: &OptimiseArguments, scene: Scene) -> Result<GivenStarts, CommandFailure> {
     let wished = scene.function.clone();
     let function = arguments.function.clone().or(wished);

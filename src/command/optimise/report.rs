@@ -27,7 +27,7 @@ use std::fmt::Write;
 use std::io;
 use std::path::Path;
 
-/// Writes the program that was found, and reports it.
+/// Writes the chosen program, and reports it.
 pub(super) fn report(
     arguments: &OptimiseArguments,
     given: &GivenStarts,
@@ -163,7 +163,7 @@ fn short_reason(why: &str) -> String {
     format!("{} (more with '-v')", cut(first, SHORT_REASON))
 }
 
-/// Files about what was tried.
+/// Writes files about the trials.
 fn results(
     found: &Optimised,
     left_out: &[(String, String)],
@@ -303,8 +303,8 @@ fn uses(
     uses
 }
 
-/// The program in the language that came in, where that is not C and Robotran
-/// has such a function; other equations have the files of every target alone.
+/// The program in the language of the input, unless it is C or Robotran has no
+/// such function; other equations get the files of every target alone.
 fn in_its_language(arguments: &OptimiseArguments, found: &Optimised) -> Vec<(String, String)> {
     let extension = Path::new(&arguments.input).extension();
     let extension = extension.map(|extension| extension.to_string_lossy());
@@ -318,8 +318,8 @@ fn in_its_language(arguments: &OptimiseArguments, found: &Optimised) -> Vec<(Str
 /// The name of the page.
 const PAGE: &str = "optimise.html";
 
-/// The name of the file with the equations that the best program starts from,
-/// where they are not those that came in.
+/// The name of the file with the equations from which the best program starts,
+/// if they are not the input.
 pub(super) const START: &str = "start.rvir";
 
 /// True when the program starts from the input itself and the input is a file,

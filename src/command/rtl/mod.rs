@@ -250,7 +250,7 @@ fn hardware(path: &Path) -> Result<Hardware, CommandFailure> {
     Ok(hardware)
 }
 
-/// The program and the machine it is placed on.
+/// The program and its machine.
 fn program(
     arguments: &RtlArguments,
     machine: Option<Machine>,

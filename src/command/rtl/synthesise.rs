@@ -78,7 +78,7 @@ pub(super) fn run(arguments: &SynthesiseArguments) -> Result<String, CommandFail
     Ok(text)
 }
 
-/// An error when yosys, or what places and routes, is not installed.
+/// An error when yosys, or a program for placement and routing, is not installed.
 pub(super) fn require_tools(routes: bool) -> Result<(), CommandFailure> {
     Yosys::find().map_err(failure)?;
     if routes {
@@ -87,8 +87,8 @@ pub(super) fn require_tools(routes: bool) -> Result<(), CommandFailure> {
     Ok(())
 }
 
-/// A machine mapped part by part, as a page, with what its program of this
-/// number of cycles takes there.
+/// A page about a machine mapped part by part, with the time of a program of
+/// this number of cycles.
 pub(super) fn machine(
     shape: &MachineShape,
     files: &[(String, String)],

@@ -198,15 +198,15 @@ fn subset(rules: &RuleSet, names: &[String], keep: bool) -> RuleSet {
 
 /// Two programs of an input.
 struct RuleMeasurement {
-    /// By rules alone and by all others; first of all, by no rules and by all.
+    /// With these rules alone and with all others; first of all, with no rules and with all.
     programs: [Rewritten; 2],
     /// Kept by an earlier run or another worker.
     found: bool,
 }
 
 impl RuleBench<'_> {
-    /// The measurements of a share on an input, which is the `number`-th: what
-    /// all rules do together, then what each kind does.
+    /// The measurements of a share on input `number`: of all rules together,
+    /// then of each kind.
     fn measure(
         &self,
         number: usize,
@@ -249,7 +249,7 @@ impl RuleBench<'_> {
         Ok([with(true)?, with(false)?])
     }
 
-    /// Adds to a key what is asked of every input.
+    /// Adds to a key the rules and limits common to all inputs.
     fn with_rules(&self, key: PointKey) -> PointKey {
         let key = key.with_machine(self.machine);
         let mut key = key.with(&self.passes.to_string());

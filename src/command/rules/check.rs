@@ -25,8 +25,8 @@ pub(super) struct RuleCheckArguments {
     json: bool,
 }
 
-/// Runs the command: findings go to the standard output, what is wrong also,
-/// with its place, to the standard error.
+/// Runs the command: findings go to the standard output, mistakes also, with
+/// their places, to the standard error.
 pub(super) fn run(arguments: &RuleCheckArguments) -> Result<String, CommandFailure> {
     let set = read::read_or_shipped(&arguments.files)?;
     let findings: Vec<Finding> = set
@@ -58,8 +58,7 @@ fn verdict(finding: &Finding) -> &'static str {
     }
 }
 
-/// A part of random points in percent; what is not nothing is not written as
-/// nothing.
+/// A part of random points in percent; a positive part is not printed as 0.
 fn percent(part: f64) -> String {
     match 100.0 * part {
         percent if percent > 0.0 && percent < 0.05 => "<0.1".to_owned(),

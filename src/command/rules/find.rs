@@ -146,8 +146,8 @@ fn with_bar<T>(work: impl FnOnce(&mut dyn FnMut(usize, usize)) -> T) -> T {
     done
 }
 
-/// Keeps the rules that are shown, and writes them where that is wanted; the
-/// number of all.
+/// Keeps the printed rules, and writes them on request; returns the number of
+/// all.
 fn keep_best(search: &mut RuleSearch, arguments: &FindArguments) -> Result<usize, CommandFailure> {
     let all = search.found.len();
     search.found.truncate(arguments.top);
@@ -165,7 +165,7 @@ fn keep_best(search: &mut RuleSearch, arguments: &FindArguments) -> Result<usize
     Ok(all)
 }
 
-/// Rules whose left sides functions have.
+/// Rules whose left sides occur in functions.
 fn mine(
     arguments: &FindArguments,
     known: &RuleSet,

@@ -103,8 +103,8 @@ impl Variables {
     }
 }
 
-/// The term of a value down to where `leaf` is true; `None` when it is larger
-/// than what is explained.
+/// The term of a value down to nodes for which `leaf` is true; `None` when it
+/// is larger than the limit of an explanation.
 fn term(
     tables: &Tables,
     function: &Function,

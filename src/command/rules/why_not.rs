@@ -119,8 +119,8 @@ fn answer(rule: &Rule, found: &Derivation, is_proved: bool, effort: DerivationEf
     text
 }
 
-/// The rule from the nearest term to the wanted one, in the class that is
-/// proved of it.
+/// The missing rule, from the nearest term to the requested one, in the class
+/// proved for it.
 fn closing(question: &Rule, nearest: &Pattern) -> String {
     let rule = Rule {
         left: nearest.clone(),

@@ -65,7 +65,7 @@ enum StandingCommand {
     Modal(standing::ModalArguments),
 }
 
-/// A model with its laws, as the user names them.
+/// A model with its laws, as named by the user.
 #[derive(Args, Debug)]
 struct MovedModel {
     /// Model (.mbs, .urdf)

@@ -1,5 +1,5 @@
-//! `robovec sim equilibrium` and `robovec sim modal`: the state in which a
-//! model is at rest under its laws, and small motions around it.
+//! `robovec sim equilibrium` and `robovec sim modal`: the state of rest of a
+//! model under its laws, and small motions around it.
 
 use super::{MovedModel, failure};
 use crate::command::{CommandFailure, output};

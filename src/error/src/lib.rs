@@ -1,4 +1,4 @@
-//! Rounding errors of programs in the words of robovec: exact results, what errors are made of, what passes change.
+//! Rounding errors of programs: exact results, error attribution, effects of passes.
 
 pub mod accuracy;
 pub mod errors;

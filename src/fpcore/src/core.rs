@@ -146,11 +146,11 @@ pub(super) fn word(name: &str) -> String {
     word
 }
 
-/// Names that are given away, each with the number tried last after it.
+/// Names in use, each with the last number tried after it.
 #[derive(Default, Debug)]
 pub(super) struct TakenNames(BTreeMap<String, u64>);
 
-/// The name, with a number after it when another thing has it.
+/// The name, with a number appended when it is taken.
 pub(super) fn unlike(name: String, taken: &mut TakenNames) -> String {
     let Some(&tried) = taken.0.get(&name) else {
         taken.0.insert(name.clone(), 1);

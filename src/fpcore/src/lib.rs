@@ -1,10 +1,10 @@
 //! FPCore, the format in which tools that bound rounding errors exchange
 //! problems (FPBench, <https://fpbench.org/spec/fpcore-2.0.html>).
 //!
-//! A core is a function of scalars with one result. What is straight-line
-//! code over the operations of the representation is read; branches, loops,
-//! tensors and other functions are refused where they are. The writer is a
-//! target of the pass `codegen`.
+//! A core is a function of scalars with one result. Straight-line code over the
+//! operations of the representation is read; branches, loops, tensors and other
+//! functions are refused, with their places. The writer is a target of the pass
+//! `codegen`.
 //!
 //! **Invariant.** Nesting costs memory, not stack: parentheses are read into
 //! an arena, and expressions are walked with their own stack.
@@ -37,8 +37,8 @@ pub struct ReadCore {
     pub module: Module,
     /// Ranges of the inputs by `:pre`.
     pub ranges: Ranges,
-    /// The format of `:precision`, binary64 where it is absent; `None` for
-    /// real numbers.
+    /// The format of `:precision`, binary64 when it is absent; `None` for real
+    /// numbers.
     pub format: Option<Format>,
     /// Parts that were left out.
     pub warnings: Report,
@@ -48,8 +48,8 @@ pub struct ReadCore {
 ///
 /// # Errors
 ///
-/// What is no straight-line core, with its place; which cores there are, when
-/// there are several and none was named.
+/// A construct outside straight-line cores, with its place; a list of the
+/// cores, when there are several and none was named.
 pub fn read(file: &str, text: &str, wanted: Option<&str>) -> Result<ReadCore, Report> {
     let fail = |diagnostics: Vec<Diagnostic>| Report::of(file, text, diagnostics);
     let forest = parenthesised::read(text).map_err(|error| fail(vec![error]))?;
@@ -109,7 +109,7 @@ fn listed(cores: &[Core]) -> String {
     }
 }
 
-/// Faults, and parts that were left out.
+/// Faults, and omitted parts.
 #[derive(Default, Debug)]
 struct CoreProblems {
     errors: Vec<Diagnostic>,

@@ -74,8 +74,7 @@ fn significant(decimal: &str) -> usize {
     digits.trim_matches('0').len()
 }
 
-/// A quotient of whole numbers that binary64 holds, so that one division
-/// rounds it.
+/// A quotient of whole numbers of binary64, so that one division rounds it.
 fn quotient(top: &str, bottom: &str) -> Option<f64> {
     let whole = |text: &str| {
         let number: u64 = text.parse().ok()?;

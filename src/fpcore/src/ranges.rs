@@ -1,8 +1,8 @@
 //! Ranges of inputs by the precondition of a core.
 //!
 //! Comparisons of one variable with numbers become its range, with both ends:
-//! `<` is read as `<=`. Everything else that `:pre` asks is left out, which
-//! makes the ranges larger than needed and never too small.
+//! `<` is read as `<=`. Other conditions of `:pre` are left out, which makes
+//! the ranges larger than needed and never too small.
 
 use super::CoreProblems;
 use super::core::Core;
@@ -77,8 +77,7 @@ fn left_out(forest: &Forest<'_>, tree: u32, problems: &mut CoreProblems) {
     warn(forest, tree, message, problems);
 }
 
-/// Adds what a comparison states; `false` when it states something else than
-/// ranges.
+/// Adds the range that a comparison gives; `false` when it gives none.
 fn compare<'a>(
     relation: &str,
     mut sides: Vec<ComparedSide<'a>>,

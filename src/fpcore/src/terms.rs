@@ -3,7 +3,7 @@
 //! In the text a binding may be inside an expression; in a function every
 //! definition comes before the expressions that read it. So expressions are
 //! kept here until the core is read, and every bound one becomes a definition
-//! in the order they were read.
+//! in their order.
 
 use robovec_ir::parenthesised::Forest;
 use robovec_ir::{
@@ -61,7 +61,7 @@ impl Terms {
     }
 
     /// Makes a term that no other reads yet the value of a variable. Inputs,
-    /// numbers and what has a name already stay what they are.
+    /// numbers and terms that already have a name are unchanged.
     pub(super) fn define(&mut self, term: u32, name: Symbol, tree: u32) {
         let is_node = matches!(self.terms[term as usize], Term::Node { .. });
         let named = std::mem::replace(&mut self.named[term as usize], true);

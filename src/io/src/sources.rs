@@ -1,8 +1,8 @@
 //! Files that hold equations, models, machines and other texts, from path to value.
 //!
-//! **Invariant.** A file is read up to the limit of its kind, and a failure is a
-//! report that points into the text where it can. What a reader remarked is
-//! returned; printing it is left to the caller.
+//! **Invariant.** A file is read up to the limit of its kind, and a failure is
+//! a report that points into the text where it can. Remarks of a reader are
+//! returned; the caller prints them.
 
 use crate::files::limited::{self, FileLimit};
 use robovec_ir::diagnostic::{Diagnostic, Label, Report, did_you_mean};
@@ -23,7 +23,7 @@ pub enum EquationLanguage {
     Rvir,
     /// FPCore, which tools for rounding errors exchange.
     Fpcore,
-    /// One that Robotran writes.
+    /// One written by Robotran.
     Robotran(Language),
 }
 
@@ -80,8 +80,8 @@ pub fn display_name(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-/// Reads equations; without a language, in the one that name and text show.
-/// Of a file of FPCore the function of a name is read, of others all are.
+/// Reads equations; without a language, in the one that name and text show. Of a file of
+/// FPCore only the function of a given name is read, of other files all functions.
 ///
 /// # Errors
 ///
@@ -176,8 +176,8 @@ static FLOATING: AtomicBool = AtomicBool::new(false);
 /// The bits of [`RobotReading::right_angle`].
 static RIGHT_ANGLE: AtomicU64 = AtomicU64::new(0);
 
-/// Sets how robots are read from now on, in the whole process; as
-/// [`RobotReading::default`] where nothing is stated.
+/// Sets the options for reading robots from now on, in the whole process;
+/// [`RobotReading::default`] otherwise.
 pub fn set_reading(reading: RobotReading) {
     FLOATING.store(reading.base == RobotBase::Floating, Ordering::Relaxed);
     RIGHT_ANGLE.store(reading.right_angle.to_bits(), Ordering::Relaxed);
@@ -221,8 +221,8 @@ pub fn is_model_path(path: &Path) -> bool {
     is("mbs") || is("urdf") || built_in_name(path).is_some()
 }
 
-/// The name of a built-in model (`bogie`, `serial-23`) that is instead of a
-/// file; a file of that name goes before it.
+/// The name of a built-in model (`bogie`, `serial-23`) used instead of a file;
+/// a file of that name has priority.
 fn built_in_name(path: &Path) -> Option<&str> {
     let name = path.to_str()?;
     (family::is_built_in(name) && !path.exists()).then_some(name)

@@ -5,7 +5,7 @@ use super::number::exponential;
 use super::table::{DataCell, DataTable};
 use super::text::{aligned, indented};
 
-/// The digits of a column's numbers; texts and counts are written as they are.
+/// The digits of a column's numbers; texts and counts are printed exactly.
 #[derive(Clone, Copy)]
 pub enum Digits {
     /// The column is left out.
@@ -16,7 +16,7 @@ pub enum Digits {
     Decimals(u8),
     /// A number of decimals and an exponent.
     Exponent(u8),
-    /// As a function writes it.
+    /// Text from a function.
     Words(fn(f64) -> String),
 }
 
@@ -27,7 +27,7 @@ pub enum CellValue {
     Nothing,
     /// A whole number.
     Count(u64),
-    /// A number; with decimals nothing where it is not finite.
+    /// A number; empty, with decimals, where it is not finite.
     Number(f64),
     /// Text.
     Text(String),

@@ -1,7 +1,7 @@
 //! Figures as data: panels of curves or maps, before anything is drawn.
 //!
-//! A figure is written as CSV and drawn as SVG from the same structure, so
-//! that what is seen can be looked up.
+//! A figure is written as CSV and drawn as SVG from the same structure, so that
+//! every drawn point has its numbers in the CSV.
 
 use super::csv;
 use super::number::{or_nothing, trimmed};
@@ -21,7 +21,7 @@ pub struct Figure {
     pub columns: usize,
 }
 
-/// A pair of axes and what is drawn on them.
+/// A pair of axes with their curves.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Panel {
     /// Its title, drawn above it.
@@ -107,7 +107,7 @@ pub enum AxisScale {
 }
 
 impl PlotAxis {
-    /// An axis as wide as what is drawn.
+    /// An axis with the range of the drawn data.
     pub fn new(title: &str, scale: AxisScale) -> PlotAxis {
         PlotAxis {
             title: title.to_owned(),
@@ -263,7 +263,7 @@ pub struct TileMap {
 }
 
 impl Figure {
-    /// A figure of panels, so many in a row.
+    /// A figure of panels, this number in a row.
     pub fn new(
         name: impl Into<String>,
         title: impl Into<String>,

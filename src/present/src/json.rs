@@ -1,5 +1,5 @@
-//! Plain data as JSON: strings, numbers and lists of them, nothing that JSON
-//! cannot hold. Numbers that are not finite become `null`.
+//! Plain data as JSON: strings, numbers and lists of them, only values that
+//! JSON can represent. Numbers that are not finite become `null`.
 
 use serde::Serialize;
 

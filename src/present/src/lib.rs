@@ -1,7 +1,7 @@
 //! Results for users and for programs: aligned text, tables as CSV and HTML,
-//! figures as CSV and SVG, pages that need nothing else.
+//! figures as CSV and SVG, self-contained pages.
 //!
-//! **Invariant.** This crate knows nothing of what is shown.
+//! **Invariant.** This crate does not depend on the kind of results shown.
 
 mod columns;
 pub mod csv;

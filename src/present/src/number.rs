@@ -17,7 +17,7 @@ pub(crate) fn trimmed(number: f64) -> String {
     }
 }
 
-/// Two digits and an exponent; a plain 0, and a dash for what has no such number.
+/// Two digits and an exponent; a plain 0, and a dash for a missing number.
 pub fn exponential(number: f64) -> String {
     if number.is_nan() {
         "-".to_owned()
@@ -28,7 +28,7 @@ pub fn exponential(number: f64) -> String {
     }
 }
 
-/// Two digits and an exponent where two decimals would not do.
+/// Two digits and an exponent where two decimals are not enough.
 pub fn scientific(number: f64) -> String {
     match number {
         number if (0.1..1000.0).contains(&number) => format!("{number:.2}"),

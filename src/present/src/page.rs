@@ -1,4 +1,4 @@
-//! Pages: HTML files that need nothing else.
+//! Pages: Self-contained HTML files.
 //!
 //! Figures are put in as they are drawn for paper, tables as HTML, data as
 //! JSON for a script. **Invariant.** A page refers to no other file and no
@@ -25,13 +25,13 @@ const LONG_TEXT: usize = 12;
 /// Cells with longer texts are broken into lines.
 const LONG_CELL: usize = 60;
 
-/// A page of points: figures, all points as tables, and what they mean.
+/// A page of points: figures, all points as tables, and explanations.
 pub struct PointsPage<'a> {
     /// Text.
     pub title: String,
-    /// Text: of what, and by whom.
+    /// Text: subject and program.
     pub subtitle: String,
-    /// HTML: what is shown first.
+    /// HTML: the first part of the page.
     pub figures: String,
     /// Description of the points, over their tables.
     pub points: &'a str,

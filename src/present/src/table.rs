@@ -63,7 +63,7 @@ impl DataCell {
         DataCell::Text(text.into())
     }
 
-    /// A count of things in memory, which fits.
+    /// A count of items in memory, which fits into 64 bits.
     pub fn count<C: TryInto<u64, Error: Debug>>(count: C) -> DataCell {
         DataCell::Count(count.try_into().expect("counts are not negative"))
     }
@@ -77,7 +77,7 @@ impl DataCell {
         }
     }
 
-    /// The cell as plain text, as CSV has it.
+    /// The cell as plain text, for CSV.
     pub fn plain(&self) -> String {
         match self {
             DataCell::Empty => String::new(),

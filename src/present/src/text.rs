@@ -91,7 +91,7 @@ pub fn cut(text: &str, most: usize) -> String {
     format!("{start}…")
 }
 
-/// At most so many of a list, the first and the last among them.
+/// At most `most` items of a list, with the first and the last.
 pub fn thinned<T: Copy>(all: &[T], most: usize) -> Vec<T> {
     let room = all.len().min(most);
     let last = all.len().saturating_sub(1);

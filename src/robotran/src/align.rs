@@ -1,8 +1,8 @@
 //! Two functions made comparable: the same arrays in both.
 //!
-//! Generators differ in how they declare arrays: one lists only the columns it
-//! uses, one leaves out elements that are zero, which the caller has cleared.
-//! The union of both signatures lets the two be compared as functions.
+//! Generators differ in their declarations of arrays: one lists only the
+//! columns it uses, one leaves out elements that are zero, which the caller has
+//! cleared. The union of both signatures lets the two be compared as functions.
 
 use robovec_ir::{
     Array, Assignment, Function, Input, Node, Operand, OperandKind, Output, Shape, SourceSet,
@@ -13,9 +13,9 @@ use robovec_ir::{
 type ArrayExtent = Vec<(String, Shape)>;
 
 /// Both functions with the union of their arrays. An output element that only
-/// one of them sets keeps in the other what the caller put there: the input
-/// element of the same name (`frc`), else zero. Equal calls of a user function
-/// are one.
+/// one of them sets is unchanged by the other, with the caller's value: the
+/// input element of the same name (`frc`), else zero. Equal calls of a user
+/// function are one.
 pub fn align(
     (before, before_tables): (&Function, &mut Tables),
     (after, after_tables): (&Function, &mut Tables),
@@ -150,7 +150,7 @@ fn places(old: &[Array], new: &[Array]) -> Vec<u32> {
     places
 }
 
-/// Sets what is not set.
+/// Sets unset outputs.
 fn clear(function: &mut Function, outputs: &[Output]) {
     let mut set = vec![false; function.output_len()];
     for assignment in &function.assignments {

@@ -1,7 +1,7 @@
 //! Extents and order of Robotran's models and arrays.
 //!
 //! Reader, writer and generator share these tables, because a function must
-//! have the same arrays whichever of them it comes from.
+//! have the same arrays from each of them.
 
 use robovec_num::limits::NumberLimit;
 

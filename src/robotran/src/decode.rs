@@ -25,8 +25,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Diagnostic> {
     )
 }
 
-/// True for the control characters of ASCII that no text has. C1 controls occur
-/// in mangled Latin-1 headers.
+/// True for the control characters of ASCII that do not occur in text files. C1
+/// controls occur in mangled Latin-1 headers.
 pub fn is_control(byte: u8) -> bool {
     byte < b' ' && !matches!(byte, b'\n' | b'\r' | b'\t' | 0xb | 0xc)
 }
@@ -93,8 +93,8 @@ fn extension(name: &str) -> &str {
     parts.next().expect("a text has a last part")
 }
 
-/// The language of a text: what the text shows beyond doubt, else what the
-/// name's extension states, else the style of its comments.
+/// The language of a text: from the text if it is certain, else from the name's
+/// extension, else from the style of its comments.
 pub(super) fn detect(name: &str, text: &str) -> Option<Language> {
     let by_extension = Language::from_extension(extension(name));
     let mut shown = Language::ALL

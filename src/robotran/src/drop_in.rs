@@ -44,7 +44,7 @@ pub const TOLERANCE_OF_FLOAT: f64 = 1e-4;
 ///
 /// # Errors
 ///
-/// Fails when the module holds what Robotran's files have no words for.
+/// Fails when the module has parts that Robotran's files cannot express.
 pub fn drop_in(
     module: &Module,
     options: &DropInOptions,
@@ -145,8 +145,8 @@ pub fn state(view: View<'_>) -> Vec<f64> {
     numbers
 }
 
-/// Sets the elements of outputs that the function leaves alone to 0; what is
-/// also given keeps what it was given.
+/// Sets the elements of outputs that the function does not assign to 0; arrays
+/// that are also inputs keep their values.
 fn set_zeros(function: &mut Function) {
     let mut is_set = vec![false; function.output_len()];
     for assignment in &function.assignments {

@@ -7,7 +7,7 @@ use lalrpop_util::ParseError;
 use robovec_ir::diagnostic::{Diagnostic, Label};
 
 /// The message about a statement the grammar refused. `previous` is the token
-/// before the one that did not fit.
+/// before the unexpected one.
 pub(super) fn explain(
     error: ParseError<u32, RobotranToken, LexicalError>,
     previous: Option<SpannedToken>,

@@ -94,7 +94,7 @@ impl FunctionKind {
     }
 
     /// True when the result contains the forces of links, or takes them as
-    /// given: what a model's links leave out is missing there.
+    /// given: links absent from a model are absent from the result.
     pub fn depends_on_link_forces(self) -> bool {
         match self {
             FunctionKind::Dirdyna
@@ -130,13 +130,13 @@ impl FunctionKind {
         )
     }
 
-    /// True for what is generated when it is requested by name only.
+    /// True for a function that is generated only when it is requested by name.
     pub fn is_special(self) -> bool {
         self.is_part_of_step() || self.is_derived()
     }
 
-    /// True for what Robotran has no function for: derivatives, and what
-    /// identification and control take of the equations.
+    /// True for functions that Robotran does not have: derivatives, and
+    /// functions for identification and control.
     pub fn is_derived(self) -> bool {
         matches!(
             self,
@@ -149,8 +149,8 @@ impl FunctionKind {
         )
     }
 
-    /// Robotran's number; that of the reduced accelerations for what they take
-    /// from loops.
+    /// Robotran's number; that of the reduced accelerations for their parts
+    /// about loops.
     pub fn number(self) -> &'static str {
         match self {
             FunctionKind::Dirdyna => "F1",
@@ -178,8 +178,8 @@ impl FunctionKind {
             .find(|kind| kind.name() == name)
     }
 
-    /// The function that gives what has this name: as [`FunctionKind::from_name`],
-    /// and `sensor_3` is the third result of `sensor`.
+    /// The function with the result of this name: as [`FunctionKind::from_name`], and
+    /// `sensor_3` is the third result of `sensor`.
     pub fn with_name(name: &str) -> Option<FunctionKind> {
         let bare = name.trim_end_matches(|c: char| c.is_ascii_digit());
         FunctionKind::from_name(name)

@@ -31,7 +31,7 @@ pub(super) struct Header {
     /// Arrays whose extent does not follow from their use: rows, and columns
     /// or 0.
     pub(super) extents: Vec<(String, u32, u32)>,
-    /// Sizes that no file can have: where they are, and why not.
+    /// Sizes that no file can have: their places, and the reasons.
     pub(super) refused: Vec<(Range<usize>, String)>,
 }
 

@@ -63,8 +63,7 @@ use std::fmt;
 /// No more errors, and no more warnings, than this are reported for one file.
 const ERROR_LIMIT: usize = 20;
 
-/// The limits of sizes in these files: name, limit, and what it is when the
-/// file does not specify it.
+/// The limits of sizes in these files: name, limit, and the default.
 pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
     ("Number of joints (comment)", conventions::JOINTS, "as used"),
     ("Array extents (comment)", header::EXTENT, "as used"),
@@ -147,14 +146,13 @@ impl std::error::Error for ReadError {}
 
 /// Reads a file of Robotran's. The name is used in messages and for the source
 /// places of the module, and, where the text leaves it open, to find the
-/// language and the kind of file; `language` overrules what is found.
+/// language and the kind of file; `language` overrides the detected one.
 ///
 /// # Errors
 ///
-/// Everything that keeps the file from being compiled as it was meant, each
-/// with its place: syntax, names that are undefined or defined twice, cycles,
-/// outputs that are never written, an incomplete file, a file that is not
-/// text.
+/// All faults that prevent the file from being compiled as intended, each with
+/// its place: syntax, names that are undefined or defined twice, cycles,
+/// outputs that are never written, an incomplete file, a file that is not text.
 pub fn read(name: &str, bytes: &[u8], language: Option<Language>) -> Result<Read, ReadError> {
     let fail = |text: &str, errors: Vec<Diagnostic>| ReadError {
         report: Report::of(name, text, errors),
@@ -279,7 +277,7 @@ fn parse(
     }
 }
 
-/// The tokens up to the end of a statement, and whether they were the last.
+/// The tokens up to the end of a statement, and a flag: true when they were the last.
 struct StatementTokens<'a, T> {
     tokens: &'a mut T,
     ended: bool,

@@ -1,9 +1,9 @@
 //! Numbers as the languages mean them.
 //!
-//! `1/2` is 0 in C and 0.5 in Matlab and Python, `010` is 8 in C, and `0.1f`
-//! is not 0.1. So a literal keeps its type, and expressions of literals alone
-//! are computed while the file is read, as the language computes them; what
-//! no 64-bit float can represent is refused.
+//! `1/2` is 0 in C and 0.5 in Matlab and Python, `010` is 8 in C, and `0.1f` is
+//! not 0.1. So a literal keeps its type, and expressions of literals alone are
+//! computed while the file is read, as the language computes them; a result
+//! that no 64-bit float can represent is refused.
 
 use robovec_ir::Operation;
 use robovec_num::decimal::is_lost;
@@ -32,7 +32,7 @@ pub(super) struct Unkept {
     pub(super) note: &'static str,
 }
 
-/// Whose arithmetic whole numbers have.
+/// The language whose integer arithmetic applies.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub(super) enum IntegerArithmetic {
     /// Every number is a 64-bit float: Matlab.
@@ -103,8 +103,8 @@ impl Literal {
         }
     }
 
-    /// The result of an operation on two literals; `None` where it is one on
-    /// 64-bit floats.
+    /// The result of an operation on two literals; `None` for one on 64-bit
+    /// floats.
     pub(super) fn combined(
         self,
         operation: Operation,
@@ -178,7 +178,7 @@ pub(super) fn matlab(text: &str) -> Result<Literal, Unkept> {
     float(text).map(Literal::Double)
 }
 
-/// A number of C: what the preprocessor takes for one.
+/// A number of C: a number token of the preprocessor.
 pub(super) fn c(text: &str) -> Result<Literal, Unkept> {
     let lower = text.to_ascii_lowercase();
     if let Some(digits) = lower.strip_prefix("0x") {

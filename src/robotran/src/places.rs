@@ -3,7 +3,7 @@
 use super::token::SourceSpan;
 use robovec_ir::SourcePlace;
 
-/// Finds lines and columns; quick when asked in order.
+/// Finds lines and columns; fast for requests in ascending order.
 #[derive(Debug)]
 pub struct LineIndex<'t> {
     text: &'t str,

@@ -1,11 +1,11 @@
 //! The C preprocessor, as far as a file of equations needs one.
 //!
-//! Robotran's older files name the arrays of the structure by macros
-//! (`#define q s->q`), and people switch parts of a file on and off. A macro
-//! whose body is one name or one number is replaced exactly; any other may be
-//! defined but not used in an equation, because its tokens would have to be
-//! read as if they were there. What a file does not state itself, such as the
-//! macros of a compiler, is refused where it would decide what is read.
+//! Robotran's older files name the arrays of the structure by macros (`#define q s->q`),
+//! and people switch parts of a file on and off. A macro whose body is one name or one
+//! number is replaced exactly; any other may be defined but not used in an equation,
+//! because its tokens would have to be read as if they were there. Conditions on names
+//! that the file does not define, such as the macros of a compiler, are refused where
+//! they would select the text that is read.
 
 use super::literal::{self, Literal};
 use hashbrown::HashMap;
@@ -51,19 +51,19 @@ const CANNOT_TELL: (&str, &str) = (
 /// Meaning of a macro.
 #[derive(Clone, PartialEq, Debug)]
 enum Macro {
-    /// Nothing.
+    /// No text.
     Empty,
     /// Another word, or `s->q`.
     Reference(String),
     Number(Literal),
-    /// Anything else.
+    /// Any other text.
     Other,
 }
 
 /// Meaning of a word of the text.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Expansion {
-    /// Nothing.
+    /// No text.
     Nothing,
     /// A word, or a structure and its member.
     Words(Option<String>, String),
@@ -73,7 +73,7 @@ pub(super) enum Expansion {
 /// An `#if` that is open.
 #[derive(Clone, Copy, Debug)]
 struct OpenConditional {
-    /// Its text counts.
+    /// Its text is compiled.
     live: bool,
     /// A part of it counted, or none may.
     taken: bool,

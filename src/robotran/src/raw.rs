@@ -1,7 +1,7 @@
 //! The lexical surface of the three languages.
 //!
-//! One logos lexer per language; all give the same [`Raw`] tokens, so that
-//! the rest of the reader does not know which language it reads.
+//! One logos lexer per language; all give the same [`Raw`] tokens, so that the
+//! rest of the reader does not depend on the language.
 
 use logos::{Lexer, Logos, Skip};
 
@@ -293,8 +293,8 @@ fn directive(lexer: &mut Lexer<'_, C>) -> Result<(), ()> {
     Ok(())
 }
 
-/// Skips a Matlab comment: the rest of the line, or, when the line is `%{`
-/// and nothing else, everything to the line `%}` that closes it.
+/// Skips a Matlab comment: the rest of the line, or, when the line is exactly
+/// `%{`, all lines up to the line `%}` that closes it.
 fn matlab_comment(lexer: &mut Lexer<'_, Matlab>) -> Result<Skip, ()> {
     let before = &lexer.source()[..lexer.span().start];
     let line_start = line_start(before);

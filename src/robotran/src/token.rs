@@ -1,8 +1,8 @@
 //! The tokens of the grammar, shared by the three languages.
 //!
-//! A reference to an array element is one token whatever the language writes
-//! (`s->dpt[3][1]`, `s.dpt(3,1)`, `s.dpt[3,1]`): this keeps the grammar free
-//! of the languages' index syntax and halves the work of the parser.
+//! A reference to an array element is one token in any language
+//! (`s->dpt[3][1]`, `s.dpt(3,1)`, `s.dpt[3,1]`): this keeps the grammar free of
+//! the languages' index syntax and halves the work of the parser.
 
 use super::literal::Literal;
 use robovec_ir::{Operation, Symbol};
@@ -38,7 +38,7 @@ pub(super) struct LexicalError {
 }
 
 impl LexicalError {
-    /// The error of what is there.
+    /// The error at a token.
     #[cold]
     pub(super) fn new(span: SourceSpan, message: &'static str, note: &'static str) -> LexicalError {
         LexicalError {
@@ -60,8 +60,8 @@ impl LexicalError {
 
 const OF_DATA: u32 = 1 << 31;
 
-/// An identifier, and whether it was reached through the data structure
-/// (`s->frc`, `s.frc`).
+/// An identifier, and a flag: true when it was reached through the data
+/// structure (`s->frc`, `s.frc`).
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(super) struct RobotranName(u32);
 
@@ -84,7 +84,7 @@ impl RobotranName {
 }
 
 /// An array element; indices count from 1, the second is 0 for a vector, and
-/// both are for what a pointer of C points at (`*power`).
+/// both are 0 for the target of a C pointer (`*power`).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct RobotranElement {
     pub(super) name: RobotranName,

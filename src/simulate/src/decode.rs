@@ -1,4 +1,4 @@
-//! Instruction words taken apart, once, into what happens in each cycle.
+//! Instruction words decoded, once, into the actions of each cycle.
 
 use super::error::LoadError;
 use super::mif::Image;
@@ -12,7 +12,7 @@ struct BitField {
     width: u32,
 }
 
-/// Place where the fields of an element's words are.
+/// Places of the fields in an element's words.
 #[derive(Clone, Debug)]
 pub(super) struct WordFields {
     issue: BitField,
@@ -128,7 +128,7 @@ pub(super) struct MemoryWrite {
     pub(super) address: u32,
     /// Input of the crossbar.
     pub(super) select: u32,
-    /// For a buffer as the source: the word its read port shows.
+    /// For a buffer as the source: the word at its read port.
     pub(super) buffer_word: u32,
 }
 
@@ -208,7 +208,7 @@ impl DecodedSteps {
 /// Steps grouped by cycle.
 #[derive(Clone, Debug)]
 struct ByCycle<T> {
-    /// For each cycle where its steps start; one entry more at the end.
+    /// For each cycle the start of its steps; one entry more at the end.
     starts: Vec<u32>,
     steps: Vec<T>,
 }

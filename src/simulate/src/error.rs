@@ -58,10 +58,10 @@ pub enum LoadError {
     /// More than this simulator takes on.
     #[error("the images describe {0}, more than the simulator holds")]
     TooLarge(String),
-    /// A number format that nothing computes in.
+    /// A number format without an arithmetic.
     #[error("the number format {0}: {width}", width = FormatError::Width)]
     UnsupportedNumber(Format),
-    /// The images ask for what the machine does not have.
+    /// The images use a feature that the machine does not have.
     #[error("the machine does not fit the images: {0}")]
     Machine(String),
     /// More write ports than a memory of the machine has.
@@ -110,12 +110,12 @@ pub enum LoadError {
     /// A list of select codes other than all results, then all buffer ports.
     #[error("the crossbar's sources are not all results and then all buffer read ports")]
     Sources,
-    /// The manifest refers to what it does not describe.
+    /// The manifest refers to an item that it does not describe.
     #[error("{user} refers to {what}, which the manifest does not have")]
     Dangling {
         /// Who refers.
         user: String,
-        /// To what.
+        /// The missing target.
         what: String,
     },
     /// The manifest gives a word two initial values.
@@ -173,7 +173,7 @@ pub enum LoadError {
 /// Fault of the machine, and its cycle. Cycles count from 0.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum Hazard {
-    /// Not as many inputs as the manifest lists.
+    /// The number of inputs differs from the manifest.
     #[error("the program takes {expected} inputs, {given} are given")]
     InputCount {
         /// In the manifest.
@@ -181,8 +181,8 @@ pub enum Hazard {
         /// Given.
         given: usize,
     },
-    /// An operand is read from a word that holds nothing yet: it was neither
-    /// loaded nor written, or is written later.
+    /// An operand is read from an empty word: it was neither loaded nor
+    /// written, or is written later.
     #[error("cycle {cycle}: {element} reads {memory}[{address}], which holds no value yet")]
     UninitialisedRead {
         /// Cycle.
@@ -314,7 +314,7 @@ pub enum Hazard {
         /// The element.
         element: String,
     },
-    /// An output's word was not written when the manifest states it is.
+    /// An output's word was not written in the cycle given in the manifest.
     #[error("output {output}: {memory}[{address}] is not written in cycle {expected}")]
     OutputNotWritten {
         /// The output element.

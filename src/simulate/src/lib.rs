@@ -1,10 +1,10 @@
 //! The cycle-accurate simulator.
 //!
-//! It is the judge of code generation and placement, so it reads only what
-//! the hardware would be given: the text of the memory images and the
-//! manifest (`docs/images.md`), and the machine. It steps through the program
-//! cycle by cycle, through pipelines, crossbar, buffers and memories, computes
-//! in the machine's number format, and refuses every hazard by name and cycle
+//! It is the judge of code generation and placement, so it reads only the
+//! inputs of the hardware: the text of the memory images and the manifest
+//! (`docs/images.md`), and the machine. It steps through the program cycle by
+//! cycle, through pipelines, crossbar, buffers and memories, computes in the
+//! machine's number format, and refuses every hazard by name and cycle
 //! ([`Hazard`]). Invariants:
 //!
 //! - it shares no code with placement or image generation but the manifest's

@@ -1,9 +1,8 @@
 //! Reading memory initialisation files.
 //!
 //! Everything the format allows is read: both kinds of comment, all radices,
-//! ranges and lists. Nothing is assumed about who wrote the file, so sizes
-//! are bounded before anything is allocated and every word may be set only
-//! once.
+//! ranges and lists. The file may come from any program, so sizes are bounded
+//! before any allocation and every word may be set only once.
 
 mod digits;
 mod parser;
@@ -73,7 +72,7 @@ impl Image {
     }
 }
 
-/// A place in a file and what is wrong there.
+/// A place in a file and its mistake.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("line {line}, column {column}: {problem}")]
 pub struct MifError {

@@ -1,4 +1,4 @@
-//! Who is busy when: what a report draws.
+//! The use of elements and memories over time, for the charts of a report.
 
 use super::program::LoadedProgram;
 

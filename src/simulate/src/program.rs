@@ -65,7 +65,7 @@ pub(super) struct HostStep {
     pub(super) operation: Operation,
     /// After the operands of the operation the first one again.
     pub(super) operands: [ValueReference; 3],
-    /// Place where it is loaded.
+    /// Words into which it is loaded.
     pub(super) words: Vec<u32>,
 }
 

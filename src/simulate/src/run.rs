@@ -1,9 +1,8 @@
 //! A run of the machine.
 //!
-//! One cycle goes through the machine in the order of the hardware: results
-//! leave the pipelines, operations read their operands, then everything that
-//! is written is written at the end of the cycle. Reads therefore see what
-//! was there when the cycle began.
+//! One cycle is simulated in the order of the hardware: results leave the
+//! pipelines, operations read their operands, then all writes are made at the
+//! end of the cycle. Reads therefore see the content at the start of the cycle.
 
 use super::decode::{BufferWrite, Issue, MemoryWrite};
 use super::error::Hazard;
@@ -13,8 +12,8 @@ use robovec_fpga::manifest::ValueReference;
 use robovec_num::arithmetic::Arithmetic;
 
 impl LoadedProgram {
-    /// Loads the inputs and what the host computes from them, runs, and
-    /// collects the outputs. Inputs are rounded to the machine's format.
+    /// Loads the inputs and the values that the host computes from them, runs,
+    /// and collects the outputs. Inputs are rounded to the machine's format.
     ///
     /// # Errors
     ///
@@ -23,7 +22,7 @@ impl LoadedProgram {
         self.run_observed(inputs, &mut Silent)
     }
 
-    /// A run that reports to an observer what happens in it.
+    /// A run that reports its events to an observer.
     pub(super) fn run_observed<O: Observer>(
         &self,
         inputs: &[f64],
@@ -39,7 +38,7 @@ impl LoadedProgram {
     }
 }
 
-/// Nothing was ever written into the word.
+/// Mark of a word that was never written.
 const EMPTY: u32 = u32::MAX;
 /// The word was loaded before the run.
 const LOADED: u32 = u32::MAX - 1;
@@ -58,8 +57,8 @@ struct ProgramRunner<'p> {
     program: &'p LoadedProgram,
     memory: Vec<MemoryCell>,
     buffers: Vec<MemoryCell>,
-    /// The pipelines: for each element as many slots as its latency, used in
-    /// turn; a slot is taken when its result leaves.
+    /// The pipelines: for each element a ring of slots, one per cycle of its
+    /// latency; a slot is emptied when its result leaves.
     pipelines: Vec<Option<f64>>,
     /// For each element its first slot and the slot of this cycle.
     slots: Vec<(u32, u32)>,

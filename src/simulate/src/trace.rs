@@ -1,8 +1,8 @@
-//! A run with everything that hardware can be compared with.
+//! A run with all data for a comparison with hardware.
 //!
 //! Outputs show only whether a machine is right; a trace shows where it goes
-//! wrong first. It holds what a host loads before the run and every result
-//! with the cycle in which it is on its element's bus, as words of the
+//! wrong first. It holds the words that a host loads before the run, and every
+//! result with the cycle in which it is on its element's bus, as words of the
 //! machine's format. A test bench replays the former and compares the latter.
 
 use super::error::Hazard;
@@ -143,7 +143,7 @@ impl LoadedProgram {
         })
     }
 
-    /// The names of the elements, in the order that the crossbar counts them.
+    /// The names of the elements, in the order of the crossbar.
     pub fn elements(&self) -> impl Iterator<Item = &str> {
         self.elements.iter().map(|element| element.name.as_str())
     }

@@ -108,8 +108,7 @@ pub(super) trait StressSubject: Send + Sync {
         Vec::new()
     }
 
-    /// Treatments that may make the error smaller, beside wider formats of
-    /// everything.
+    /// Treatments that may make the error smaller, besides wider formats.
     fn candidates(&self) -> Vec<ProgramTreatment> {
         Vec::new()
     }

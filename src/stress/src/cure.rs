@@ -1,4 +1,4 @@
-//! Examining a case: its error, its verdict and what cures it.
+//! Examines a case: its error, its verdict and its remedy.
 
 use super::case::{StressBench, StressCase};
 use super::{Measured, ProgramTreatment, StressError, StressVerdict, verdict};
@@ -21,7 +21,7 @@ pub struct TreatmentTrial {
 /// Findings on a case.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Findings {
-    /// The program that nothing was done to.
+    /// The program without treatment.
     pub untreated: ProgramTreatment,
     /// The error that verdicts are about.
     pub metric: &'static str,
@@ -40,8 +40,8 @@ pub struct Findings {
     pub trials: Vec<TreatmentTrial>,
     /// The cheapest trial within ten times the error of binary64.
     pub cure: Option<usize>,
-    /// The cheapest trial within ten times the rounding of binary32, where
-    /// that is more: what somebody needs who reads results in binary32.
+    /// The cheapest trial within ten times the rounding of binary32, if that is
+    /// larger: for users who read results in binary32.
     pub short_cure: Option<usize>,
 }
 
@@ -53,8 +53,8 @@ const CLOSE: f64 = 10.0;
 /// programs differ by a bit or two by luck.
 const BETTER: f64 = 8.0;
 
-/// The error of a result with one digit: with a larger one nothing is better
-/// than anything.
+/// The error of a result with one digit: beyond it no result is better than
+/// another.
 const ONE_DIGIT: f64 = 0.1;
 
 /// The shortest mantissa that is tried: with fewer bits no error is below ten
@@ -182,8 +182,8 @@ impl Attempts<'_> {
         })
     }
 
-    /// As [`Attempts::attempt`]; what a pass refuses is no cure, and that is
-    /// its right.
+    /// As [`Attempts::attempt`]; a program that a pass refuses is no remedy,
+    /// and no fault of the pass.
     fn allowed(&mut self, treatment: ProgramTreatment) -> Result<(), StressError> {
         match self.attempt(treatment) {
             Ok(_) | Err(StressError::Passes(_)) => Ok(()),
@@ -201,8 +201,8 @@ impl Attempts<'_> {
         errors.any(|other| other * BETTER < error && other <= ONE_DIGIT)
     }
 
-    /// The untreated program and the others in its format with their costs,
-    /// the shortest first: what it reaches spares the others most trials.
+    /// The untreated program and the others in its format with their costs, the
+    /// shortest first: its result makes most trials of the others unnecessary.
     fn programs(&self) -> Vec<ProgramTreatment> {
         let untreated = &self.untreated;
         let is_program = |trial: &&TreatmentTrial| {
@@ -219,7 +219,7 @@ impl Attempts<'_> {
 
     /// Tries every program with every mantissa from the narrowest on, and in
     /// fixed point with every number of bits after the point, until its error
-    /// is small enough or it costs more than what is known to do.
+    /// is small enough or it costs more than the cheapest known remedy.
     fn exhaust(&mut self, exponent: u32, goal: f64) -> Result<(), StressError> {
         for program in self.programs() {
             let floats = (NARROWEST..=Format::WIDEST.mantissa).map(|mantissa| {
@@ -237,9 +237,9 @@ impl Attempts<'_> {
         Ok(())
     }
 
-    /// Tries a program in one format after the other until its error is small
-    /// enough or it costs more than what is known to do; not at all when even
-    /// the last, the widest, is far from that.
+    /// Tries a program in successive formats until its error is small enough or
+    /// it costs more than the cheapest known remedy; skipped when even the
+    /// last, the widest, is far from the goal.
     fn widen(
         &mut self,
         program: &ProgramTreatment,
@@ -268,9 +268,9 @@ impl Attempts<'_> {
         Ok(())
     }
 
-    /// Tries the shortest programs with a format for every value. The pass asks for
-    /// less than the error of the whole array at random states, so that it is
-    /// requested more when that does not do here.
+    /// Tries the shortest programs with a format for every value. The pass aims
+    /// at less than the error of the whole array at random states; a smaller
+    /// limit is requested when that is not sufficient here.
     fn mix(&mut self, goal: f64) -> Result<(), StressError> {
         for program in self.programs().into_iter().take(MOST_MIXED) {
             for part in [1.0, 0.03] {
@@ -338,7 +338,7 @@ fn cheapest(trials: &[TreatmentTrial], error: f64) -> Option<usize> {
     good.min_by(order).map(|(index, _)| index)
 }
 
-/// The findings without cures, with what was tried for the verdict.
+/// The findings without remedies, with the trials for the verdict.
 fn judged<'a>(
     case: &StressCase,
     bench: &'a dyn StressBench,

@@ -1,4 +1,4 @@
-//! Closed loops in time, and how far they open.
+//! Closed loops in time, and the drift of their residuals.
 //!
 //! Accelerations and the forces of the loops are solved for together,
 //! `[M J'; J 0]` with `J qdd = -Jdqd`, so that positions and velocities agree
@@ -142,23 +142,23 @@ struct DriftBench<'a> {
     known: Memo<ProgramTreatment, f64>,
 }
 
-/// A run, for whatever its state is kept in.
+/// A run, for any format of its state.
 struct DriftRun<'a> {
     bench: &'a DriftBench<'a>,
     treatment: &'a ProgramTreatment,
 }
 
-/// The slope of a state, in whatever arithmetic.
+/// The slope of a state, in any arithmetic.
 struct LoopSlope<'a> {
     bench: &'a DriftBench<'a>,
     state: &'a MotionState,
-    /// The rate with which what is open closes, 1/s; zero without
+    /// The rate at which the residual decreases, 1/s; zero without
     /// stabilisation.
     rate: f64,
 }
 
-/// Joints put onto the loops: what positions or velocities change by, the
-/// smallest that closes them to first order.
+/// Joints projected onto the loops: the smallest changes of positions or
+/// velocities that close them to first order.
 struct LoopCorrection<'a> {
     bench: &'a DriftBench<'a>,
     state: &'a MotionState,
@@ -166,11 +166,11 @@ struct LoopCorrection<'a> {
     velocities: bool,
 }
 
-/// The steps in which what is open becomes smaller by a factor of e.
+/// The number of steps in which the residual decreases by a factor of e.
 const CLOSING_STEPS: f64 = 5.0;
 
-/// Corrections of the positions after a step; each leaves the square of what
-/// it finds.
+/// Number of corrections of the positions after a step; each leaves the square
+/// of the residual before it.
 const CORRECTIONS: u32 = 2;
 
 impl DriftBench<'_> {
@@ -371,8 +371,8 @@ fn moving<A: Arithmetic>(a: &A, row: &[A::Number], velocities: &[f64]) -> A::Num
     product(a, row, &velocities)
 }
 
-/// The operations of an elimination with one right-hand side: as many products
-/// as sums.
+/// The operations of an elimination with one right-hand side: equal numbers of
+/// products and sums.
 fn elimination(size: usize) -> OperationWork {
     let size = size as f64;
     let half = size.powi(3) / 3.0 + size * size;

@@ -4,8 +4,8 @@
 //! from the same inputs. Accelerations are measured as forward after inverse
 //! dynamics: the forces `Qq` that a known `qdd` takes are computed in the
 //! format, then `M x = Qq - c` is solved and `x` compared with `qdd`. The
-//! solution itself is computed in double-double numbers, so that what shows is
-//! the error of the equations.
+//! solution itself is computed in double-double numbers, so that only the error
+//! of the equations remains.
 
 mod errors;
 mod solution;
@@ -68,7 +68,7 @@ impl DynamicsSubject {
     }
 }
 
-/// The model with every parameter rounded to what binary32 holds.
+/// The model with every parameter rounded to binary32.
 fn shared_model(mut model: Model) -> Model {
     for body in &mut model.bodies {
         body.mass = shared(body.mass);
@@ -82,7 +82,7 @@ fn shared_model(mut model: Model) -> Model {
     model
 }
 
-/// The state with every number rounded to what binary32 holds.
+/// The state with every number rounded to binary32.
 fn shared_state(mut state: MotionState) -> MotionState {
     for numbers in [&mut state.q, &mut state.qd, &mut state.qdd] {
         numbers
@@ -206,8 +206,8 @@ impl StressSubject for DynamicsSubject {
         self.model.joints.len() <= SMALL
     }
 
-    /// Accelerations are no function alone: the pass cannot weigh what the
-    /// solution makes of errors.
+    /// Accelerations are no single function: the pass cannot weight errors by
+    /// the effect of the solution.
     fn mixes(&self) -> bool {
         self.is_small() && self.metric != Metric::Accelerations
     }

@@ -38,13 +38,13 @@ impl EquationsSubject {
         }
     }
 
-    /// The same with a name for what is computed.
+    /// The same with a name for the computed result.
     pub(super) fn of(mut self, result: &'static str) -> EquationsSubject {
         self.result = result;
         self
     }
 
-    /// The same with another way to write the equations, for the same inputs.
+    /// The same with another form of the equations, for the same inputs.
     pub(super) fn or(mut self, name: &'static str, text: &str) -> EquationsSubject {
         let inputs = self.forms.plain.numbers.clone();
         self.forms.push(TextForm::given(name, text, inputs));

@@ -2,7 +2,7 @@
 
 use super::{ProgramTreatment, StressError};
 
-/// One way to write equations, with the numbers they are evaluated for.
+/// One form of equations, with the numbers at which it is evaluated.
 pub(super) struct TextForm<N> {
     /// Its name; empty for the case itself.
     pub(super) name: &'static str,

@@ -1,4 +1,4 @@
-//! Cases of a given model or function, driven to where it is hard: poses in
+//! Cases of a given model or function, driven to difficult states: poses in
 //! which the mass matrix or the loops are nearly singular, limits of joints,
 //! high speeds, large angles, and the states of the largest errors that a
 //! search finds.
@@ -37,7 +37,7 @@ const TURNS: f64 = 1000.0;
 const DRAWN: u32 = 5;
 /// Maximum number of positions in a text.
 const NAMED: usize = 16;
-/// Selects states; any other would do.
+/// Seed of the states; the choice is arbitrary.
 const SEED: u64 = 7;
 
 /// The cases of a model, hard ones after random states.

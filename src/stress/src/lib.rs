@@ -5,7 +5,7 @@
 //! with a reference in double-double numbers. The error is compared with the
 //! condition of the problem and with the error that rounding the data once
 //! would make; from these follows the [`StressVerdict`], the cause of the
-//! error. Then candidates for cures are tried (other recursions, passes,
+//! error. Then candidates for remedies are tried (other recursions, passes,
 //! coordinates, units, formats of all values or of each, refinement,
 //! compensated sums, steps, loops kept closed), and the cheapest that comes
 //! close to binary64 is reported. The constructions are described in

@@ -66,7 +66,7 @@ pub(super) fn substitute<A: Arithmetic>(
 }
 
 /// Solves a positive definite system in double-double numbers; by elimination
-/// with pivots where it is not positive definite.
+/// with pivots when it is not positive definite.
 pub(super) fn solve(size: usize, matrix: &[Double], right: &[Double]) -> Option<Vec<Double>> {
     let mut factor = matrix.to_vec();
     match factorise(&DoubleDouble, size, &mut factor) {

@@ -128,14 +128,14 @@ struct LongBench<'a> {
     known: Memo<ProgramTreatment, Drift>,
 }
 
-/// A run, for whatever arithmetic its slopes are computed in.
+/// A run, for any arithmetic of its slopes.
 struct Slopes<'a> {
     bench: &'a LongBench<'a>,
     state: WorkingPrecision,
     stepping: Stepping,
 }
 
-/// The same, for whatever its state is kept in.
+/// The same, for any format of its state.
 struct WithSlopes<'a, A> {
     bench: &'a LongBench<'a>,
     slopes: &'a A,

@@ -64,7 +64,7 @@ impl LoopsSubject {
 
     /// The same with the whole step measured: positions and velocities of
     /// dependent joints are computed from the others, in the same numbers as
-    /// accelerations. Each partition is compared with what it gives exactly.
+    /// accelerations. Each partition is compared with its own exact results.
     pub(super) fn whole_step(mut self) -> LoopsSubject {
         self.whole = true;
         for closed in &mut self.closed {

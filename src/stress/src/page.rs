@@ -1,4 +1,4 @@
-//! Findings as a figure and as a page that needs nothing else.
+//! Findings as a figure and as a self-contained page.
 
 use super::view::{by_class, headline, lines, short};
 use super::{CaseFinding, Findings};

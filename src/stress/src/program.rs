@@ -144,8 +144,8 @@ impl ModelProgram {
         })
     }
 
-    /// The flattened inputs in a state. Models and states are rounded before
-    /// ([`shared`]), what a program is given by another is not.
+    /// The flattened inputs in a state. Models and states are rounded beforehand
+    /// ([`shared`]); results passed from one program to another are not.
     pub(super) fn inputs(&self, state: &MotionState) -> Vec<f64> {
         self.inputs.gather(state)
     }
@@ -200,8 +200,8 @@ impl ModelProgram {
         function_cost(&self.function, format)
     }
 
-    /// An output array within what [`ModelProgram::evaluate`] gave; zeros where
-    /// the function does not have it.
+    /// An output array within the result of [`ModelProgram::evaluate`]; zeros
+    /// where the function does not have it.
     pub(super) fn array(&self, name: &str, flat: &[Double], length: usize) -> Vec<Double> {
         let found = self.outputs.iter().find(|(array, ..)| array == name);
         let mut array = match found {
@@ -357,7 +357,7 @@ pub(super) fn shared(number: f64) -> f64 {
     }
 }
 
-/// True for what lies between the smallest and the largest normal number of a
+/// True for a number between the smallest and the largest normal number of a
 /// format.
 pub(super) fn is_normal(number: f64, format: Format) -> bool {
     let size = number.abs();

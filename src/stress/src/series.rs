@@ -23,7 +23,7 @@ struct SeriesArithmetic<'a, A> {
 
 impl<A: Arithmetic> SeriesArithmetic<'_, A> {
     /// `1 - x²/((first)(first+1)) (1 - x²/((first+2)(first+3)) (…))` with all
-    /// powers up to the order that the sine (`first` 2) or cosine (1) has.
+    /// powers up to the order of the sine (`first` 2) or cosine (1).
     fn series(&self, square: A::Number, first: u32) -> A::Number {
         let a = self.inner;
         let one = a.literal(1.0);

@@ -1,7 +1,7 @@
 //! Differential equations as text, integrated step after step.
 //!
-//! The reference takes the same steps in double-double numbers, so that what
-//! shows is rounding alone and not what the method leaves out.
+//! The reference takes the same steps in double-double numbers, so that only
+//! rounding errors remain, without the error of the method.
 
 use super::case::{Measured, StressBench, StressSubject};
 use super::dynamics::{sensitivity, worst};
@@ -21,7 +21,7 @@ use std::sync::Arc;
 
 /// Differential equations with their start: functions of one array of state
 /// numbers and one of parameters, which give the slopes of the state and then
-/// what is watched.
+/// the monitored numbers.
 pub(super) struct StepsSubject {
     forms: TextForms<MotionStart>,
     /// s.
@@ -72,7 +72,7 @@ impl StepsSubject {
         self
     }
 
-    /// The forms that are chosen, as they come and with what compensates.
+    /// The selected forms, each unchanged, balanced, and with accurate sums.
     fn treatments(&self, prepared: bool) -> Vec<ProgramTreatment> {
         let passes = [PASSES[0], PASSES[1], PASSES[6]];
         self.forms.treatments(prepared, &passes, &self.untreated())
@@ -148,14 +148,14 @@ struct FormRun<'a> {
     states: usize,
     how: TimeStep,
     steps: u64,
-    /// Format of the state, where it is not that of the slopes.
+    /// Format of the state, if it differs from that of the slopes.
     state: Option<Format>,
 }
 
-/// The slopes of a state, and what is watched.
+/// The slopes of a state, and the monitored numbers.
 type SlopesAndWatched<N> = [Vec<N>; 2];
 
-/// The same, for whatever its state is kept in.
+/// The same, for any format of its state.
 struct KeptRun<'a, A> {
     run: FormRun<'a>,
     slopes: &'a A,

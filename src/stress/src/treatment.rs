@@ -23,7 +23,7 @@ pub(super) const PASSES: [&str; 7] = [
 /// Method that keeps the loops of a model closed in time.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum LoopStabilisation {
-    /// Nothing: accelerations agree with the loops, positions need not.
+    /// No stabilisation: accelerations agree with the loops, positions need not.
     #[default]
     None,
     /// Accelerations lead gaps back, as a critically damped oscillator would
@@ -42,8 +42,8 @@ impl LoopStabilisation {
     ];
 }
 
-/// Making and running of a program. The default is that without asking: the
-/// recursion Robotran prints, in binary32.
+/// Making and running of a program. The default is the untreated program: the
+/// recursion that Robotran prints, in binary32.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ProgramTreatment {
     /// The recursion the equations come from.
@@ -63,17 +63,17 @@ pub struct ProgramTreatment {
     pub mixed: Option<f64>,
     /// Method that keeps loops closed.
     pub stabilisation: LoopStabilisation,
-    /// Format of forces (`c`, `Qq`, residuals), where it is not that of masses.
+    /// Format of forces (`c`, `Qq`, residuals), if it differs from that of masses.
     pub forces: Option<Format>,
     /// Steps of iterative refinement of accelerations: each solves again, with
     /// the same factor of `M`, for the residual of the inverse dynamics.
     pub refinements: u32,
     /// Compute in units that bring the model's numbers to the order of one.
     pub units: bool,
-    /// Keep what additions to the integrator's state leave out (Kahan 1965).
+    /// Keep the rounding errors of additions to the integrator's state (Kahan 1965).
     pub compensated: bool,
-    /// The integrator's state in this format, where that is not what slopes
-    /// are computed in.
+    /// The integrator's state in this format, where it differs from that of the
+    /// slopes.
     pub state: Option<Format>,
     /// The integrator's step, s.
     pub step: Option<f64>,
@@ -137,7 +137,7 @@ impl ProgramTreatment {
         }
     }
 
-    /// True when it is another program in the same format, and nothing else.
+    /// True when it differs from the untreated one only in the program, not in the format.
     pub(super) fn is_another_program(&self, untreated: &ProgramTreatment) -> bool {
         let same = ProgramTreatment {
             formulation: untreated.formulation,

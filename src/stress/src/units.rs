@@ -1,11 +1,11 @@
 //! Other units of length, mass and time: powers of two of the SI units.
 //!
 //! Multiplying by a power of two is exact as long as nothing leaves the range
-//! of the format. A program that is given all its numbers in such units
-//! therefore makes the same rounding errors, bit for bit, and only the range
-//! it needs moves: what was too small or too large for a format need not be
-//! so any more. The host scales parameters once and states on their way in;
-//! the program itself does not change and costs nothing more.
+//! of the format. A program with all its numbers in such units therefore makes
+//! the same rounding errors, bit for bit, and only the range of its numbers
+//! moves: numbers that were too small or too large for a format may fit. The
+//! host scales parameters once and states before each run; the program itself
+//! does not change and costs nothing more.
 
 use robovec_model::Model;
 use robovec_num::power::times_power_of_two;

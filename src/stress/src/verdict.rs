@@ -1,18 +1,18 @@
-//! Whose fault an error is.
+//! Cause of an error.
 
 use super::Measured;
 use robovec_ir::Format;
 use serde::Deserialize;
 use std::fmt;
 
-/// Whose fault an error is.
+/// Cause of an error.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StressVerdict {
     /// At least half of the format's digits are right.
     Fine,
-    /// The error is about what rounding the data to the format makes: nobody
-    /// could do better from rounded data.
+    /// The error is about that of rounding the data to the format: no program
+    /// could be better with rounded data.
     HardProblem,
     /// The error is much larger than that: another way to compute the same
     /// does better.
@@ -62,7 +62,7 @@ pub const ALLOWANCE: f64 = 32.0;
 /// range to be the reason.
 const RANGE_GAIN: f64 = 4.0;
 
-/// The verdict on what was measured in a format.
+/// The verdict on the measurements in a format.
 ///
 /// `floor` is the error of rounding the data once; `wide` the error with the
 /// same mantissa and the exponent of binary64, where it was measured.

@@ -7,7 +7,7 @@ use robovec_present::number::or_dash;
 use robovec_present::text::cut;
 use robovec_present::{DataCell, DataTable, text_lines};
 
-/// A case with what was found.
+/// A case with its findings.
 pub type CaseFinding<'a> = (&'a StressCase, Findings);
 
 /// Number of cases that a cure brings to within ten times the error of f64, or

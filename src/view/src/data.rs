@@ -15,7 +15,7 @@ pub(super) struct ViewData {
     pub(super) title: String,
     /// The pipeline as the user wrote it.
     pub(super) pipeline: String,
-    /// The files that places lie in.
+    /// The files of the places.
     pub(super) files: Vec<FileData>,
     /// Sets of places: file (from 0), line and column (from 1) of each.
     pub(super) sources: Vec<Vec<[u32; 3]>>,
@@ -45,7 +45,7 @@ pub(super) struct FileData {
     pub(super) lines: Option<Vec<String>>,
 }
 
-/// A function and what was done to it.
+/// A function and the passes run on it.
 #[derive(Serialize)]
 pub(super) struct FunctionData {
     pub(super) name: String,
@@ -55,7 +55,7 @@ pub(super) struct FunctionData {
     pub(super) format: String,
     /// The passes that were run, also those that changed nothing.
     pub(super) passes: Vec<PassReport>,
-    /// The states, from the one that was read on.
+    /// The states, starting with the one that was read.
     pub(super) states: Vec<StateData>,
     /// The schedule of the last state, when it has one.
     pub(super) schedule: Option<ScheduleData>,

@@ -6,8 +6,8 @@ use robovec_ir::print::{print_operand, print_output};
 use robovec_ir::{Function, Machine, OperandKind, Value, View};
 use std::fmt::Write;
 
-/// The dataflow graph of what a value or an output is made from, of all
-/// outputs for `None`; what lies on a longest path is red.
+/// The dataflow graph of the operands of a value or an output, of all outputs
+/// for `None`; longest paths are red.
 pub fn dot(view: View<'_>, machine: &Machine, wanted: Option<TrackedItem>) -> String {
     let function = view.function;
     let weights = Weights::cycles(machine);

@@ -6,7 +6,7 @@ use robovec_analysis::critical_path::Weights;
 use robovec_ir::{Machine, Module};
 use serde_json::{Value, json};
 
-/// The process under which the passes are.
+/// Process number of the passes.
 const COMPILER: u32 = 1;
 
 /// The events of a run as JSON: passes in microseconds of processor time,

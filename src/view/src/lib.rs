@@ -1,11 +1,11 @@
-//! A compilation as one page: every state of a function with what each of its
-//! statements was made from, the schedule, the errors and the source, for
-//! somebody who asks why an output is late.
+//! A compilation as one page: every state of a function with the origin of each
+//! of its statements, the schedule, the errors and the source, for users who
+//! want to know why an output is late.
 //!
-//! The page holds the data once, as columns ([`data`]), and a script that draws
-//! what is shown. **Invariants.** A page refers to no other file and no
-//! address; it is the same bytes for the same run; statements of a state are
-//! in the order of the text form, values before outputs.
+//! The page has the data once, as columns ([`data`]), and a script that draws
+//! the visible part. **Invariants.** A page refers to no other file and no
+//! address; it is the same bytes for the same run; statements of a state are in
+//! the order of the text form, values before outputs.
 
 mod data;
 mod dot;
@@ -48,7 +48,7 @@ pub struct ViewedRun<'a> {
     /// The files that equations are in, name and text, as far as they are
     /// available.
     pub files: &'a [(String, String)],
-    /// The model that the equations come from, where it is available.
+    /// The model of the equations, if available.
     pub model: Option<&'a ModelText>,
     /// The pipeline as the user wrote it.
     pub pipeline: &'a str,

@@ -1,5 +1,5 @@
-//! The schedule on a page: when every value starts, what it waited for, and
-//! what memories hold meanwhile.
+//! The schedule on a page: the start of every value, the reason of its delay,
+//! and the content of memories over time.
 
 use super::data::ScheduleData;
 use robovec_analysis::critical_path::Weights;
@@ -149,8 +149,8 @@ impl BusyKinds {
         }
     }
 
-    /// The first cycle, from one on and before another, in which an element of
-    /// the same kind starts nothing; the latter when there is none.
+    /// The first cycle in a range in which an element of the same kind starts
+    /// no operation; the end of the range when there is none.
     fn first_free(&self, element: Element, from: u32, until: u32) -> u32 {
         let kind = self.kinds[element.index()];
         let busy = |cycle: &u32| self.issues.get(&(kind, *cycle)) == Some(&self.counts[kind]);

@@ -1,5 +1,5 @@
-//! The statements of a state: its text, line by line, with what is known of
-//! each.
+//! The statements of a state: its text, line by line, with the known facts
+//! about each.
 
 use super::data::StateData;
 use super::names::TextTable;
@@ -162,8 +162,8 @@ fn statement_lines(text: &str, count: usize) -> Vec<&str> {
     lines[first..].to_vec()
 }
 
-/// A definition without what is elsewhere on the page: the slot, the words
-/// of memory, the places.
+/// A definition without the parts shown elsewhere on the page: the slot, the
+/// words of memory, the places.
 fn split(line: &str) -> (&str, &str) {
     let (name, right) = line.split_once(" = ").expect("a line defines one name");
     let ends = [" on ", " @", " in ", " by ", " {"].map(|mark| right.find(mark));

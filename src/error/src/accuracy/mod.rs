@@ -25,14 +25,14 @@ use std::sync::Arc;
 pub struct FunctionAccuracy {
     /// The model, or the file, and the function.
     pub name: String,
-    /// As it was read, then after every pass.
+    /// For the function as read, then after every pass.
     pub steps: Vec<PassAccuracy>,
 }
 
 /// The state of a function.
 #[derive(Clone, Debug)]
 pub struct PassAccuracy {
-    /// The pass with its options; empty for the function as it was read.
+    /// The pass with its options; empty for the function as read.
     pub pass: String,
     /// Everything but sines, cosines and copies.
     pub operations: usize,
@@ -41,7 +41,7 @@ pub struct PassAccuracy {
     /// The errors.
     pub rounding: Arc<RoundingErrors>,
     /// Change of the medians of the relative and of the normwise errors by the
-    /// pass; `None` for the function as it was read.
+    /// pass; `None` for the function as read.
     pub changes: Option<[MedianChange; 2]>,
 }
 
@@ -63,7 +63,7 @@ pub struct Options<'a> {
 ///
 /// # Errors
 ///
-/// Those of the passes.
+/// Errors of the passes.
 pub fn measure(
     name: &str,
     module: &mut Module,
@@ -134,7 +134,7 @@ fn size(function: &Function, machine: &Machine) -> (usize, u32) {
 }
 
 impl FunctionAccuracy {
-    /// The changes from the function as it was read to the end.
+    /// The changes from the function as read to the end.
     pub fn overall(&self) -> Option<[MedianChange; 2]> {
         let (first, last) = (self.steps.first()?, self.steps.last()?);
         Some(changes(&first.rounding, &last.rounding))

@@ -29,7 +29,7 @@ pub struct OutputLine {
     pub ulps: ErrorQuantiles,
     /// Number of wrong bits.
     pub bits: ErrorQuantiles,
-    /// Relative to the exact value and what it reacts to.
+    /// Error relative to the exact value and its sensitivity.
     pub mixed: ErrorQuantiles,
     /// The estimated condition number for independent errors of the inputs.
     pub sensitivity: f64,
@@ -40,11 +40,11 @@ pub struct OutputLine {
     pub backward: Option<f64>,
     /// `accurate`, `hard problem` or `unstable code`.
     pub judgement: Option<&'static str>,
-    /// In how many states it is zero except for rounding.
+    /// Number of states in which it is zero except for rounding.
     pub vanishing: u32,
-    /// In how many states it is computed below the normal numbers.
+    /// Number of states in which it is computed below the normal numbers.
     pub subnormal: u32,
-    /// In how many states it is not finite where the exact value is.
+    /// Number of states in which it is not finite but the exact value is.
     pub overflowed: u32,
 }
 

@@ -142,7 +142,7 @@ pub fn table(subjects: &[FunctionAccuracy]) -> DataTable {
     )
 }
 
-/// Speed against error: for each subject the way the passes take it.
+/// Speed against error: for each subject the path through the passes.
 pub fn figure(subjects: &[FunctionAccuracy]) -> Figure {
     let panels: Vec<Panel> = subjects
         .iter()

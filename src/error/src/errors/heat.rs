@@ -24,11 +24,11 @@ const STATES: usize = 4;
 pub struct Heat {
     /// The number format that was run.
     pub format: String,
-    /// Over how many states shares are averaged.
+    /// Number of states over which shares are averaged.
     pub states: u32,
     /// Seed of the states.
     pub seed: u64,
-    /// To how many outputs of each state errors were traced: those with the
+    /// Number of outputs of each state whose errors were traced: those with the
     /// largest errors, relative to the largest element of their array.
     pub outputs: usize,
     /// Number of states without a result, such as after an overflow.
@@ -79,7 +79,7 @@ pub fn blame(view: View<'_>, tape: &Tape, format: Format, states: &States) -> (B
     (blame, count as u32, most.min(outputs.len()))
 }
 
-/// As [`blame`], over given states and the worst so many of given outputs.
+/// As [`blame`], over given states and this number of the worst states of given outputs.
 pub(super) fn blame_of(
     view: View<'_>,
     tape: &Tape,

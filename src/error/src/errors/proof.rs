@@ -34,7 +34,7 @@ pub struct ProofRow {
     /// Basis of the ranges of inputs: `given`, or `drawn` from the
     /// distribution of random states.
     pub ranges: &'static str,
-    /// Meaning of the range in the format, if it is something bad.
+    /// A harmful consequence of the range in the format, if any.
     pub alarm: Option<&'static str>,
     /// Bits before the point that a fixed-point number needs.
     pub integer_bits: Option<u32>,
@@ -42,8 +42,8 @@ pub struct ProofRow {
     pub reason: Option<String>,
 }
 
-/// Proves bounds of the outputs that settings ask for; the number of states
-/// that were searched.
+/// Proves bounds of the outputs that settings request; returns the number of
+/// states that were searched.
 pub(super) fn prove(
     view: View<'_>,
     tape: &Tape,
@@ -92,7 +92,7 @@ pub(super) fn prove(
     (rows.collect(), found.tried)
 }
 
-/// The first operation before an output of which nothing is proved.
+/// The first operation before an output without a proved bound.
 fn reason(view: View<'_>, tape: &Tape, bounds: &NormBounds, slot: usize) -> String {
     let window = ConeWindow::new(tape, slot, usize::MAX);
     let slots = window.leaves.iter().chain(&window.nodes);

@@ -82,9 +82,8 @@ pub struct ErrorTable {
     pub seed: u64,
     /// The number of the state.
     pub state: u32,
-    /// The largest error of a divisor or of a number under a root in this
-    /// run, relative to its exact value: bounds are of first order, and what
-    /// they leave out grows with this.
+    /// The largest error of a divisor or radicand in this run, relative to its
+    /// exact value: bounds are of first order, and their error grows with this.
     pub weakest_divisor: f64,
     /// States of the search beside the proofs.
     pub searched: usize,
@@ -107,7 +106,7 @@ pub struct OutputRow {
     pub computed: f64,
     /// Computed less exact.
     pub error: f64,
-    /// The error that was predicted from what every operation lost.
+    /// The error predicted from the rounding error of every operation.
     pub predicted: Option<f64>,
     /// The error when every operation loses as much as it can, to first
     /// order about this run.
@@ -129,7 +128,7 @@ pub struct IntervalRow {
     pub high: f64,
     /// The most that the window's operations lose together.
     pub error: f64,
-    /// The part of the ranges, by volume, in which that has an end.
+    /// The part of the ranges, by volume, in which the bound is finite.
     pub share: f64,
     /// The most that they lose in that part.
     pub finite: f64,
@@ -147,14 +146,14 @@ pub struct IntervalRow {
     /// Basis of the weakest range of a leaf: `given` for inputs, `drawn` from
     /// the states' distribution, `assumed` from samples.
     pub ranges: &'static str,
-    /// Meaning of the range in the format, if it is something bad.
+    /// A harmful consequence of the range in the format, if any.
     pub alarm: Option<&'static str>,
     /// Bits before the point that a fixed-point number needs.
     pub integer_bits: Option<u32>,
 }
 
 impl ErrorTable {
-    /// Measures what is requested.
+    /// Measures the requested errors.
     ///
     /// # Errors
     ///

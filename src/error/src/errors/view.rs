@@ -173,7 +173,7 @@ pub fn heat_title(heat: &Heat) -> String {
     )
 }
 
-/// The hottest equations, with bars, and what inputs and literals add.
+/// The hottest equations, with bars, and the contributions of inputs and literals.
 pub fn heat_text(heat: &Heat) -> String {
     let mut text = String::new();
     if heat.equations.is_empty() && heat.inputs.is_empty() && heat.literals == 0.0 {
@@ -251,7 +251,7 @@ pub fn json(tables: &[ErrorTable]) -> String {
     json_text(tables)
 }
 
-/// The rows of all tables as CSV, empty cells where a method was not asked.
+/// The rows of all tables as CSV, empty cells for methods that were not requested.
 pub fn csv(tables: &[ErrorTable]) -> String {
     type Row<'a> = (&'a ErrorTable, &'a OutputRow);
     let rows: Vec<Row<'_>> = tables

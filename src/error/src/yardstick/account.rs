@@ -3,8 +3,8 @@
 //! An error beside a speed is always printed in the same way: the median and
 //! the worst over all arrays and states, relative to the largest element of the
 //! array, with the number format, the states and the reference named. Relative
-//! errors of elements are for reports of errors alone: what is zero by
-//! cancellation would dominate them here.
+//! errors of elements are for reports of errors alone: elements that are zero
+//! by cancellation would dominate them here.
 
 use super::{ErrorSpread, Unmeasurable, Yardstick};
 use robovec_ir::diagnostic::counted;

@@ -1,11 +1,11 @@
-//! Exact results of a function at states, and how far other programs for the
-//! same quantities are from them.
+//! Exact results of a function at states, and the distances of other programs
+//! for the same quantities from them.
 //!
 //! Programs made from one another keep the names of their arrays, but a
 //! specialised one has lost inputs and outputs, one with series has other
 //! sines, one of another formulation other equations. Programs are therefore
-//! matched with their yardstick by names, and the measured error includes
-//! everything at once: model, series and rounding. [`account`] prints it.
+//! matched with their yardstick by names, and the measured error is the total
+//! of model, series and rounding. [`account`] prints it.
 
 pub mod account;
 mod quick;
@@ -66,10 +66,10 @@ impl ExactPlace {
 /// Reason why a program cannot be measured.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum Unmeasurable {
-    /// It reads something that the yardstick's function does not.
+    /// It reads an input that the yardstick's function does not have.
     #[error("the program reads '{0}', which the function it is measured by does not have")]
     Input(String),
-    /// It computes something that the yardstick's function does not.
+    /// It computes an output that the yardstick's function does not have.
     #[error("the program computes '{0}', which the function it is measured by does not")]
     Output(String),
 }
@@ -98,8 +98,8 @@ fn infinite_where_null<'de, D: serde::Deserializer<'de>>(source: D) -> Result<f6
 /// Distance of a program from the exact results.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct MeasuredErrors {
-    /// Of every element in every state, relative to its exact value; elements
-    /// that vanish are left out, and infinite where all that err do.
+    /// Of every element in every state, relative to its exact value; zero elements are
+    /// left out, and the error is infinite where all elements in error are zero.
     pub relative: ErrorSpread,
     /// Of every array in every state: its largest error over its largest
     /// element. Arrays of zeros alone are left out.
@@ -125,7 +125,7 @@ pub struct LargestErrors {
 
 impl Yardstick {
     /// Evaluates a function exactly at a number of states. Where a scene binds
-    /// an input, its states have that number as it is, not rounded.
+    /// an input, its states have exactly that number, not rounded.
     pub fn new(view: View<'_>, source: &States, count: u32) -> Yardstick {
         let states = (0..count).map(|index| source.draw(view, index));
         Yardstick::at(view, states.collect())
@@ -246,9 +246,9 @@ impl Yardstick {
         })
     }
 
-    /// For every state the largest error of an output over what is allowed of
-    /// it, of results as [`Yardstick::judge`] takes them. `allowed` belongs to
-    /// the program.
+    /// For every state the largest error of an output divided by the allowed
+    /// one, for results as [`Yardstick::judge`] takes them. `allowed` belongs
+    /// to the program.
     ///
     /// # Errors
     ///
@@ -293,7 +293,7 @@ impl Yardstick {
     }
 }
 
-/// Distance of a result from the exact number; infinite for what is no number.
+/// Distance of a result from the exact number; infinite for NaN.
 fn distance(exact: Double, computed: f64) -> f64 {
     if computed.is_finite() {
         exact.distance(computed)
@@ -382,7 +382,7 @@ impl ErrorSpread {
     }
 }
 
-/// The error over the size; no error is 0 whatever the size.
+/// The error over the size; no error is 0 for any size.
 fn quotient(error: f64, size: f64) -> f64 {
     if error == 0.0 { 0.0 } else { error / size }
 }

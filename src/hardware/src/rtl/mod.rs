@@ -1,11 +1,11 @@
-//! Hardware on disk: benches with what the simulator expects, and the tools
-//! that run them.
+//! Hardware on disk: benches with the outputs expected by the simulator, and
+//! the tools that run them.
 //!
-//! `passes/fpga/src/rtl` writes text and knows no numbers; here the
-//! cycle-accurate simulator gives the benches what every operation must
-//! result in, and the simulators of hardware are called. **Invariant.** What
-//! a bench expects comes from the images alone, through the simulator, which
-//! shares no code with the generator of the hardware.
+//! `passes/fpga/src/rtl` writes text and computes no numbers; here the
+//! cycle-accurate simulator gives the benches the expected result of every
+//! operation, and the simulators of hardware are called. **Invariant.** The
+//! results that a bench expects come from the images alone, through the
+//! simulator, which shares no code with the generator of the hardware.
 
 mod bench;
 mod tools;

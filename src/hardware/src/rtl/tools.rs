@@ -43,7 +43,7 @@ impl Door {
 }
 
 impl HardwareSimulator {
-    /// All of them.
+    /// All simulators.
     pub const ALL: [HardwareSimulator; 3] = [
         HardwareSimulator::Icarus,
         HardwareSimulator::Verilator,
@@ -108,7 +108,7 @@ pub enum CheckFailure {
     /// The folder of the hardware is not there.
     #[error("no hardware in {0}: {1}")]
     Hardware(String, io::Error),
-    /// It does not start, or does not end.
+    /// It cannot be started, or does not end.
     #[error(transparent)]
     Tool(#[from] ToolError),
     /// The bench could not be built, or ended without a verdict.
@@ -128,8 +128,8 @@ pub struct Checked {
     pub time: Duration,
 }
 
-/// Builds the benches of a folder with the hardware of another, which holds
-/// `files.f`, and runs them through the ways named.
+/// Builds the benches of a folder with the hardware of another, which contains
+/// `files.f`, and runs them through the named windows.
 ///
 /// # Errors
 ///
@@ -161,7 +161,7 @@ pub fn check(
     })
 }
 
-/// A bench has passed when every way in states it and nothing states otherwise.
+/// A bench has passed when every host window reports success and none reports a failure.
 fn judge(output: &FinishedProcess, doors: usize) -> Result<Vec<String>, CheckFailure> {
     let said = output.text();
     let is = |word: &'static str| move |line: &&str| line.starts_with(word);

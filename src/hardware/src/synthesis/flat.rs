@@ -9,10 +9,10 @@ use super::SynthesisError;
 use super::netlist::{Bit, Netlist, NetlistCell, NetlistModule, PortDirection};
 use std::collections::BTreeMap;
 
-/// The maximum number of primitives that are taken apart.
+/// The maximum number of primitives after flattening.
 const MAX_CELLS: usize = 8_000_000;
 
-/// A net of the flat design; `None` is a constant or nothing at all.
+/// A net of the flat design; `None` for a constant or an open end.
 pub(super) type Net = Option<u32>;
 
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! A whole machine, as `robovec rtl` writes it: mapped part by part.
 //!
-//! The modules of the parts stay closed, so that equal ones are mapped once
-//! and every part has its own counts; what is inside a part is opened and
+//! The modules of the parts stay closed, so that equal ones are mapped once and
+//! every part has its own counts; the modules inside a part are flattened and
 //! mapped as one. Initial contents are left out: they change no count, and
 //! without them the elements are more alike.
 
@@ -51,7 +51,7 @@ pub struct MappedMachine {
 }
 
 impl MappedMachine {
-    /// Resources that yosys counts in all.
+    /// Total resources counted by yosys.
     pub fn total(&self) -> ResourceUse {
         self.counted.iter().copied().sum()
     }

@@ -1,5 +1,5 @@
-//! Mapping of generated hardware to the cells of a Cyclone V by yosys, what
-//! it takes, and how fast it can be clocked.
+//! Mapping of generated hardware to the cells of a Cyclone V by yosys, its
+//! resources, and its maximum clock.
 //!
 //! The vendor's tools are not needed: yosys' `synth_intel_alm` maps Verilog
 //! to look-up tables, registers, memory blocks and multipliers

@@ -1,9 +1,9 @@
 //! The netlist that yosys' `write_json` writes, as written there.
 //!
-//! Only what counting and timing need is read: modules, their ports, and
-//! their cells with what they connect. A *bit* is a number that is unique
-//! within its module, or a constant. Maps are ordered, so that nothing that
-//! is computed from a netlist depends on the order of the file.
+//! Only the parts needed for counting and timing are read: modules, their
+//! ports, and their cells with their connections. A *bit* is a number that is
+//! unique within its module, or a constant. Maps are ordered, so that nothing
+//! that is computed from a netlist depends on the order of the file.
 
 use super::SynthesisError;
 use serde::Deserialize;
@@ -106,8 +106,8 @@ impl Netlist {
             .ok_or_else(|| SynthesisError::Netlist("no module is the top".to_owned()))
     }
 
-    /// The modules in an order in which every one comes after those it
-    /// instantiates, from a module down; library cells are left out.
+    /// The modules below a module in an order in which every one comes after
+    /// those it instantiates; library cells are left out.
     ///
     /// # Errors
     ///
@@ -176,8 +176,8 @@ impl NetlistModule {
     }
 }
 
-/// A module's name for users: that of the source, without what yosys adds for
-/// parameters (`$paramod\name\WIDTH=s32'…`, `$paramod$hash\name`).
+/// A module's name for users: that of the source, without the parameters that
+/// yosys adds (`$paramod\name\WIDTH=s32'…`, `$paramod$hash\name`).
 pub fn readable(name: &str) -> &str {
     match name.strip_prefix("$paramod") {
         Some(rest) => rest.split('\\').nth(1).unwrap_or(rest),

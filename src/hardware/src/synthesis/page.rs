@@ -153,8 +153,8 @@ pub fn steps(path: &Path) -> String {
     text
 }
 
-/// A cell's name without what yosys adds for each cell on the way to the net
-/// that it is named after.
+/// A cell's name without the suffixes that yosys adds for each cell on the way
+/// to the net that it is named after.
 fn short(name: &str) -> String {
     let first = |text: &str, end: &str| {
         let part = text.split(end).next();

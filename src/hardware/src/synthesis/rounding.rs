@@ -7,7 +7,7 @@ use robovec_ir::parse::parse_module;
 use robovec_ir::states::States;
 use robovec_ir::{Format, View};
 
-/// The seed of the states, and how many.
+/// The seed of the states, and their number.
 const SEED: u64 = 1;
 const STATES: u32 = 1024;
 
@@ -18,7 +18,7 @@ const STATES: u32 = 1024;
 ///
 /// # Errors
 ///
-/// See [`Unmeasurable`]: what is measured alone has none.
+/// See [`Unmeasurable`], for parts that cannot be measured alone.
 pub fn operator_error(core: OperatorCore, format: Format) -> Result<ErrorAccount, Unmeasurable> {
     let value = match core {
         OperatorCore::Add => "m[1] + m[2]",

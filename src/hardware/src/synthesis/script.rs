@@ -17,8 +17,8 @@ pub struct SynthesisDesign {
     pub parameters: Vec<(String, String)>,
     /// Verilog: name of the file and text.
     pub sources: Vec<(String, String)>,
-    /// Verilog of modules that stay closed, because no cell of the device is
-    /// known to yosys that they could be mapped to.
+    /// Verilog of modules that stay closed, because yosys has no cell of the
+    /// device for them.
     pub closed: Vec<(String, String)>,
     /// Other files that the Verilog reads: initial contents of memories.
     pub others: Vec<(String, String)>,

@@ -2,15 +2,14 @@
 //!
 //! Every net gets the latest time at which it can change after the clock:
 //! outputs of clocked cells after their own delay, outputs of logic after the
-//! latest of their inputs. What a net takes from cell to cell is one figure
-//! for all nets ([`FAST_NET`] to [`SLOW_NET`]); a carry has its own wire and
-//! takes none. A path ends at an input of a clocked cell, plus its set-up
+//! latest of their inputs. The delay of a net from cell to cell is one figure
+//! for all nets ([`FAST_NET`] to [`SLOW_NET`]); a carry has a dedicated wire
+//! without delay. A path ends at an input of a clocked cell, plus its set-up
 //! time.
 //!
-//! **What it is not.** Nothing is placed and routed; delays of cells are
-//! those of one speed grade as yosys publishes them; multipliers have no
-//! registers inside. It is an estimate and was never calibrated against
-//! Quartus.
+//! **Limits.** There is no placement and routing; delays of cells are those of
+//! one speed grade as yosys publishes them; multipliers have no registers
+//! inside. It is an estimate and was never calibrated against Quartus.
 //!
 //! **Invariant.** The same netlist gives the same path: among equals the
 //! first in order of names wins.
@@ -21,10 +20,10 @@ use super::flat::{self, Flat, Net, Primitive};
 use super::netlist::{Netlist, readable};
 use std::collections::VecDeque;
 
-/// The lower guess of what a net takes, ps.
+/// The lower estimate of the delay of a net, ps.
 pub const FAST_NET: u32 = 500;
 
-/// The upper guess, ps: about what an open router reaches.
+/// The upper estimate, ps: about the value that an open router reaches.
 pub const SLOW_NET: u32 = 900;
 
 /// Selection of paths.
@@ -37,8 +36,8 @@ pub struct PathSelection {
     pub from_inputs: Option<u32>,
     /// Those that end at a register or memory.
     pub to_registers: bool,
-    /// Those that end at an output, as if a register without set-up time
-    /// were there, one net away.
+    /// Paths that end at an output, as if at a register without set-up time,
+    /// one net away.
     pub to_outputs: bool,
 }
 
@@ -79,7 +78,7 @@ pub struct PathCell {
 pub struct Path {
     /// Its delay with the set-up time at its end, ps.
     pub delay: u32,
-    /// From its start to its end.
+    /// Cells from its start to its end.
     pub steps: Vec<PathCell>,
 }
 

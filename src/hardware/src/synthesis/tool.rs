@@ -91,7 +91,7 @@ impl Yosys {
     }
 }
 
-/// Tests whether what a program states of itself is a version that will do.
+/// Tests whether the version that a program reports is sufficient.
 fn judge(program: &str, answer: &str) -> Result<Yosys, SynthesisError> {
     let version = answer.split_whitespace().nth(1).unwrap_or("unknown");
     let numbers = version.split(|other: char| !other.is_ascii_digit());

@@ -1,10 +1,9 @@
-//! Reading files that a user names: only files with an end, and no more of
-//! them than their kind may have.
+//! Reading of files named by a user: only files of finite length, up to the
+//! limit of their kind.
 //!
-//! A device has no end, and a pipe that lies in a folder has no beginning
-//! until somebody writes into it; both are refused. The standard input (`-`)
-//! and pipes that a shell makes (`<(…)`) have a writer, and are read up to
-//! the limit.
+//! A device has no end, and a pipe in a folder has no content until another
+//! process writes into it; both are refused. The standard input (`-`) and pipes
+//! that a shell makes (`<(…)`) have a writer, and are read up to the limit.
 
 use super::look::{FileKind, FileLook, look};
 use robovec_ir::diagnostic::Report;
@@ -182,7 +181,7 @@ fn refuse_others(path: &Path, bytes: &[u8], wanted: FileKind) -> Result<(), Repo
     Err(Report::error(message, vec![note]))
 }
 
-/// Everything a reader gives, or `None` when that is too much.
+/// All bytes of a reader, or `None` beyond the limit.
 fn up_to(reader: impl Read, known: u64, most: u64) -> io::Result<Option<Vec<u8>>> {
     let mut bytes = Vec::with_capacity(known as usize + 1);
     reader.take(most + 1).read_to_end(&mut bytes)?;

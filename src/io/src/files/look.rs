@@ -1,8 +1,8 @@
 //! The kind of a file, by its first bytes, for messages about a file that a
 //! command cannot take.
 //!
-//! **Invariant.** A file that the reader of its kind would take looks like
-//! that kind or like nothing in particular.
+//! **Invariant.** A file that the reader of its kind would accept is recognised
+//! as that kind or as no particular kind.
 
 /// A kind of file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -131,7 +131,7 @@ const TABLES: [(FileKind, &[&str]); 4] = [
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum FileLook {
-    /// Nothing, or white space.
+    /// Empty, or white space.
     Empty,
     /// A kind that some command takes.
     Known(FileKind),
@@ -141,9 +141,9 @@ pub(super) enum FileLook {
     Json,
     /// XML without the first element of a model.
     Xml,
-    /// Something that no command takes.
+    /// A kind of file that no command takes.
     Foreign(&'static str),
-    /// Nothing in particular.
+    /// No known kind.
     Unknown,
 }
 

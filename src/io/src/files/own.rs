@@ -27,7 +27,7 @@ const WRITTEN_BY_HAND: [&str; 19] = [
     "toml", "md", "tex", "tcl",
 ];
 
-/// Bytes at the beginning of a file in which its mark is.
+/// Number of bytes at the beginning of a file that are searched for its mark.
 const HEAD: u64 = 4096;
 
 /// Parts of lines that the files written by robovec have in their head: the
@@ -51,8 +51,8 @@ pub fn set_force(force: bool) {
     FORCED.store(force, Ordering::Relaxed);
 }
 
-/// True when an existing file may be replaced; of a symbolic link its name and
-/// that of what it leads to count.
+/// True when an existing file may be replaced; of a symbolic link both its name
+/// and its target count.
 pub(super) fn may_replace(path: &Path, replace: Replace) -> io::Result<bool> {
     if FORCED.load(Ordering::Relaxed) {
         return Ok(true);

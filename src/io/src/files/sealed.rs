@@ -1,9 +1,9 @@
 //! Folders of files that belong together.
 //!
 //! Such a folder has a file that names the others with their hashes: the
-//! manifest of memory images, the description of hardware. It is removed
-//! before anything is written over and written last, so that a folder that
-//! has it was once complete, and its hashes show whether it still is.
+//! manifest of memory images, the description of hardware. It is removed before
+//! any file is overwritten and written last, so that a folder with it was once
+//! complete, and its hashes show whether it still is.
 
 use super::own::Replace;
 use super::write::{FileWriteError, make_folder, refuse_foreign, write_whole};
@@ -72,10 +72,10 @@ pub fn write_folder(
     Ok(())
 }
 
-/// A file that is not what the seal of its folder states.
+/// A file that differs from the seal of its folder.
 #[derive(Debug, thiserror::Error)]
 pub enum SealError {
-    /// It is not there.
+    /// A file is absent.
     #[error("'{0}' is missing")]
     Missing(String),
     /// It cannot be read.
@@ -93,7 +93,7 @@ pub enum SealError {
     },
 }
 
-/// Compares the files of a folder with what its seal states of them.
+/// Compares the files of a folder with the hashes in its seal.
 ///
 /// # Errors
 ///

@@ -1,13 +1,12 @@
-//! Temporary files and folders, and what killed runs left of them.
+//! Temporary files and folders, and the removal of those left by killed runs.
 //!
 //! A temporary file or folder has a name of one pattern and is locked as long
 //! as its run lives; the system opens the lock when the run ends, however it
-//! ends. So a name of the pattern without a lock belongs to nobody, and the
-//! next run removes it. Where the file system knows no locks nothing is
-//! removed.
+//! ends. So a name of the pattern without a lock has no owner, and the next run
+//! removes it. Where the file system has no locks no file is removed.
 //!
-//! **Invariant.** Only what has the pattern, belongs to the same user and is
-//! not locked is removed.
+//! **Invariant.** Only files that match the pattern, belong to the same user
+//! and are not locked are removed.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, Metadata, TryLockError};
@@ -67,8 +66,8 @@ fn is_left(path: &Path) -> bool {
     File::open(path).is_ok_and(|file| file.try_lock().is_ok())
 }
 
-/// Removes the leftovers in a folder that belong to the owner of `own`. What
-/// cannot be removed stays: it is in nobody's way.
+/// Removes the leftovers in a folder that belong to the owner of `own`. Files
+/// that cannot be removed are left, as they do no harm.
 fn remove_files(folder: &Path, own: &Metadata) {
     for path in entries(folder, own, PREFIX, Metadata::is_file) {
         if path.to_string_lossy().ends_with(SUFFIX) && is_left(&path) {
@@ -145,7 +144,7 @@ impl TemporaryFolder {
         ))
     }
 
-    /// Place where it is.
+    /// Its path.
     pub fn path(&self) -> &Path {
         self.folder.path()
     }

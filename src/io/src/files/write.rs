@@ -1,11 +1,11 @@
 //! One file, written whole.
 //!
-//! The content goes to a temporary file beside the target, which then takes
-//! the target's name: whoever reads the target sees the old content or the
-//! new one, never half of it. Where taking the name would change what the
-//! target is (a device, a file with other names, or of an owner that cannot
-//! be given to another file), the target itself is written into. Symbolic
-//! links are followed first.
+//! The content goes to a temporary file beside the target, which then takes the
+//! target's name: a reader of the target sees the old content or the new one,
+//! never half of it. Where replacing the name would change the kind of the
+//! target (a device, a file with other names, or of an owner that cannot be
+//! given to another file), the target itself is written into. Symbolic links
+//! are followed first.
 
 use super::own::{self, Replace};
 use super::temporary;
@@ -14,7 +14,7 @@ use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// Reason why a file was not written. What was there is then as it was.
+/// Reason why a file was not written. The old content is then unchanged.
 #[derive(Debug, thiserror::Error)]
 pub enum FileWriteError {
     /// There is a file that may not be replaced ([`Replace`]).
@@ -25,8 +25,8 @@ pub enum FileWriteError {
     System(PathBuf, io::Error),
 }
 
-/// The maximum number of symbolic links that are followed, one after the other,
-/// before they are taken for a circle: as many as Linux follows.
+/// The maximum number of symbolic links that are followed in a chain before it
+/// counts as a circle: the limit of Linux.
 const MAX_LINKS: usize = 40;
 
 /// Makes a folder, with those above it.
@@ -40,11 +40,11 @@ pub fn make_folder(path: &Path) -> io::Result<()> {
 
 /// Writes a file whole or not at all.
 ///
-/// What is there and is no ordinary file (a device such as `/dev/null`, a
-/// pipe) is written into as the content is made: taking its name would remove
-/// it. A symbolic link is followed. A file that has other names (hard links)
-/// or another owner, or is in a folder where no other file can be made, is
-/// written into as well, but only when the content is complete.
+/// A target that is no ordinary file (a device such as `/dev/null`, a pipe) is
+/// written into while the content is made: replacing its name would remove it.
+/// A symbolic link is followed. A file that has other names (hard links) or
+/// another owner, or is in a folder where no other file can be made, is written
+/// into as well, but only when the content is complete.
 ///
 /// # Errors
 ///
@@ -84,8 +84,8 @@ pub fn write_whole(
     }
 }
 
-/// An error when a file is there that may not be replaced: asked before work
-/// whose result goes there.
+/// An error when an existing file must not be replaced: tested before the work
+/// whose result it would hold.
 ///
 /// # Errors
 ///
@@ -100,7 +100,7 @@ pub fn refuse_foreign(path: &Path, replace: Replace) -> Result<(), FileWriteErro
     }
 }
 
-/// Writes a file where none is.
+/// Writes a file that does not exist yet.
 fn create_file(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,

@@ -38,8 +38,8 @@ impl ProcessLimits {
 
 static LIMITS: OnceLock<ProcessLimits> = OnceLock::new();
 
-/// Sets the limits of all runs; for the program's beginning. What was set
-/// first stays.
+/// Sets the limits of all runs; for the program's beginning. A value that was
+/// set first stays.
 pub fn set_limits(limits: ProcessLimits) {
     let _ = LIMITS.set(limits);
 }
@@ -47,11 +47,11 @@ pub fn set_limits(limits: ProcessLimits) {
 /// Time between two looks at a program.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// Time in which the output must end after the program itself: what it left
-/// running holds it open.
+/// Time in which the output must end after the program itself: processes that
+/// it left running keep it open.
 const GRACE: Duration = Duration::from_secs(2);
 
-/// Reason why a program did not do its work. What it states itself is in
+/// Reason why a program did not do its work. The program's own output is in
 /// [`FinishedProcess`].
 #[derive(Debug, thiserror::Error)]
 pub enum ToolError {
@@ -71,7 +71,7 @@ pub enum ToolError {
         /// Its limit.
         seconds: u64,
     },
-    /// It printed too much.
+    /// Its output exceeded the limit.
     #[error("'{program}' was stopped: it printed more than {bytes} bytes")]
     Output {
         /// The program.
@@ -205,7 +205,7 @@ impl ProgramCall {
         self.follow(&mut running).map_err(start)?
     }
 
-    /// Reads what a program prints until it ends.
+    /// Reads the output of a program until it ends.
     fn follow(&self, running: &mut Running) -> io::Result<Result<FinishedProcess, ToolError>> {
         let deadline = Instant::now() + self.limits.time;
         let (sender, receiver) = mpsc::channel();
@@ -269,8 +269,8 @@ impl ProgramCall {
     }
 }
 
-/// Makes the program the first of a group of processes, to which all belong
-/// that it starts.
+/// Makes the program the first of a group of processes, which includes all
+/// processes that it starts.
 #[cfg(unix)]
 fn own_group(command: &mut Command) {
     use std::os::unix::process::CommandExt;

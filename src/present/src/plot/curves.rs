@@ -171,7 +171,7 @@ fn stairs(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     stairs
 }
 
-/// The values of a marker, for whoever points at it.
+/// The values of a marker, shown under the pointer.
 fn describe(panel: &Panel, curve: &Curve, mark: &Mark) -> String {
     let mut text = format!(
         "{}\n{}: {}\n{}: {}",

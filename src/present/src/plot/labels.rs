@@ -3,12 +3,11 @@
 /// The smallest distance of two labels, in pixels.
 const SPACING: f64 = 12.5;
 
-/// New heights for labels that want the given heights, at least
-/// [`SPACING`] apart and inside a range as far as they fit, in the order of
-/// the input.
+/// New heights for labels near the given ones, at least [`SPACING`] apart and
+/// inside a range as far as they fit, in the order of the input.
 ///
-/// Labels that overlap form a block around the mean of what they want; blocks
-/// that meet are merged.
+/// Labels that overlap form a block around the mean of their preferred
+/// positions; overlapping blocks are merged.
 pub(super) fn spread(wanted: &[f64], from: f64, to: f64) -> Vec<f64> {
     debug_assert!(from <= to, "labels have room");
     let mut order: Vec<usize> = (0..wanted.len()).collect();

@@ -36,7 +36,7 @@ impl Ruler {
         }
     }
 
-    /// Place where a value lies: 0 at the start of the axis, 1 at its end.
+    /// Position of a value: 0 at the start of the axis, 1 at its end.
     pub(super) fn place(&self, value: f64) -> f64 {
         match self.scale {
             AxisScale::Linear => (value - self.from) / (self.to - self.from),

@@ -145,7 +145,7 @@ impl Svg {
     }
 }
 
-/// Roughly how wide a text is, in pixels: browsers and printers differ.
+/// Approximate width of a text, in pixels: browsers and printers differ.
 pub(super) fn text_width(text: &str) -> f64 {
     text.chars().count() as f64 * 5.9
 }

@@ -1,4 +1,4 @@
-//! Calls of user functions: the boundaries of what can be compiled.
+//! Calls of user functions: the boundaries of compilation.
 //!
 //! The arguments of a call become outputs of the function and its result an
 //! input. Robotran passes arrays it has filled, the scalars `Z` and `Zd`, and

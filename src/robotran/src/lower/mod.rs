@@ -24,9 +24,9 @@ use robovec_ir::diagnostic::{Diagnostic, Label};
 use robovec_ir::{Function, Level, Module, Operand, Symbol};
 use std::ops::Range;
 
-/// A file with many sensor cases repeats what is common to them in each, and
-/// every function needs tables as long as the file has names; more work than
-/// this is refused.
+/// A file with many sensor cases repeats their common part in each, and every
+/// function needs tables as long as the file has names; more work than this is
+/// refused.
 const LARGEST_REPETITION: u64 = 200_000_000;
 
 /// Outputs without which a file means nothing.
@@ -196,8 +196,8 @@ impl Lowering<'_, '_> {
         }
     }
 
-    /// The kind of file: what its name states (Python's `mbs_gensensor_*.py`
-    /// holds a function `sensor`), else what the function's name states.
+    /// The kind of file: from its name (Python's `mbs_gensensor_*.py` holds a
+    /// function `sensor`), else from the function's name.
     fn kind(&self, function: &str) -> String {
         let from_file = file_stem(self.file_name)
             .strip_prefix("mbs_")
@@ -394,7 +394,7 @@ impl Lowering<'_, '_> {
         self.module.functions.push(function);
     }
 
-    /// An output that a function of this kind must have.
+    /// Checks for an output that a function of this kind must have.
     fn check_outputs(
         &mut self,
         block: &FunctionBlock,

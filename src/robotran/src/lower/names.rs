@@ -13,7 +13,7 @@ use std::fmt::Write;
 pub(super) struct GivenNames {
     /// Per symbol of the file: the next free number.
     next: Vec<u32>,
-    /// Per symbol of the file: a scalar has it.
+    /// Per symbol of the file: true when a scalar has it.
     defined: Vec<bool>,
     /// The same for symbols made later, which only elements bear.
     later: HashMap<Symbol, u32, FxBuildHasher>,

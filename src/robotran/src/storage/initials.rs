@@ -66,8 +66,8 @@ impl StorageBuilder<'_> {
         }
     }
 
-    /// True for an array whose first numbers are the caller's: one of
-    /// Robotran's, a parameter, one that the prologue or a call gives.
+    /// True for an array whose initial numbers come from the caller: one of
+    /// Robotran's, a parameter, one that the prologue or a call sets.
     fn is_known(&self, storage: &Storage, name: RobotranName) -> bool {
         let text = self.symbols.text(name.symbol());
         let structure = text.split_once('.').map(|(structure, _)| structure);

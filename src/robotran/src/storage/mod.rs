@@ -20,7 +20,7 @@ use robovec_ir::{Shape, Symbol, Symbols};
 use rustc_hash::FxBuildHasher;
 use std::ops::Range;
 
-/// The rank in [`ArrayUse`] of what a pointer points at.
+/// The rank in [`ArrayUse`] of the target of a pointer.
 const POINTED_AT: u32 = 3;
 
 /// More elements than this are taken for a slip in an index.
@@ -33,7 +33,7 @@ pub(super) enum Initial {
     Input(Symbol),
     /// Zero: `M = zeros(6,6)`.
     Zero,
-    /// Nothing: a local array of C.
+    /// No origin: a local array of C.
     Nothing,
 }
 
@@ -46,10 +46,9 @@ pub(super) struct StoredArray {
     pub(super) initial: Initial,
     /// True when only the function itself sees it.
     pub(super) local: bool,
-    /// Rows and columns that hold something from the start, where `initial`
-    /// is zero.
+    /// Rows and columns with initial values, where `initial` is zero.
     pub(super) held: (u32, u32),
-    /// False for an array that nothing shows where its numbers come from.
+    /// False for an array without a known source of its numbers.
     pub(super) known: bool,
 }
 

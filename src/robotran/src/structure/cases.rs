@@ -1,4 +1,4 @@
-//! The cases of sensors, and what leaves them.
+//! The cases of sensors, and the exits from them.
 
 use super::{BlockKind, Cutter, OpenBlock};
 use crate::Language;
@@ -21,7 +21,7 @@ impl Cutter<'_> {
     }
 
     /// A `return`: nothing after it in the function is reached. Within a case
-    /// it would also skip what is after all cases.
+    /// it would also skip the statements after all cases.
     pub(super) fn give_back(&mut self, span: SourceSpan) {
         let innermost = self.stack.last().map(|open| open.meaning);
         match innermost.map(|place| &self.stack[place].block) {

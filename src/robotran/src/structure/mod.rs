@@ -24,7 +24,7 @@ pub(super) enum Region {
     Cases(Vec<u32>),
     /// In the `else` after conditions on these cases: in all others.
     Others(Vec<u32>),
-    /// In a loop or a condition, whose head this is.
+    /// In a loop or a condition, with the place of its head.
     Control(SourceSpan),
     /// Unreachable place: `default`, or after a `return`.
     Dead,
@@ -157,8 +157,8 @@ struct Cutter<'a> {
     /// A block whose `{` is to come, or its only statement.
     pending: Option<(BlockKind, SourceSpan)>,
     returned: bool,
-    /// The cases of the conditions that the statement before closed, to which
-    /// an `else` may belong.
+    /// The cases of the conditions closed by the statement before, to which an
+    /// `else` may belong.
     chain: Option<Vec<u32>>,
     /// The cases of the conditions before the one whose block is open.
     earlier: Vec<u32>,

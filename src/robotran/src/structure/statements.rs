@@ -65,7 +65,7 @@ impl Cutter<'_> {
         }
     }
 
-    /// The block that a condition, or what is after one, opens.
+    /// The block that a condition, or the statement after one, opens.
     fn condition(&mut self, kind: StatementKind, span: SourceSpan) -> BlockKind {
         if matches!(kind, StatementKind::If) {
             return match self.sensor_case(span) {

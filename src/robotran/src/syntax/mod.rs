@@ -21,7 +21,7 @@ pub(super) struct SyntaxNode {
     pub(super) operation: Operation,
     /// It is in parentheses.
     pub(super) grouped: bool,
-    /// In Python: how many bits it may have as a whole number; 0 for a float.
+    /// In Python: its number of bits as a whole number; 0 for a float.
     pub(super) whole_bits: u8,
 }
 
@@ -31,7 +31,7 @@ impl SyntaxNode {
     }
 }
 
-/// A statement and where it is.
+/// A statement and its place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SyntaxStatement {
     pub(super) kind: StatementKind,
@@ -57,7 +57,7 @@ pub(super) enum StatementKind {
     Counter(RobotranName),
     /// A pointer of C that is declared and points at nothing yet.
     Pointer(RobotranName),
-    /// A whole-array assignment such as `q = s->q;`, already taken in.
+    /// A whole-array assignment such as `q = s->q;`, already processed.
     Prologue,
     /// An entry of [`SyntaxTree::heads`].
     Head(u32),

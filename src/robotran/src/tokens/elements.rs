@@ -113,8 +113,8 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
 
     /// The tokens of Matlab's `sin(2)`, one lexeme that looks like an element:
     /// returns the first and leaves the others pending. `pending` is a stack,
-    /// so that they are pushed from the last to the first; `end - 1` is where
-    /// the closing parenthesis is.
+    /// so that they are pushed from the last to the first; `end - 1` is the
+    /// place of the closing parenthesis.
     fn function_of_integer(&mut self, function: Operation, argument: u32) -> RobotranToken {
         let SourceSpan { start, end } = self.span();
         self.pending.push((end - 1, RobotranToken::Close, end));

@@ -2,13 +2,13 @@
 //!
 //! Nearly all of a file are equations of names, elements and numbers, sums,
 //! products, minuses, parentheses and functions of one number. These are read
-//! here, with two stacks and a look at each lexeme, for a fraction of what
-//! the tables of the grammar take. Whatever else a statement is, and whatever
-//! is wrong with it, is left to the grammar, from the statement's start: it
-//! alone shows what a file may hold and what messages there are.
+//! here, with two stacks and one branch per lexeme, in a fraction of the time
+//! that the tables of the grammar need. Other statements, and all faulty ones,
+//! are left to the grammar, from the statement's start: the grammar alone
+//! defines the language and its messages.
 //!
-//! **Invariant.** What is read here is read as `grammar.lalrpop` reads it: the
-//! same calls of the builder in the same order.
+//! **Invariant.** This code reads equations exactly as `grammar.lalrpop` does:
+//! the same calls of the builder in the same order.
 
 use super::TokenStream;
 use super::words::starts_as_keyword;
@@ -66,8 +66,8 @@ impl From<LexicalError> for NotPlain {
 }
 
 impl ExpressionStacks {
-    /// Applies the operators that bind the operand before more tightly than
-    /// one of this strength does.
+    /// Applies the pending operators that bind more tightly than one of this
+    /// strength.
     fn apply(&mut self, builder: &mut SyntaxBuilder, strength: u8) -> Result<(), NotPlain> {
         // Places matter in messages only, and these are the grammar's.
         const PLACE: u32 = 0;
@@ -146,8 +146,8 @@ impl ExpressionStacks {
 }
 
 impl<'s, L: Surface<'s>> TokenStream<'s, '_, L> {
-    /// Reads the next statement where it is a plain equation; false, with
-    /// nothing changed, where it is not.
+    /// Reads the next statement if it is a plain equation; otherwise false,
+    /// with nothing changed.
     pub(crate) fn plain_equation(
         &mut self,
         builder: &mut SyntaxBuilder,
@@ -258,9 +258,9 @@ impl<'s, L: Surface<'s>> TokenStream<'s, '_, L> {
         }
     }
 
-    /// Reads what is after an operand: closing parentheses and the next
-    /// operator, or the end of the statement; then returns where the lexeme
-    /// before ends.
+    /// Reads the part after an operand: closing parentheses and the next
+    /// operator, or the end of the statement; then returns the end of the
+    /// previous lexeme.
     fn operator(
         &mut self,
         builder: &mut SyntaxBuilder,
@@ -305,8 +305,8 @@ impl<'s, L: Surface<'s>> TokenStream<'s, '_, L> {
         Ok(raw)
     }
 
-    /// The operand of a lexeme that can be nothing but a name, as nearly all
-    /// are: what [`Self::leaf`] gives, without a token.
+    /// The operand of a lexeme that can only be a name, as nearly all are: the
+    /// result of [`Self::leaf`], without a token.
     #[inline]
     fn name(&mut self, raw: Raw) -> Option<SyntaxLeaf> {
         let word = self.lexer.slice();

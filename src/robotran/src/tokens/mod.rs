@@ -1,6 +1,6 @@
 //! From lexemes to the tokens of the grammar.
 //!
-//! Handles what is awkward in a grammar: keywords that only one language has,
+//! Handles the awkward parts of a grammar: keywords that only one language has,
 //! line ends that may end a statement, conditions (never computed by a
 //! straight-line function, so they are kept as text), and words that the
 //! preprocessor replaces.

@@ -42,9 +42,9 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
         RobotranName::local(self.symbols.intern(word))
     }
 
-    /// The token of a word that the language reserves, or the error of what it
-    /// begins; `None` for any other word, and `Some(Ok(None))` for one that
-    /// means nothing.
+    /// The token of a reserved word, or the error of the construct it begins;
+    /// `None` for any other word, and `Some(Ok(None))` for a word without
+    /// meaning.
     fn keyword(&mut self, word: &str) -> Option<Result<Option<RobotranToken>, LexicalError>> {
         let language = self.language;
         if let Some(function) = function_named(word) {

@@ -11,7 +11,7 @@ use rustc_hash::FxBuildHasher;
 /// Role of an array in the function that is written.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum ArrayRole {
-    /// A parameter of the signature, or what Matlab returns.
+    /// A parameter of the signature, or a return value of Matlab.
     Parameter,
     /// A field of the sensor.
     Sensor,
@@ -137,9 +137,9 @@ fn larger(a: Shape, b: Shape) -> Shape {
 }
 
 impl FileArray {
-    /// Text of an input element, before the indices. Matlab reads everything
-    /// but the coordinates from the structure, where it keeps the value it had
-    /// at the start.
+    /// Text of an input element, before the indices. Matlab reads all arrays
+    /// except the coordinates from the structure, where each keeps its initial
+    /// value.
     pub(super) fn input_text(&self, language: Language) -> String {
         let own = matches!(self.role, ArrayRole::Argument | ArrayRole::Result);
         let name = &self.name;

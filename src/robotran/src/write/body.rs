@@ -80,8 +80,8 @@ impl RobotranFile<'_> {
         )
     }
 
-    /// The statements of a function whose nodes lie in a range; its outputs
-    /// and calls belong to the end of it.
+    /// The statements of a function with nodes in a range; its outputs and
+    /// calls are at the end of it.
     fn function(
         &self,
         body: &mut FunctionText,

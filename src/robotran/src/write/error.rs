@@ -3,7 +3,7 @@
 /// Property for which Robotran's files have no words.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum RobotranWriteError {
-    /// There is nothing to write.
+    /// There is no function to write.
     #[error("there is no function to write")]
     Empty,
     /// The function is of no kind that Robotran writes.

@@ -17,7 +17,7 @@ pub(super) struct PrinterSource<'a> {
     pub(super) function: &'a Function,
     pub(super) symbols: &'a Symbols,
     pub(super) names: &'a FileIdentifiers,
-    /// Per input array: how it is written (`q`, `s.dpt`, `Flink1`).
+    /// Per input array: its text (`q`, `s.dpt`, `Flink1`).
     pub(super) inputs: &'a [String],
     /// The temporaries of input elements that outputs overwrite.
     pub(super) kept: &'a HashMap<Input, Box<str>, FxBuildHasher>,
@@ -29,7 +29,7 @@ const PRIMARY: u8 = 3;
 
 /// Piece of an expression that remains to be printed.
 enum ExpressionPiece {
-    /// An operand, and what binds less tightly gets parentheses.
+    /// An operand; a text that binds less tightly gets parentheses.
     Operand(Operand, u8),
     Operator(&'static str),
     Close,
@@ -44,8 +44,8 @@ pub(super) struct Printer {
 }
 
 impl Printer {
-    /// Number of operations printed so far, as Robotran counts them: signs and
-    /// trigonometry too.
+    /// Number of operations printed so far, in Robotran's count: with signs and
+    /// trigonometry.
     pub(super) fn count(&self) -> usize {
         self.count
     }

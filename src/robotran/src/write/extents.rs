@@ -1,9 +1,9 @@
 //! Extents that the reader would not find out alone.
 //!
-//! Robotran's files do not declare their arrays: the reader knows those with
-//! an element per joint and takes the others to end where their use ends. An
-//! array of another extent is named in a line of the header, which means
-//! nothing to Robotran.
+//! Robotran's files do not declare their arrays: the reader knows those with an
+//! element per joint and infers the size of the others from the largest index
+//! used. An array of another extent is named in a line of the header, which
+//! means nothing to Robotran.
 
 use super::arrays::{ArrayRole, FileArrays};
 use crate::conventions::least_extent;

@@ -183,8 +183,8 @@ fn own_mark(text: &mut FileText) {
     ));
 }
 
-/// The header's number of joints, else the length of what has one element per
-/// joint.
+/// The header's number of joints, else the length of an array with one element
+/// per joint.
 fn joints(function: &Function, arrays: &FileArrays) -> Option<u32> {
     let said = function
         .metadata("joints")

@@ -6,13 +6,13 @@ use crate::Language;
 use hashbrown::HashSet;
 use rustc_hash::FxBuildHasher;
 
-/// The text being written, and what it has come to.
+/// The text being written, with its running counts.
 pub(super) struct FunctionText {
     pub(super) text: FileText,
     pub(super) printer: Printer,
     /// C's declarations of the temporaries, in order.
     pub(super) declarations: String,
-    /// Those that several cases of a sensor file may have.
+    /// Definitions that several cases of a sensor file may have.
     known: HashSet<Box<str>, FxBuildHasher>,
     pub(super) section: BodySection,
 }
@@ -46,7 +46,7 @@ impl FunctionText {
         }
     }
 
-    /// As [`FunctionText::declare`], for what other cases may have declared before.
+    /// As [`FunctionText::declare`], for names that other cases may have declared before.
     pub(super) fn declare_once(&mut self, name: &str) {
         if self.text.language == Language::C && !self.known.contains(name) {
             self.known.insert(name.into());

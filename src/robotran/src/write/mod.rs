@@ -5,18 +5,17 @@
 //! of MBsysC, MBsysLab or MBsysPy; and reading them gives the functions back,
 //! node by node.
 //!
-//! **What is not written.** Only the elements that the function sets are set,
-//! as in Robotran's files. Elements of `M` and `Jac` that are zero whatever
-//! the state keep the zero the caller put there: MBsysC allocates both
-//! zeroed, once, and nothing else writes to them; Matlab's files begin by
-//! `M = zeros(n,n)`. A caller that does not clear its arrays wants
-//! [`WriteOptions::zeros`]. `frc` and `trq` are added to, and cleared by
-//! MBsysC before each evaluation.
+//! **Omissions.** Only the elements that the function sets are set, as in
+//! Robotran's files. Elements of `M` and `Jac` that are zero in all states keep
+//! the caller's zeros: MBsysC allocates both zeroed, once, and nothing else
+//! writes to them; Matlab's files begin by `M = zeros(n,n)`. A caller that does
+//! not clear its arrays needs [`WriteOptions::zeros`]. `frc` and `trq` are
+//! added to, and cleared by MBsysC before each evaluation.
 //!
-//! **Memory.** In C and Python the `frc` given and the `frc` given back are
-//! one array, and so are the coordinates of `accelred`. All definitions
-//! therefore are before the first output, and what a later output reads is
-//! kept first ([`plan`]).
+//! **Memory.** In C and Python the `frc` given and the `frc` given back are one
+//! array, and so are the coordinates of `accelred`. All definitions therefore
+//! are before the first output, and values that a later output reads are copied
+//! first ([`plan`]).
 //!
 //! **Names.** One identifier for every language ([`names`]); an operator
 //! ends a line that grows too long ([`text`]); parentheses are where the
@@ -52,8 +51,8 @@ use rustc_hash::FxBuildHasher;
 /// Options of the writer.
 #[derive(Clone, Default, Debug)]
 pub struct WriteOptions {
-    /// The model's name, for file names and headers; by default what the
-    /// functions' metadata have it, else `model`.
+    /// The model's name, for file names and headers; by default that in the
+    /// functions' metadata, else `model`.
     pub model: Option<String>,
     /// Set also the elements of outputs that the function leaves alone, to 0.
     /// Reading such a file gives a function with more outputs.
@@ -74,7 +73,7 @@ struct Member<'a> {
 ///
 /// # Errors
 ///
-/// Fails when the module holds what Robotran's files have no words for.
+/// Fails when the module has parts that Robotran's files cannot express.
 pub fn write(
     module: &Module,
     language: Language,

@@ -1,9 +1,8 @@
 //! Identifiers that all three languages, and Robotran's conventions, accept.
 //!
-//! Every name is made to fit all languages at once, so that the same function
-//! has the same names whatever it is written in. A name of Robotran's stays
-//! as it is; a name made by a pass (`OM16.1`) becomes `OM16_1`. What is
-//! taken gets a number more.
+//! Every name is made valid in all languages, so that the same function has the same
+//! names in each of them. A name of Robotran's stays as it is; a name made by a pass
+//! (`OM16.1`) becomes `OM16_1`. A name that is taken gets a number appended.
 
 use hashbrown::{HashMap, HashSet};
 use robovec_ir::{Name, Symbols};

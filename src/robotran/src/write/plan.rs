@@ -1,11 +1,11 @@
 //! Order of the statements.
 //!
 //! Definitions keep their order, so that reading the file gives the nodes in
-//! the order they had. A call of a user function is before the first
-//! definition that reads its result, after what fills its arguments; outputs
-//! are at the end. Where an output overwrites an element that a later
-//! output still reads (`frc` is given and given back under one name), the
-//! given number is kept in a temporary first.
+//! the order they had. A call of a user function is before the first definition
+//! that reads its result, and after the values that fill its arguments; outputs
+//! are at the end. Where an output overwrites an element that a later output
+//! still reads (`frc` is given and given back under one name), the given number
+//! is kept in a temporary first.
 
 use super::error::RobotranWriteError;
 use hashbrown::{HashMap, HashSet};
@@ -50,10 +50,10 @@ pub(super) fn plan(
     Ok(statements)
 }
 
-/// The calls of a function, with what they need and give.
+/// The calls of a function, with their arguments and results.
 struct Calls<'a> {
     function: &'a Function,
-    /// Per input array: the call whose result it is.
+    /// Per input array: the call that fills it.
     results: HashMap<Symbol, usize, FxBuildHasher>,
     /// Per assignment: the first call that is given its output.
     passed: Vec<Option<usize>>,
@@ -207,8 +207,8 @@ impl<'a> Calls<'a> {
             .collect()
     }
 
-    /// The definitions in as many runs as there are calls: before each call
-    /// all that needs no later one.
+    /// The definitions in one run per call and one more: before each call all
+    /// that needs no later one.
     fn in_stages(&self) -> Result<Vec<WrittenStatement>, RobotranWriteError> {
         let stages = self.stages();
         let mut statements = Vec::with_capacity(self.function.nodes().len());

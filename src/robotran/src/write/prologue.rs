@@ -14,7 +14,7 @@ pub(super) struct Prologue<'a> {
     pub(super) stem: &'a str,
     pub(super) joints: Option<u32>,
     pub(super) arrays: &'a FileArrays,
-    /// The first function of the file, for what all have in common.
+    /// The first function of the file, for the common part.
     pub(super) function: &'a Function,
 }
 
@@ -28,8 +28,8 @@ impl Prologue<'_> {
         }
     }
 
-    /// The parameters that are filled: their names, where they are known, as
-    /// the function's own arrays bear them (`Flink` or the older `Flnk`).
+    /// The parameters that are filled: their names, where known, as those of
+    /// the function's own arrays (`Flink` or the older `Flnk`).
     fn outputs(&self) -> Vec<(&str, usize, Option<&FileArray>)> {
         let outputs = self.kind.outputs.iter();
         outputs
@@ -201,7 +201,7 @@ impl Prologue<'_> {
         }
     }
 
-    /// Number of joints, 1 where it is not known.
+    /// Number of joints, 1 if unknown.
     fn joint_count(&self) -> u32 {
         self.joints.unwrap_or(1)
     }

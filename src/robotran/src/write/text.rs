@@ -47,7 +47,7 @@ impl FileText {
         self.indent = blanks;
     }
 
-    /// A whole line as it is.
+    /// Writes a whole line unchanged.
     pub(super) fn line(&mut self, text: &str) {
         self.out.push_str(text);
         self.out.push('\n');

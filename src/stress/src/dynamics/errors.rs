@@ -1,4 +1,4 @@
-//! Errors of dynamics in a state, and what no way to compute could avoid.
+//! Errors of dynamics in a state, and the part that no computation could avoid.
 
 use super::super::draw::Draw;
 use super::super::linear::{condition, estimated_condition, solve};
@@ -22,8 +22,8 @@ pub(in super::super) fn normwise(found: &[Double], exact: &[Double]) -> f64 {
     worst(errors) / size
 }
 
-/// The largest relative difference of an element. Elements that are nothing
-/// beside the largest one are zeros that the reference does not quite meet.
+/// The largest relative difference of an element. Elements that are negligible
+/// beside the largest one are zeros that the reference does not reach exactly.
 pub(in super::super) fn componentwise(found: &[Double], exact: &[Double]) -> f64 {
     let size = exact.iter().fold(0.0f64, |most, x| most.max(x.high.abs()));
     let error = |(x, y): (&Double, &Double)| {

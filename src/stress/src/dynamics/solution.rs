@@ -6,7 +6,7 @@ use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::Double;
 use robovec_num::power::times_power_of_two;
 
-/// A solution by Cholesky's factorisation in some arithmetic; nothing when the
+/// A solution by Cholesky's factorisation in some arithmetic; `None` when the
 /// matrix is not positive definite in it.
 ///
 /// Rows and columns are scaled by powers of two that bring the diagonal to the

@@ -48,11 +48,11 @@ pub struct FormatReport {
     pub summary: SummaryReport,
     /// All outputs in all states as one population, relative to the element.
     pub relative: SpreadReport,
-    /// The same, relative to the element and what it reacts to.
+    /// The same, relative to the element and its sensitivity.
     pub mixed: SpreadReport,
     /// The share of computed outputs below the normal numbers of the format.
     pub subnormal: f64,
-    /// The share that is not finite where the exact value is.
+    /// The share of results that are not finite although the exact value is.
     pub overflowed: f64,
     /// One entry per output array.
     pub arrays: Vec<ArrayReport>,
@@ -86,16 +86,16 @@ pub struct ElementReport {
     pub ulps: SpreadReport,
     /// Number of wrong bits.
     pub bits: SpreadReport,
-    /// Relative to the exact value and what it reacts to.
+    /// Error relative to the exact value and its sensitivity.
     pub mixed: SpreadReport,
     /// The state with the largest relative error, counted from 0.
     pub worst_state: u32,
-    /// In how many states the element is zero except for rounding and was not
-    /// computed as zero; these have no relative error.
+    /// Number of states in which the element is zero except for rounding and
+    /// was not computed as zero; these have no relative error.
     pub vanishing: u32,
-    /// In how many states it is computed below the normal numbers.
+    /// Number of states in which it is computed below the normal numbers.
     pub subnormal: u32,
-    /// In how many states it is not finite where the exact value is.
+    /// Number of states in which it is not finite but the exact value is.
     pub overflowed: u32,
     /// The estimated condition number for independent errors of the inputs.
     pub sensitivity: f64,

@@ -1,4 +1,4 @@
-//! The report of a compilation: what it costs and how exact it is.
+//! The report of a compilation: cost and error.
 //!
 //! One structure, written as JSON ([`ModuleReport::to_json`]) for programs and as
 //! text ([`ModuleReport::to_text`]) for users. The names of the JSON form are an
@@ -60,13 +60,12 @@ pub struct ReportOptions {
     pub states: States,
     /// Number of them.
     pub count: u32,
-    /// The counts of functions as they were read; others are counted as they
-    /// are.
+    /// The counts of functions that were read; others are counted now.
     pub read: Vec<ReadCounts>,
 }
 
-/// The counts of a function as it was read: passes take equations apart, and
-/// their number is that of the user's file.
+/// The counts of a function as read: passes split equations, and users expect
+/// the number in their file.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ReadCounts {
     function: String,
@@ -141,9 +140,9 @@ pub struct FunctionReport {
     pub asap: u32,
     /// The longest chain, in cycles of the machine.
     pub asap_cycle: u32,
-    /// Operations per cycle of the longest chain: how many processing
-    /// elements can be kept busy at most (the thesis' number Y). Absent for
-    /// a function without a chain.
+    /// Operations per cycle of the longest chain: the maximum number of
+    /// processing elements that can be kept busy (the thesis' number Y). Absent
+    /// for a function without a chain.
     pub number_y: Option<f64>,
     /// User calls that split the function.
     pub boundaries: Vec<BoundaryReport>,
@@ -158,7 +157,7 @@ pub struct FunctionReport {
 }
 
 impl ModuleReport {
-    /// Measures and counts everything a report shows about a module after the
+    /// Measures and counts all figures of a report about a module after the
     /// recorded passes were run on it for a machine.
     pub fn collect(
         module: &Module,

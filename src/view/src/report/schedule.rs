@@ -6,7 +6,7 @@ use robovec_ir::{Format, Function, Machine, Operation};
 use robovec_schedule::{ElementSpread, KindStatistics, PlacementStatistics, placement_statistics};
 use serde::{Serialize, Serializer};
 
-/// Cycles, processing elements and what they hold.
+/// Cycles, processing elements and their content.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct ScheduleReport {
     /// The machine's name.
@@ -39,7 +39,7 @@ pub struct ScheduleReport {
     pub buffer: Option<ByKind>,
     /// Travel of results; absent before `place`.
     pub transfers: Option<TransferReport>,
-    /// The kinds of elements and how busy they are.
+    /// The kinds of elements and their use.
     pub elements: Vec<KindReport>,
 }
 
@@ -95,7 +95,7 @@ impl Serialize for ByKind {
     }
 }
 
-/// Into how many slices a run is divided to show its occupation.
+/// Number of slices into which a run is divided for the chart of its occupation.
 pub(super) const SLICES: usize = 64;
 
 impl ScheduleReport {

@@ -1,4 +1,4 @@
-//! Equations: their nodes, and what these read.
+//! Equations: their nodes, and the operands of these.
 
 use super::{FunctionEmitter, LATER};
 use crate::Language;

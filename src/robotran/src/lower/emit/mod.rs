@@ -55,13 +55,12 @@ pub(super) struct Shared<'a, 't> {
     pub(super) definitions: Vec<Operand>,
 }
 
-/// Beginning of the values of [`Later`], within each expression; no function
-/// has as many nodes.
+/// Beginning of the values of [`Later`], within each expression; above the
+/// number of nodes of any function.
 const LATER: u32 = 1 << 29;
 
-/// The expressions of plain outputs. They are resolved where they are in the
-/// file but appended after all definitions, where the representation wants
-/// them.
+/// The expressions of plain outputs. They are resolved at their place in the
+/// file but appended after all definitions, as the representation requires.
 #[derive(Default, Debug)]
 pub(super) struct Later {
     nodes: Vec<Node>,
@@ -177,7 +176,7 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
     }
 }
 
-/// A function that was written, and what was found wrong with it.
+/// A function that was written, and the mistakes found in it.
 pub(super) struct EmittedFunction {
     pub(super) function: Function,
     pub(super) missing: Vec<(Symbol, usize)>,

@@ -1,4 +1,4 @@
-//! Expressions: literals, operations and what they read.
+//! Expressions: literals, operations and their operands.
 
 use super::{ParseFailure, SyntaxBuilder, refused, unkept};
 use crate::literal::{IntegerArithmetic, Literal, Unkept};
@@ -69,7 +69,7 @@ impl SyntaxBuilder {
         Ok(bits)
     }
 
-    /// The literal that an operand is.
+    /// The literal of an operand, if it is one.
     pub(super) fn literal(&self, leaf: SyntaxLeaf) -> Option<Literal> {
         match leaf.kind() {
             LeafKind::Number(index) => Some(self.syntax.numbers[index as usize]),

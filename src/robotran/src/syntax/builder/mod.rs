@@ -1,7 +1,7 @@
 //! Builder that the actions of the grammar write to.
 //!
-//! Invariant: whatever is after the lengths in `complete` belongs to the
-//! statement that is being read, and goes with it when it cannot be read.
+//! Invariant: every entry after the lengths in `complete` belongs to the
+//! statement that is being read, and is removed when it cannot be read.
 
 mod blocks;
 mod declarations;
@@ -35,7 +35,7 @@ pub(crate) struct SyntaxBuilder {
     /// One past the number of `zeros` and declared extents: C and Python
     /// count from 0 and leave element 0 unused.
     pub(crate) extents_from_zero: bool,
-    /// Whose whole numbers the literals are.
+    /// The language of the literals' integer arithmetic.
     pub(crate) arithmetic: IntegerArithmetic,
     /// Lengths of the arenas after the last complete statement.
     complete: [usize; 5],
@@ -118,7 +118,7 @@ impl SyntaxBuilder {
         });
     }
 
-    /// Adds a statement that is complete as it is.
+    /// Adds a statement that needs no further parts.
     pub(crate) fn simple(&mut self, kind: StatementKind, start: u32, end: u32) {
         self.statement(kind, start, end);
         self.finish();

@@ -100,9 +100,9 @@ fn short_chain(ratio: f64) -> Vec<[f64; 3]> {
     seen
 }
 
-/// The same in stretches, which binary64 holds to all digits, and the
-/// momentum at the end. The equations are linear: a step is the series of
-/// the exponential function up to the fourth power.
+/// The same in elongations, which binary64 represents to all digits, and the
+/// momentum at the end. The equations are linear: a step is the series of the
+/// exponential function up to the fourth power.
 fn wide_chain(ratio: f64) -> (Vec<[f64; 3]>, f64) {
     let (start, step) = chain_start(ratio);
     let k = [1.0, ratio, 1.0];

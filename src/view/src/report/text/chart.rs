@@ -47,8 +47,8 @@ fn chart(kind: &KindReport, cycles: u32, text: &mut String) {
     }
 }
 
-/// The part of a bar that falls into a row, counted from the bottom. What is
-/// not zero shows at least one eighth.
+/// The part of a bar that falls into a row, counted from the bottom. A value
+/// that is not zero gets at least one eighth.
 fn block(share: f64, row: usize) -> char {
     debug_assert!(row < HEIGHT, "a bar has so many rows");
     let steps = BLOCKS.len() - 1;
