@@ -1,9 +1,9 @@
 //! No pass of a default pipeline makes the rounding errors worse.
 //!
-//! What worse means is said where errors are measured
-//! (`robovec_analysis::rounding`): the median over all outputs and
-//! states, of the relative or of the normwise error in binary32, grows by
-//! more than 2 % and by more than 3.5 times the noise of that comparison.
+//! The definition of worse is that of the measurement of errors
+//! (`robovec_analysis::rounding`): the median over all outputs and states, of
+//! the relative or of the normwise error in binary32, grows by more than 2 %
+//! and by more than 3.5 times the noise of that comparison.
 
 use robovec::accuracy::{FunctionAccuracy, Options, measure};
 use robovec::generate::{GenerationRequest, generate};
@@ -52,8 +52,8 @@ fn modules() -> Vec<(String, Module)> {
     modules
 }
 
-/// The passes of a preset up to the schedule: from there on the question is
-/// when and where, not what.
+/// The passes of a preset up to the schedule: later ones decide time and place,
+/// not values.
 fn arithmetic_part(preset: &str) -> Pipeline {
     let mut pipeline = REGISTRY.pipeline(preset).expect("presets are sound");
     let schedules = |step: &PipelineStep| match step {

@@ -1,8 +1,8 @@
 //! C as C: every construct gives the number that gcc gives, or is refused.
 //!
-//! The functions of `semantics/c.txt`, with what is said about those that are
-//! refused; the examples; and the examples changed at random. The same with
-//! Python, and with Matlab where there is an Octave.
+//! The functions of `semantics/c.txt`, with the messages for refused ones; the
+//! examples; and the examples changed at random. The same with Python, and with
+//! Matlab where there is an Octave.
 
 use crate::compiled::{
     Outcome, Subject, compare, compare_octave, compare_python, compare_within, has_gcc,
@@ -198,7 +198,7 @@ fn examples_give_the_numbers_of_gcc() {
     assert_eq!(counts.equal, subjects.len());
 }
 
-/// Changes the examples at random and compares what is still read.
+/// Changes the examples at random and compares those that are still read.
 fn mutants(seed: u64, count: usize, language: Language) -> Counts {
     let extension = if language == Language::C { "c" } else { "py" };
     let bases = files(&examples(), extension);
@@ -227,7 +227,7 @@ fn changed_examples_give_the_numbers_of_gcc_or_are_refused() {
     }
 }
 
-/// The same at length; `ROBOVEC_MUTANTS` tells how many.
+/// The same at length; `ROBOVEC_MUTANTS` gives their number.
 #[test]
 #[ignore = "takes minutes"]
 fn many_changed_examples() {

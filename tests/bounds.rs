@@ -37,8 +37,8 @@ fn models() -> Vec<PathBuf> {
     paths
 }
 
-/// Measures a model's functions that are not larger than asked for; `most`
-/// outputs of a state are differentiated.
+/// Measures a model's functions up to the requested size; `most` outputs of a
+/// state are differentiated.
 fn measure(path: &Path, largest: usize, states: u32, most: usize, found: &mut ErrorsFound) {
     let bytes = std::fs::read(path).expect("it can be read");
     let name = path.to_string_lossy();

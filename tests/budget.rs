@@ -1,8 +1,8 @@
 //! The size of every crate: `budget.toml` holds the maximum number of lines of
 //! Rust without tests, so that growth is part of the commit that causes it.
 //!
-//! `INSTA_UPDATE=always cargo test --workspace --test all budget::` records
-//! the numbers of lines as they are.
+//! `INSTA_UPDATE=always cargo test --workspace --test all budget::` records the
+//! present numbers of lines.
 
 use crate::packages::crates;
 use crate::support::files::tree;
@@ -11,7 +11,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-/// Number of lines that a budget may be above what is there.
+/// Maximum excess of a budget over the number of lines, in lines.
 const SLACK: usize = 100;
 
 /// Lines of Rust of one crate, or their maximum.

@@ -1,6 +1,6 @@
 //! `robovec check` on the pairs of tests/check: `NAME.before.rvir` and
-//! `NAME.after.rvir`. A first line `// RUN: OPTIONS` gives options; what is
-//! printed stands beside them. Bless with INSTA_UPDATE=always.
+//! `NAME.after.rvir`. A first line `// RUN: OPTIONS` gives options; the
+//! expected output is beside them. Bless with INSTA_UPDATE=always.
 
 use crate::support::files::{compare_with_record, each, list, name, tree};
 use std::process::Command;

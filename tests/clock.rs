@@ -1,4 +1,4 @@
-//! One machine on one device has one clock, whichever command tells it.
+//! One machine on one device has one clock in the output of every command.
 
 use crate::support::programs::{opt_in, robovec_in, said};
 use robovec_fpga::hardware;
@@ -74,7 +74,7 @@ fn report_sweep_and_rtl_tell_the_same_clock() {
     }
 }
 
-/// The first field of a name, wherever it stands.
+/// The first field of a name, at any depth.
 fn find<'a>(value: &'a Value, name: &str) -> Option<&'a Value> {
     match value {
         Value::Object(fields) => fields

@@ -12,8 +12,8 @@ use robovec_num::random::Random;
 use std::path::Path;
 use std::process::Command;
 
-/// Compiles without a single warning and runs; the outputs, with 17 digits,
-/// which tell every number from all others.
+/// Compiles without a warning and runs; returns the outputs, with 17 digits,
+/// which distinguish all numbers.
 fn compile_and_run(directory: &Path, view: View<'_>, real: Real, trial: &TrialState) -> Vec<f64> {
     let files = c_files(view, real);
     for (file, text) in &files {

@@ -1,11 +1,10 @@
-//! Every block of code in README.md and docs/ is what its fence says: commands
-//! run, in the order of the document, what they print is what is shown, rules
-//! are proved, functions and machines read, C compiled.
+//! Every block of code in README.md and docs/ matches the word after its fence:
+//! commands run, in the order of the document, with the output shown, rules are
+//! proved, functions and machines read, C compiled.
 //!
 //! Blocks of Python run where the package is built (`scripts/test-wheel.sh`),
-//! those of Rust as tests of documentation. A document has a folder of its own,
-//! with what ships and what a user may have; all documents are tried side by
-//! side.
+//! those of Rust as tests of documentation. A document has its own folder, with
+//! shipped files and those of a user; all documents are tested in parallel.
 
 mod blocks;
 mod given;
@@ -47,7 +46,7 @@ fn is_ours(command: &str) -> bool {
     command.starts_with("robovec ") || command.starts_with("robovec-opt ")
 }
 
-/// True for what tells which words a command takes: `FILE… [-o FOLDER]`.
+/// True for a synopsis of the words that a command takes: `FILE… [-o FOLDER]`.
 fn is_synopsis(command: &str) -> bool {
     command.contains(" [-")
         || command.contains('…')
@@ -215,7 +214,7 @@ impl TriedDocument<'_> {
         Ok(())
     }
 
-    /// Lines of what the last command printed, in this order.
+    /// Tests for lines of the last command's output, in this order.
     fn excerpt(&self, text: &str) -> Result<(), String> {
         let printed = self.printed.as_ref().ok_or("no command printed it")?;
         let mut lines = printed.lines().map(str::trim);
@@ -289,7 +288,7 @@ impl TriedDocument<'_> {
     }
 }
 
-/// A command with something for what stands for something.
+/// A command with its placeholders replaced.
 fn given(command: &str) -> String {
     let words = command.split(' ').map(|word| {
         let known = PLACEHOLDERS

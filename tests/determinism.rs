@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Threads of each run; each has a working directory of its own.
+/// Threads of each run; each has its own working directory.
 const THREADS: [&str; 3] = ["1", "2", "9"];
 
 /// Results of a run: its output, and its files by their paths from the working
@@ -56,8 +56,8 @@ fn run(program: &str, arguments: &[&str], threads: &str) -> Outcome {
     }
 }
 
-/// Demands the same from runs with every number of threads, and so many files
-/// at least.
+/// Requires the same files from runs with every number of threads, and at least
+/// this number of files.
 fn same(program: &str, arguments: &[&str], least: usize) {
     let first = run(program, arguments, THREADS[0]);
     let count = first.files.len();

@@ -1,8 +1,8 @@
-//! The manual in `docs/` says what the registry says.
+//! The manual in `docs/` agrees with the registry.
 
 use std::path::Path;
 
-/// Compares a page that is made from sources with what they make now.
+/// Compares a generated page with the present sources.
 fn is_up_to_date(page: &str, manual: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
     if std::env::var_os("INSTA_UPDATE").is_some_and(|value| value == "always") {

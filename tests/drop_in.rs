@@ -258,8 +258,8 @@ fn what_has_no_signature_is_refused() {
 }
 
 /// Angles of every size, and those whose sine or cosine nearly vanishes: the
-/// loop is within two units in the last place of the evaluator's library,
-/// which has an error of its own.
+/// loop is within two units in the last place of the evaluator's library, which
+/// has its own error.
 #[test]
 fn the_loop_of_sines_is_as_exact_as_a_library() {
     if !has_gcc() {

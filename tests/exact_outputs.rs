@@ -46,7 +46,7 @@ fn certified(name: &str, module: &Module, count: u32) -> Vec<(Vec<f64>, Vec<Exac
     states.into_iter().zip(exact).collect()
 }
 
-/// The outputs at so many bits, without any bound.
+/// The outputs at this number of bits, without any bound.
 fn evaluate(function: &Function, inputs: &[f64], bits: usize) -> Vec<BigFloat> {
     let mut constants = Consts::new().expect("there is memory");
     EvaluationPlan::new(function).run_with(

@@ -1,4 +1,4 @@
-//! The planted faults of `scripts/faults` fit the code as it is: one that no
+//! The planted faults of `scripts/faults` fit the present code: one that no
 //! longer applies would not be tried by `scripts/plant-faults`.
 
 use serde::Deserialize;

@@ -68,7 +68,7 @@ fn write_scene(folder: &Path, seed: u64, bodies: usize) {
     fs::write(folder.join("random.scene.toml"), text).expect("it can be written");
 }
 
-/// A choice with what it is compared with.
+/// A choice with its alternatives.
 struct Choice {
     scene: SceneFile,
     general: Module,
@@ -127,7 +127,7 @@ impl Choice {
         })
     }
 
-    /// The largest error over what is allowed, against a reference.
+    /// The largest ratio of an error to the allowed one, against a reference.
     fn share(&self, state: &[f64], allowed: &Allowed, exact: &[f64]) -> f64 {
         let arithmetic = FormatArithmetic::new(self.format);
         let inputs = self

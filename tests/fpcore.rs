@@ -1,5 +1,5 @@
-//! FPCore: what the reader makes of cores, what it refuses, and that written
-//! cores read back as the same function.
+//! FPCore: cores that are read, cores that are refused, and written cores that
+//! read back as the same function.
 
 use crate::support::files::{self, compare_with_record, each, name};
 use crate::support::programs::{robovec, said, stderr};
@@ -158,8 +158,8 @@ fn deep_nesting_is_read_and_endless_nesting_refused() {
     );
 }
 
-/// Number of cores of files beside the repository that are read, which no test asks:
-/// `ROBOVEC_FPCORES=folder`.
+/// Number of cores read from files beside the repository, which no test
+/// requires: `ROBOVEC_FPCORES=folder`.
 #[test]
 #[ignore = "needs files that are not ours"]
 fn cores_of_a_folder_are_read() {
@@ -188,7 +188,7 @@ fn cores_of_a_folder_are_read() {
 }
 
 /// Every command that draws states, on a core whose root has a value in the
-/// ranges of `:pre` alone, or names what it draws from.
+/// ranges of `:pre` alone, or reports the ranges it draws from.
 #[test]
 fn states_lie_in_the_ranges_of_a_core() {
     let run = |command: &str, core: &'static str| {

@@ -1,5 +1,5 @@
-//! Speed against error: what the thesis could choose is dominated by what we
-//! choose, and what a scene is given holds in simulation.
+//! Speed against error: the choices of the thesis are dominated by those of
+//! robovec, and the choice for a scene holds in simulation.
 
 use crate::support::programs::{robovec, said, stderr, unfolded};
 use robovec::explore::program::{transformed_by, view};
@@ -179,8 +179,8 @@ fn a_scene_gets_the_order_and_the_format_that_its_tolerance_needs() {
     assert!(*loose < 24, "{mantissas:?}");
 }
 
-/// A scene beside what it is about, searched: the outcome as JSON, with the
-/// text that was told.
+/// Searches a scene for its function: the outcome as JSON, with the printed
+/// text.
 fn searched(scene: &str, equations: Option<&str>) -> (Value, String) {
     searched_with(scene, equations, &[])
 }

@@ -80,7 +80,7 @@ fn a_model_can_be_optimised_at_once() {
     );
 }
 
-/// A function of which the model has nothing is an error, and a remark beside
+/// A function without content in the model is an error, and a remark beside
 /// others.
 #[test]
 fn what_the_model_has_not_is_not_empty_without_a_word() {

@@ -21,8 +21,8 @@ const FOREIGN: [&str; 4] = ["5CSEBA6U23I7", "thesis' device", "M10K", "ALUT"];
 
 /// A run.
 struct LabelledRun {
-    /// The words; `OUT` stands for a folder of the test, `HERE` for that of
-    /// the inputs.
+    /// The words; `OUT` represents a folder of the test, `HERE` that of the
+    /// inputs.
     command: &'static str,
     /// The device of [`DEVICES`].
     device: &'static str,
@@ -30,9 +30,9 @@ struct LabelledRun {
     page: &'static str,
     /// Words that page and terminal have together.
     words: &'static [&'static str],
-    /// Words that neither has.
+    /// Words that neither output may have.
     absent: &'static [&'static str],
-    /// The table, its JSON, where the points stand in it, and columns with
+    /// The table, its JSON, the place of the points in it, and columns with
     /// their keys.
     points: Option<PointFiles>,
 }
@@ -208,7 +208,7 @@ fn last_place(printed: &str) -> f64 {
 }
 
 /// Every row of the table is a point of the JSON: each number is that of the
-/// point, as far as it is printed, and the page shows it.
+/// point, to the printed digits, and the page shows it.
 fn table_is_json(folder: &Path, page: &str, files: &PointFiles) {
     let read = |name: &str| fs::read_to_string(folder.join(name)).expect("it was written");
     let json: Value = serde_json::from_str(&read(files.json)).expect("it is JSON");

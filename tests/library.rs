@@ -1,7 +1,7 @@
-//! The examples of the library crates do what their first lines say.
+//! The examples of the library crates agree with their first lines.
 //!
 //! `cargo test` builds examples beside the tests; where only a test was built
-//! they may be missing, and that is said.
+//! they may be missing, and a remark is printed.
 
 use crate::support::files::tree;
 use std::fs;

@@ -1,5 +1,5 @@
-//! Every command on files that it cannot take, and without the tools that it
-//! needs: one message, exit code 1, and nothing else.
+//! Every command on files of the wrong kind, and without the tools that it
+//! needs: one message, exit code 1, and no output.
 //!
 //! The commands are those that the programs list; one without a row in
 //! [`PLACES`] or [`WITHOUT_FILES`] fails. `tests/mistaken/files.snap` holds
@@ -29,7 +29,7 @@ enum Sample {
     Images,
     /// TOML of no kind in particular, which readers of TOML refuse line by line.
     Toml,
-    /// None that any command takes.
+    /// No kind that any command takes.
     Foreign,
 }
 
@@ -279,8 +279,8 @@ fn run(folder: &Path, line: &str) -> Output {
     }
 }
 
-/// The message of a run that must fail, with one error; else what is wrong with
-/// the run.
+/// The message of a run that must fail, with one error; else the fault of the
+/// run.
 fn refusal(folder: &Path, line: &str) -> Result<String, String> {
     let output = run(folder, line);
     let message = stderr(&output);
@@ -348,8 +348,8 @@ fn files_that_a_command_cannot_take_are_named() {
     compare_with_record(&tree("tests/mistaken"), "files", &record.text());
 }
 
-/// Messages with the commands that give them; those that name a kind that is
-/// wanted and the looks of a file are told apart, since all pairs occur.
+/// Messages with the commands that give them; those that name an expected kind
+/// and the recognised kind of a file are separate, since all pairs occur.
 #[derive(Default)]
 struct MessageRecord<'a>(BTreeMap<String, BTreeSet<&'a str>>);
 
@@ -416,7 +416,7 @@ const WITHOUT_TOOLS: [(&str, &str); 12] = [
     ),
 ];
 
-/// Nothing is done before a tool is found to be missing.
+/// No work is done before a missing tool is reported.
 #[test]
 fn tools_that_are_not_there_are_named() {
     let folder = tempfile::tempdir().expect("a temporary folder");

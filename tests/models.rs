@@ -1,5 +1,5 @@
-//! Models: the examples are what the program writes, and every mistake in a
-//! file is told with its place and with what to do.
+//! Models: the examples equal the program's output, and every mistake in a file
+//! is reported with its place and a remedy.
 
 use crate::support::files::{compare_with_record, each, list, name};
 use crate::support::programs::robovec;
@@ -115,7 +115,7 @@ fn a_refused_model_exits_with_1_and_writes_nothing() {
     }
 }
 
-/// Robotran takes a body without a mass for one that weighs nothing.
+/// A body without a mass has mass zero, as in Robotran.
 #[test]
 fn a_body_without_a_mass_weighs_nothing() {
     for (name, element) in [

@@ -1,5 +1,5 @@
-//! Parts that scenes leave out: measured against mechanics, written as they
-//! were judged, refused where they mean nothing.
+//! Parts that scenes leave out: measured against mechanics, written as judged,
+//! refused where they are meaningless.
 
 use crate::reference::random::{self, ModelDraw, Recipe};
 use crate::support::programs::{assert_fits_a_screen, robovec, stderr, unfolded};
@@ -263,7 +263,7 @@ fn assert_random_scenes_hold(count: usize) {
     assert!(over.is_empty(), "over {RANDOM_ERROR}: {over:?}");
 }
 
-/// What is left out stays within the allowed error from corners and from starts
+/// The omissions stay within the allowed error from corners and from starts
 /// that the search has not compared.
 #[test]
 fn random_scenes_stay_within_their_allowance() {
@@ -287,9 +287,9 @@ const SHORT: [(&str, &str); 3] = [
     ("../", "EXAMPLES/"),
 ];
 
-/// The files that are written say what was judged: the scene read from them
-/// has the operations of the report, the model without the forces left out and
-/// what is left of the error; its laws read back.
+/// The written files agree with the judged scene: the scene read from them has
+/// the operations of the report, the model without the forces left out and the
+/// remaining error; its laws read back.
 #[test]
 fn what_is_written_is_what_was_judged() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -391,7 +391,7 @@ fn small_difference(model: &Model, angle: f64) -> f64 {
     apart.fold(0.0, f64::max)
 }
 
-/// Small angles leave out what is of second order.
+/// Small angles leave out second-order terms.
 #[test]
 fn small_angles_err_by_their_square() {
     let model = built_in("double-pendulum").expect("a family");
@@ -486,8 +486,8 @@ fn an_error_over_time_chooses_a_format() {
     );
 }
 
-/// A limit of the drift of energy takes more digits than a loose limit of the
-/// motion, and what drifts is within it.
+/// A limit of the drift of energy needs more digits than a loose limit of the
+/// motion, and the drift is within it.
 #[test]
 fn a_drift_of_energy_chooses_a_format() {
     let digits = |json: &serde_json::Value| {

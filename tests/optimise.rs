@@ -378,7 +378,7 @@ fn the_order_of_the_equations_does_not_matter() {
     assert!(programs.windows(2).all(|pair| pair[0] == pair[1]));
 }
 
-/// One of the pipelines that somebody might try.
+/// A random pipeline from those that a user might try.
 fn random_pipeline(random: &mut Random) -> String {
     const STEPS: [&str; 18] = [
         "fold",
@@ -408,7 +408,7 @@ fn random_pipeline(random: &mut Random) -> String {
     steps.join(",")
 }
 
-/// The cycles of a pipeline on so many elements; `None` where a pass gives up.
+/// The cycles of a pipeline on this number of elements; `None` where a pass gives up.
 fn cycles_of(file: &str, passes: &str, elements: u32) -> Option<u64> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let passes = format!("-passes={passes},place{{n_add={elements} n_multi={elements}}}");

@@ -1,5 +1,5 @@
-//! The crates of the workspace as packages: what lies outside the folder of a
-//! crate is not in its package, and a test that no program holds never runs.
+//! The crates of the workspace as packages: files outside the folder of a crate
+//! are not in its package, and a test that no test program includes never runs.
 
 use crate::support::files::tree;
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,11 +1,11 @@
 //! File tests of passes: `tests/passes/PASS/*.rvir`.
 //!
-//! The first line of a file says what to run: `// RUN: PIPELINE [MACHINE]`; the
-//! machine is the last word, if it is the name of one that ships. A scene beside
-//! it (`NAME.scene.toml` for `NAME.rvir`) is used.
-//! Every pass runs under the verifier and the semantic check; the expected
-//! text is the function after the pipeline, or the message when it must fail.
-//! Each folder is a test of its own, which names all files that fail.
+//! The first line of a file gives the pipeline: `// RUN: PIPELINE [MACHINE]`;
+//! the machine is the last word, if it is the name of one that ships. A scene
+//! beside it (`NAME.scene.toml` for `NAME.rvir`) is used. Every pass runs under
+//! the verifier and the semantic check; the expected text is the function after
+//! the pipeline, or the message when it must fail. Each folder is a separate
+//! test, which names all files that fail.
 
 use crate::support::files::{compare_with_record, each, name, tree};
 use robovec::scene::SceneFile;
@@ -74,8 +74,7 @@ fn every_folder_has_a_test() {
     );
 }
 
-/// Runs every file of a folder and compares what comes of it with the text
-/// beside it.
+/// Runs every file of a folder and compares the output with the text beside it.
 fn files_of(folder: &str) {
     each(&format!("tests/passes/{folder}"), &["rvir"], |path| {
         let bytes = fs::read(path).expect("a readable file");
@@ -85,7 +84,7 @@ fn files_of(folder: &str) {
     });
 }
 
-/// The words behind `// RUN:` on the first line of a test file.
+/// The words after `// RUN:` on the first line of a test file.
 fn directive(text: &str) -> &str {
     let first = text.lines().next().unwrap_or("");
     first

@@ -1,5 +1,5 @@
-//! Every value of a compiled program keeps the equations it comes from and
-//! the passes that made it, whatever the pipeline.
+//! Every value of a compiled program keeps its equations and the passes that
+//! made it, for any pipeline.
 
 use robovec_framework::manager::{self, Config};
 use robovec_framework::trail::{Trail, explain, find};
@@ -90,7 +90,7 @@ fn every_value_keeps_its_equations_and_the_passes_that_made_it() {
     }
 }
 
-/// Looks at every value; how many are not as they were read.
+/// Tests every value; returns the number of values that differ from those read.
 fn check(module: &Module, as_read: &HashMap<String, String>, text: &str) -> usize {
     let function = &module.functions[0];
     let histories = function.histories.as_ref().expect("they were asked for");
@@ -119,8 +119,8 @@ fn check(module: &Module, as_read: &HashMap<String, String>, text: &str) -> usiz
     changed
 }
 
-/// Tells the story of every output: it starts with an equation as it was read
-/// and ends with what the output is set to now.
+/// Explains every output: the explanation starts with an equation that was read
+/// and ends with the present definition of the output.
 fn tell_outputs(module: &Module, trail: &Trail, machine: &Machine) {
     let function = &module.functions[0];
     let view = View {

@@ -78,8 +78,8 @@ fn the_project_names_files_that_are_there() {
     }
 }
 
-/// The cable, as the host's script sees it, with a machine behind it that
-/// answers every third scan too late.
+/// The cable, from the host's script, with a machine on it that answers every
+/// third scan too late.
 const CABLE: &str = r"
 set robovec_test 1
 set asked 0; set answer 0; set at 0; set scans 0

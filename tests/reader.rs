@@ -1,5 +1,5 @@
-//! The reader of Robotran's files: what it makes of good files, what it says
-//! about bad ones, and that no text makes it panic or hang.
+//! The reader of Robotran's files: results for good files, messages for bad
+//! ones, and no panic or hang for any text.
 
 use crate::support::files::{self, each};
 use robovec::robotran::{Language, Read, ReadError, read};
@@ -24,7 +24,7 @@ fn load(path: &Path) -> (String, Vec<u8>) {
     )
 }
 
-/// Compares with what is recorded for the file.
+/// Compares with the recorded output for the file.
 fn compare(path: &Path, text: &str) {
     let folder = path.parent().expect("files lie in folders");
     files::compare_with_record(

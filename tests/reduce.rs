@@ -1,4 +1,4 @@
-//! Finding what a pass breaks, as a user meets it.
+//! Reduction of a failing pass, from the command line.
 
 use crate::support::programs::{opt_in, stderr};
 use std::fs;

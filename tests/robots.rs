@@ -1,5 +1,5 @@
-//! Robots in URDF: their equations against an account that takes the numbers
-//! of the file and nothing else, and what is told of files that are wrong.
+//! Robots in URDF: their equations against a computation from the numbers of
+//! the file alone, and the messages for wrong files.
 
 mod account;
 mod draw;
@@ -46,8 +46,8 @@ fn dynamics(seed: u64, model: Model, state: State<f64>) -> (Outputs, Model) {
     (outputs, case.model)
 }
 
-/// Holds what is found of a robot against the account; gives the largest
-/// difference of `M` and `c`.
+/// Compares the results for a robot with the independent computation; returns
+/// the largest difference of `M` and `c`.
 fn compare(seed: u64, robot: &DrawnRobot, base: RobotBase) -> f64 {
     let model = read("drawn.urdf", &robot.text(), base);
     let joints = model.joints.len();
@@ -104,7 +104,7 @@ fn compare(seed: u64, robot: &DrawnRobot, base: RobotBase) -> f64 {
     worst
 }
 
-/// Followers are told with the leader at the end of their chain.
+/// Followers are reported with the leader at the end of their chain.
 fn compare_couplings(seed: u64, robot: &DrawnRobot) -> usize {
     let model = read("drawn.urdf", &robot.text(), RobotBase::Fixed);
     let name = |joint: usize| model.joints[joint].name.as_str();

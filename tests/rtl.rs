@@ -1,8 +1,8 @@
 //! Generated hardware against the cycle-accurate simulator, in the simulators
 //! of hardware that are installed, and benches against planted faults.
 //!
-//! Where a tool is missing, a line on the standard error says so and nothing
-//! is checked with it.
+//! Where a tool is missing, a line on the standard error reports it and its
+//! tests are skipped.
 
 use crate::rtl_support::{Loaded, is_there, replace};
 use crate::support::programs::{model, robovec};
@@ -13,8 +13,8 @@ use std::process::Command;
 
 const PASSES: &str = "atomise,zero-removal,balance,cse,dce,place";
 
-/// A machine that ships, with so many elements of each kind and whatever else
-/// is to be replaced in its file.
+/// A machine that ships, with this number of elements of each kind and other
+/// replacements in its file.
 fn machine(folder: &Path, name: &str, count: u32, edits: &[(&str, &str)]) -> String {
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("machines")
@@ -204,8 +204,8 @@ function dirdyna equations {
 }
 ";
 
-/// Dividers, roots and fused operations on elements of their own or together,
-/// and a crossbar of what is used.
+/// Dividers, roots and fused operations on separate elements or together, and a
+/// pruned crossbar.
 #[test]
 fn every_kind_of_operation_is_right_in_icarus_verilog() {
     if !is_there(HardwareSimulator::Icarus) {

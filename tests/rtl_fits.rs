@@ -1,5 +1,5 @@
-//! Another program on hardware that is there: what `robovec rtl --fits` says,
-//! writes and runs.
+//! Another program on existing hardware: the messages, files and runs of
+//! `robovec rtl --fits`.
 
 use crate::support::programs::{model, robovec};
 use robovec::rtl::HardwareSimulator;

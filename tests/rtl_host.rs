@@ -1,8 +1,8 @@
 //! The adapters of the host bus under their benches, and the benches under
 //! planted faults.
 //!
-//! The benches are run with whichever of Icarus Verilog and Verilator is
-//! installed; where one is missing, a line on the standard error says so.
+//! The benches are run with Icarus Verilog and Verilator where installed; where
+//! one is missing, a line on the standard error reports it.
 
 use std::fs;
 use std::path::{Path, PathBuf};

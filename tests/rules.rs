@@ -1,5 +1,5 @@
-//! `robovec rules` on the files of tests/rules: what it prints stands beside
-//! each file. Bless with INSTA_UPDATE=always.
+//! `robovec rules` on the files of tests/rules: its output is beside each file.
+//! Bless with INSTA_UPDATE=always.
 
 use crate::support::files::{compare_with_record, each, list, name, stem};
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
-//! Scenes: what is compiled for them is small, right, and told; what is wrong
-//! in them is told too.
+//! Scenes: programs for them are small, right, and reported; mistakes in them
+//! are reported too.
 
 use crate::support::files::{compare_with_record, each, stem, tree};
 use crate::support::programs::{robovec, stderr};
@@ -73,8 +73,8 @@ fn view(module: &Module) -> View<'_> {
 
 type Element = (String, [u32; 2]);
 
-/// The outputs of a function by name, for inputs by name; what is not given
-/// is zero.
+/// The outputs of a function by name, for inputs by name; missing ones are
+/// zero.
 fn outputs<A: Arithmetic>(
     view: View<'_>,
     arithmetic: &A,
@@ -389,7 +389,7 @@ fn scenes_that_are_wrong_are_refused_with_a_caret() {
     });
 }
 
-/// Whatever stands in a scene file, the reader answers.
+/// Every text of a scene file gets an answer from the reader.
 #[test]
 fn broken_scene_files_are_answered() {
     let whole =
@@ -419,8 +419,8 @@ fn broken_scene_files_are_answered() {
     }
 }
 
-/// Limits of joints are the least that is said of positions: a word of the
-/// scene about the same joint wins.
+/// Limits of joints are the weakest source for positions: an entry of the scene
+/// about the same joint has priority.
 #[test]
 fn positions_of_a_robot_lie_within_its_limits() {
     let scene = load("arm-torques.scene.toml");

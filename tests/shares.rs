@@ -1,5 +1,5 @@
-//! Shares of explorations: several workers on one folder leave what one run
-//! leaves, byte for byte, also when one was killed half way.
+//! Shares of explorations: several workers on one folder leave the same files
+//! as one run, byte for byte, also when one was killed half way.
 
 use crate::determinism::files;
 use crate::support::files::tree;
@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Place where a run writes, from its working directory: commands tell the
+/// Place where a run writes, from its working directory: commands print the
 /// name.
 const OUT: &str = "out";
 

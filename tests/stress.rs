@@ -1,8 +1,8 @@
 //! The verdicts on hard cases, and that every class has a cure.
 //!
-//! What each case is expected to be called stands with the case. Those that
-//! take long without optimisation are left to optimised builds and to
-//! `robovec stress`, which checks the same.
+//! The expected verdict of each case is beside the case. Those that take long
+//! without optimisation are left to optimised builds and to `robovec stress`,
+//! which checks the same.
 
 use crate::support::programs::{assert_fits_a_screen, robovec, said};
 use robovec::stress::{CaseClass, StressVerdict, cases, examine, judge};

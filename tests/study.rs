@@ -1,5 +1,5 @@
-//! `robovec explore --plan`: results of a small plan, what is drawn and written, what
-//! is left of an interrupted run, and messages about plans that are wrong.
+//! `robovec explore --plan`: results of a small plan, its figures and files,
+//! the remains of an interrupted run, and messages about wrong plans.
 
 use crate::support::files::{compare_with_record, each, stem, tree};
 use crate::support::programs::unfolded;

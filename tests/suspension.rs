@@ -43,8 +43,8 @@ fn element(module: &Module, function: usize, input: u32) -> String {
     }
 }
 
-/// Evaluates all functions; an input without a number gets one that depends
-/// on its name alone.
+/// Evaluates all functions; an input without a number gets one that depends on
+/// its name alone.
 fn outputs(module: &Module, state: &Numbers) -> Numbers {
     let mut found = Numbers::new();
     for (index, function) in module.functions.iter().enumerate() {

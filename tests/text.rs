@@ -1,5 +1,5 @@
-//! The text form: reading and printing are inverse at every level, and what
-//! is wrong with a text is said with a caret under the place.
+//! The text form: reading and printing are inverse at every level, and faults
+//! of a text are reported with a caret under the place.
 
 use crate::support::files::{compare_with_record, each, name, tree};
 use robovec_ir::diagnostic::Report;
@@ -69,8 +69,8 @@ fn errors_point_at_their_place() {
     });
 }
 
-/// Reads a text that is no module, within a time that only something worse
-/// than linear would need; the messages as they are shown.
+/// Reads a text that is no module, within a time that only a superlinear
+/// algorithm would exceed; returns the messages as printed.
 fn refused(text: &str) -> String {
     let start = Instant::now();
     let Err(diagnostics) = parse_module("hostile", text) else {

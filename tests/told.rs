@@ -1,5 +1,5 @@
-//! Every command in which a user chooses or is told something tells speed,
-//! error and cost together, in the same words. Commands are data.
+//! Every command in which a user chooses a program or receives one reports
+//! speed, error and cost together, in the same words. Commands are data.
 
 use crate::support::programs::{opt_in, robovec_in, stderr, unfolded};
 use std::fs;
@@ -13,18 +13,18 @@ const ERROR: [&str; 4] = [
     "against double-double",
 ];
 
-/// A command, and what it says.
+/// A command, and its report.
 struct Telling {
-    /// The words; `DIR` stands for a folder of the test. The first is the
+    /// The words; `DIR` represents a folder of the test. The first is the
     /// program.
     command: &'static str,
     /// The tool without which it does not run; empty for none.
     tool: &'static str,
-    /// Words of the terminal that say how fast it is.
+    /// Words of the terminal for its speed.
     speed: &'static [&'static str],
-    /// Words that say what it costs.
+    /// Words for a cost.
     cost: &'static [&'static str],
-    /// Files of the folder that say all three as well: a word of each.
+    /// Files of the folder that also report all three: a word of each.
     files: &'static [(&'static str, [&'static str; 3])],
 }
 
@@ -160,7 +160,7 @@ const COMMANDS: &[Telling] = &[
     },
 ];
 
-/// A column of a table by its name, whatever its side.
+/// A column of a table by its name, on either side.
 fn holds(text: &str, word: &str) -> bool {
     text.contains(word.strip_prefix('>').unwrap_or(word))
 }

@@ -1,6 +1,6 @@
 //! The Verilog that is shipped goes through open synthesis for the devices of
-//! three vendors. Where yosys is missing, a line says so and nothing is
-//! checked.
+//! three vendors. Where yosys is missing, a line reports it and its tests are
+//! skipped.
 
 use crate::support::programs::{model, robovec, said};
 use robovec::synthesis::Yosys;

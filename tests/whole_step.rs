@@ -290,9 +290,9 @@ fn rows_of_the_user_and_actuators_are_served() {
     }
 }
 
-/// Accelerations in binary32 move a model as those in binary64 do, within what
-/// errors of 1e-6 make of 3 s of motion: loops stay closed, since they are
-/// closed in binary64, in as many rounds.
+/// Accelerations in binary32 move a model as those in binary64 do, within the
+/// effect of errors of 1e-6 over 3 s of motion: loops stay closed, since they
+/// are closed in binary64, with the same number of iterations.
 #[test]
 fn accelerations_in_binary32_move_models_nearly_the_same() {
     if !has_gcc() {
@@ -312,7 +312,7 @@ fn accelerations_in_binary32_move_models_nearly_the_same() {
     }
 }
 
-/// The command says what binary32 costs, and only that.
+/// The command reports the cost of binary32, and only that.
 #[test]
 fn the_error_of_binary32_is_told_in_one_line() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -1,5 +1,5 @@
-//! Accelerations for given joint forces, by what they leave of the equations
-//! of motion: how far `qdd` itself may be off depends on the mass matrix.
+//! Accelerations for given joint forces, by their residual in the equations of
+//! motion: the possible error of `qdd` itself depends on the mass matrix.
 
 use super::{Case, Outputs, PLAIN, each};
 use crate::reference::dynamics::{bias, mass_matrix};

@@ -1,4 +1,4 @@
-//! Models with closed loops, drawn at random: what closes them, and their
+//! Models with closed loops, drawn at random: the closing functions, and
 //! accelerations against the full equations with multipliers.
 
 use super::loops::held;
@@ -50,7 +50,7 @@ pub(super) fn closed(seed: u64) -> Option<Case> {
     (rows > 0 && free > rows).then_some(Case { seed, model, state })
 }
 
-/// Adds a point behind those of its body; gives its place.
+/// Adds a point after those of its body; returns its place.
 fn insert(model: &mut Model, point: ModelPoint) -> usize {
     let place = model
         .points
@@ -71,8 +71,8 @@ fn insert(model: &mut Model, point: ModelPoint) -> usize {
     place
 }
 
-/// Cuts between two bodies where they are in the state: a ball, or a rod of
-/// the length that there is.
+/// Adds cuts between two bodies in the given state: a ball, or a rod of the
+/// present length.
 fn add_cut(random: &mut Random, model: &mut Model, state: &State<f64>) {
     let bodies = model.bodies.len();
     let (one, other) = (random.below(bodies), random.below(bodies));
@@ -231,8 +231,8 @@ pub(super) fn full_at(
     solution
 }
 
-/// Velocities that the loops allow, by the function itself, and what it
-/// leaves of `J qd` in the independent rows.
+/// Velocities that the loops allow, from the function itself, and its residual
+/// of `J qd` in the independent rows.
 pub(super) fn with_velocities(case: &mut Case, forces: &[f64], independent: &[usize]) -> f64 {
     let velocities =
         outputs(case, FunctionKind::LoopVelocities, forces).expect("the loops can be closed");

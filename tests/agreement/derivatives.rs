@@ -1,6 +1,6 @@
 //! Derivatives of forces and accelerations, against differences of the
 //! reference in double-double; the inverse of the mass matrix and the
-//! regressor, against what they are multiplied with.
+//! regressor, against products with known results.
 
 use super::{Case, Outputs, PLAIN, each};
 use crate::reference::dynamics::{bias, inverse_dynamics, mass_matrix, solve};
@@ -14,7 +14,7 @@ use robovec_num::double_double::Double;
 /// The step of differences; its square is the error they leave.
 const STEP: f64 = 1e-9;
 
-/// By what a function is differentiated.
+/// Variables of differentiation.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Coordinate {
     Position,
@@ -52,7 +52,7 @@ fn differences(
     rows
 }
 
-/// Compares a matrix of joints with what a function gave; one that is all
+/// Compares a matrix of joints with the output of a function; one that is all
 /// zeros may have any size.
 fn compare(case: &Case, outputs: &Outputs, array: &str, expected: &[Double]) {
     let none = vec![0.0; expected.len()];
@@ -119,7 +119,7 @@ fn forward(
     accelerations
 }
 
-/// `M^-1` of the joints that are not driven: what a unit of force changes.
+/// `M^-1` of the joints that are not driven: the accelerations per unit of force.
 fn inverse_mass(case: &Case) -> Vec<Double> {
     let (tree, state) = case.exact();
     let joints = case.model.joints.len();

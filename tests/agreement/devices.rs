@@ -91,8 +91,8 @@ fn frames_agree_with_their_motion() {
     });
 }
 
-/// The forces and torques that a function leaves, by component and joint:
-/// what it does not set stays as it was.
+/// The forces and torques that a function sets, by component and joint;
+/// components that it does not set are unchanged.
 fn loads(case: &Case, outputs: &Outputs, name: &str, before: &[[f64; 3]]) -> Vec<f64> {
     let joints = case.model.joints.len();
     let mut rows: Vec<f64> = (0..3 * joints)

@@ -18,7 +18,7 @@ const MOST_JOINTS: usize = 9;
 const POINTS: u32 = 8;
 
 /// Differentiates all functions of a module by positions and velocities, where
-/// they have these; how many there were.
+/// they have these; returns their number.
 fn differentiate(case: &Case, module: &Module, request: &GenerationRequest, result: &str) -> u32 {
     let mut count = 0;
     for function in &module.functions {
@@ -48,7 +48,7 @@ fn differentiate(case: &Case, module: &Module, request: &GenerationRequest, resu
     count
 }
 
-/// One of the three ways to ask, by turns.
+/// One of the three forms of a request, in turn.
 fn results(number: usize) -> &'static str {
     ["jacobian", "direction", "gradient"][number % 3]
 }

@@ -1,6 +1,6 @@
 //! Derivatives of accelerations with closed loops, and linear systems, against
 //! differences of the reference in double-double: its loops are closed by a
-//! Newton method of its own, and its accelerations solve the full equations.
+//! separate Newton method, and its accelerations solve the full equations.
 
 use super::closing::{closed, full_at, numbered_rows, outputs, rows, solve, with_velocities};
 use super::{Case, Outputs};

@@ -8,7 +8,7 @@ use robovec_num::double_double::Double;
 use robovec_num::random::Random;
 
 /// The rows that some joint changes. The equations may leave the others out,
-/// and do so where the structure tells.
+/// and do so where the structure shows them.
 fn changing(case: &Case) -> Vec<bool> {
     let mut changing = Vec::new();
     for seed in 0..3 {
@@ -22,8 +22,8 @@ fn changing(case: &Case) -> Vec<bool> {
     changing
 }
 
-/// The rows that the equations hold, given what they found: all that change,
-/// and of the others those that are there with their residual and a row of
+/// The rows that the equations contain, given their results: all that change,
+/// and of the others those that are present with their residual and a row of
 /// zeros in the Jacobian.
 pub(super) fn held(case: &Case, expected: &[Double], outputs: &Outputs) -> Vec<bool> {
     let residuals = outputs.array("h").unwrap_or(&[]);

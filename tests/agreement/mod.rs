@@ -34,7 +34,7 @@ use robovec_num::random::Random;
 /// array.
 pub(crate) const TOLERANCE: f64 = 1e-12;
 
-/// A random model with a state, and what the reference needs.
+/// A random model with a state, and the reference's inputs.
 pub(crate) struct Case {
     pub(crate) seed: u64,
     pub(crate) model: Model,
@@ -65,7 +65,7 @@ impl Case {
             .unwrap_or_else(|error| panic!("seed {}, {request:?}: {error}", self.seed))
     }
 
-    /// Compares an output array with what it should be.
+    /// Compares an output array with the expected one.
     pub(crate) fn compare(&self, what: &str, found: &[f64], expected: &[Double]) {
         assert_eq!(found.len(), expected.len(), "seed {}: {what}", self.seed);
         // What cancels to nothing keeps the rounding of its terms, which are
@@ -165,7 +165,7 @@ pub(crate) fn requests(function: FunctionKind) -> Vec<GenerationRequest> {
         .collect()
 }
 
-/// The outputs of a function by array, in full: what is not assigned is zero.
+/// The outputs of a function by array, in full: unassigned elements are zero.
 pub(crate) struct Outputs {
     arrays: Vec<(String, Vec<f64>)>,
     /// Array, place in it and number of each assignment.

@@ -1,6 +1,6 @@
 //! Equilibria and small motions of the example models under their laws, against
 //! the reference: its residual at the equilibrium, and differences of it in
-//! double-double around it, with loops closed by a Newton method of its own.
+//! double-double around it, with loops closed by a separate Newton method.
 
 use crate::reference::dynamics::{inverse_dynamics, mass_matrix};
 use crate::reference::forces::{add_external, add_links, link_lengths};
@@ -269,7 +269,7 @@ fn check_motions(standing: &Standing<'_>, state: &State<Double>, motions: &Small
 }
 
 /// Every eigenvalue makes the reference's polynomial singular, within the
-/// error that is told: with its shape, nothing is left of it.
+/// reported error: its residual with its shape is zero.
 fn check_modes(motions: &SmallMotions, [mass, damping, stiffness]: [&[Vec<Double>]; 3]) {
     let found = modes(motions).expect("bodies have mass");
     let pairs = |mode: &robovec::motion::Mode| 1 + usize::from(mode.eigenvalue.im > 0.0);

@@ -14,8 +14,8 @@ use robovec::robotran::FunctionKind;
 /// States of a turn.
 const STATES: usize = 360;
 
-/// A joint that moves less than this of the fastest one leads badly: the others
-/// follow from it with as many digits fewer.
+/// A joint that moves less than this part of the fastest one determines the
+/// others badly: they lose the corresponding number of digits.
 const LEADS: f64 = 0.02;
 
 /// The four-bar with one leading joint.

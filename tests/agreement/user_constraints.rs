@@ -150,7 +150,7 @@ impl Bound {
         }
     }
 
-    /// The largest of what rows leave, of positions and of velocities.
+    /// The largest residuals of rows, of positions and of velocities.
     fn left(&self) -> [f64; 2] {
         let rows = self.rows();
         let largest = |numbers: &mut dyn Iterator<Item = Double>| {

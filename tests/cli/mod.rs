@@ -28,8 +28,8 @@ const SUSPENSION: &str = "suspension/mbs_dirdyna_suspension.m";
 
 const PIPELINE: &str = "-passes=atomise,zero-removal,balance,cse,dce,place";
 
-/// Runs on an input that is wrong: the exit code is 1, the message holds the
-/// words, and nothing is written.
+/// Runs on a wrong input: the exit code is 1, the message has the words, and no
+/// file is written.
 fn refused(input: &[u8], name: &str, arguments: &[&str], words: &[&str]) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join(name);

@@ -1,4 +1,4 @@
-//! Wrong inputs: what is said, and that nothing is written.
+//! Wrong inputs: the messages, and that no file is written.
 
 use super::{SUSPENSION, example, opt, refused, run};
 use crate::support::programs::stderr;

@@ -4,15 +4,15 @@
 pub(crate) struct CodeBlock {
     /// Kind of the block: the first word of the fence.
     pub(crate) kind: String,
-    /// The other words: what a fragment belongs to.
+    /// The other words: the context of a fragment.
     pub(crate) note: String,
     pub(crate) text: String,
     /// Its first line in the document, from 1.
     pub(crate) line: usize,
 }
 
-/// The blocks of a document. Code is fenced: a fence says what is in it, and four
-/// spaces do not.
+/// The blocks of a document. Code is fenced: a fence names the kind of content,
+/// and four spaces do not.
 pub(crate) fn blocks(document: &str) -> Result<Vec<CodeBlock>, String> {
     let mut blocks = Vec::new();
     let mut open: Option<CodeBlock> = None;
@@ -46,7 +46,7 @@ pub(crate) fn blocks(document: &str) -> Result<Vec<CodeBlock>, String> {
     }
 }
 
-/// The commands of a block for the shell, without what stands behind ` # `.
+/// The commands of a block for the shell, without the text after ` # `.
 pub(crate) fn commands(text: &str) -> Vec<String> {
     let joined = text.replace("\\\n", " ");
     let lines = joined.lines().map(|line| {

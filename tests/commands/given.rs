@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 /// Commands that are not run, with the reason; `…` stands for the rest of one.
-/// The programs are asked whether they understand them.
+/// The programs must accept their arguments.
 pub(crate) const NOT_RUN: &[(&str, &str)] = &[
     (
         "cargo test …",
@@ -85,8 +85,8 @@ pub(crate) const NOT_RUN: &[(&str, &str)] = &[
     ("robovec rtl synthesise…", "needs yosys"),
 ];
 
-/// Beginnings of commands that take long, and what is run in their place, once:
-/// the same with less to do. What they leave is not looked at by later commands.
+/// Beginnings of commands that take long, and the shorter commands run in their
+/// place, once. Later commands do not read their files.
 pub(crate) const SMALLER: &[(&str, &str)] = &[
     (
         "robovec bench",
@@ -128,7 +128,7 @@ pub(crate) const SMALLER: &[(&str, &str)] = &[
     ("robovec stress", "robovec stress --case tiny-1e-9"),
 ];
 
-/// Words that stand for something of the user's.
+/// Words that represent a user's file or choice.
 pub(crate) const PLACEHOLDERS: &[(&str, &str)] = &[
     ("FILE", "mbs_dirdyna_mine.c"),
     ("FILE.c", "mbs_dirdyna_mine.c"),
@@ -141,8 +141,8 @@ pub(crate) const PLACEHOLDERS: &[(&str, &str)] = &[
     ("verilator", "iverilog"),
 ];
 
-/// Fills a folder with links to what ships, and with what a user may have: a
-/// model and its equations.
+/// Fills a folder with links to shipped files, and with a user's files: a model
+/// and its equations.
 pub(crate) fn fill(folder: &Path) {
     for part in ["examples", "machines", "scripts"] {
         std::os::unix::fs::symlink(tree(part), folder.join(part)).expect("a link");

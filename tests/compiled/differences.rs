@@ -6,8 +6,8 @@ use robovec_ir::evaluate::evaluate;
 use robovec_ir::{Boundary, Input, View};
 use robovec_num::arithmetic::Binary64;
 
-/// Compares the evaluation with what a call changed: the number of equal
-/// elements, or the first that differs.
+/// Compares the evaluation with the elements that a call changed: the number of
+/// equal elements, or the first that differs.
 pub(crate) fn differences(view: View<'_>, state: u64, changed: &Changes) -> Result<usize, String> {
     let inputs: Vec<f64> = (0..view.function.input_len() as u32)
         .map(|input| input_number(view, Input(input), state))

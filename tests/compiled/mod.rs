@@ -23,7 +23,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 /// Arrays of the compiled program have this many elements in each direction,
-/// element 0 included, unless a test wants more.
+/// element 0 included, unless a test needs more.
 pub(crate) const EXTENT: u32 = 48;
 
 const STATES: u64 = 2;
@@ -51,7 +51,7 @@ pub(crate) enum Outcome {
     Differs(String),
 }
 
-/// True when there is a gcc; says so where there is none.
+/// True when there is a gcc; prints a remark otherwise.
 pub(crate) fn has_gcc() -> bool {
     let found = Command::new("gcc").arg("--version").output().is_ok();
     if !found {

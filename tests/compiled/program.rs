@@ -7,7 +7,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// The elements a call changed, and what user functions were given.
+/// The elements that a call changed, and the arguments of user functions.
 pub(super) type Changes = BTreeMap<(String, u32, u32), u64>;
 
 pub(super) struct Program<'a> {
@@ -87,7 +87,7 @@ impl Program<'_> {
         refused
     }
 
-    /// Writes the list of calls; says for each the callable and its function.
+    /// Writes the list of calls; gives for each the callable and its function.
     pub(super) fn calls(
         &self,
         subjects: &[Subject],

@@ -9,8 +9,8 @@ use robovec_ir::View;
 use std::fmt::Write;
 use std::process::Command;
 
-/// Runs files of Python at the same states and compares; what Python refuses
-/// is [`Outcome::OnlyRead`].
+/// Runs files of Python at the same states and compares; files that Python
+/// refuses are [`Outcome::OnlyRead`].
 pub(crate) fn compare_python(subjects: &[Subject]) -> Vec<Outcome> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let script = folder.path().join("run.py");

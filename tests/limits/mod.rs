@@ -1,9 +1,9 @@
 //! Every number of the table of limits, at its ends and beyond.
 //!
-//! What is beyond a limit is refused with a message that says what is
-//! allowed; what is within is treated, or refused for a reason of its own,
-//! without a panic, within 2 GB and in time. The trials follow from the table
-//! itself, so a new option or field is tried as soon as it is declared.
+//! A number beyond a limit is refused with a message that gives the allowed
+//! range; one within is treated, or refused for another reason, without a
+//! panic, within 2 GB and in time. The trials follow from the table itself, so
+//! a new option or field is tried as soon as it is declared.
 
 #![cfg(unix)]
 
@@ -97,8 +97,8 @@ fn refusal(row: &LimitRow, value: &str, trial: &Invocation, folder: &Path) -> Op
     None
 }
 
-/// Tries values beyond limits, as many of each as asked for, of the numbers
-/// whose names hold the text.
+/// Tries values beyond limits, the requested number of each, of the numbers
+/// whose names contain the text.
 fn try_outside(most: usize, wanted: &str) -> (usize, Vec<String>) {
     let folder = folder();
     templates::prepare_more(folder.path());
@@ -221,9 +221,9 @@ fn files_beyond_their_limits_are_refused_unread() {
     }
 }
 
-/// The whole table with all values: `cargo test --release --test all limits:: --
-/// --ignored --nocapture` prints what was tried, and what took longest;
-/// `LIMITS=TEXT` tries only numbers whose names hold the text.
+/// The whole table with all values: `cargo test --release --test all limits::
+/// -- --ignored --nocapture` prints all trials, and the slowest ones;
+/// `LIMITS=TEXT` tries only numbers whose names contain the text.
 #[test]
 #[ignore = "takes long"]
 fn the_whole_table_at_its_ends() {

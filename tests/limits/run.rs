@@ -22,7 +22,7 @@ pub(crate) struct Invocation {
 /// End of a run.
 #[derive(Debug)]
 pub(crate) struct Ending {
-    /// The exit code, if it ended by itself.
+    /// The exit code, if the process was not killed.
     pub(crate) code: Option<i32>,
     /// Output, its beginning and end.
     pub(crate) told: String,
@@ -38,8 +38,8 @@ impl Invocation {
         format!("{} {}", self.program, self.arguments.join(" "))
     }
 
-    /// Runs it in a folder with 2 GB, and stops it after so many seconds of
-    /// processors: other work on the computer does not count.
+    /// Runs it in a folder with 2 GB, and stops it after this number of seconds
+    /// of processor time: other work on the computer does not count.
     pub(crate) fn run(&self, folder: &Path, seconds: u64) -> Ending {
         let program = match self.program {
             "robovec" => env!("CARGO_BIN_EXE_robovec"),

@@ -1,8 +1,8 @@
 //! Trials of each number of the table: a program that reads it and works with
 //! it, on a small input.
 //!
-//! A number of a pass, a subcommand or a kind of file that has a template is
-//! tried without a word here; one without fails the test that says so.
+//! A number of a pass, a subcommand or a kind of file with a template is tried
+//! automatically; one without fails the test with a message.
 
 use super::run::Invocation;
 use robovec_num::limits::LimitRow;
@@ -112,8 +112,8 @@ fn pass(row: &LimitRow, value: &str) -> Invocation {
     }
 }
 
-/// The command line of a subcommand, the flag with its value put in place of
-/// what stands there.
+/// The command line of a subcommand, with the placeholder replaced by the value
+/// of the flag.
 fn flag(row: &LimitRow, value: &str) -> Option<Invocation> {
     let name = row.name.as_str();
     let base = match (row.place.as_str(), name) {

@@ -1,5 +1,5 @@
 //! Files of equations changed at random: tokens exchanged, left out, doubled
-//! and put in; whole lines; what people and bad generators write.
+//! and inserted; whole lines; mistakes of people and of bad generators.
 
 use robovec::robotran::Language;
 use robovec_num::random::Random;
@@ -113,7 +113,7 @@ impl Mutator {
         self.0.below(count.max(1))
     }
 
-    /// A text with a change, or two, behind its head.
+    /// A text with a change, or two, after its head.
     pub(crate) fn mutant(&mut self, text: &str, language: Language) -> String {
         let marks = match language {
             Language::C => ["void mbs_", "int mbs_"],

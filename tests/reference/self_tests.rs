@@ -54,7 +54,7 @@ fn later(state: &State<Double>, time: f64) -> State<Double> {
     moved
 }
 
-/// The derivative in time of what a state determines.
+/// The derivative in time of a function of the state.
 fn derivative<const N: usize>(
     state: &State<Double>,
     what: impl Fn(&State<Double>) -> [Double; N],
@@ -148,7 +148,7 @@ fn the_mass_matrix_is_that_of_the_kinetic_energy() {
     });
 }
 
-/// `Q = d/dt (dT/dqd) - dT/dq + dV/dq` less what external forces do.
+/// `Q = d/dt (dT/dqd) - dT/dq + dV/dq` minus the external forces.
 #[test]
 fn inverse_dynamics_is_lagranges() {
     each(|model, state| {

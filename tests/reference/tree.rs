@@ -5,13 +5,13 @@ use super::spatial::{Matrix3, Vector3, apply, identity, product, scale, transpos
 use robovec::model::{Axis, JointKind, JointMounting, Model};
 use std::array::from_fn;
 
-/// A joint with the (perhaps massless) body behind it.
+/// A joint with the (perhaps massless) body beyond it.
 pub(crate) struct Link<T> {
     /// The joint before it; `None` for the base.
     pub(crate) parent: Option<usize>,
     /// Kind and axis.
     pub(crate) kind: JointKind,
-    /// Place where it is attached, in the frame of the parent.
+    /// Its attachment, in the frame of the parent.
     pub(crate) offset: Vector3<T>,
     /// The constant rotation that comes before the joint's: `x = R x_parent`.
     pub(crate) turn: Matrix3<T>,
@@ -19,7 +19,7 @@ pub(crate) struct Link<T> {
     pub(crate) sign: f64,
     /// Mass.
     pub(crate) mass: T,
-    /// Centre of mass, in the frame behind the joint.
+    /// Centre of mass, in the frame beyond the joint.
     pub(crate) center: Vector3<T>,
     /// Inertia about the centre of mass.
     pub(crate) inertia: Matrix3<T>,
@@ -93,7 +93,7 @@ impl<T: Real> Link<T> {
         apply(&transpose(&self.turn), scale(q, self.axis()))
     }
 
-    /// The rotation into the frame behind the joint: `x_i = R x_parent`.
+    /// The rotation into the frame beyond the joint: `x_i = R x_parent`.
     pub(crate) fn rotation(&self, q: T) -> Matrix3<T> {
         match self.kind {
             JointKind::Revolute(axis) => product(&about(axis, T::from(self.sign) * q), &self.turn),

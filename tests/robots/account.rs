@@ -1,6 +1,6 @@
 //! Mass matrix and forces of a robot, straight from the numbers of its file:
 //! every link in the frame of the world, Rodrigues' rotations, geometric
-//! Jacobians of the centres of mass. Nothing of the reader is used.
+//! Jacobians of the centres of mass. No code of the reader is used.
 
 use super::draw::{DrawnJoint, DrawnLink, DrawnPlace, DrawnRobot};
 use std::array::from_fn;
@@ -20,8 +20,8 @@ struct Freedom {
     point: Option<Vector>,
 }
 
-/// A frame in the world: where it is and how it moves without accelerations of
-/// the joints.
+/// A frame in the world: its pose and its motion without accelerations of the
+/// joints.
 #[derive(Clone)]
 struct WorldFrame {
     rotation: Matrix,
@@ -185,7 +185,7 @@ impl WorldFrame {
     }
 }
 
-/// The frame of the link behind a joint.
+/// The frame of the link beyond a joint.
 fn behind(
     joint: &DrawnJoint,
     name: String,

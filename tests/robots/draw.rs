@@ -5,7 +5,7 @@ use robovec_num::random::Random;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
 
-/// A place as URDF says it: an offset, and roll, pitch and yaw.
+/// A place in URDF: an offset, and roll, pitch and yaw.
 #[derive(Clone, Copy, Default)]
 pub(super) struct DrawnPlace {
     pub(super) offset: [f64; 3],

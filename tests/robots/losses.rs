@@ -1,10 +1,10 @@
-//! Damping and friction of joints: laws of whoever moves the robot, and told
+//! Damping and friction of joints: laws of the simulation, and reported
 //! wherever they are not used.
 
 use crate::support::programs::{robovec_in, said, stderr};
 use std::fs;
 
-/// A pendulum with what its joint has besides an axis.
+/// A pendulum with further properties of its joint.
 fn pendulum(dynamics: &str) -> String {
     format!(
         "<robot name=\"bob\"><link name=\"base\"/><link name=\"bob\"><inertial>\

@@ -1,5 +1,5 @@
-//! Files that are wrong: every mistake is told with its place and with what to
-//! do, nothing is written, and no file takes long.
+//! Wrong files: every mistake is reported with its place and a remedy, no file
+//! is written, and no file takes long.
 
 use super::shipped::EXAMPLES;
 use crate::support::files::{compare_with_record, each, list, name};

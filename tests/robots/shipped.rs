@@ -1,5 +1,5 @@
-//! The robots that ship: as they are told, as they move, and as scenes see
-//! their limits.
+//! The robots that ship: their descriptions, their motions, and their limits in
+//! scenes.
 
 use crate::support::files::{compare_with_record, each, list, name, tree};
 use crate::support::programs::{robovec, said, stderr};
@@ -33,8 +33,8 @@ fn the_robots_that_ship_are_read_without_a_warning_and_told_as_recorded() {
     });
 }
 
-/// The energy that a motion loses in parts of the largest kinetic energy, as
-/// `sim` tells both.
+/// The loss of energy of a motion, as a part of the largest kinetic energy,
+/// from the figures that `sim` prints.
 fn drift(name: &str, base: &str) -> f64 {
     let path = format!("{FOLDER}/{name}");
     let options = "--time 1 --tolerance 1e-10 --samples 4 --base";
@@ -84,8 +84,8 @@ fn the_name_of_a_file_does_not_matter_where_its_text_tells() {
     assert!(said(&output).starts_with("arm: 7 joints of 7 bodies"));
 }
 
-/// Everybody's results are compared before a time is shown, those in binary32
-/// too; what cannot take part says why.
+/// All results are compared before a time is shown, those in binary32 too; a
+/// contestant that cannot take part is listed with the reason.
 #[test]
 fn robots_are_benched_after_a_comparison() {
     let options = "bench --robots examples/robots/gripper.urdf examples/robots/oblique.urdf \

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// Tests whether a tool is installed; says so when not.
+/// Tests whether a tool is installed; prints a remark otherwise.
 pub(crate) fn is_there(tool: HardwareSimulator) -> bool {
     if let Some(program) = tool.missing() {
         eprintln!("SKIPPED: {program} is not installed, nothing was checked with {tool:?}");

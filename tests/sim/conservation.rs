@@ -1,4 +1,4 @@
-//! Conserved quantities, and the order to which they are.
+//! Conserved quantities, and the order of their errors.
 
 use super::models::{double_pendulum, four_bar, run, runge_kutta, spatial_chain};
 use robovec::model::Model;

@@ -65,8 +65,8 @@ fn sorted(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// Every file of laws fits the model whose name it begins with; energy changes
-/// by the work of dampers, weights and drives alone, and where nothing moves
-/// them the bodies come to rest.
+/// by the work of dampers, weights and drives alone, and without drives the
+/// bodies come to rest.
 #[test]
 fn example_laws_bring_their_models_to_rest() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/laws");

@@ -155,7 +155,7 @@ fn gravity_along_an_axis_leaves_the_momentum_about_it() {
 }
 
 /// A mass on a spring whose other end moves: the forced oscillation in closed
-/// form, and energy by the work of what moves it.
+/// form, and energy including the work of the moving end.
 #[test]
 fn a_moving_place_forces_an_oscillation() {
     let mut builder = Builder::new(&[]);

@@ -1,4 +1,4 @@
-//! Models in motion: what physics demands of a simulation from end to end.
+//! Models in motion: physical laws that a simulation must obey.
 
 mod command;
 mod conservation;

@@ -53,7 +53,7 @@ impl Builder {
         }
     }
 
-    /// A body on a point of another, behind joints of kinds and natures that
+    /// A body on a point of another, beyond joints of kinds and natures that
     /// start at the given positions.
     pub(crate) fn body(
         &mut self,
@@ -116,7 +116,7 @@ impl Builder {
     }
 }
 
-/// A pendulum behind a slide, with a link to the base and a force on its tip,
+/// A pendulum beyond a slide, with a link to the base and a force on its tip,
 /// and laws for them.
 pub(crate) fn spring_mechanism() -> (Model, &'static str) {
     let mut builder = Builder::new(&[[0.0; 3], [0.7, -0.6, -0.9]]);

@@ -1,11 +1,11 @@
 //! Summaries of runs of `sim`: in `runs/*.txt` the arguments, and below them
 //! the summary.
 //!
-//! Drifts are what rounding and the method leave, and differ a little between
-//! libraries of sines: numbers with an exponent may be four times larger or
-//! smaller, counts of steps and evaluations a tenth. Times of events and
-//! everything else must be the same. How fast a run was is told on terminals
-//! alone.
+//! Drifts are results of rounding and of the method, and differ a little
+//! between libraries of sines: numbers with an exponent may be four times
+//! larger or smaller, counts of steps and evaluations a tenth. Times of events
+//! and everything else must be the same. The speed of a run is printed on
+//! terminals alone.
 
 use crate::support::programs::robovec_in;
 use std::fs;
@@ -17,7 +17,7 @@ const APART: f64 = 4.0;
 /// Drifts below this are rounding of a few last digits.
 const ROUNDING: f64 = 1e-11;
 
-/// True when the lines say the same.
+/// True when the lines are equal.
 fn same(expected: &str, found: &str) -> bool {
     let (expected, found): (Vec<&str>, Vec<&str>) = (
         expected.split_whitespace().collect(),

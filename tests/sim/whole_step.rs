@@ -122,8 +122,8 @@ fn loops_that_are_not_projected_open() {
     }
 }
 
-/// A slider-crank that the slider drives: at the dead centres it does not tell
-/// which way the crank goes. The crank turns round in 0.19 s.
+/// A slider-crank that the slider drives: at the dead centres the direction of
+/// the crank is undetermined. The crank turns round in 0.19 s.
 fn driven_by_the_slider() -> Model {
     let mut model = built_in("slider-crank").expect("a family");
     model.joints[0].nature = Nature::Dependent;

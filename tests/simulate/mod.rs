@@ -142,8 +142,8 @@ fn placed_programs_give_the_evaluators_bits() {
     assert!(buffered > 0, "buffers were in use");
 }
 
-/// Instances at once compute what one alone computes, from inputs of their
-/// own.
+/// Interleaved instances give the results of a single one, each from its own
+/// inputs.
 #[test]
 fn interleaved_programs_give_the_bits_of_every_instance() {
     const COUNT: usize = 3;

@@ -82,8 +82,8 @@ pub(crate) fn random_function(random: &mut Random, operations: usize, machine: &
     module
 }
 
-/// An operation of [`random_function`] on operands that are known by then:
-/// inputs, sines and cosines, two constants, and what was computed before.
+/// An operation of [`random_function`] on known operands: inputs, sines and
+/// cosines, two constants, and earlier results.
 fn random_operation(
     random: &mut Random,
     fused: bool,
@@ -132,7 +132,7 @@ struct Naive {
     buffers: Vec<Option<BufferWord>>,
     writes: Vec<Vec<Write>>,
     preloads: Vec<Preload>,
-    /// Place where an operand stands in a memory.
+    /// Place of an operand in a memory.
     places: BTreeMap<(Element, Bank, Operand), u32>,
     /// The next free address of a memory.
     free: BTreeMap<(Element, Bank), u32>,

@@ -246,7 +246,7 @@ fn placements_that_do_not_fit_their_function() {
     }
 }
 
-/// The format is an interface: whatever changes it must change the snapshot.
+/// The format is an interface: every change of it must change the snapshot.
 #[test]
 fn images_of_the_program_placed_by_hand() {
     let files = images(view(&hand::module()), &thesis(), None).expect("it has images");

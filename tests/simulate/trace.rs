@@ -48,8 +48,8 @@ fn a_trace_holds_what_is_loaded_and_every_result_in_its_cycle() {
     assert_eq!(program.memories().collect::<Vec<_>>(), names);
 }
 
-/// Results stand where schedule and pipelines say, with the evaluator's bits,
-/// and the loaded words are those of the preloads.
+/// Results are at the places of schedule and pipelines, with the evaluator's
+/// bits, and the loaded words are those of the preloads.
 #[test]
 fn traces_are_schedules_with_the_evaluators_values() {
     for (name, _) in robovec_ir::machine::BUILT_IN {

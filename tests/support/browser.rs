@@ -13,8 +13,8 @@ fn chromium() -> Option<&'static str> {
     })
 }
 
-/// Report of a script that drove through a page, by its keys; it writes them
-/// into an element `told`. `None` without a browser.
+/// Report of a script that operated a page, by its keys; it writes them into an
+/// element `told`. `None` without a browser.
 pub(crate) fn driven(page: &Path, script: &str, width: u32) -> Option<BTreeMap<String, String>> {
     let Some(browser) = chromium() else {
         eprintln!("SKIPPED: no Chromium is installed, no page was opened");

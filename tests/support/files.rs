@@ -1,8 +1,8 @@
-//! File tests: something is done with every file of a folder, and what comes
-//! of it is compared with the text recorded beside it.
+//! File tests: every file of a folder is processed, and the output is compared
+//! with the text recorded beside it.
 //!
-//! `INSTA_UPDATE=always cargo test --workspace` records what comes of them
-//! now; `git diff` shows what that changes.
+//! `INSTA_UPDATE=always cargo test --workspace` records the present output;
+//! `git diff` shows the changes.
 
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};

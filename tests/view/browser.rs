@@ -1,5 +1,5 @@
-//! Pages in a browser without a window: five clicks from a late output to the
-//! equation and the rule behind it, every view opened, no error.
+//! Pages in a browser without a window: five clicks from a late output to its
+//! equation and rule, every view opened, no error.
 
 use super::{shown, suspension};
 use crate::support::browser::driven;
@@ -11,8 +11,8 @@ use std::path::PathBuf;
 const RULED: &str = "atomise,zero-removal,balance,factor{path=free},eqsat,balance,cse,dce,place";
 const DRIVE: &str = include_str!("drive.js");
 
-/// Drives through the page of a pipeline; on the chain of the latest output
-/// a rule must be found where `with_rule` says so, a pass always.
+/// Operates the page of a pipeline; on the chain of the latest output a rule
+/// must be found if `with_rule` is set, a pass always.
 fn check(input: PathBuf, passes: &str, with_rule: bool, (width, most_kilobytes): (u32, u64)) {
     let folder = tempfile::tempdir().expect("a folder can be made");
     let page = shown(&input, &["--passes", passes], folder.path());

@@ -1,5 +1,5 @@
-//! The page of a compilation: what it holds, and how it behaves in a browser.
-//! Where no Chromium is installed, a line says so and no page is opened.
+//! The page of a compilation: its content, and its behaviour in a browser.
+//! Where no Chromium is installed, a line reports it and no page is opened.
 
 mod browser;
 

@@ -1,4 +1,4 @@
-//! The command that writes files, and what it refuses.
+//! The command that writes files, and its refusals.
 
 use super::read_file;
 use robovec::robotran::Language;

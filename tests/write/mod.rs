@@ -1,5 +1,5 @@
-//! The writer of Robotran's files: what it writes reads back as the function
-//! it was, in every language, and compiles to the same numbers.
+//! The writer of Robotran's files: its files read back as the same function, in
+//! every language, and compile to the same numbers.
 
 mod command;
 mod evaluated;

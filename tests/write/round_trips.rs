@@ -1,4 +1,4 @@
-//! Written equations read back as the function they were.
+//! Written equations read back as the same function.
 
 use super::evaluated::numbers;
 use super::same::assert_same;
@@ -58,8 +58,8 @@ fn examples_read_back_in_every_language() {
     }
 }
 
-/// The C for processors reads back where it is one straight-line function,
-/// and says what it is where it is not.
+/// The C for processors reads back where it is one straight-line function, and
+/// is otherwise identified in the message.
 #[test]
 fn c_for_processors_reads_back_or_says_why_not() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/suspension");

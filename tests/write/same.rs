@@ -1,4 +1,4 @@
-//! Equality of two modules, whatever a language changes.
+//! Equality of two modules, up to the changes of a language.
 
 use robovec_framework::rewrite::lay_out;
 use robovec_ir::print::print_module;
@@ -36,7 +36,7 @@ fn normalised(module: &Module) -> Module {
 }
 
 /// The function with its arrays in order of their names: where Matlab must
-/// return what C keeps in its structure, their order differs.
+/// return arrays that C keeps in its structure, their order differs.
 pub(super) fn sorted(view: View<'_>) -> Function {
     let old = view.function;
     let mut new = Function::new(&old.name, old.level);
