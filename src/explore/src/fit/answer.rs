@@ -252,7 +252,9 @@ fn refusal(task: &FitTask<'_>, outcome: &FitOutcome) -> Vec<Line> {
     }
     if let Some(exact) = exact {
         let used = percent(exact.used);
-        lines.push(("most exact", format!("{used} of the tolerance")));
+        let accepted = percent(ACCEPTED);
+        let text = format!("{used} of the tolerance; up to {accepted} are accepted");
+        lines.push(("most exact", text));
     }
     lines
 }

@@ -46,15 +46,17 @@ impl FitSources {
         let [real, held] =
             [states.to_vec(), held].map(|states| Yardstick::at(view(task.general), states));
         let view = view(&program.module);
-        let largest = |reference: &Yardstick, data: &Yardstick, format| {
-            let results = results(view, format, &data.inputs(view)?);
+        let largest = |reference: &Yardstick, inputs: &[Vec<f64>], format| {
+            let results = results(view, format, inputs);
             let shares = shares(task, program, reference, &results)?;
             Ok::<f64, FitError>(shares.into_iter().fold(0.0, f64::max))
         };
+        let [all_digits, rounded] = [real.inputs(view)?, held.inputs(view)?];
+        let same = Yardstick::at(view, rounded.clone());
         Ok(Some(FitSources {
-            data: largest(&real, &held, Format::BINARY64)?,
-            series: largest(&real, &real, Format::BINARY64)?,
-            operations: largest(&held, &held, format)?,
+            data: largest(&real, &rounded, Format::BINARY64)?,
+            series: largest(&real, &all_digits, Format::BINARY64)?,
+            operations: largest(&same, &rounded, format)?,
         }))
     }
 }
