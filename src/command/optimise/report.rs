@@ -10,7 +10,7 @@ use robovec_explore::optimise::text::OptimisationPage;
 use robovec_explore::optimise::{
     OptimisationPoint, OptimisationQuestion, OptimisationTarget, Optimised, text,
 };
-use robovec_explore::program::{transformed_by, view};
+use robovec_explore::program::{depending, transformed_by, view};
 use robovec_framework::manager::{self, Config};
 use robovec_io::files::Replace;
 use robovec_ir::diagnostic::counted;
@@ -102,6 +102,10 @@ pub(super) fn report(
     let mut text = format!("{head}\n{table}\n{}{rest}\n", text::numbers(found));
     if telling::is_verbose() {
         text += &format!("\n{}\n\nto make it again:\n{commands}", text::table(found));
+        if given.scene.is_some() {
+            text += "\n";
+            text += &depending(view(&found.program));
+        }
         for (name, reason) in &given.left {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "formulation {name} is left out: {reason}");

@@ -5,8 +5,10 @@ use robovec_error::yardstick::Unmeasurable;
 use robovec_framework::manager::{self, Config, RunError};
 use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;
-use robovec_ir::{Machine, Module, View};
+use robovec_ir::print::{print_operand, print_output};
+use robovec_ir::{Input, Machine, Module, View};
 use robovec_passes::registry::REGISTRY;
+use robovec_passes::specialise::support::dependences;
 use std::collections::BTreeMap;
 use std::io;
 use std::sync::Arc;
@@ -135,4 +137,23 @@ impl<'a> ProgramWorkshop<'a> {
         }
         Ok(module)
     }
+}
+
+/// The inputs that every output of a program depends on, a line each.
+pub fn depending(view: View<'_>) -> String {
+    let Some(dependences) = dependences(view) else {
+        return "too large to test which inputs each output depends on\n".to_owned();
+    };
+    let lines = view.function.assignments.iter().zip(&dependences);
+    let text = lines.map(|(assignment, places)| {
+        let input = |&place: &usize| print_operand(view, Input(place as u32).into());
+        let inputs: Vec<String> = places.iter().map(input).collect();
+        let inputs = match inputs.len() {
+            0 => "no input".to_owned(),
+            _ => inputs.join(", "),
+        };
+        let output = print_output(view, assignment.output);
+        format!("{output} depends on {inputs}\n")
+    });
+    text.collect()
 }

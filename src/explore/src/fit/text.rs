@@ -6,12 +6,9 @@ use super::{FitCandidate, FitOutcome, FitTask, SineTreatment};
 use crate::captions;
 use crate::front::STEPS;
 use crate::pareto;
-use crate::program::view;
+use crate::program::{depending, view};
 use robovec_error::yardstick::account::ERROR_HEADS;
-use robovec_ir::Input;
-use robovec_ir::print::{print_operand, print_output};
 use robovec_num::trigonometry::host::TrigonometricUnit;
-use robovec_passes::specialise::support::dependences;
 use robovec_present::number::{exponential, or_nothing, share_percent};
 use robovec_present::text::{headed, labelled, thinned};
 use robovec_present::{
@@ -59,7 +56,9 @@ pub(super) fn details(outcome: &FitOutcome) -> String {
     let pipeline = or_nothing(program, |program| {
         format!("pipeline: {}\n", outcome.programs[program].pipeline)
     });
-    let needed = or_nothing(program, |program| needed(outcome, program));
+    let needed = or_nothing(program, |program| {
+        depending(view(&outcome.programs[program].module))
+    });
     format!(
         "{pipeline}{needed}{}{}\nFront of time, error and cost, {}\n{}\n",
         units(outcome),
@@ -70,26 +69,6 @@ pub(super) fn details(outcome: &FitOutcome) -> String {
         },
         columns(outcome).text(&front)
     )
-}
-
-/// The inputs that every output of a program depends on.
-fn needed(outcome: &FitOutcome, program: usize) -> String {
-    let view = view(&outcome.programs[program].module);
-    let Some(dependences) = dependences(view) else {
-        return "too large to test which inputs each output depends on\n".to_owned();
-    };
-    let lines = view.function.assignments.iter().zip(&dependences);
-    let text = lines.map(|(assignment, places)| {
-        let input = |&place: &usize| print_operand(view, Input(place as u32).into());
-        let inputs: Vec<String> = places.iter().map(input).collect();
-        let inputs = match inputs.len() {
-            0 => "no input".to_owned(),
-            _ => inputs.join(", "),
-        };
-        let output = print_output(view, assignment.output);
-        format!("{output} depends on {inputs}\n")
-    });
-    text.collect()
 }
 
 /// The front of time, error and cost, each row once, the fastest first, at most
