@@ -89,7 +89,12 @@ pub(super) fn report(
         .map(|(label, text)| format!("{label:<LABELS$}{text}\n"))
         .collect();
     // The table has the other choices as well, and the page everything.
-    for label in [answer::OTHERS, answer::SCHEDULE, LEFT_OUT] {
+    for label in [
+        answer::OTHERS,
+        answer::SCHEDULE,
+        LEFT_OUT,
+        answer::OPERATIONS,
+    ] {
         let parts = [&title, &labelled(&lines), &last];
         let height: usize = parts.iter().map(|part| part.lines().count()).sum();
         if height > SCREEN - FRAME - LEAST_ROWS {

@@ -13,6 +13,9 @@ use serde::Serialize;
 /// Label of the line with other choices.
 pub const OTHERS: &str = "or choose";
 
+/// Label of the numbers of operations.
+pub const OPERATIONS: &str = "operations";
+
 /// Label of the schedule beside its bound.
 pub const SCHEDULE: &str = "schedule";
 
@@ -147,7 +150,7 @@ impl OptimisationAnswer {
         }
         if self.measure != SpeedMeasure::Operations {
             let [before, after] = self.operations;
-            lines.push(("operations", format!("{before} -> {after}")));
+            lines.push((OPERATIONS, format!("{before} -> {after}")));
         }
         let [before, after] = self.worst_errors.map(error_text);
         lines.push((
