@@ -129,13 +129,45 @@ impl Interval {
     pub fn square(self) -> Interval {
         let (small, large) = (self.mignitude(), self.magnitude());
         Interval {
-            low: (small * small).next_down().max(0.0),
-            high: if large == 0.0 {
-                0.0
-            } else {
-                (large * large).next_up()
-            },
+            low: product(small, small, false).max(0.0),
+            high: product(large, large, true),
         }
+    }
+}
+
+/// The bits of a number from its first one to its last one.
+fn bits(number: f64) -> u32 {
+    let fraction = number.to_bits() & ((1 << 52) - 1);
+    53 - (fraction | 1 << 52).trailing_zeros()
+}
+
+/// True when a factor and the other one, or the quotient, are numbers of so
+/// few bits that their rounded product is exact.
+fn is_short(a: f64, b: f64, product: f64) -> bool {
+    a.is_normal() && b.is_normal() && product.is_normal() && bits(a) + bits(b) <= 53
+}
+
+/// A product rounded down or up: moved only where it may have been rounded. No
+/// number of an interval is infinite, so zero times an end is zero.
+fn product(a: f64, b: f64, up: bool) -> f64 {
+    if a == 0.0 || b == 0.0 {
+        return 0.0;
+    }
+    let product = a * b;
+    match up {
+        _ if is_short(a, b, product) => product,
+        true => product.next_up(),
+        false => product.next_down(),
+    }
+}
+
+/// A quotient rounded down or up: moved only where it may have been rounded.
+fn quotient(a: f64, b: f64, up: bool) -> f64 {
+    let quotient = a / b;
+    match up {
+        _ if is_short(quotient, b, a) && quotient * b == a => quotient,
+        true => quotient.next_up(),
+        false => quotient.next_down(),
     }
 }
 
@@ -205,17 +237,18 @@ impl std::ops::Mul for Interval {
         if self == Interval::ZERO || other == Interval::ZERO {
             return Interval::ZERO;
         }
-        // No number inside is infinite, so zero times an end is zero.
-        let product = |a: f64, b: f64| if a == 0.0 || b == 0.0 { 0.0 } else { a * b };
-        let corners = [
-            product(self.low, other.low),
-            product(self.low, other.high),
-            product(self.high, other.low),
-            product(self.high, other.high),
+        let pairs = [
+            (self.low, other.low),
+            (self.low, other.high),
+            (self.high, other.low),
+            (self.high, other.high),
         ];
-        let low = corners.into_iter().fold(f64::INFINITY, f64::min);
-        let high = corners.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        let ends = Interval::outward(low, high);
+        let ends = Interval {
+            low: (pairs.iter()).fold(f64::INFINITY, |low, &(a, b)| low.min(product(a, b, false))),
+            high: (pairs.iter()).fold(f64::NEG_INFINITY, |high, &(a, b)| {
+                high.max(product(a, b, true))
+            }),
+        };
         // A sign that is certain stays so: rounding never passes zero.
         let signs = [
             self.low >= 0.0,
@@ -247,18 +280,21 @@ impl std::ops::Div for Interval {
         if self == Interval::ZERO {
             return Interval::ZERO;
         }
-        let corners = [
-            self.low / other.low,
-            self.low / other.high,
-            self.high / other.low,
-            self.high / other.high,
+        let pairs = [
+            (self.low, other.low),
+            (self.low, other.high),
+            (self.high, other.low),
+            (self.high, other.high),
         ];
-        if corners.iter().any(|corner| corner.is_nan()) {
+        if pairs.iter().any(|(a, b)| (a / b).is_nan()) {
             return Interval::WHOLE;
         }
-        let low = corners.into_iter().fold(f64::INFINITY, f64::min);
-        let high = corners.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        Interval::outward(low, high)
+        Interval {
+            low: (pairs.iter()).fold(f64::INFINITY, |low, &(a, b)| low.min(quotient(a, b, false))),
+            high: (pairs.iter()).fold(f64::NEG_INFINITY, |high, &(a, b)| {
+                high.max(quotient(a, b, true))
+            }),
+        }
     }
 }
 
@@ -341,12 +377,18 @@ impl Arithmetic for Enclosing {
         if a.low < 0.0 {
             return Interval::WHOLE;
         }
+        let [low, high] = [a.low.sqrt(), a.high.sqrt()];
+        let exact = |root: f64, square: f64| is_short(root, root, square) && root * root == square;
         Interval {
-            low: a.low.sqrt().next_down().max(0.0),
-            high: if a.high == 0.0 {
-                0.0
+            low: if exact(low, a.low) {
+                low
             } else {
-                a.high.sqrt().next_up()
+                low.next_down().max(0.0)
+            },
+            high: if high == 0.0 || exact(high, a.high) {
+                high
+            } else {
+                high.next_up()
             },
         }
     }
