@@ -10,7 +10,7 @@
 //! operations, so that the same search gives the same states everywhere.
 
 use crate::adjoint::Tape;
-use crate::interval::{GivenData, between};
+use crate::interval::{GivenData, between, exact_literal};
 use robovec_ir::Format;
 use robovec_num::double_double::{Double, DoubleDouble};
 use robovec_num::interval::Interval;
@@ -56,14 +56,19 @@ pub struct FoundErrors {
 ///
 /// Panics when there is not one range per input element.
 pub fn largest_errors(subject: SearchSubject<'_>, seed: u64) -> FoundErrors {
+    let [least, most] = STATES;
+    let states = (WORK / (subject.tape.slots() + 1)).clamp(least, most);
+    search(subject, seed, states)
+}
+
+/// The search with a number of states.
+pub(crate) fn search(subject: SearchSubject<'_>, seed: u64, states: usize) -> FoundErrors {
     let tape = subject.tape;
     assert_eq!(
         subject.inputs.len(),
         tape.inputs(),
         "one range per input element"
     );
-    let [least, most] = STATES;
-    let states = (WORK / (tape.slots() + 1)).clamp(least, most);
     let drawn = states / 8 * DRAWN_OF_EIGHT;
     let mut found = FoundErrors {
         errors: vec![0.0; tape.outputs()],
@@ -72,6 +77,10 @@ pub fn largest_errors(subject: SearchSubject<'_>, seed: u64) -> FoundErrors {
     };
     let free: Vec<usize> = (0..subject.inputs.len())
         .filter(|&input| subject.inputs[input].low < subject.inputs[input].high)
+        .collect();
+    let literals = tape.constants().iter();
+    let literals: Vec<Double> = literals
+        .map(|&number| exact_literal(number, subject.data))
         .collect();
     for number in 0..states {
         let mut random = Random::new(mix(seed ^ mix(number as u64)));
@@ -83,7 +92,7 @@ pub fn largest_errors(subject: SearchSubject<'_>, seed: u64) -> FoundErrors {
             }
             _ => subject.drawn(number, &mut random),
         };
-        let (state, errors) = subject.errors(state, &mut random);
+        let (state, errors) = subject.errors(state, &literals, &mut random);
         if errors.iter().all(|error| error.is_finite()) {
             found.tried += 1;
         }
@@ -137,10 +146,15 @@ impl SearchSubject<'_> {
         state
     }
 
-    /// The errors of all outputs at a state, and the state as taken: data are
-    /// numbers of the format when `held`, real ones lie anywhere between those
-    /// of binary64.
-    fn errors(&self, mut state: Vec<f64>, random: &mut Random) -> (Vec<f64>, Vec<f64>) {
+    /// The errors of all outputs at a state, and the state as it was taken:
+    /// data that are held are numbers of the format, real ones lie anywhere
+    /// between those of binary64.
+    fn errors(
+        &self,
+        mut state: Vec<f64>,
+        literals: &[Double],
+        random: &mut Random,
+    ) -> (Vec<f64>, Vec<f64>) {
         let arithmetic = FormatArithmetic::new(self.format);
         let held: Vec<f64> = state.iter().map(|&x| arithmetic.convert(x)).collect();
         let mut inside = true;
@@ -159,7 +173,7 @@ impl SearchSubject<'_> {
                     between(self.format, number, range, random.unit())
                 }
             });
-            let exact = tape.evaluate_numbers(&DoubleDouble, inputs);
+            let exact = tape.evaluate_numbers(&DoubleDouble, inputs, literals.iter().copied());
             let computed = tape.evaluate(&arithmetic, &held);
             for (output, error) in errors.iter_mut().enumerate() {
                 let slot = tape.output_slot(output);

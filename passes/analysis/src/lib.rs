@@ -15,4 +15,6 @@ pub mod range;
 pub mod reference;
 pub mod rounding;
 pub mod slice;
+#[cfg(test)]
+mod sound_tests;
 pub mod stochastic;

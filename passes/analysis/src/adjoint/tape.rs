@@ -149,18 +149,21 @@ impl Tape {
     /// Panics when there is not one number per input element.
     pub fn evaluate<A: Arithmetic>(&self, arithmetic: &A, inputs: &[f64]) -> Vec<A::Number> {
         let inputs = inputs.iter().map(|&number| arithmetic.literal(number));
-        self.evaluate_numbers(arithmetic, inputs)
+        let literals = self.constants.iter();
+        let literals = literals.map(|&number| arithmetic.literal(number));
+        self.evaluate_numbers(arithmetic, inputs, literals)
     }
 
-    /// The number in every slot, given those of the inputs.
+    /// The number in every slot, given those of the inputs and literals.
     ///
     /// # Panics
     ///
-    /// Panics when there is not one number per input element.
+    /// Panics when there is not one number per input element and literal.
     pub fn evaluate_numbers<A: Arithmetic>(
         &self,
         arithmetic: &A,
         inputs: impl Iterator<Item = A::Number>,
+        literals: impl Iterator<Item = A::Number>,
     ) -> Vec<A::Number> {
         let mut slots = Vec::with_capacity(self.slots());
         slots.resize(self.nodes(), arithmetic.literal(0.0));
@@ -170,8 +173,9 @@ impl Tape {
             self.nodes() + self.inputs,
             "one number per input element"
         );
-        let constants = self.constants.iter().chain(&[0.0]);
-        slots.extend(constants.map(|&number| arithmetic.literal(number)));
+        slots.extend(literals);
+        slots.push(arithmetic.literal(0.0));
+        assert_eq!(slots.len(), self.slots(), "one number per literal");
         for (node, (&operation, operands)) in self.operations.iter().zip(&self.operands).enumerate()
         {
             let operands = operands.map(|operand| slots[operand as usize]);

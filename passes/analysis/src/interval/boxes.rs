@@ -20,6 +20,10 @@ const TRIED: usize = 8;
 /// Relative distance of the bound from that at a state at which cutting ends.
 const NEAR: f64 = 1.0 / 128.0;
 
+/// Quotient of the ends of a range beyond which it is cut at their geometric
+/// mean.
+const FAR: f64 = 4.0;
+
 /// Results over boxes.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SubdividedEnclosure {
@@ -84,6 +88,8 @@ struct BoxSearch<'a> {
     /// Enclosures that may still be computed.
     left: usize,
     made: usize,
+    /// Bound at the worst state that was tested.
+    at_a_state: f64,
 }
 
 /// Bounds the error of a window over boxes, with at most this number of
@@ -101,13 +107,14 @@ pub fn subdivide(
         leaves,
         left: most,
         made: 0,
+        at_a_state: 0.0,
     };
     let whole = search.leaf_box(leaves.ranges.clone(), 0);
     let mut open = BinaryHeap::from([whole]);
-    let (mut done, mut at_a_state) = (Vec::new(), 0.0f64);
+    let mut done = Vec::new();
     while let Some(worst) = open.pop() {
-        at_a_state = at_a_state.max(search.middle(&worst.ranges));
-        let near = worst.error <= at_a_state * (1.0 + NEAR);
+        search.at_a_state = search.at_a_state.max(search.at(&worst.ranges));
+        let near = worst.error <= search.at_a_state * (1.0 + NEAR);
         if near || search.left == 0 {
             open.push(worst);
             break;
@@ -119,7 +126,7 @@ pub fn subdivide(
     }
     done.extend(open);
     done.sort_by(|a, b| b.cmp(a));
-    summary(done, at_a_state, most - search.left)
+    summary(done, search.at_a_state, most - search.left)
 }
 
 /// Summary over boxes, the worst of which is the first.
@@ -161,23 +168,23 @@ impl BoxSearch<'_> {
         }
     }
 
-    /// The bound at the middle of a box; zero where it has no end, since that
-    /// is no reason to stop.
-    fn middle(&mut self, ranges: &[Interval]) -> f64 {
+    /// The bound at a state, other leaves in the middle of their ranges; zero
+    /// where it has no end, since that is no reason to stop.
+    fn at(&mut self, ranges: &[Interval]) -> f64 {
         let points = ranges.iter().map(|&range| Interval::point(middle(range)));
         let points: Vec<Interval> = points.collect();
         let error = self.enclose(&points).error;
         if error.is_finite() { error } else { 0.0 }
     }
 
-    /// The halves of a box, cut where the worse of them is the best; `None`
-    /// when no number is between the ends of its ranges.
+    /// The halves of a box; `None` when no number lies between the ends of its
+    /// ranges.
     fn cut(&mut self, worst: &LeafBox) -> Option<[LeafBox; 2]> {
-        let mut best: Option<[LeafBox; 2]> = None;
-        for leaf in self.candidates(&worst.ranges) {
-            let range = worst.ranges[leaf];
-            let middle = middle(range);
-            let [lower, upper] = [(range.low, middle), (middle, range.high)].map(|(low, high)| {
+        let leaf = self.chosen(worst)?;
+        let range = worst.ranges[leaf];
+        let middle = middle(range);
+        Some(
+            [(range.low, middle), (middle, range.high)].map(|(low, high)| {
                 let mut ranges = worst.ranges.clone();
                 ranges[leaf] = Interval::new(low, high);
                 let mut half = self.leaf_box(ranges, worst.cuts + 1);
@@ -185,24 +192,46 @@ impl BoxSearch<'_> {
                 // enclosures need not be tighter.
                 half.error = half.error.min(worst.error);
                 half
-            });
-            let key = |[one, other]: &[LeafBox; 2]| {
-                let larger = one.error.max(other.error);
-                (larger, one.error + other.error)
-            };
-            let halves = [lower, upper];
-            let better = best.as_ref().is_none_or(|best| {
-                let ((new, sum), (old, least)) = (key(&halves), key(best));
-                new.total_cmp(&old).then(sum.total_cmp(&least)).is_lt()
-            });
-            if better {
-                best = Some(halves);
-            }
-            if self.left == 0 {
-                break;
-            }
+            }),
+        )
+    }
+
+    /// The leaf to cut: the widest of those without whose range the bound would
+    /// be the lowest.
+    ///
+    /// A cut in two may lower the bound of neither half although more cuts in
+    /// the same leaf do (of a range about zero). So slices are enclosed, at both
+    /// ends and in the middle of a range: cuts can reach the worst of them.
+    fn chosen(&mut self, worst: &LeafBox) -> Option<usize> {
+        let candidates = self.candidates(&worst.ranges);
+        if candidates.len() < 2 {
+            return candidates.first().copied();
         }
-        best
+        let mut state = worst.ranges.clone();
+        let mut reached = Vec::with_capacity(candidates.len());
+        for &leaf in &candidates {
+            let Interval { low, high } = worst.ranges[leaf];
+            let mut slice = worst.ranges.clone();
+            let mut largest = f64::NEG_INFINITY;
+            for place in [middle(worst.ranges[leaf]), low, high] {
+                slice[leaf] = Interval::point(place);
+                let error = self.enclose(&slice).error;
+                if error > largest {
+                    largest = error;
+                    state[leaf] = slice[leaf];
+                }
+            }
+            reached.push(largest);
+        }
+        self.at_a_state = self.at_a_state.max(self.at(&state));
+        let least = reached.iter().copied().fold(f64::INFINITY, f64::min);
+        let near = if worst.error.is_finite() {
+            least + NEAR * worst.error
+        } else {
+            least
+        };
+        let place = reached.iter().position(|&error| error <= near)?;
+        Some(candidates[place])
     }
 
     /// The leaves that a box can be cut in, the widest relative to its range
@@ -210,6 +239,9 @@ impl BoxSearch<'_> {
     fn candidates(&self, ranges: &[Interval]) -> Vec<usize> {
         let width = |leaf: usize| {
             let (part, whole) = (ranges[leaf], self.leaves.ranges[leaf]);
+            if is_far(part) {
+                return 1.0;
+            }
             (part.high - part.low) / (whole.high - whole.low)
         };
         let can = |&leaf: &usize| {
@@ -224,7 +256,19 @@ impl BoxSearch<'_> {
     }
 }
 
-/// A number between the ends of a range; NaN for one without ends.
+/// True for numbers of one sign and very different sizes.
+fn is_far(range: Interval) -> bool {
+    let (small, large) = (range.mignitude(), range.magnitude());
+    small > 0.0 && large.is_finite() && large / small > FAR
+}
+
+/// A number between the ends of a range; NaN for one without ends. Of numbers
+/// of very different sizes it is the geometric mean: quotients by them vary as
+/// their logarithms.
 fn middle(range: Interval) -> f64 {
+    if is_far(range) {
+        let mean = range.mignitude().sqrt() * range.magnitude().sqrt();
+        return mean.copysign(range.low);
+    }
     0.5 * range.low + 0.5 * range.high
 }

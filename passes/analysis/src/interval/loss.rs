@@ -3,30 +3,70 @@
 use crate::adjoint::half_ulp;
 use robovec_ir::{Format, Operation};
 use robovec_num::interval::Interval;
+use robovec_num::soft_float::FormatArithmetic;
 
 /// The range after rounding, and the largest distance it moves a number, for
 /// operands that are numbers of the format.
+///
+/// Rounding is monotonic: the ends of the range after it are the ends rounded.
 pub(crate) fn rounded(
     operation: Operation,
     operands: [Interval; 3],
     range: Interval,
     format: Format,
 ) -> (Interval, f64) {
-    let ends = half_ulp(format, range.low).max(half_ulp(format, range.high));
-    if ends.is_infinite() {
+    let most = match nearest(range, format) {
+        (_, lost) if lost.is_infinite() => return (Interval::WHOLE, lost),
+        (_, lost) if operation.is_trigonometric() => {
+            // The host's function is that of binary64, within one unit in the
+            // last place; for other formats its result is rounded once more.
+            let lost = if format == Format::BINARY64 {
+                2.0 * lost
+            } else {
+                lost + f64::EPSILON * range.magnitude()
+            };
+            return (range.widened(lost), lost);
+        }
+        (_, lost) => lost,
+    };
+    let most = match exact(operation, operands, format) {
+        Exactness::Always => return (range, 0.0),
+        Exactness::Normal => most.min(half_ulp(format, 0.0)),
+        Exactness::Never => most.min(smaller_term(operation, operands, format)),
+    };
+    (nearest(range, format).0, most)
+}
+
+/// The numbers of a format nearest to those of a range, and the largest
+/// distance between both; infinite where the format has no such numbers.
+pub(super) fn nearest(range: Interval, format: Format) -> (Interval, f64) {
+    let (small, large) = (range.mignitude(), range.magnitude());
+    let overflows = |end: f64| half_ulp(format, end).is_infinite();
+    let arithmetic = FormatArithmetic::new(format);
+    let ends = [range.low, range.high].map(|end| arithmetic.convert(end));
+    if overflows(range.low) || overflows(range.high) || !ends.iter().all(|end| end.is_finite()) {
         return (Interval::WHOLE, f64::INFINITY);
     }
-    let ends = match exact(operation, operands, format) {
-        Exactness::Always => return (range, 0.0),
-        Exactness::Normal => ends.min(half_ulp(format, 0.0)),
-        Exactness::Never => ends,
+    // A power of two is its own rounding, and what lies below it has units half
+    // as large. Numbers near zero have larger ones where they are flushed.
+    let lost = if large == 0.0 {
+        0.0
+    } else if small < large {
+        half_ulp(format, large.next_down()).max(half_ulp(format, small))
+    } else {
+        half_ulp(format, large.next_down())
     };
-    let host = match operation.is_trigonometric() {
-        // The host's function is that of binary64, within one unit in the last place.
-        true => f64::EPSILON * range.magnitude(),
-        false => 0.0,
-    };
-    (range.widened(ends + host), ends + host)
+    (Interval::new(ends[0], ends[1]), lost)
+}
+
+/// The most that a sum can lose since either operand is a number of the
+/// format: the sum is at least as near to its nearest number.
+fn smaller_term(operation: Operation, [a, b, _]: [Interval; 3], format: Format) -> f64 {
+    let sum = matches!(operation, Operation::Add | Operation::Sub);
+    match format {
+        Format::Float(float) if sum && float.subnormals => a.magnitude().min(b.magnitude()),
+        _ => f64::INFINITY,
+    }
 }
 
 /// Cases in which an operation is exact.

@@ -19,6 +19,7 @@
 
 mod assumed;
 mod boxes;
+mod decimal;
 mod loss;
 mod seen;
 #[cfg(test)]
@@ -27,6 +28,7 @@ mod window;
 
 pub use assumed::{LeafRange, Leaves, MARGIN, RangeBasis, input_ranges};
 pub use boxes::{SubdividedEnclosure, subdivide};
+pub(crate) use decimal::exact_literal;
 pub(crate) use loss::rounded;
 pub(crate) use seen::between;
 pub use seen::largest_seen;
@@ -35,6 +37,7 @@ pub use window::ConeWindow;
 use super::adjoint::{Tape, TapeSlot, half_ulp};
 use robovec_ir::{Format, Operation};
 use robovec_num::arithmetic::Arithmetic;
+use robovec_num::double_double::Double;
 use robovec_num::interval::{Enclosing, Interval};
 use robovec_num::soft_float::FormatArithmetic;
 
@@ -193,7 +196,13 @@ impl WindowLeaves {
     /// Exact value of a leaf in a range, its value rounded to the format, and
     /// its largest rounding error.
     fn given(&self, leaf: usize, range: Interval) -> (Interval, Interval, f64) {
-        given(self.kinds[leaf], self.data, self.format, range)
+        let (exact, held, lost) = given(self.kinds[leaf], self.data, self.format, range);
+        // An input that is always the same number, not a state that is tested.
+        let known = self.ranges[leaf].low == self.ranges[leaf].high;
+        if self.is_input(leaf) && known && lost.is_finite() {
+            return (exact, held, (held.low - exact.low).abs());
+        }
+        (exact, held, lost)
     }
 }
 
@@ -210,48 +219,21 @@ pub(crate) fn given(
             (range, range, 0.0)
         }
         (WindowLeafKind::Input, GivenData::Real) => {
-            let lost = half_ulp(format, range.low).max(half_ulp(format, range.high));
-            if lost.is_finite() {
-                (range, range.widened(lost), lost)
-            } else {
-                (range, Interval::WHOLE, lost)
-            }
+            let (held, lost) = loss::nearest(range, format);
+            (range, held, lost)
         }
         // A literal is rounded once and for all.
         (WindowLeafKind::Literal, data) => {
-            let held = Interval::point(FormatArithmetic::new(format).convert(range.low));
-            let exact = match data {
-                GivenData::Real if !is_decimal(range.low) => {
-                    range.widened(half_ulp(Format::BINARY64, range.low))
-                }
-                GivenData::Held | GivenData::Real => range,
+            let number = range.low;
+            let held = FormatArithmetic::new(format).convert(number);
+            let rounding = Double::from(held) - Double::from(number);
+            let (exact, lost) = match data {
+                GivenData::Held => (range, rounding.high.abs()),
+                GivenData::Real => decimal::given(number, rounding),
             };
-            (exact, held, (held - exact).magnitude())
+            (exact, Interval::point(held), lost)
         }
     }
-}
-
-/// True when the shortest decimal that reads as a number is that number:
-/// neither it nor any other number of as few digits was rounded.
-fn is_decimal(number: f64) -> bool {
-    if number == 0.0 {
-        return true;
-    }
-    let bits = number.to_bits();
-    let (exponent, fraction) = ((bits >> 52) as i32 & 0x7ff, bits & ((1 << 52) - 1));
-    let (mantissa, exponent) = match exponent {
-        0 => (fraction, -1074),
-        biased => (fraction | 1 << 52, biased - 1075),
-    };
-    // The number is an odd one times this power of two: a decimal with as
-    // many digits behind the point as the power is below one.
-    let power = exponent + mantissa.trailing_zeros() as i32;
-    let digits = number.abs().to_string();
-    let behind = digits.split_once('.').map_or(0, |(_, behind)| behind.len());
-    if power >= 0 {
-        return number.abs() < (1u64 << 53) as f64;
-    }
-    usize::try_from(-power).is_ok_and(|power| power <= behind)
 }
 
 /// Encloses all values of a window and bounds its error in the format of its

@@ -3,6 +3,7 @@
 //! A bound limits errors from above; the largest error can be smaller. The
 //! error found here is a lower limit: no bound can be lower.
 
+use super::decimal::exact_literal;
 use super::{ConeWindow, GivenData, WindowLeaves};
 use crate::adjoint::{Tape, half_ulp};
 use robovec_ir::Format;
@@ -42,7 +43,7 @@ pub fn largest_seen(
             let real = leaves.data == GivenData::Real && leaves.is_input(leaf);
             let held = arithmetic.convert(number);
             exact.push(match (leaves.is_literal(leaf), real) {
-                (true, _) => Double::from(number),
+                (true, _) => exact_literal(number, leaves.data),
                 (false, true) => between(leaves.format, number, *range, other),
                 (false, false) if range.contains(held) => Double::from(held),
                 // Numbers of the format may lie outside of a narrow range.

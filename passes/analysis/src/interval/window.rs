@@ -1,7 +1,8 @@
 //! Windows: a value with the operations closest before it.
 
 use super::super::adjoint::Tape;
-use std::collections::BinaryHeap;
+use robovec_ir::Operation;
+use std::collections::{BinaryHeap, HashMap};
 
 /// The definition cone of a value, cut off after a number of operations.
 ///
@@ -12,8 +13,9 @@ use std::collections::BinaryHeap;
 pub struct ConeWindow {
     /// The slots that are read and not computed inside, in order.
     pub leaves: Vec<usize>,
-    /// The nodes inside, in program order; the last one is the value. `None`
-    /// for a value that is an input or a literal.
+    /// The nodes inside, in program order, without those that compute what an
+    /// earlier one does (their errors are one and the same); the last one is the
+    /// value. None for a value that is an input or a literal.
     pub nodes: Vec<usize>,
     /// For every node the places of its operands: leaves first, then nodes.
     pub(super) operands: Vec<[usize; 3]>,
@@ -53,25 +55,38 @@ impl ConeWindow {
         );
         leaves.sort_unstable();
         leaves.dedup();
-        let place = |slot: usize| match leaves.binary_search(&slot) {
-            Ok(leaf) => leaf,
-            Err(_) => {
-                let inside = nodes.binary_search(&slot);
-                leaves.len() + inside.expect("what is read inside is a leaf or computed inside")
-            }
-        };
-        let operands = nodes.iter().map(|&node| {
-            let arity = tape.operation(node).arity();
+        let mut computed: HashMap<(Operation, [usize; 3]), usize> = HashMap::new();
+        let mut places_of_nodes = Vec::with_capacity(nodes.len());
+        let (mut kept, mut operands) = (Vec::new(), Vec::new());
+        for &node in &nodes {
+            let operation = tape.operation(node);
             let mut places = [0; 3];
-            for (place_of, &slot) in places.iter_mut().zip(&tape.operands(node)[..arity]) {
-                *place_of = place(slot);
+            let read = &tape.operands(node)[..operation.arity()];
+            for (place, slot) in places.iter_mut().zip(read) {
+                *place = match leaves.binary_search(slot) {
+                    Ok(leaf) => leaf,
+                    Err(_) => {
+                        let inside = nodes.binary_search(slot);
+                        let inside = inside.expect("what is read is a leaf or computed inside");
+                        places_of_nodes[inside]
+                    }
+                };
             }
-            places
-        });
-        let operands = operands.collect();
+            let own = leaves.len() + kept.len();
+            let place = match computed.get(&(operation, places)) {
+                Some(&earlier) if node != root => earlier,
+                _ => {
+                    computed.insert((operation, places), own);
+                    kept.push(node);
+                    operands.push(places);
+                    own
+                }
+            };
+            places_of_nodes.push(place);
+        }
         ConeWindow {
             leaves,
-            nodes,
+            nodes: kept,
             operands,
         }
     }
