@@ -7,19 +7,22 @@ use robovec_ir::states::States;
 use robovec_ir::{Format, View};
 use std::sync::Arc;
 
-/// Absolute errors in binary64: FPTaylor's, of turbine1 Fluctuat's, of
-/// jetEngine Fluctuat's with subdivision. They round inputs and literals.
-const PUBLISHED: [(&str, f64); 10] = [
-    ("doppler1", 1.36e-13),
-    ("doppler2", 2.45e-13),
-    ("carbonGas", 8.3e-9),
-    ("sine", 4.4e-16),
-    ("verhulst", 2.5e-16),
-    ("kepler0", 7.5e-14),
+/// Absolute errors in binary64 by FPTaylor efbbc83 with its improved rounding
+/// model and at most 10⁶ boxes. It rounds inputs and literals.
+const THEIRS: [(&str, f64); 13] = [
+    ("doppler1", 1.22e-13),
+    ("doppler2", 2.23e-13),
+    ("carbonGas", 5.90e-9),
+    ("sine", 3.87e-16),
+    ("verhulst", 2.47e-16),
+    ("kepler0", 7.47e-14),
     ("rigidBody1", 2.95e-13),
     ("rigidBody2", 3.61e-11),
-    ("turbine1", 8.3e-14),
-    ("jetEngine", 1.8e-11),
+    ("turbine1", 1.67e-14),
+    ("jetEngine", 1.03e-11),
+    ("sineOrder3", 5.94e-16),
+    ("sphere", 8.21e-15),
+    ("dqmom9", 3.44e-1),
 ];
 
 fn bounded(text: &str, name: &str, data: GivenData, boxes: usize) -> IntervalRow {
@@ -53,14 +56,19 @@ fn bounds_are_near_published_ones_and_above_errors_seen() {
         "/examples/rounding/benchmarks.fpcore"
     );
     let text = std::fs::read_to_string(path).expect("it ships");
-    for (name, published) in PUBLISHED {
+    for (name, theirs) in THEIRS {
         for data in [GivenData::Held, GivenData::Real] {
-            let row = bounded(&text, name, data, 2000);
+            let row = bounded(&text, name, data, 20_000);
             assert_eq!((row.ranges, row.share), ("given", 1.0), "{name}");
-            assert!(row.error <= 1.5 * published, "{name} {data:?}: {row:?}");
+            assert!(row.error <= 1.1 * theirs, "{name} {data:?}: {row:?}");
             assert!(row.seen <= row.error && row.at_a_state <= row.error);
-            // The bound is not far from what happens.
-            assert!(row.error <= 3.0 * row.seen, "{name} {data:?}: {row:?}");
+            // The bound is not far from what happens, at random states only.
+            let far = if name == "dqmom9" { 40.0 } else { 4.0 };
+            assert!(row.error <= far * row.seen, "{name} {data:?}: {row:?}");
+            assert!(
+                row.error <= 2.0 * row.at_a_state,
+                "{name} {data:?}: {row:?}"
+            );
             // More boxes give no larger bound, and one box a larger one.
             let few = bounded(&text, name, data, 1);
             assert!(few.error >= row.error && few.boxes == 1, "{name}");

@@ -39,7 +39,7 @@ pub(super) struct AttributionArguments {
     samples: u32,
     /// Maximum number of boxes into which the ranges of a window are cut, for
     /// the method interval
-    #[arg(long, default_value_t = 2000, requires = "attribution",
+    #[arg(long, default_value_t = 20000, requires = "attribution",
           add = whole(1, 1_000_000, "all operations of the window are enclosed in every box"))]
     boxes: u32,
     /// Kind of inputs and literals for the methods proof and interval: real numbers
