@@ -239,7 +239,7 @@ fn many_changed_examples() {
     }
 }
 
-/// Files that the environment names, with their headers beside them.
+/// Files named in the environment, with their headers beside them.
 #[test]
 #[ignore = "compares the files that ROBOVEC_C_FILES names"]
 fn files_elsewhere() {

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// Errors found over functions and states.
 #[derive(Default)]
 struct ErrorsFound {
-    /// Bound over actual error, where there is one.
+    /// Bound divided by actual error, where known.
     overestimates: Vec<f64>,
     /// Errors of the prediction, relative to the bound.
     misses: Vec<f64>,

@@ -1,5 +1,5 @@
 //! The size of every crate: `budget.toml` holds the maximum number of lines of
-//! Rust without tests, so that growth is part of the commit that causes it.
+//! Rust without tests, so that growth is part of its own commit.
 //!
 //! `INSTA_UPDATE=always cargo test --workspace --test all budget::` records the
 //! present numbers of lines.
@@ -22,7 +22,7 @@ struct Lines {
     tests: usize,
 }
 
-/// Adds the lines of all sources below a folder, other crates left out.
+/// Adds the lines of all sources below a folder, without other crates.
 fn count(folder: &Path, is_test: bool, lines: &mut Lines) {
     for entry in fs::read_dir(folder).expect("a readable folder") {
         let path = entry.expect("a readable entry").path();
@@ -64,7 +64,7 @@ fn counted() -> BTreeMap<String, Lines> {
     counted
 }
 
-/// The maximum of all crates by name, as `budget.toml` gives them.
+/// The maximum of all crates by name, from `budget.toml`.
 fn budgets(text: &str) -> BTreeMap<String, Lines> {
     let table: toml::Table = text.parse().expect("budget.toml is well formed");
     let number = |value: &toml::Value, key: &str| {

@@ -1,5 +1,5 @@
-//! `composite` on the equations of random trees of bodies: every mass matrix
-//! that is one is explained, all of it.
+//! `composite` on the equations of random trees of bodies: every mass matrix is
+//! explained completely.
 
 use robovec::generate::{GenerationRequest, generate};
 use robovec::model::build::{BASE, ModelBuilder};

@@ -18,7 +18,7 @@ struct Outcome {
     files: BTreeMap<PathBuf, Vec<u8>>,
 }
 
-/// All files below a folder, by their paths from there.
+/// All files below a folder, by their relative paths.
 pub(crate) fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];

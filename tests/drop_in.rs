@@ -137,8 +137,8 @@ fn functions_of_models_agree_with_the_evaluator() {
     agrees(&old, &many_parts, 1e-12);
 }
 
-/// Place where an array is both given and given back, nothing is overwritten
-/// before it was read.
+/// Where an array is both input and output, no element is overwritten before it
+/// is read.
 #[test]
 fn forces_that_are_added_to_are_read_first() {
     if !has_gcc() {

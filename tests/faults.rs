@@ -13,7 +13,7 @@ struct FaultList {
     edits: Vec<FaultEdit>,
 }
 
-/// A piece of a source that faults take the place of.
+/// A piece of a source that faults replace.
 #[derive(Deserialize)]
 struct FaultEdit {
     file: String,

@@ -74,7 +74,7 @@ pub(crate) struct FittedScene {
     /// Chosen candidate.
     pub(crate) candidate: Value,
     confirmation: Value,
-    /// The machine that was written for it.
+    /// The machine written for it.
     pub(crate) machine: String,
 }
 

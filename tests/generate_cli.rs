@@ -1,4 +1,4 @@
-//! `robovec gen` and `robovec-opt` on models, as a user meets them.
+//! `robovec gen` and `robovec-opt` on models, from the command line.
 
 use crate::support::programs::{model, robovec, said};
 use std::fs;

@@ -266,7 +266,7 @@ fn pages_and_texts_name_what_they_show() {
     }
 }
 
-/// Texts of one of everything.
+/// Counts of one have nouns in the singular.
 #[test]
 fn one_is_counted_in_the_singular() {
     for command in [

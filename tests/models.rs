@@ -139,7 +139,7 @@ fn a_body_without_a_mass_weighs_nothing() {
     }
 }
 
-/// Links that are in no equation are remarked on where equations are made, and
+/// Links that are in no equation get a remark where equations are made, and
 /// only there.
 #[test]
 fn a_link3d_is_told_by_gen_and_refused_by_sim() {

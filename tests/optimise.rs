@@ -408,7 +408,8 @@ fn random_pipeline(random: &mut Random) -> String {
     steps.join(",")
 }
 
-/// The cycles of a pipeline on this number of elements; `None` where a pass gives up.
+/// The cycles of a pipeline on this number of elements; `None` where a pass
+/// gives up.
 fn cycles_of(file: &str, passes: &str, elements: u32) -> Option<u64> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let passes = format!("-passes={passes},place{{n_add={elements} n_multi={elements}}}");

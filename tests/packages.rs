@@ -19,7 +19,7 @@ pub(crate) fn crates() -> Vec<PathBuf> {
     members.chain([tree("")]).collect()
 }
 
-/// All Rust files of a folder and the folders in it.
+/// All Rust files of a folder and its subfolders.
 pub(crate) fn sources(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut folders = vec![folder.to_owned()];
@@ -43,7 +43,7 @@ pub(crate) fn sources(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// The paths that a source includes as text or bytes, as they are written.
+/// The paths that a source includes as text or bytes, as written.
 fn included(source: &str) -> impl Iterator<Item = &str> {
     ["include_str!(", "include_bytes!("]
         .into_iter()

@@ -25,7 +25,7 @@ struct HostPlan {
     is_single: bool,
 }
 
-/// The numbers of a model as the host reads them.
+/// The numbers of a model, as read by the host.
 fn data(model: &Model, plan: &HostPlan) -> String {
     let mut text = String::new();
     let n = model.joints.len();

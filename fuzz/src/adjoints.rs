@@ -35,7 +35,8 @@ const CONTENTS: Contents = Contents {
 ///
 /// # Panics
 ///
-/// Panics when an error is larger than its bound, or differs from the prediction.
+/// Panics when an error is larger than its bound, or differs from the
+/// prediction.
 pub fn errors_are_predicted(data: &[u8]) {
     let result = run(&mut Unstructured::new(data));
     STATISTICS.record(&result);

@@ -257,7 +257,8 @@ fn element(view: View<'_>, row: &str, column: &str) -> Option<usize> {
     Some(array.offset as usize + row * columns + place.parse::<usize>().ok()?)
 }
 
-/// Changes one operation of a derivative; returns whether the change was visible and was refused.
+/// Changes one operation of a derivative; returns whether the change was
+/// visible and was refused.
 fn plant(
     bytes: &mut Unstructured<'_>,
     before: &Module,

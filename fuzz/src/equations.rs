@@ -103,7 +103,8 @@ impl Maker<'_, '_> {
         self.function.constant(number).into()
     }
 
-    /// Gives an expression a name; an operand that is no operation becomes a copy.
+    /// Gives an expression a name; an operand that is no operation becomes a
+    /// copy.
     fn name(&mut self, operand: Operand, name: &str) -> Value {
         let inner = operand
             .value()

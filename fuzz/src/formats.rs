@@ -90,7 +90,8 @@ impl Chosen {
         Format::Float(self.number)
     }
 
-    /// Zero for numbers below the normal range, where the format has no subnormal numbers.
+    /// Zero for numbers below the normal range, where the format has no
+    /// subnormal numbers.
     fn flushed(&self, number: f64) -> f64 {
         let least = 2f64.powi(self.number.smallest_exponent());
         if !self.number.subnormals && number.abs() < least {

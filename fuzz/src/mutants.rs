@@ -169,7 +169,7 @@ fn plant_format(
 }
 
 /// True when an output certainly differs, or is missing, at most of the points
-/// of its own referee.
+/// of a separate referee.
 fn referee_sees(tables: &Tables, [before, after]: [&Function; 2], seed: u64) -> bool {
     let mut referee = Referee::new(BITS[0]);
     let differ = (0..SEEN).filter(|&state| {

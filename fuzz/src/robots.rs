@@ -137,7 +137,8 @@ mod tests {
         assert!(accepted > 0, "all were refused, so little was tried");
     }
 
-    /// Sound robots are read; damage to their text finds more faults than random bytes.
+    /// Sound robots are read; damage to their text finds more faults than
+    /// random bytes.
     #[test]
     fn damaged_robots_are_read_or_refused() {
         let mut accepted = 0;

@@ -1,4 +1,5 @@
-//! The errors of polynomials for sine and cosine are within their proved bounds.
+//! The errors of polynomials for sine and cosine are within their proved
+//! bounds.
 
 use arbitrary::{Result, Unstructured};
 use robovec_ir::{FixedFormat, Format};

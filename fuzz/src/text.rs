@@ -22,8 +22,9 @@ const PIPELINES: [&str; 6] = [
     "atomise,fold,zero-removal,balance,cse,dce,place{choice=first},asap-alap",
 ];
 
-/// Reads arbitrary bytes: the reader neither panics nor hangs, its messages point into
-/// the text, and an accepted module is unchanged after it is printed and read.
+/// Reads arbitrary bytes: the reader neither panics nor hangs, its messages
+/// point into the text, and an accepted module is unchanged after it is printed
+/// and read.
 ///
 /// # Panics
 ///
@@ -75,7 +76,8 @@ fn check_random(bytes: &mut Unstructured<'_>) -> Result<bool> {
     Ok(module.functions.iter().any(placed))
 }
 
-/// Runs a pipeline; false when the machine lacks an operation that the module needs.
+/// Runs a pipeline; false when the machine lacks an operation that the module
+/// needs.
 fn lower(module: &mut Module, pipeline: &str, machine: &str) -> bool {
     let pipeline = match REGISTRY.pipeline(pipeline) {
         Ok(pipeline) => pipeline,

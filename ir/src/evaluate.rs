@@ -65,7 +65,8 @@ pub fn evaluate<A: Arithmetic>(
 ///
 /// # Panics
 ///
-/// Panics when `values` is not the result of [`evaluate_nodes`] for these inputs.
+/// Panics when `values` is not the result of [`evaluate_nodes`] for these
+/// inputs.
 pub fn outputs<A: Arithmetic>(
     function: &Function,
     arithmetic: &A,

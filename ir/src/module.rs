@@ -113,9 +113,10 @@ pub fn same_function(left: View<'_>, right: View<'_>) -> bool {
         }
 }
 
-/// True when two functions, each with its own tables, have the same arrays, calls, nodes
-/// and outputs. Metadata, source places, histories, times and schedules do not count:
-/// only the values that a function computes, and their order, do.
+/// True when two functions, each with its own tables, have the same arrays,
+/// calls, nodes and outputs. Metadata, source places, histories, times and
+/// schedules do not count: only the values that a function computes, and their
+/// order, do.
 pub fn same_equations(left: View<'_>, right: View<'_>) -> bool {
     let (a, b) = (left.function, right.function);
     a.name == b.name

@@ -1,8 +1,9 @@
 //! The verifier: the invariants of every function, after every pass.
 //!
-//! [`verify`] collects all violations instead of stopping at the first. It runs after
-//! every pass, so it takes linear time (sorting aside) and few allocations. Rules that
-//! depend on the machine are checked by [`verify_placement`].
+//! [`verify`] collects all violations instead of stopping at the first. It runs
+//! after every pass, so it takes linear time (sorting aside) and few
+//! allocations. Rules that depend on the machine are checked by
+//! [`verify_placement`].
 //!
 //! # Invariants
 //!

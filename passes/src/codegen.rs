@@ -87,11 +87,12 @@ declare_pass! {
     /// with sines and cosines within one unit in the last place. Arrays must
     /// not overlap.
     ///
-    /// `target=batch` writes C in which every operation computes `lanes` states (1, 4, 8
-    /// or 16) as one vector, with its own sines and cosines and drivers for any number of
-    /// states (`docs/c-batch.md`). With `parameters=shared` the arrays `dpt`, `l`, `m`,
-    /// `In` and `g` are the same for all states, and values that depend on them alone are
-    /// computed once.
+    /// `target=batch` writes C in which every operation computes `lanes` states
+    /// (1, 4, 8 or 16) as one vector, with its own sines and cosines and
+    /// drivers for any number of states (`docs/c-batch.md`). With
+    /// `parameters=shared` the arrays `dpt`, `l`, `m`, `In` and `g` are the
+    /// same for all states, and values that depend on them alone are computed
+    /// once.
     ///
     /// `target=fpcore` writes FPCore, which Daisy, FPTaylor, Satire and Herbie
     /// read: one core for every output, computed in `number`, with the ranges

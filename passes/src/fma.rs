@@ -198,8 +198,9 @@ impl<'a> Contraction<'a> {
         forms
     }
 
-    /// The part of the contractions without effect on a path that gives the busiest kind
-    /// of element the least work, from the work with none and with all.
+    /// The part of the contractions without effect on a path that gives the
+    /// busiest kind of element the least work, from the work with none and with
+    /// all.
     fn part(&self, machine: &Machine, none: &[ContractionForm], all: &[ContractionForm]) -> u32 {
         let [none, all] = [none, all].map(|forms| self.loads(machine, forms));
         let busiest = |part: &u32| {

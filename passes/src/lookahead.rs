@@ -12,14 +12,15 @@ use robovec_num::limits::NumberLimit;
 declare_pass! {
     /// Shortens the longest path by looking back across several equations.
     ///
-    /// What is late in a recursion enters its equations linearly: `x = c*u + e` with `c`
-    /// and `e` known early. Substituting `u = d*v + f` gives `x` from `v`, one step
-    /// earlier, with the coefficient `c*d` and the rest `c*f + e` computed beside the
-    /// recursion. Such forms are made for all sums and products at many frontiers back in
-    /// time, each in several variants, and the cheapest combination is chosen that makes
-    /// the longest path as short as the budget of operations allows: a parallel prefix
-    /// network where it shortens the path, shared by all columns of a mass matrix, and
-    /// unchanged code elsewhere.
+    /// What is late in a recursion enters its equations linearly: `x = c*u + e`
+    /// with `c` and `e` known early. Substituting `u = d*v + f` gives `x` from
+    /// `v`, one step earlier, with the coefficient `c*d` and the rest `c*f + e`
+    /// computed beside the recursion. Such forms are made for all sums and
+    /// products at many frontiers back in time, each in several variants, and
+    /// the cheapest combination is chosen that makes the longest path as short
+    /// as the budget of operations allows: a parallel prefix network where it
+    /// shortens the path, shared by all columns of a mass matrix, and unchanged
+    /// code elsewhere.
     ///
     /// Values are identified by their residues at two points of the prime
     /// field, so equal values written differently are merged, and the function

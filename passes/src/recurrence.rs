@@ -26,10 +26,11 @@ declare_pass! {
     /// sides of a recurrence share; the longest path grows with the logarithm
     /// of the length of the chain.
     ///
-    /// The path comes first; operations are then taken off again where there is time.
-    /// Where `lookahead` shortens a path within a budget of operations, this pass uses as
-    /// many operations as the path requires. The function is unchanged if its path does
-    /// not become shorter. `balance,cse,dce` belong after it.
+    /// The path comes first; operations are then taken off again where there is
+    /// time. Where `lookahead` shortens a path within a budget of operations,
+    /// this pass uses as many operations as the path requires. The function is
+    /// unchanged if its path does not become shorter. `balance,cse,dce` belong
+    /// after it.
     pub struct Recurrence("recurrence") {
         /// Longest path wanted, in cycles: nothing is spent on a shorter one.
         pub path: u32 = 0 => search::PATH,

@@ -1,7 +1,8 @@
-//! The Python package: functions as objects that are read, transformed, evaluated and
-//! written. Tasks that NumPy does better (shapes, checks of arguments, loading of
-//! compiled code) are in `robovec/__init__.py`; here numbers are flat lists of binary64
-//! in the order in which the function declares them.
+//! The Python package: functions as objects that are read, transformed,
+//! evaluated and written. Tasks that NumPy does better (shapes, checks of
+//! arguments, loading of compiled code) are in `robovec/__init__.py`; here
+//! numbers are flat lists of binary64 in the order in which the function
+//! declares them.
 //!
 //! **Invariants.** An object never changes; the interpreter is released during
 //! all work; every mistake of the user is an exception with the text that the

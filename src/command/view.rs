@@ -198,7 +198,8 @@ fn summary(function: &str, last: Option<&PassRunRecord>) -> String {
     }
 }
 
-/// The graph of the requested outputs, else of all outputs of the first function.
+/// The graph of the requested outputs, else of all outputs of the first
+/// function.
 fn graph(arguments: &ViewArguments, viewed: &ViewedRun<'_>) -> Result<String, CommandFailure> {
     let module = viewed.module;
     let (index, item) = match &arguments.value {

@@ -119,7 +119,8 @@ fn forward(
     accelerations
 }
 
-/// `M^-1` of the joints that are not driven: the accelerations per unit of force.
+/// `M^-1` of the joints that are not driven: the accelerations per unit of
+/// force.
 fn inverse_mass(case: &Case) -> Vec<Double> {
     let (tree, state) = case.exact();
     let joints = case.model.joints.len();

@@ -21,7 +21,7 @@ struct ClosedCase {
     forces: Vec<f64>,
     /// Joints that the loops determine.
     dependent: Vec<usize>,
-    /// The rows of the reference that determine them.
+    /// The rows of the reference that determine the others.
     kept: Vec<usize>,
 }
 

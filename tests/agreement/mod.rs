@@ -48,7 +48,7 @@ impl Case {
         (Tree::new(&self.model), self.state.convert(Double::from))
     }
 
-    /// The state as the equations' inputs are gathered from it.
+    /// The state from which the equations' inputs are taken.
     pub(crate) fn inputs(&self) -> kinematics::MotionState {
         let mut inputs = kinematics::MotionState::initial(&self.model);
         inputs.q.clone_from(&self.state.q);

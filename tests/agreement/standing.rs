@@ -52,7 +52,7 @@ fn solve(mut rows: Vec<Vec<Double>>, mut right: Vec<Double>) -> Vec<Double> {
     right
 }
 
-/// A model under laws, with its joints divided as the system has them.
+/// A model under laws, with its joints divided as in the system.
 struct Standing<'m> {
     model: &'m Model,
     laws: Laws,

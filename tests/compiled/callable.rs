@@ -1,4 +1,4 @@
-//! Files that can be called as MBsysC calls them.
+//! Files with the signatures that MBsysC calls.
 
 use robovec_ir::{Function, Module, View};
 

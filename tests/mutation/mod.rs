@@ -101,7 +101,7 @@ const LINES: [&str; 60] = [
     "A: ;",
 ];
 
-/// A source of changes that depends on its seed alone.
+/// A source of changes that depends only on its seed.
 pub(crate) struct Mutator(Random);
 
 impl Mutator {

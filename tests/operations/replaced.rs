@@ -159,9 +159,9 @@ fn generated_folders_are_written_again_and_foreign_c_stays() {
     assert!(read(&path).contains("by robovec"));
 }
 
-/// Every result that could take the place of a user's file, by the name of the
-/// file or by that of a link to it, is refused before the input is read, which
-/// is not there.
+/// Every result that could replace a user's file, by the name of the file or by
+/// that of a link to it, is refused before the input, which does not exist, is
+/// read.
 #[cfg(unix)]
 #[test]
 fn refusals_come_before_work_and_look_behind_links() {

@@ -1,4 +1,4 @@
-//! Constraints of loops: in the frame that both chains of a cut start from.
+//! Constraints of loops, in the frame from which both chains of a cut start.
 
 use super::kinematics::{Point, anchor, base, frames, point};
 use super::spatial::*;

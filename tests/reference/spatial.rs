@@ -99,8 +99,8 @@ pub(crate) fn plucker<T: Real>(rotation: &Matrix3<T>, place: Vector3<T>) -> Matr
     blocks([[*rotation, o], [shifted, *rotation]])
 }
 
-/// The spatial inertia about the origin of the frame that `center` and
-/// `inertia` (about the centre) are given in.
+/// The spatial inertia about the origin of the frame of `center` and `inertia`
+/// (about the centre).
 pub(crate) fn spatial_inertia<T: Real>(
     mass: T,
     center: Vector3<T>,

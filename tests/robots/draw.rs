@@ -1,4 +1,4 @@
-//! Random robots, as numbers and as the text of a URDF file that holds them.
+//! Random robots, as numbers and as the text of a URDF file of them.
 
 use crate::reference::random::ModelDraw;
 use robovec_num::random::Random;

@@ -27,7 +27,7 @@ pub(crate) fn replace(path: &Path, right: &str, wrong: &str) {
     fs::write(path, text.replace(right, wrong)).expect("a folder of our own");
 }
 
-/// The instruction words as the host of a bench loads them.
+/// The instruction words, loaded as by the host of a bench.
 #[derive(Clone)]
 pub(crate) struct Loaded {
     pub(crate) manifest: Manifest,
@@ -37,7 +37,7 @@ pub(crate) struct Loaded {
 }
 
 impl Loaded {
-    /// Those of a folder with benches.
+    /// The instruction words of a folder with benches.
     pub(crate) fn read(folder: &Path) -> Loaded {
         let images = fs::read_dir(folder.join("img")).expect("it was generated");
         let manifest = images

@@ -1,4 +1,4 @@
-//! The commands `sim` and `eval` as a user meets them.
+//! The commands `sim` and `eval`, from the command line.
 
 use crate::support::programs::{model, robovec};
 use std::fs;

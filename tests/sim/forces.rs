@@ -75,7 +75,7 @@ fn links_and_external_forces_do_their_work() {
     assert!(springs.fold(0.0, f64::max) > 1e-2, "the link's spring acts");
 }
 
-/// Bodies tied by joints and springs to nothing but a first joint keep the
+/// Bodies connected by joints and springs only to a first joint keep the
 /// momentum along it: forces between them are opposite.
 #[test]
 fn inner_forces_leave_momentum() {

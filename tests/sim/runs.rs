@@ -4,7 +4,7 @@
 //! Drifts are results of rounding and of the method, and differ a little
 //! between libraries of sines: numbers with an exponent may be four times
 //! larger or smaller, counts of steps and evaluations a tenth. Times of events
-//! and everything else must be the same. The speed of a run is printed on
+//! and all other figures must be equal. The speed of a run is printed on
 //! terminals alone.
 
 use crate::support::programs::robovec_in;

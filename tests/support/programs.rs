@@ -1,4 +1,4 @@
-//! The programs and the example models, as tests of the command line use them.
+//! The programs and the example models, for tests of the command line.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -38,7 +38,7 @@ pub(crate) fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// A text in one line, as it is before it is folded for a terminal.
+/// A text in one line, before it is folded for a terminal.
 pub(crate) fn unfolded(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

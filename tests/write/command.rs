@@ -7,7 +7,7 @@ use robovec_ir::parse::parse_module;
 use std::path::Path;
 use std::process::Command;
 
-/// `robovec check` takes the C that robovec writes.
+/// `robovec check` accepts the C that robovec writes.
 #[test]
 fn check_compares_c_that_robovec_wrote() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/suspension");

@@ -57,8 +57,8 @@ fn written_c_compiles_to_the_same_numbers() {
     }
 }
 
-/// The outputs' bits by name, zeros without their signs, where every input
-/// has a number that depends on its name alone.
+/// The outputs' bits by name, zeros without their signs, for inputs whose
+/// numbers depend on their names alone.
 pub(super) fn numbers(view: View<'_>) -> BTreeMap<String, u64> {
     let inputs: Vec<f64> = (0..view.function.input_len() as u32)
         .map(|input| number(&input_name(view, Input(input))))

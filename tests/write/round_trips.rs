@@ -13,8 +13,8 @@ use robovec_ir::View;
 use robovec_ir::parse::parse_module;
 use std::path::Path;
 
-/// Every module of `tests/write` in every language, as it is written; each
-/// must also read back.
+/// Every module of `tests/write` in every language; each file must also read
+/// back.
 #[test]
 fn modules_become_files() {
     each("tests/write", &["rvir"], |path| {
@@ -119,7 +119,7 @@ fn c_for_processors_reads_back_or_says_why_not() {
     }
 }
 
-/// The same for any other folder, which the environment names.
+/// The same for any other folder, named in the environment.
 #[test]
 fn files_elsewhere_read_back() {
     let Some(folder) = std::env::var_os("ROBOVEC_EQUATION_FILES") else {

@@ -92,7 +92,8 @@ mod tests {
     use crate::cases;
     use robovec_num::random::Random;
 
-    /// Judges this number of rules of both kinds; returns the number decided of each.
+    /// Judges this number of rules of both kinds; returns the number decided of
+    /// each.
     fn run(truths: usize, falsehoods: usize, seed: u64) -> [Vec<Judged>; 2] {
         let mut judged = [Vec::new(), Vec::new()];
         let wanted = [truths, falsehoods];

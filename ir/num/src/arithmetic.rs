@@ -31,7 +31,8 @@ pub trait Arithmetic {
     /// `a * b + c`, rounded once.
     fn fma(&self, a: Self::Number, b: Self::Number, c: Self::Number) -> Self::Number;
 
-    /// The result of an operation; operands beyond its number of operands are ignored.
+    /// The result of an operation; operands beyond its number of operands are
+    /// ignored.
     #[inline]
     fn apply(&self, operation: Operation, [a, b, c]: [Self::Number; 3]) -> Self::Number {
         self.apply_read(operation, [&a, &b, &c])

@@ -21,7 +21,8 @@ pub struct Duals<A>(pub A);
 pub struct Dual<N> {
     /// The number.
     pub value: N,
-    /// The derivative; `None` for a number that does not depend on the direction.
+    /// The derivative; `None` for a number that does not depend on the
+    /// direction.
     pub slope: Option<N>,
 }
 

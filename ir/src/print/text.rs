@@ -51,7 +51,8 @@ impl<'w> Text<'w> {
         }
     }
 
-    /// Copies these bytes to the end of the text, without adding them to its length.
+    /// Copies these bytes to the end of the text, without adding them to its
+    /// length.
     #[inline]
     fn put(&mut self, bytes: &[u8]) {
         // Whether there is room is asked once, by the place itself.

@@ -13,7 +13,8 @@ use robovec_ir::{Assignment, Input, Operand, OperandKind, Operation, Value, View
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
-/// The longest text, in bytes: an expression shared by outputs is repeated for each of them.
+/// The longest text, in bytes: an expression shared by outputs is repeated for
+/// each of them.
 const LONGEST: usize = 1 << 28;
 
 /// The text of all cores of a function; `None` when it would be too long.

@@ -17,7 +17,8 @@ pub trait OptionValue: Sized + PartialEq {
     const IS_NUMBER: bool = false;
     /// Name of the type in the help (`integer`, `first | preferential`).
     fn type_name() -> String;
-    /// Reads a value from a pipeline's text; the error describes the expected form.
+    /// Reads a value from a pipeline's text; the error describes the expected
+    /// form.
     ///
     /// # Errors
     ///

@@ -1,7 +1,8 @@
 //! Putting rules together while their text is read.
 //!
-//! Every action of the grammar calls the builder immediately; no tree is built. A mistake
-//! is reported where it is found, and the rest of its rule is skipped.
+//! Every action of the grammar calls the builder immediately; no tree is built.
+//! A mistake is reported where it is found, and the rest of its rule is
+//! skipped.
 
 use super::pattern::{Pattern, PatternNode};
 use super::rule::{Condition, Requirement, Rule, RulePlaces};
@@ -14,7 +15,8 @@ use robovec_ir::diagnostic::{Diagnostic, Label, clip, did_you_mean};
 use robovec_num::decimal;
 use std::ops::Range;
 
-/// Maximum number of mistakes reported of one file; with more it is probably no rule file.
+/// Maximum number of mistakes reported of one file; with more it is probably no
+/// rule file.
 const MAX_MISTAKES: usize = 20;
 
 /// Words that cannot be the name of a rule.

@@ -238,7 +238,8 @@ pub(super) struct Beside<'a> {
 }
 
 impl Beside<'_> {
-    /// The transfer of another word for an operand; `None` when it is already in place.
+    /// The transfer of another word for an operand; `None` when it is already
+    /// in place.
     #[inline]
     fn transfer(&self, other: usize) -> Option<(OperandSource, Route)> {
         let route = self.plan.routes[other].filter(|route| route.moves())?;

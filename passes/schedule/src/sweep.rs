@@ -63,8 +63,9 @@ impl Sweep<'_> {
         }
     }
 
-    /// Issues as many operations as the elements of one kind can take in one cycle: first
-    /// those that need no buffer or cannot wait, then, on elements still free, the rest.
+    /// Issues as many operations as the elements of one kind can take in one
+    /// cycle: first those that need no buffer or cannot wait, then, on elements
+    /// still free, the rest.
     fn issue_kind(&mut self, kind: usize, cycle: u32) -> Result<(), Stuck> {
         let mut free = self.graph.kinds[kind].count;
         let tries = 8 * free + 64;

@@ -152,7 +152,8 @@ fn random_programs_obey_networks() {
     }
 }
 
-/// Test of the verifier: a word that arrives before its earliest possible cycle.
+/// Test of the verifier: a word that arrives before its earliest possible
+/// cycle.
 #[test]
 fn a_placement_for_a_crossbar_breaks_the_rules_of_a_network() {
     let mut function = random_function(200, 20, 3);

@@ -9,7 +9,8 @@ option_words! {
     /// Way in which forms are chosen.
     #[derive(Default)]
     pub enum ChoiceMethod {
-        /// By curves of the cost of a value over its required time: the best known method.
+        /// By curves of the cost of a value over its required time: the best
+        /// known method.
         #[default]
         Curves = "curves",
         /// By estimated shares of operations: several times faster.

@@ -10,7 +10,8 @@ use super::map::{Mapper, Mapping};
 use super::timing::NEVER;
 use super::trial::FormTrial;
 
-/// Rounds stop when one saves less than this part of the operations that the first one left.
+/// Rounds stop when one saves less than this part of the operations that the
+/// first one left.
 const MOST_SAVED: u64 = 12;
 
 /// Chooses forms by curves.

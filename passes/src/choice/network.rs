@@ -98,8 +98,9 @@ impl ChoiceNetwork {
         self.forms.len()
     }
 
-    /// Numbers the classes again, in order of rank: the new number of each. No form can
-    /// be added any more; the tables for finding classes and forms are freed.
+    /// Numbers the classes again, in order of rank: the new number of each. No
+    /// form can be added any more; the tables for finding classes and forms are
+    /// freed.
     pub(crate) fn sort(&mut self) -> Vec<Class> {
         self.values = ValueTable::new(self.values.images);
         self.recent = RecentSums::default();

@@ -383,8 +383,9 @@ impl<N: Copy> CompositeInertia<N> {
         }
     }
 
-    /// The row of the frame's own joint: the force component that does work in it, for
-    /// any acceleration, and by symmetry the force for its own unit acceleration.
+    /// The row of the frame's own joint: the force component that does work in
+    /// it, for any acceleration, and by symmetry the force for its own unit
+    /// acceleration.
     pub(super) fn wrench(&self, joint: JointAxis) -> UnitWrench<N> {
         match joint {
             JointAxis::Revolute(axis) => UnitWrench {

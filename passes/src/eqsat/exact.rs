@@ -17,8 +17,9 @@ pub(crate) struct ExactExtractor<'a> {
 }
 
 impl<'a> ExactExtractor<'a> {
-    /// A choice with fewer operations than the best known and every demand met in time,
-    /// the best if the search was complete; and a flag: true for a complete search.
+    /// A choice with fewer operations than the best known and every demand met
+    /// in time, the best if the search was complete; and a flag: true for a
+    /// complete search.
     pub(crate) fn search(
         alternatives: &'a Alternatives,
         times: SurroundingTimes<'a>,

@@ -38,11 +38,12 @@ declare_pass! {
     /// forms chosen are those with which the result is in time, and of these
     /// the ones with the fewest operations.
     ///
-    /// Windows are processed in sequence along the function, so that each benefits from
-    /// the gains of those before it. A round that makes the longest path no shorter, and
-    /// with the same path saves no operation, is undone. Rules are left out whose results
-    /// the machine cannot place: quotients and roots without an element for them, sines
-    /// of sums of angles.
+    /// Windows are processed in sequence along the function, so that each
+    /// benefits from the gains of those before it. A round that makes the
+    /// longest path no shorter, and with the same path saves no operation, is
+    /// undone. Rules are left out whose results the machine cannot place:
+    /// quotients and roots without an element for them, sines of sums of
+    /// angles.
     pub struct Eqsat("eqsat") {
         /// Operations per window.
         pub window: u32 = 12 => NumberLimit::whole(

@@ -104,7 +104,8 @@ impl Divisors {
         divisors
     }
 
-    /// Ranges of the occurrences of those divisors that may have a gain, best first.
+    /// Ranges of the occurrences of those divisors that may have a gain, best
+    /// first.
     fn rank(&self, network: &FactorNetwork) -> Vec<(usize, usize)> {
         let mut ranked = Vec::new();
         let mut start = 0;

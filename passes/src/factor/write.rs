@@ -98,8 +98,9 @@ struct FactorWriter<'n> {
 }
 
 impl FactorWriter<'_> {
-    /// The sign each node had better be stored with: true for negated. Only outputs have
-    /// a wish, and an operation without a choice passes it to an operand.
+    /// The sign each node had better be stored with: true for negated. Only
+    /// outputs have a wish, and an operation without a choice passes it to an
+    /// operand.
     fn wishes(&self, order: &[u32]) -> Vec<Option<bool>> {
         let mut wishes: Vec<Option<bool>> = vec![None; self.network.nodes.len()];
         for edge in &self.network.outputs {

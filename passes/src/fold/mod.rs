@@ -112,8 +112,9 @@ fn simplify(function: &mut Function, node: Node) -> Simple {
     }
 }
 
-/// A fused operation that is a sum or a product, or less. Where its product is known
-/// exactly, or a factor is 1 or -1, the result is rounded once in both forms.
+/// A fused operation that is a sum or a product, or less. Where its product is
+/// known exactly, or a factor is 1 or -1, the result is rounded once in both
+/// forms.
 fn simplify_fused(function: &mut Function, node: Node, [a, b, c]: [Operand; 3]) -> Simple {
     let (x, y, z) = (function.number(a), function.number(b), function.number(c));
     let product = match (x, y) {

@@ -321,7 +321,8 @@ impl<M: ProgramMaker> ProgramSearch<'_, M> {
         shared * plan.step.growth / 100 >= u64::from(best) || is_saturated
     }
 
-    /// Places the programs that may be better than the best, in order of the bounds.
+    /// Places the programs that may be better than the best, in order of the
+    /// bounds.
     fn place(&mut self) {
         let mut order: Vec<(u32, usize, usize)> = Vec::new();
         for (index, trial) in self.trials.iter().enumerate() {

@@ -115,7 +115,8 @@ impl KnownNumbers {
         (!self.exact || is_held).then_some(known)
     }
 
-    /// As [`KnownNumbers::apply`], also for results that binary64 does not represent.
+    /// As [`KnownNumbers::apply`], also for results that binary64 does not
+    /// represent.
     fn computed(&mut self, operation: Operation, operands: [Known; 2]) -> Option<Known> {
         let values = operands.map(|known| self.entries[known.index()].value);
         let mut elements = [0; 2];

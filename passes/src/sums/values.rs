@@ -45,7 +45,8 @@ impl ValueTable {
         self.values.len() as u32 - 1
     }
 
-    /// The place of a value, and a flag: true when the stored value is its negation.
+    /// The place of a value, and a flag: true when the stored value is its
+    /// negation.
     pub(crate) fn find(&self, value: Fingerprint) -> Option<(u32, bool)> {
         self.find_hashed(value, hash(&self.images, value))
     }

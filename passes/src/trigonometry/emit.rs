@@ -106,7 +106,8 @@ impl<'a> Emitter<'a> {
         (new, emitter.replaced)
     }
 
-    /// Counts the occurrences of every angle, and joins the equations that contain it.
+    /// Counts the occurrences of every angle, and joins the equations that
+    /// contain it.
     fn survey(
         &mut self,
         function: &Function,

@@ -1,4 +1,5 @@
-//! Sines and cosines left to the host, with the method by which it computes them.
+//! Sines and cosines left to the host, with the method by which it computes
+//! them.
 
 use super::Trigonometry;
 use super::options::CircularMethod;

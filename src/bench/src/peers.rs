@@ -1,9 +1,10 @@
 //! Other programs that a user could call: a hand-written loop, Pinocchio,
 //! MuJoCo, CasADi.
 //!
-//! The programs are files of `benches/peers`; libraries are taken from the user's Python
-//! packages (`pin`, `mujoco`, `casadi`), whose folders Python reports. Tools that are not
-//! installed are named in the table with their packages.
+//! The programs are files of `benches/peers`; libraries are taken from the
+//! user's Python packages (`pin`, `mujoco`, `casadi`), whose folders Python
+//! reports. Tools that are not installed are named in the table with their
+//! packages.
 
 use super::contestant::{Contestant, ContestantFamily, RESULTS};
 use super::functions::inputs;

@@ -78,7 +78,8 @@ pub(super) fn run(arguments: &SynthesiseArguments) -> Result<String, CommandFail
     Ok(text)
 }
 
-/// An error when yosys, or a program for placement and routing, is not installed.
+/// An error when yosys, or a program for placement and routing, is not
+/// installed.
 pub(super) fn require_tools(routes: bool) -> Result<(), CommandFailure> {
     Yosys::find().map_err(failure)?;
     if routes {

@@ -198,7 +198,8 @@ fn subset(rules: &RuleSet, names: &[String], keep: bool) -> RuleSet {
 
 /// Two programs of an input.
 struct RuleMeasurement {
-    /// With these rules alone and with all others; first of all, with no rules and with all.
+    /// With these rules alone and with all others; first of all, with no rules
+    /// and with all.
     programs: [Rewritten; 2],
     /// Kept by an earlier run or another worker.
     found: bool,

@@ -184,7 +184,8 @@ fn extent(model: &Model, array: &str) -> Option<(&'static str, usize)> {
     })
 }
 
-/// False, with a finding, when the function uses an element that the model does not have.
+/// False, with a finding, when the function uses an element that the model does
+/// not have.
 fn in_range(
     model: &Model,
     equations: &Module,

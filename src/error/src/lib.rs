@@ -1,4 +1,5 @@
-//! Rounding errors of programs: exact results, error attribution, effects of passes.
+//! Rounding errors of programs: exact results, error attribution, effects of
+//! passes.
 
 pub mod accuracy;
 pub mod errors;

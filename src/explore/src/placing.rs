@@ -93,7 +93,8 @@ impl PlacedFunction {
     }
 }
 
-/// The words of one memory of an element whose memories have this number together.
+/// The words of one memory of an element whose memories have this number
+/// together.
 pub fn words_of_a_side(words: u32, machine: &Machine) -> u32 {
     words.div_ceil(machine.memory.style.banks() as u32)
 }

@@ -138,7 +138,8 @@ impl PointStore {
         sound.then_some(stored.point)
     }
 
-    /// Keeps a point; when it cannot be written, an existing file of that name is unchanged.
+    /// Keeps a point; when it cannot be written, an existing file of that name
+    /// is unchanged.
     pub(crate) fn save(&self, key: PointKey, point: &impl Serialize) -> io::Result<()> {
         let stored = StoredPoint {
             key: key.file_name(),

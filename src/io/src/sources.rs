@@ -80,13 +80,14 @@ pub fn display_name(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-/// Reads equations; without a language, in the one that name and text show. Of a file of
-/// FPCore only the function of a given name is read, of other files all functions.
+/// Reads equations; without a language, in the one that name and text show. Of
+/// a file of FPCore only the function of a given name is read, of other files
+/// all functions.
 ///
 /// # Errors
 ///
-/// Reports why the file is not read, where its text is wrong, or that no function
-/// sets an output.
+/// Reports why the file is not read, where its text is wrong, or that no
+/// function sets an output.
 pub fn equations(
     path: &Path,
     language: Option<EquationLanguage>,

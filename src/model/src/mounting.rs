@@ -1,8 +1,8 @@
 //! Mounting of a joint on its parent: turns and signs beyond Robotran's joints,
 //! whose axes are those of the frame before.
 //!
-//! The axis of a joint is always an axis of its frame. Where it is none of
-//! the frame before, constant rotations lie in between; they have no degree of
+//! The axis of a joint is always an axis of its frame. If it is no axis of the
+//! frame before, constant rotations are inserted; they have no degree of
 //! freedom and no joint id. A joint that moves against its axis is reversed.
 
 use super::Axis;
@@ -28,7 +28,8 @@ pub struct JointMounting {
 }
 
 impl JointMounting {
-    /// True for a joint that Robotran can have: along or about an axis of its frame.
+    /// True for a joint that Robotran can have: along or about an axis of its
+    /// frame.
     pub fn is_plain(&self) -> bool {
         self.turns.is_empty() && !self.reversed
     }

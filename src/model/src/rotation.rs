@@ -33,8 +33,8 @@ pub(super) fn scaled(a: Point3, factor: f64) -> Point3 {
     a.map(|x| x * factor)
 }
 
-/// A rotation: its matrix takes components in a frame to those in the frame it
-/// is on.
+/// A rotation: its matrix transforms components in a frame to those in its
+/// parent frame.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Rotation3(pub(super) [[f64; 3]; 3]);
 
@@ -77,7 +77,7 @@ impl Rotation3 {
         *self == Rotation3::IDENTITY
     }
 
-    /// This rotation, then another one in the frame it gives.
+    /// This rotation, followed by another one in the rotated frame.
     pub(super) fn then(&self, other: &Rotation3) -> Rotation3 {
         if self.is_identity() {
             return *other;
@@ -88,7 +88,7 @@ impl Rotation3 {
         Rotation3(product.map(|row| row.map(|x: f64| if x.abs() <= DUST { 0.0 } else { x })))
     }
 
-    /// A vector of the frame in the axes of the one it is on.
+    /// A vector of the frame in the axes of the parent frame.
     pub(super) fn apply(&self, vector: Point3) -> Point3 {
         from_fn(|row| (0..3).map(|k| self.0[row][k] * vector[k]).sum())
     }
@@ -138,7 +138,7 @@ impl FramePose {
         origin: [0.0; 3],
     };
 
-    /// A pose given in this frame, in the frame this one is on.
+    /// A pose in this frame, expressed in the parent frame.
     pub(super) fn then(&self, other: &FramePose) -> FramePose {
         let moved = if self.rotation.is_identity() {
             other.origin

@@ -252,8 +252,8 @@ fn coupling_line(model: &Model, cut: &Cut, coupling: &JointCoupling) -> String {
     line
 }
 
-/// The number of joints around a loop: those on the way to one end of the cut
-/// and not to the other.
+/// The number of joints around a loop: those on the path to exactly one end of
+/// the cut.
 fn loop_joints(model: &Model, cut: &Cut) -> usize {
     let mut on_one_path = vec![false; model.joints.len()];
     for end in cut.ends {

@@ -232,7 +232,7 @@ impl Mark {
 pub struct MarkZone {
     /// Its name, in tables and in titles of markers.
     pub name: &'static str,
-    /// Way in which markers in it are filled.
+    /// Fill of its markers.
     pub fill: MarkFill,
 }
 

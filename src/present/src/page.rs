@@ -1,8 +1,7 @@
 //! Pages: Self-contained HTML files.
 //!
-//! Figures are put in as they are drawn for paper, tables as HTML, data as
-//! JSON for a script. **Invariant.** A page refers to no other file and no
-//! address.
+//! Figures are inserted as drawn for paper, tables as HTML, data as JSON for a
+//! script. **Invariant.** A page refers to no other file and no address.
 
 use super::escape::{Escaped, EscapedContent};
 use super::{DataCell, DataTable, Figure, plot};
@@ -82,7 +81,7 @@ pub fn fill(template: &str, parts: &[(&str, &str)]) -> String {
     text + rest
 }
 
-/// Lines of text as they are, in letters of one width, under a title that folds
+/// Unchanged lines of text, in letters of one width, under a title that folds
 /// them, open unless they are many.
 pub fn lines(title: &str, text: &str) -> String {
     let open = open_unless(text.lines().count() > LONG_TEXT);

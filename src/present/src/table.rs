@@ -68,7 +68,7 @@ impl DataCell {
         DataCell::Count(count.try_into().expect("counts are not negative"))
     }
 
-    /// A number with decimals, nothing when it is not finite.
+    /// A number with decimals, empty when it is not finite.
     pub fn number(number: f64, decimals: u8) -> DataCell {
         if number.is_finite() {
             DataCell::Number(round(number, decimals), decimals)

@@ -48,8 +48,8 @@ pub fn decode_text<'a>(
     Ok(with_line_feeds(reject_binary(text, kind, is_binary)?))
 }
 
-/// The text with a line feed for every carriage return alone, which ended lines
-/// on old systems: comments end there.
+/// The text with a line feed for every single carriage return, which ended
+/// lines on old systems and ends comments here.
 pub fn with_line_feeds(text: Cow<'_, str>) -> Cow<'_, str> {
     if !text.contains('\r') {
         return text;

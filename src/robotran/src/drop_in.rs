@@ -27,9 +27,8 @@ pub struct DropInOptions {
     /// Write beside each function a main program that tries it, and a
     /// `mbs_data.h` to compile both without MBsysC.
     pub test_main: bool,
-    /// With a main program: other functions of the same signature that it
-    /// calls first and compares and times against, by the names they are
-    /// linked under.
+    /// With a main program: other functions of the same signature that it calls
+    /// first and compares and times against, by their linked names.
     pub rivals: Vec<String>,
 }
 

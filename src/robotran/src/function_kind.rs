@@ -178,8 +178,9 @@ impl FunctionKind {
             .find(|kind| kind.name() == name)
     }
 
-    /// The function with the result of this name: as [`FunctionKind::from_name`], and
-    /// `sensor_3` is the third result of `sensor`.
+    /// The function with the result of this name: as
+    /// [`FunctionKind::from_name`], and `sensor_3` is the third result of
+    /// `sensor`.
     pub fn with_name(name: &str) -> Option<FunctionKind> {
         let bare = name.trim_end_matches(|c: char| c.is_ascii_digit());
         FunctionKind::from_name(name)

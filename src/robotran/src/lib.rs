@@ -6,9 +6,9 @@
 //! writes into an arena ([`syntax`]), [`structure`] (functions, sensor cases,
 //! loops), [`storage`] (arrays and their extents) and [`lower`]. Plain
 //! equations, nearly all of a file, do not pass through the tables of the
-//! grammar (`tokens/equations.rs`); they are read as it reads them. The result is
-//! a module at the equations level whose evaluation in 64-bit floats equals
-//! the compiled C file bit for bit.
+//! grammar (`tokens/equations.rs`); they are read with the same result. The
+//! result is a module at the equations level whose evaluation in 64-bit floats
+//! equals the compiled C file bit for bit.
 
 pub mod align;
 pub mod conventions;
@@ -277,7 +277,8 @@ fn parse(
     }
 }
 
-/// The tokens up to the end of a statement, and a flag: true when they were the last.
+/// The tokens up to the end of a statement, and a flag: true when they were the
+/// last.
 struct StatementTokens<'a, T> {
     tokens: &'a mut T,
     ended: bool,

@@ -1,4 +1,4 @@
-//! Numbers as the languages mean them.
+//! Numbers with the semantics of the languages.
 //!
 //! `1/2` is 0 in C and 0.5 in Matlab and Python, `010` is 8 in C, and `0.1f` is
 //! not 0.1. So a literal keeps its type, and expressions of literals alone are
@@ -70,7 +70,7 @@ const DIVISION_BY_ZERO: Unkept = Unkept {
 };
 
 impl Literal {
-    /// The number as a 64-bit float, as an operation on one takes it.
+    /// The number converted to a 64-bit float, as for an operation with one.
     pub(super) fn number(self) -> f64 {
         match self {
             // Rounded to nearest, as C and Python convert.

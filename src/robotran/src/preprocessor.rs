@@ -1,11 +1,12 @@
 //! The C preprocessor, as far as a file of equations needs one.
 //!
-//! Robotran's older files name the arrays of the structure by macros (`#define q s->q`),
-//! and people switch parts of a file on and off. A macro whose body is one name or one
-//! number is replaced exactly; any other may be defined but not used in an equation,
-//! because its tokens would have to be read as if they were there. Conditions on names
-//! that the file does not define, such as the macros of a compiler, are refused where
-//! they would select the text that is read.
+//! Robotran's older files name the arrays of the structure by macros (`#define
+//! q s->q`), and people switch parts of a file on and off. A macro whose body
+//! is one name or one number is replaced exactly; any other may be defined but
+//! not used in an equation, because its tokens would have to be read as if they
+//! were there. Conditions on names that the file does not define, such as the
+//! macros of a compiler, are refused where they would select the text that is
+//! read.
 
 use super::literal::{self, Literal};
 use hashbrown::HashMap;

@@ -255,7 +255,7 @@ fn line_start(text: &str) -> usize {
     text.rfind('\n').map_or(0, |at| at + 1)
 }
 
-/// Takes a line of the preprocessor, with the lines that a `\` or a comment
+/// Reads a line of the preprocessor, with the lines that a `\` or a comment
 /// over several lines joins to it.
 fn directive(lexer: &mut Lexer<'_, C>) -> Result<(), ()> {
     let before = &lexer.source()[..lexer.span().start];

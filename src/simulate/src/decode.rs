@@ -17,7 +17,8 @@ struct BitField {
 pub(super) struct WordFields {
     issue: BitField,
     operation: BitField,
-    /// Left, right, addend; the last one without bits where nothing is fused.
+    /// Left, right, addend; the last one without bits if there is no fused
+    /// operation.
     reads: [BitField; 3],
     /// Memory (0 or 1), enable, address and select of every write port.
     writes: Vec<(usize, [BitField; 3])>,
@@ -118,7 +119,7 @@ pub(super) struct Issue {
     pub(super) reads: [u32; 3],
 }
 
-/// A write port takes something from the crossbar.
+/// A write port stores a word from the crossbar.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MemoryWrite {
     /// Element that owns the memory.

@@ -32,7 +32,7 @@ pub enum LoadError {
         /// The one that can be read.
         expected: u32,
     },
-    /// A file the manifest names is not there.
+    /// A file named in the manifest is missing.
     #[error("the manifest names '{0}', which is not among the files")]
     NoFile(String),
     /// A memory image that cannot be read.
@@ -55,7 +55,7 @@ pub enum LoadError {
         /// Of the manifest.
         expected: u32,
     },
-    /// More than this simulator takes on.
+    /// A size beyond the limits of this simulator.
     #[error("the images describe {0}, more than the simulator holds")]
     TooLarge(String),
     /// A number format without an arithmetic.

@@ -1,6 +1,6 @@
 //! Reading memory initialisation files.
 //!
-//! Everything the format allows is read: both kinds of comment, all radices,
+//! All constructs of the format are read: both kinds of comment, all radices,
 //! ranges and lists. The file may come from any program, so sizes are bounded
 //! before any allocation and every word may be set only once.
 

@@ -100,7 +100,7 @@ impl LoadedProgram {
         self.cycles
     }
 
-    /// Number of inputs a run takes.
+    /// Number of inputs of a run.
     pub fn input_len(&self) -> usize {
         self.inputs.len()
     }

@@ -36,7 +36,7 @@ pub struct LoadedWord {
     pub word: u64,
     /// True if the data images hold it, so that it is the same in all runs.
     pub constant: bool,
-    /// True if the run writes something else into the word; such a word must be
+    /// True if the run writes another value into the word; such a word must be
     /// loaded again before the next run.
     pub overwritten: bool,
 }

@@ -1,4 +1,4 @@
-//! Random numbers that binary32 holds.
+//! Random numbers of binary32.
 
 use robovec_num::random::Random;
 

@@ -309,7 +309,7 @@ impl DynamicsBench<'_> {
         Ok(program.array("Qq", &flat, self.joints()))
     }
 
-    /// The forces, in the format that the treatment has for them.
+    /// The forces, in their format of the treatment.
     fn treated_forces(
         &self,
         state: &MotionState,

@@ -23,7 +23,7 @@ pub(super) struct EquationsSubject {
 }
 
 impl EquationsSubject {
-    /// Equations with inputs that binary32 holds.
+    /// Equations with inputs of binary32.
     pub(super) fn new(text: impl Into<String>, inputs: Vec<Vec<f64>>) -> EquationsSubject {
         let share = |inputs: Vec<f64>| inputs.into_iter().map(shared).collect();
         EquationsSubject::of_host(text, inputs.into_iter().map(share).collect())

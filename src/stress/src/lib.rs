@@ -1,10 +1,10 @@
 //! Hard cases: models and equations that are known to break floating point,
 //! measured, judged, and cured.
 //!
-//! A [`StressCase`] is built, computed in binary32 as it comes and compared
-//! with a reference in double-double numbers. The error is compared with the
-//! condition of the problem and with the error that rounding the data once
-//! would make; from these follows the [`StressVerdict`], the cause of the
+//! A [`StressCase`] is built, computed in binary32 without treatment and
+//! compared with a reference in double-double numbers. The error is compared
+//! with the condition of the problem and with the error that rounding the data
+//! once would make; from these follows the [`StressVerdict`], the cause of the
 //! error. Then candidates for remedies are tried (other recursions, passes,
 //! coordinates, units, formats of all values or of each, refinement,
 //! compensated sums, steps, loops kept closed), and the cheapest that comes

@@ -17,7 +17,7 @@ impl<K: PartialEq, V: Clone> Memo<K, V> {
     ///
     /// # Errors
     ///
-    /// Those of the computation.
+    /// Errors of the computation.
     pub(super) fn get<E>(&self, key: K, compute: impl FnOnce() -> Result<V, E>) -> Result<V, E> {
         // A thread that panicked left nothing half done here.
         let lock = || self.0.lock().unwrap_or_else(PoisonError::into_inner);

@@ -144,8 +144,9 @@ impl ModelProgram {
         })
     }
 
-    /// The flattened inputs in a state. Models and states are rounded beforehand
-    /// ([`shared`]); results passed from one program to another are not.
+    /// The flattened inputs in a state. Models and states are rounded
+    /// beforehand ([`shared`]); results passed from one program to another are
+    /// not.
     pub(super) fn inputs(&self, state: &MotionState) -> Vec<f64> {
         self.inputs.gather(state)
     }
@@ -257,7 +258,7 @@ fn keep(module: &mut Module, only: &str) {
     }
 }
 
-/// Runs a pipeline over a module, for a scene when there is one.
+/// Runs a pipeline over a module, for a scene if given.
 pub(super) fn run_passes(
     module: &mut Module,
     passes: &str,
@@ -279,8 +280,8 @@ pub(super) fn run_passes(
     Ok(())
 }
 
-/// The pass `mixed` for an error, with mantissas of 18 to 52 bits, three or
-/// four apart.
+/// The pass `mixed` for an error, with mantissas of 18 to 52 bits, in steps of
+/// three or four.
 fn mixed(error: f64) -> String {
     format!("mixed{{error={error:e} narrow=\"float(11,18)\" between=10}}")
 }
@@ -304,8 +305,8 @@ pub(super) fn evaluate_mixture(function: &Function, inputs: &[f64]) -> Vec<Doubl
     flat
 }
 
-/// Equations as text with the passes of a treatment run over them. Passes that
-/// look at states see those between the given sets of inputs.
+/// Equations as text, after the passes of a treatment. Passes that look at
+/// states see those between the given sets of inputs.
 pub(super) fn text_program(
     text: &str,
     treatment: &ProgramTreatment,

@@ -23,7 +23,8 @@ pub(super) const PASSES: [&str; 7] = [
 /// Method that keeps the loops of a model closed in time.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum LoopStabilisation {
-    /// No stabilisation: accelerations agree with the loops, positions need not.
+    /// No stabilisation: accelerations agree with the loops, positions need
+    /// not.
     #[default]
     None,
     /// Accelerations lead gaps back, as a critically damped oscillator would
@@ -53,8 +54,8 @@ pub struct ProgramTreatment {
     /// The joints that are independent in the loops; those of the model when
     /// empty.
     pub independent: Vec<String>,
-    /// Another way to write the same equations, by name; the one that is the
-    /// case when empty.
+    /// Another form of the same equations, by name; the original one when
+    /// empty.
     pub form: &'static str,
     /// Format of the computation.
     pub format: Format,
@@ -63,14 +64,16 @@ pub struct ProgramTreatment {
     pub mixed: Option<f64>,
     /// Method that keeps loops closed.
     pub stabilisation: LoopStabilisation,
-    /// Format of forces (`c`, `Qq`, residuals), if it differs from that of masses.
+    /// Format of forces (`c`, `Qq`, residuals), if it differs from that of
+    /// masses.
     pub forces: Option<Format>,
     /// Steps of iterative refinement of accelerations: each solves again, with
     /// the same factor of `M`, for the residual of the inverse dynamics.
     pub refinements: u32,
     /// Compute in units that bring the model's numbers to the order of one.
     pub units: bool,
-    /// Keep the rounding errors of additions to the integrator's state (Kahan 1965).
+    /// Keep the rounding errors of additions to the integrator's state (Kahan
+    /// 1965).
     pub compensated: bool,
     /// The integrator's state in this format, where it differs from that of the
     /// slopes.
@@ -128,8 +131,8 @@ impl ProgramTreatment {
         }
     }
 
-    /// The same in binary32: treatments that differ in their format alone
-    /// share one program.
+    /// The same in binary32: treatments that differ only in their format share
+    /// one program.
     pub(super) fn in_binary32(&self) -> ProgramTreatment {
         ProgramTreatment {
             format: Format::BINARY32,
@@ -137,7 +140,8 @@ impl ProgramTreatment {
         }
     }
 
-    /// True when it differs from the untreated one only in the program, not in the format.
+    /// True when it differs from the untreated one only in the program, not in
+    /// the format.
     pub(super) fn is_another_program(&self, untreated: &ProgramTreatment) -> bool {
         let same = ProgramTreatment {
             formulation: untreated.formulation,

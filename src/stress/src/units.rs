@@ -99,7 +99,7 @@ impl Units {
         self.length * dimension.length + self.mass * dimension.mass + self.time * dimension.time
     }
 
-    /// A number in SI units as it is stored.
+    /// A number in SI units, converted to its stored unit.
     pub fn stored(self, number: f64, dimension: Dimension) -> f64 {
         times_power_of_two(number, self.shift(dimension))
     }

@@ -14,8 +14,8 @@ pub enum StressVerdict {
     /// The error is about that of rounding the data to the format: no program
     /// could be better with rounded data.
     HardProblem,
-    /// The error is much larger than that: another way to compute the same
-    /// does better.
+    /// The error is much larger than that: another form of the computation is
+    /// better.
     BadCode,
     /// Numbers leave the range of the format, and a wider exponent alone
     /// helps.

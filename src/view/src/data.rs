@@ -1,6 +1,7 @@
 //! Contents of a page, as columns: a list of numbers for every property of the
 //! statements of a state, so that the page of a large function stays small and
-//! opens at once. Texts and sets of source places are numbers into tables.
+//! opens without delay. Texts and sets of source places are numbers into
+//! tables.
 
 use crate::report::PassReport;
 use serde::Serialize;
@@ -114,7 +115,7 @@ pub(super) struct ScheduleData {
     pub(super) delay: Vec<u32>,
     /// The first cycle in which all its operands can be read on its element.
     pub(super) ready: Vec<u32>,
-    /// The operand that comes last, or -1 when all are there from the start.
+    /// The latest operand, or -1 when all are available from the start.
     pub(super) last: Vec<i64>,
     /// The first cycle from `ready` on in which some element of its kind was
     /// free; its own cycle when all were busy until then.

@@ -35,7 +35,7 @@ use std::collections::BTreeMap;
 
 /// Settings of the run that is shown.
 pub struct ViewedRun<'a> {
-    /// The module as the run left it.
+    /// The module after the run.
     pub module: &'a Module,
     /// The states on the way.
     pub trail: &'a Trail,
@@ -45,8 +45,7 @@ pub struct ViewedRun<'a> {
     pub machine: &'a Machine,
     /// Source of random states.
     pub states: &'a States,
-    /// The files that equations are in, name and text, as far as they are
-    /// available.
+    /// The files of equations, name and text, if available.
     pub files: &'a [(String, String)],
     /// The model of the equations, if available.
     pub model: Option<&'a ModelText>,

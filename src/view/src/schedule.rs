@@ -84,7 +84,7 @@ pub(super) fn collect(function: &Function, machine: &Machine) -> Option<Schedule
 }
 
 /// The first cycle in which a scheduled value can read all its operands, and
-/// the one that comes last.
+/// its latest operand.
 fn ready(
     function: &Function,
     schedule: &Schedule,

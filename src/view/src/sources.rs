@@ -38,7 +38,7 @@ pub fn place_lines(module: &mut Module, name: &str) -> Option<String> {
 }
 
 /// Gives values and outputs the places of their names; inner nodes of an
-/// expression that of the equation they are in.
+/// expression that of their equation.
 fn assign(module: &mut Module, index: usize, places: &BTreeMap<String, SourcePlace>) {
     let tables = &mut module.tables;
     let function = &mut module.functions[index];

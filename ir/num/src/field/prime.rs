@@ -27,7 +27,8 @@ pub struct Modulus {
     inverse: u64,
     /// The number 1.
     one: u64,
-    /// 2¹²⁸ modulo the modulus, the factor that brings a number into Montgomery's form.
+    /// 2¹²⁸ modulo the modulus, the factor that brings a number into
+    /// Montgomery's form.
     square: u64,
 }
 

@@ -120,7 +120,8 @@ pub struct FormatAccuracy {
     /// The part of all outputs in all states whose computed number is below
     /// the normal ones, and not exactly zero.
     pub subnormal: f64,
-    /// The share of states in which the computed number is not finite but the exact one is.
+    /// The share of states in which the computed number is not finite but the
+    /// exact one is.
     pub overflowed: f64,
     /// One entry per assignment, in the function's order.
     pub elements: Vec<ElementError>,

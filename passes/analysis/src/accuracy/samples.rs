@@ -30,7 +30,8 @@ struct Sample {
 }
 
 impl Sample {
-    /// True for an exact value of zero, up to rounding, that was not computed as zero.
+    /// True for an exact value of zero, up to rounding, that was not computed
+    /// as zero.
     fn vanishes(&self) -> bool {
         self.small && self.distance > 0.0
     }

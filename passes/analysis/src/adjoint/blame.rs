@@ -101,7 +101,8 @@ impl Blame {
         largest(values.collect(), most)
     }
 
-    /// The inputs with the largest shares: data that the format cannot represent.
+    /// The inputs with the largest shares: data that the format cannot
+    /// represent.
     pub fn inputs(&self, tape: &Tape, most: usize) -> Vec<(Input, f64)> {
         let inputs = (0..tape.inputs()).map(|index| Input(index as u32));
         let shares = inputs.map(|input| (input, self.share(tape.input_slot(input))));

@@ -64,7 +64,8 @@ impl<'a> PreciseRun<'a> {
         })
     }
 
-    /// One sweep from a slot, given the largest rounding error of every operation.
+    /// One sweep from a slot, given the largest rounding error of every
+    /// operation.
     pub(super) fn sweep(&self, from: usize, bounds: &[f64]) -> OutputError {
         let tape = self.tape;
         let mut gradients = vec![self.zero.clone(); tape.slots()];

@@ -141,13 +141,14 @@ impl<'a> AdjointRun<'a> {
     /// Actual error, prediction and bound of assignments, by their places in
     /// [`robovec_ir::Function::assignments`].
     ///
-    /// The bound covers this run whatever its rounding errors: the adjoints are those
-    /// between the exact and the computed values, so no second-order term is left out,
-    /// and the part that the prediction misses is added. For runs with other rounding
-    /// errors it is of first order, since adjoints change with the errors and a result
-    /// that crosses a power of two rounds by twice as much. It is computed in binary64,
-    /// and widened by 2⁻²⁰ of its value for that; where the prediction shows that
-    /// adjoints cancelled, in 1024 bits.
+    /// The bound covers this run whatever its rounding errors: the adjoints are
+    /// those between the exact and the computed values, so no second-order term
+    /// is left out, and the part that the prediction misses is added. For runs
+    /// with other rounding errors it is of first order, since adjoints change
+    /// with the errors and a result that crosses a power of two rounds by twice
+    /// as much. It is computed in binary64, and widened by 2⁻²⁰ of its value
+    /// for that; where the prediction shows that adjoints cancelled, in 1024
+    /// bits.
     ///
     /// # Panics
     ///

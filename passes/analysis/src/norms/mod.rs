@@ -390,7 +390,8 @@ impl Layers {
     }
 }
 
-/// An error times a factor; an unbounded error stays unbounded, even times zero.
+/// An error times a factor; an unbounded error stays unbounded, even times
+/// zero.
 fn carried(factor: f64, error: f64) -> f64 {
     if error == 0.0 || error.is_infinite() {
         error

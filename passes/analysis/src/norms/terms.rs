@@ -91,7 +91,8 @@ impl SumDefinition {
         Some(definition)
     }
 
-    /// The number of the latest node that it reads, plus one; 0 if it reads leaves alone.
+    /// The number of the latest node that it reads, plus one; 0 if it reads
+    /// leaves alone.
     pub(super) fn after(&self, tape: &Tape) -> usize {
         let slots = self.terms.iter().flat_map(|term| match term.kind {
             NormTermKind::Plain(a) => [a, a],

@@ -1,12 +1,13 @@
 //! Arbitrary precision with a bound of its error, raised until one
 //! binary64 number is nearest.
 //!
-//! The strategy is Ziv's ("Fast evaluation of elementary mathematical functions with
-//! correctly rounded last bit", 1991), for whole functions: compute with this number of
-//! bits and a radius; where the ends of the ball round to different binary64 numbers,
-//! compute again with twice as many. A value that is still not distinguished from zero
-//! with [`MAX_BITS`] bits counts as zero: it is less than 2⁻⁹⁰⁰ of its largest terms, or
-//! zero by an identity that does not hold in the prime field.
+//! The strategy is Ziv's ("Fast evaluation of elementary mathematical functions
+//! with correctly rounded last bit", 1991), for whole functions: compute with
+//! this number of bits and a radius; where the ends of the ball round to
+//! different binary64 numbers, compute again with twice as many. A value that
+//! is still not distinguished from zero with [`MAX_BITS`] bits counts as zero:
+//! it is less than 2⁻⁹⁰⁰ of its largest terms, or zero by an identity that does
+//! not hold in the prime field.
 //!
 //! Radii are counted in units of the precision's own rounding, so that they
 //! neither sink below the range of binary64 nor depend on the precision to

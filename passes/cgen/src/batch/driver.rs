@@ -35,7 +35,8 @@ struct Varying<'a> {
     offset: u64,
 }
 
-/// The definitions of the functions that [`signatures`] declares, except for the first.
+/// The definitions of the functions that [`signatures`] declares, except for
+/// the first.
 pub(super) fn functions(writer: &BatchWriter<'_>) -> String {
     let arrays = varying(writer);
     let mut text = batch(writer);

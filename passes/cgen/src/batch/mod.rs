@@ -18,8 +18,9 @@
 //! * sines and cosines of all angles are computed in one loop
 //!   ([`crate::sincos`]).
 //!
-//! Only the order of operations differs from the function: results equal the evaluator's
-//! except for sines, cosines and operations that the compiler contracts.
+//! Only the order of operations differs from the function: results equal the
+//! evaluator's except for sines, cosines and operations that the compiler
+//! contracts.
 
 mod driver;
 mod names;

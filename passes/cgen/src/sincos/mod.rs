@@ -6,14 +6,15 @@
 //! turn, two polynomials, and a choice by bits, in the vector extensions that
 //! gcc and clang share.
 //!
-//! The reduction subtracts multiples of a quarter turn in parts so short that their
-//! products are exact (Cody and Waite 1980), and keeps the rounding error in a second
-//! word. So no result depends on contraction by the compiler, and the results are within
-//! 1 ulp (measured: 0.79 in both types) for angles up to [`KernelConstants::limit`].
-//! Larger ones, infinities and NaN are detected by their bits and left to the library.
+//! The reduction subtracts multiples of a quarter turn in parts so short that
+//! their products are exact (Cody and Waite 1980), and keeps the rounding error
+//! in a second word. So no result depends on contraction by the compiler, and
+//! the results are within 1 ulp (measured: 0.79 in both types) for angles up to
+//! [`KernelConstants::limit`]. Larger ones, infinities and NaN are detected by
+//! their bits and left to the library.
 //!
-//! The text needs no other: [`SineKernel::types`] once, then whichever functions
-//! are called. Where the compiler has no vector extensions, or
+//! The text needs no other: [`SineKernel::types`] once, then whichever
+//! functions are called. Where the compiler has no vector extensions, or
 //! `ROBOVEC_SCALAR` is defined, a vector is one number and the library
 //! computes.
 

@@ -52,7 +52,8 @@ pub(super) fn equals(vector: &str, low: u32, width: u32, number: u32) -> String 
 /// The version that generated files name.
 pub(super) const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// The first lines of a generated file: its content and the program that wrote it.
+/// The first lines of a generated file: its content and the program that wrote
+/// it.
 pub(super) fn heading(what: &[String]) -> String {
     let mut text = String::new();
     for line in what {

@@ -1,4 +1,5 @@
-//! Operands at which floating-point operators often fail, with the expected results.
+//! Operands at which floating-point operators often fail, with the expected
+//! results.
 
 use super::reference::Reference;
 use robovec_fpga::rtl::cores::OperatorCore;

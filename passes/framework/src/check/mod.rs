@@ -229,7 +229,8 @@ pub fn check_derivative(
     verdict
 }
 
-/// A function made for a scene, with the function and the numbers it was made of.
+/// A function made for a scene, with the function and the numbers it was made
+/// of.
 #[derive(Clone, Copy)]
 pub struct Specialised<'a> {
     /// The function before.

@@ -149,7 +149,8 @@ fn pattern(function: &Function, root: Operand, leaves: &[PatternNode]) -> Option
     Some(pattern)
 }
 
-/// The leaf that an operand is, or the value; `None` for operands that no pattern has.
+/// The leaf that an operand is, or the value; `None` for operands that no
+/// pattern has.
 fn leaf(
     function: &Function,
     operand: Operand,

@@ -40,7 +40,8 @@ impl FromStr for Limit {
 }
 
 impl Limit {
-    /// Tests whether the pass of an ordinal runs, and gives its number of rewrites.
+    /// Tests whether the pass of an ordinal runs, and gives its number of
+    /// rewrites.
     pub(super) fn of(limit: Option<Limit>, ordinal: u64) -> Option<Option<u64>> {
         let Some(limit) = limit else {
             return Some(None);

@@ -408,8 +408,9 @@ impl PipelineRun<'_> {
         Ok(())
     }
 
-    /// Runs a pass over a function; the result is its report, its error, or the message
-    /// of its panic. After a panic the partly changed state is not used again.
+    /// Runs a pass over a function; the result is its report, its error, or the
+    /// message of its panic. After a panic the partly changed state is not used
+    /// again.
     fn execute(
         &self,
         pass: &dyn Pass,

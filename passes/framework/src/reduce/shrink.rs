@@ -1,9 +1,10 @@
 //! Delta debugging: smaller and smaller programs that go wrong the same way.
 //!
-//! Edits are tried in chunks that are halved down to single values (Zeller and Hildebrandt 2002),
-//! the coarsest kind first: outputs dropped, values made inputs, operations replaced by an operand,
-//! single values kept with their operands, numbers simplified. The steps are repeated until no
-//! smaller program fails, or the work is used up.
+//! Edits are tried in chunks that are halved down to single values (Zeller and
+//! Hildebrandt 2002), the coarsest kind first: outputs dropped, values made
+//! inputs, operations replaced by an operand, single values kept with their
+//! operands, numbers simplified. The steps are repeated until no smaller
+//! program fails, or the work is used up.
 
 use super::edit::{Edit, Fate};
 use super::trial::{Case, PassProblem, TrialSetting};

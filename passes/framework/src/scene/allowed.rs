@@ -16,14 +16,16 @@ use robovec_ir::{Function, Operand, OperandKind, Output, View};
 use robovec_num::arithmetic::Binary64;
 use std::collections::BTreeMap;
 
-/// Number of states from which usual sizes are computed. An odd number has a median.
+/// Number of states from which usual sizes are computed. An odd number has a
+/// median.
 const SIZED: u32 = 255;
 
 /// The seed of these states: every part of the program takes the same sizes.
 const SIZE_SEED: u64 = 1;
 
-/// The part of the cancelling numbers in an array below which it counts as zero: the rest
-/// after cancellation in binary64, with a margin of a few digits.
+/// The part of the cancelling numbers in an array below which it counts as
+/// zero: the rest after cancellation in binary64, with a margin of a few
+/// digits.
 const CANCELLED: f64 = 1.0 / (1u64 << 44) as f64;
 
 /// The part of its usual size below which an element counts as passing through

@@ -41,7 +41,8 @@ impl ScaledBall {
         ScaledBall::between(number, 0.0)
     }
 
-    /// A finite binary64 number with a bound of its distance from the intended number.
+    /// A finite binary64 number with a bound of its distance from the intended
+    /// number.
     pub(super) fn between(number: f64, radius: f64) -> ScaledBall {
         debug_assert!(radius >= 0.0, "a radius is not negative");
         // Subnormals are lifted, so that what follows is exact.

@@ -5,7 +5,8 @@ use super::super::rule::{Requirement, Rule};
 use super::field::{RuleField, RuleResidue};
 use robovec_ir::Operation;
 
-/// Both sides of a rule, one after the other, with the fields for its judgement.
+/// Both sides of a rule, one after the other, with the fields for its
+/// judgement.
 #[derive(Clone, Debug)]
 pub(super) struct Joined<'a> {
     pub(super) rule: &'a Rule,

@@ -110,7 +110,8 @@ pub(super) fn enumerate(space: &TermSpace) -> Enumeration {
 type OnSame<'a> = &'a mut dyn FnMut(&EnumeratedTerms, EnumeratedTerm, u32);
 
 impl EnumeratedTerms {
-    /// All terms of a space, the number of terms tried, and whether the enumeration is complete.
+    /// All terms of a space, the number of terms tried, and whether the
+    /// enumeration is complete.
     fn all(space: &TermSpace, on_same: OnSame<'_>) -> (EnumeratedTerms, usize, bool) {
         let pair = RuleField::pair(SEED).map(|field| field.on_circle(space.trigonometric));
         let mut terms = EnumeratedTerms {

@@ -136,8 +136,9 @@ impl Letters {
 }
 
 impl Sieve<'_> {
-    /// The candidates that are proved and that neither known rules nor those before them
-    /// derive, by gain on functions; and the number of derived ones.
+    /// The candidates that are proved and that neither known rules nor those
+    /// before them derive, by gain on functions; and the number of derived
+    /// ones.
     fn keep(
         &self,
         candidates: Vec<RuleCandidate>,

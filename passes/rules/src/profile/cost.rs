@@ -59,8 +59,9 @@ fn arrival_of(
     times.pop().flatten()
 }
 
-/// The same, with the operands of sums and products in the order of the earliest result:
-/// nested ones are flattened, and the two earliest operands are combined first.
+/// The same, with the operands of sums and products in the order of the
+/// earliest result: nested ones are flattened, and the two earliest operands
+/// are combined first.
 pub(crate) fn earliest_of(
     pattern: &Pattern,
     weights: &Weights,

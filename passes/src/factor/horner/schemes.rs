@@ -199,8 +199,9 @@ impl SchemeSet {
             .sum()
     }
 
-    /// The number of operations of the scheme of one polynomial that no known value
-    /// provides; on request the scheme itself, in which equal parts are not merged.
+    /// The number of operations of the scheme of one polynomial that no known
+    /// value provides; on request the scheme itself, in which equal parts are
+    /// not merged.
     pub(super) fn scheme(
         &self,
         polynomial: &PackedPolynomial,

@@ -1,4 +1,5 @@
-//! Accelerations against `M qdd + c = Qq`, and functions that cannot be generated.
+//! Accelerations against `M qdd + c = Qq`, and functions that cannot be
+//! generated.
 
 use super::formulation_tests::{at_point, make, point_field, tree};
 use super::tests::serial;

@@ -11,8 +11,9 @@
 //! Qa = phi_a - J_a^T lambda,    Qc = phi_c - J_c^T lambda
 //! ```
 //!
-//! The number of actuators must equal the number of independent joints. Any joints may
-//! have them; a model that names none has them at its independent joints.
+//! The number of actuators must equal the number of independent joints. Any
+//! joints may have them; a model that names none has them at its independent
+//! joints.
 
 use super::algebra::{Scalar, Sum};
 use super::blocks::solve_blocks;

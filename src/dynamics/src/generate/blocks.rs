@@ -1,14 +1,15 @@
 //! Linear equations of loops, solved block by block.
 //!
-//! The Jacobian of dependent joints falls into blocks: joints of a loop need one
-//! another, joints of other loops do not, or need those of an earlier one. In
-//! this order no entry arises outside blocks, and each is solved for itself.
+//! The Jacobian of dependent joints falls into blocks: joints of a loop need
+//! one another, joints of other loops do not, or need those of an earlier one.
+//! In this order no entry arises outside blocks, and each is solved for itself.
 //!
-//! **Pivots.** Equations are written once, and a pivot that is good at one position
-//! vanishes at another through which the mechanism passes: the four-bar does so twice a
-//! turn. Blocks of up to three rows, those of a planar loop and of a ball, therefore have
-//! none: the last unknown follows from the direction at right angles to all other
-//! columns, and each before it from the remainder,
+//! **Pivots.** Equations are written once, and a pivot that is good at one
+//! position vanishes at another through which the mechanism passes: the
+//! four-bar does so twice a turn. Blocks of up to three rows, those of a planar
+//! loop and of a ball, therefore have none: the last unknown follows from the
+//! direction at right angles to all other columns, and each before it from the
+//! remainder,
 //!
 //! ```text
 //! x_3 = d_3.b / d_3.a_3,    d_3 = a_1 x a_2
@@ -16,10 +17,11 @@
 //! x_1 = a_1.b" / a_1.a_1,                       b" = b' - a_2 x_2
 //! ```
 //!
-//! This is a factorisation `QR` without roots. It fails only where the block itself is
-//! singular, and there the joints are no valid choice of dependent ones; near it, unlike
-//! with cofactors, each unknown compensates for the errors of those before it. Larger
-//! blocks keep the order of pivots of the initial state.
+//! This is a factorisation `QR` without roots. It fails only where the block
+//! itself is singular, and there the joints are no valid choice of dependent
+//! ones; near it, unlike with cofactors, each unknown compensates for the
+//! errors of those before it. Larger blocks keep the order of pivots of the
+//! initial state.
 
 use super::algebra::{Scalar, Sum};
 use super::equations::{Equations, QuantityLabel};

@@ -128,7 +128,8 @@ mod tests {
         contenders(model, function, &Formulation::ALL, &Options::default())
     }
 
-    /// No formulation left out has a shorter path than those kept, as generated.
+    /// No formulation left out has a shorter path than those kept, as
+    /// generated.
     #[test]
     fn the_shortest_as_generated_is_among_them() {
         for joints in [3, 12] {

@@ -1,5 +1,6 @@
-//! Mass, first moment and moments of inertia of sets of bodies, and the forces in joints:
-//! the quantities that composite-body recursions transform from frame to frame.
+//! Mass, first moment and moments of inertia of sets of bodies, and the forces
+//! in joints: the quantities that composite-body recursions transform from
+//! frame to frame.
 //!
 //! Both are moved across a joint the same way: turned by its one rotation, then
 //! referred to the parent's origin. Zeros of offsets and inertias cost no

@@ -1,13 +1,14 @@
 //! Derivatives of accelerations with closed loops, and the linear system near
 //! a state.
 //!
-//! With loops, accelerations are written as a function of independent joints: the
-//! positions of dependent joints after one round of Newton's method, their velocities,
-//! then the reduced accelerations. Where the loops are closed the round changes nothing,
-//! and its derivative by the dependent positions is zero, so that the derivative of the
-//! whole by the independent joints is that along the motions that the loops allow: `dq_v
-//! = -Jv^-1 Ju dq_u`, exactly. It is taken by the pass `differentiate`. Without loops
-//! [`super::sensitivity`] has closed formulas.
+//! With loops, accelerations are written as a function of independent joints:
+//! the positions of dependent joints after one round of Newton's method, their
+//! velocities, then the reduced accelerations. Where the loops are closed the
+//! round changes nothing, and its derivative by the dependent positions is
+//! zero, so that the derivative of the whole by the independent joints is that
+//! along the motions that the loops allow: `dq_v = -Jv^-1 Ju dq_u`, exactly. It
+//! is taken by the pass `differentiate`. Without loops [`super::sensitivity`]
+//! has closed formulas.
 
 use super::closing::Closing;
 use super::constraints::ConstraintPart;

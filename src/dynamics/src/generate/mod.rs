@@ -117,10 +117,11 @@ pub struct Options {
     /// with `M qdd + c = Qq + Jac^T Lambda`, those of the loops first; zero for
     /// redundant rows. And the forces `Qc` that move driven joints.
     pub multipliers: bool,
-    /// Number of rows of constraints that the user computes, in their own inputs: their
-    /// values `huserc`, their Jacobian `Juserc` by all joints, and the velocity terms of
-    /// their second derivative, `jdqduserc`. The same number of joints that the model
-    /// names dependent, besides those of the loops, follow from them.
+    /// Number of rows of constraints that the user computes, in their own
+    /// inputs: their values `huserc`, their Jacobian `Juserc` by all joints,
+    /// and the velocity terms of their second derivative, `jdqduserc`. The same
+    /// number of joints that the model names dependent, besides those of the
+    /// loops, follow from them.
     pub user_constraints: usize,
 }
 
@@ -231,7 +232,8 @@ pub enum GenerateError {
         /// The name of the formulation.
         formulation: &'static str,
     },
-    /// The function needs identities that the options forbid, in every formulation.
+    /// The function needs identities that the options forbid, in every
+    /// formulation.
     #[error(
         "{function} needs sin^2 + cos^2 = 1, and the cosine as the derivative of the sine, which \
          the options exclude; the pass 'trigonometry' may replace sines and cosines afterwards"

@@ -1,24 +1,25 @@
 //! Reduced accelerations: `qdd` from `M`, `c` and the loops.
 //!
 //! The constraints of loops give the accelerations of dependent joints v by
-//! those of independent joints u: `qdd_v = B qdd_u + b` with `B = -Jv^-1 Ju` and
-//! `b = -Jv^-1 (jdqd + Jc qdd_c)`. Put into `M qdd + c = Qq + J^T lambda`, the
-//! multipliers drop out (coordinate partitioning):
+//! those of independent joints u: `qdd_v = B qdd_u + b` with `B = -Jv^-1 Ju`
+//! and `b = -Jv^-1 (jdqd + Jc qdd_c)`. Put into `M qdd + c = Qq + J^T lambda`,
+//! the multipliers drop out (coordinate partitioning):
 //!
 //! ```text
 //! Mr = Muu + Muv B + (Muv B)^T + B^T Mvv B
 //! Mr qdd_u = f_u - Muv b + B^T (f_v - Mvv b),    f = Qq - c - M_c qdd_c
 //! ```
 //!
-//! Rows `A qdd_u + g = 0` that the user computes are satisfied by separate multipliers,
-//! `(A Mr^-1 A^T) mu = -g - A Mr^-1 f_r`: their Jacobian is not known before, and this
-//! matrix is positive definite for any Jacobian of full rank.
+//! Rows `A qdd_u + g = 0` that the user computes are satisfied by separate
+//! multipliers, `(A Mr^-1 A^T) mu = -g - A Mr^-1 f_r`: their Jacobian is not
+//! known before, and this matrix is positive definite for any Jacobian of full
+//! rank.
 //!
 //! The accelerations of driven joints c are inputs. Positions and velocities
 //! must satisfy the loops. Which joints depend and which rows are redundant are
-//! decided when the equations are made, at the closed initial state of the model;
-//! where the joints chosen do not determine the others, the equations fail. How
-//! loops are solved, and where that needs pivots: [`super::blocks`].
+//! decided when the equations are made, at the closed initial state of the
+//! model; where the joints chosen do not determine the others, the equations
+//! fail. How loops are solved, and where that needs pivots: [`super::blocks`].
 
 use super::algebra::Scalar;
 use super::reduction::{CoordinateReduction, sorted};

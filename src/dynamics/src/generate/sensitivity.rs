@@ -11,7 +11,7 @@
 //! `M` is eliminated once, in the order that keeps a tree's zeros, and solved
 //! for every column: an inverse that is multiplied would take no fewer
 //! operations for a chain and more for a tree. Driven joints move as
-//! prescribed: they have columns, and the changes of their own accelerations
+//! prescribed: they have columns, and the changes of their accelerations
 //! are zero. Loops are not closed here.
 
 use super::algebra::Scalar;

@@ -288,7 +288,8 @@ impl MotionEquations {
         )
     }
 
-    /// Adds the derivatives of the forces of links to those of forces and torques on bodies.
+    /// Adds the derivatives of the forces of links to those of forces and
+    /// torques on bodies.
     pub(super) fn add_links_along(&self, state: &MotionState, direction: &mut MotionState) {
         if let Some(compiled) = &self.links {
             let outputs = compiled.evaluate_along(state, direction);

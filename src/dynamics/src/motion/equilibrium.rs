@@ -194,7 +194,8 @@ fn newton(motions: &SmallMotions, pivots: &[Pivot], numbers: &[f64]) -> Option<V
     Some(step)
 }
 
-/// Possible errors of coordinates when the error of each row is up to its bound.
+/// Possible errors of coordinates when the error of each row is up to its
+/// bound.
 fn uncertainty(motions: &SmallMotions, pivots: &[Pivot], bound: &[f64]) -> Vec<Option<f64>> {
     let mut errors: Vec<Option<f64>> = vec![None; motions.joints.len()];
     for pivot in pivots {

@@ -27,7 +27,8 @@ pub struct EventRecord {
     pub rising: bool,
 }
 
-/// A monitored quantity of a run: an event, or a contact at which the step is cut.
+/// A monitored quantity of a run: an event, or a contact at which the step is
+/// cut.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Watched {
     law: EventLaw,
@@ -187,7 +188,8 @@ pub(super) struct ReachedEvents {
     pub(super) stop: bool,
 }
 
-/// The sign of a number as a side: true above zero, false below; `None` otherwise.
+/// The sign of a number as a side: true above zero, false below; `None`
+/// otherwise.
 fn side(value: f64) -> Option<bool> {
     (value != 0.0).then_some(value > 0.0)
 }

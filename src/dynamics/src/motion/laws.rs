@@ -138,7 +138,8 @@ pub struct Support {
     pub stiffness: [f64; 3],
     /// Force per velocity, N s/m.
     pub damping: [f64; 3],
-    /// Position at which the springs hold the point, m; `None`: its initial position.
+    /// Position at which the springs hold the point, m; `None`: its initial
+    /// position.
     pub place: Option<[f64; 3]>,
     /// Amplitude of the place's motion to both sides, m: a road, a rail, a
     /// shaker.

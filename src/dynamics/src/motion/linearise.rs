@@ -273,7 +273,8 @@ impl MultibodySystem<'_> {
         Ok(around.transform.transposed_times(&left))
     }
 
-    /// The derivatives of all forces along a direction, which is completed with them.
+    /// The derivatives of all forces along a direction, which is completed with
+    /// them.
     fn load_along(&self, around: &LinearisedState<'_>, direction: &mut MotionState) {
         let state = around.state;
         for (index, law) in self.laws.joints.iter().enumerate() {

@@ -1,11 +1,12 @@
 //! The modes of small motions: eigenvalues of `s^2 Mr + s D + K`.
 //!
-//! They are found as eigenvalues of the first-order system, in a unit of time that gives
-//! stiffness and mass the same size, and then refined in the quadratic problem: with
-//! right and left vectors x and y by inverse iteration, and Newton's step `y^H Q(s) x /
-//! y^H Q'(s) x`. The same quotient with the possible rounding error of `Q(s) x` as
-//! numerator is the error bound (Tisseur, "Backward error and condition of polynomial
-//! eigenvalue problems", 2000, theorem 5).
+//! They are found as eigenvalues of the first-order system, in a unit of time
+//! that gives stiffness and mass the same size, and then refined in the
+//! quadratic problem: with right and left vectors x and y by inverse iteration,
+//! and Newton's step `y^H Q(s) x / y^H Q'(s) x`. The same quotient with the
+//! possible rounding error of `Q(s) x` as numerator is the error bound
+//! (Tisseur, "Backward error and condition of polynomial eigenvalue problems",
+//! 2000, theorem 5).
 
 use super::MotionError;
 use super::linearise::SmallMotions;

@@ -79,7 +79,8 @@ pub fn blame(view: View<'_>, tape: &Tape, format: Format, states: &States) -> (B
     (blame, count as u32, most.min(outputs.len()))
 }
 
-/// As [`blame`], over given states and this number of the worst states of given outputs.
+/// As [`blame`], over given states and this number of the worst states of given
+/// outputs.
 pub(super) fn blame_of(
     view: View<'_>,
     tape: &Tape,

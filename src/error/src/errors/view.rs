@@ -173,7 +173,8 @@ pub fn heat_title(heat: &Heat) -> String {
     )
 }
 
-/// The hottest equations, with bars, and the contributions of inputs and literals.
+/// The hottest equations, with bars, and the contributions of inputs and
+/// literals.
 pub fn heat_text(heat: &Heat) -> String {
     let mut text = String::new();
     if heat.equations.is_empty() && heat.inputs.is_empty() && heat.literals == 0.0 {
@@ -251,7 +252,8 @@ pub fn json(tables: &[ErrorTable]) -> String {
     json_text(tables)
 }
 
-/// The rows of all tables as CSV, empty cells for methods that were not requested.
+/// The rows of all tables as CSV, empty cells for methods that were not
+/// requested.
 pub fn csv(tables: &[ErrorTable]) -> String {
     type Row<'a> = (&'a ErrorTable, &'a OutputRow);
     let rows: Vec<Row<'_>> = tables

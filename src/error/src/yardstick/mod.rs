@@ -98,8 +98,9 @@ fn infinite_where_null<'de, D: serde::Deserializer<'de>>(source: D) -> Result<f6
 /// Distance of a program from the exact results.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct MeasuredErrors {
-    /// Of every element in every state, relative to its exact value; zero elements are
-    /// left out, and the error is infinite where all elements in error are zero.
+    /// Of every element in every state, relative to its exact value; zero
+    /// elements are left out, and the error is infinite where all elements in
+    /// error are zero.
     pub relative: ErrorSpread,
     /// Of every array in every state: its largest error over its largest
     /// element. Arrays of zeros alone are left out.

@@ -1,5 +1,6 @@
-//! The narrowest formats that meet the tolerances, floating and fixed; the errors of a
-//! program in a format relative to the allowed ones, and the size of its numbers.
+//! The narrowest formats that meet the tolerances, floating and fixed; the
+//! errors of a program in a format relative to the allowed ones, and the size
+//! of its numbers.
 
 use super::{FitError, FitProgram, FitTask};
 use crate::program::view;

@@ -298,9 +298,10 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         Ok(())
     }
 
-    /// Refuses a format of a program for its error over time, given as a multiple of the
-    /// allowed one: the corresponding number of additional bits is tried next. Other
-    /// programs err as their formats do, and need nearly as many.
+    /// Refuses a format of a program for its error over time, given as a
+    /// multiple of the allowed one: the corresponding number of additional bits
+    /// is tried next. Other programs err as their formats do, and need nearly
+    /// as many.
     pub(super) fn widen(
         &mut self,
         program: usize,

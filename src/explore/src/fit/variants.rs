@@ -99,7 +99,8 @@ pub(super) fn programs(
     Ok(programs)
 }
 
-/// A program with sums of smaller rounding error; `None` where there is no change.
+/// A program with sums of smaller rounding error; `None` where there is no
+/// change.
 pub(super) fn accurate(task: &FitTask<'_>, program: &FitProgram) -> Option<FitProgram> {
     // The pass gives up on what has no sums, or formats of its own.
     let module = transformed_by(&program.module, ACCURATE, task.machine, Some(task.scene)).ok()?;

@@ -1,9 +1,10 @@
 //! Choices that are compared: those the thesis could make, and ours.
 //!
-//! The thesis takes Robotran's equations as printed, or with the trees of the longest
-//! path balanced by hand (2.4.3); computes in binary32 (1.1); and puts `sin x = x`, `cos
-//! x = 1` into the memories before the run (Taylor order 1, 1.2.2), or true sines and
-//! cosines from a host. All others are those of robovec.
+//! The thesis takes Robotran's equations as printed, or with the trees of the
+//! longest path balanced by hand (2.4.3); computes in binary32 (1.1); and puts
+//! `sin x = x`, `cos x = 1` into the memories before the run (Taylor order 1,
+//! 1.2.2), or true sines and cosines from a host. All others are those of
+//! robovec.
 
 use robovec_dynamics::generate::Formulation;
 use robovec_ir::Format;
@@ -39,7 +40,8 @@ struct ChoiceFile {
 struct ChoiceEntry {
     name: String,
     stages: Vec<String>,
-    /// True for choices that take long, false for those that replace them in large functions.
+    /// True for choices that take long, false for those that replace them in
+    /// large functions.
     slow: Option<bool>,
 }
 

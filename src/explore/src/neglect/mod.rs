@@ -10,8 +10,9 @@
 //! at the states that a directed search from the worst of them adds
 //! ([`StartSearch`]); the integration is repeated with a finer tolerance.
 //!
-//! **Invariants.** The measured scene is read back from its file: the file that is
-//! written is the one that was judged. Results do not depend on threads or clocks.
+//! **Invariants.** The measured scene is read back from its file: the file that
+//! is written is the one that was judged. Results do not depend on threads or
+//! clocks.
 
 mod document;
 mod judge;

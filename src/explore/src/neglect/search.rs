@@ -1,4 +1,5 @@
-//! The search: the effect of every omission alone, and the largest set that is allowed.
+//! The search: the effect of every omission alone, and the largest set that is
+//! allowed.
 
 use super::NeglectError;
 use super::document::SceneTable;

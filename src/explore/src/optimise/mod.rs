@@ -162,7 +162,8 @@ pub struct Optimised {
 /// Reason of a search without result.
 #[derive(Debug, thiserror::Error)]
 pub enum OptimisationError {
-    /// A pass failed on the equations, or a program does not match the function.
+    /// A pass failed on the equations, or a program does not match the
+    /// function.
     #[error(transparent)]
     Program(#[from] ExplorationError),
     /// No program fits the machine.

@@ -1,4 +1,5 @@
-//! The arrays that a scene can name, and the names of the items that their indices count.
+//! The arrays that a scene can name, and the names of the items that their
+//! indices count.
 
 use super::document::WordProblem;
 use robovec_framework::scene::{ElementPattern, IndexPattern};
@@ -10,7 +11,8 @@ use robovec_model::{CutKind, Model};
 pub(super) struct KnownArray {
     pub(super) name: String,
     pub(super) shape: Shape,
-    /// Index into [`SceneArrays::names`] of the items that the last index counts.
+    /// Index into [`SceneArrays::names`] of the items that the last index
+    /// counts.
     counts: Option<usize>,
 }
 

@@ -7,8 +7,9 @@
 //! words; `page` puts everything into one HTML file. The figures of the thesis
 //! itself are data (`printed`), shown beside ours and never mixed with them.
 //!
-//! **Invariant.** All results except processor times are a function of plan and programs
-//! alone: they do not depend on a clock, the number of threads or the order of work.
+//! **Invariant.** All results except processor times are a function of plan and
+//! programs alone: they do not depend on a clock, the number of threads or the
+//! order of work.
 
 mod cpu;
 mod figures;

@@ -1,11 +1,12 @@
 //! Energy beside time, from figures of power that the user brings.
 //!
-//! There are no known published power figures for such operators on these devices, so
-//! none is built in. The user reads the power of the idle device and of the full one from
-//! its vendor's power estimator or a meter; the power of a design is interpolated between
-//! the two by its share of the device. Without figures only the break-even is reported: a
-//! design takes less energy than a processor as long as the ratio of their powers is
-//! below the inverse ratio of their times.
+//! There are no known published power figures for such operators on these
+//! devices, so none is built in. The user reads the power of the idle device
+//! and of the full one from its vendor's power estimator or a meter; the power
+//! of a design is interpolated between the two by its share of the device.
+//! Without figures only the break-even is reported: a design takes less energy
+//! than a processor as long as the ratio of their powers is below the inverse
+//! ratio of their times.
 
 use super::FunctionSweep;
 use robovec_num::limits::NumberLimit;

@@ -173,8 +173,9 @@ impl SweptProgram {
 ///
 /// # Errors
 ///
-/// Fails when a pass gives up, no design is large enough for the function, the designs
-/// are too many for the programs' size, or a placement cannot be stored.
+/// Fails when a pass gives up, no design is large enough for the function, the
+/// designs are too many for the programs' size, or a placement cannot be
+/// stored.
 pub fn sweep(
     function: &ExploredFunction,
     question: &SweepQuestion<'_>,

@@ -33,8 +33,9 @@ pub(super) struct DesignPlacement {
 /// A design and its result: a placement, or why there is none.
 type PlacedDesign = (MachineDesign, Result<DesignPlacement, String>);
 
-/// Places programs on the designs of a share, in the order of the space; those that are
-/// kept are found, and the others kept. The second result is the number found.
+/// Places programs on the designs of a share, in the order of the space; those
+/// that are kept are found, and the others kept. The second result is the
+/// number found.
 pub(super) fn place(
     programs: &[SweptProgram],
     space: &DesignSpace,

@@ -161,7 +161,8 @@ pub fn check(
     })
 }
 
-/// A bench has passed when every host window reports success and none reports a failure.
+/// A bench has passed when every host window reports success and none reports a
+/// failure.
 fn judge(output: &FinishedProcess, doors: usize) -> Result<Vec<String>, CheckFailure> {
     let said = output.text();
     let is = |word: &'static str| move |line: &&str| line.starts_with(word);

@@ -2,8 +2,8 @@
 //!
 //! The modules of the parts stay closed, so that equal ones are mapped once and
 //! every part has its own counts; the modules inside a part are flattened and
-//! mapped as one. Initial contents are left out: they change no count, and
-//! without them the elements are more alike.
+//! mapped as one. Initial contents are left out: they do not affect counts, and
+//! without them more elements are equal.
 
 use super::netlist::{Netlist, readable};
 use super::timing::{FAST_NET, NetlistTiming, Path, PathSelection, SLOW_NET};
@@ -56,7 +56,7 @@ impl MappedMachine {
         self.counted.iter().copied().sum()
     }
 
-    /// Resources by the formulas in all.
+    /// Total resources by the formulas.
     pub fn estimate(&self) -> ResourceUse {
         let all = self.estimated.iter();
         all.map(|part| part.each * f64::from(part.count)).sum()
@@ -129,7 +129,7 @@ fn measure(netlist: &Netlist, shape: &MachineShape) -> Result<MappedMachine, Syn
     })
 }
 
-/// Resources of every part of a kind in all.
+/// Total resources of all parts of a kind.
 fn by_part(
     netlist: &Netlist,
 ) -> Result<BTreeMap<(Option<String>, PartKind), ResourceUse>, SynthesisError> {

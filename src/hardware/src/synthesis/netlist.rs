@@ -1,4 +1,4 @@
-//! The netlist that yosys' `write_json` writes, as written there.
+//! The netlist in the form of yosys' `write_json`.
 //!
 //! Only the parts needed for counting and timing are read: modules, their
 //! ports, and their cells with their connections. A *bit* is a number that is
@@ -81,7 +81,7 @@ impl Netlist {
     ///
     /// # Errors
     ///
-    /// Fails when it is not JSON, or not of the form that yosys writes.
+    /// Fails when it is not JSON, or not in the form of yosys.
     pub fn parse(text: &str) -> Result<Netlist, SynthesisError> {
         serde_json::from_str(text).map_err(|error| SynthesisError::Netlist(error.to_string()))
     }

@@ -67,7 +67,7 @@ pub struct PathCell {
     pub kind: String,
     /// Its name with the instances above it, parts separated by dots.
     pub name: String,
-    /// The module it is in, as the source names it.
+    /// The module of the cell, by its name in the source.
     pub module: String,
     /// The time at its output, or where the path ends, ps after the clock.
     pub at: u32,
@@ -342,7 +342,7 @@ fn logic_ports(model: DelayModel) -> Option<(&'static [&'static str], &'static [
     }
 }
 
-/// The primitives of logic, each after all that drive it.
+/// The primitives of logic, each after all of its drivers.
 fn in_order(flat: &Flat<'_>, models: &[DelayModel]) -> Result<Vec<u32>, SynthesisError> {
     let mut driver = vec![u32::MAX; flat.nets as usize];
     for (index, primitive) in flat.primitives.iter().enumerate() {

@@ -133,7 +133,7 @@ const TABLES: [(FileKind, &[&str]); 4] = [
 pub(super) enum FileLook {
     /// Empty, or white space.
     Empty,
-    /// A kind that some command takes.
+    /// A kind that at least one command takes.
     Known(FileKind),
     /// TOML of no kind in particular.
     Toml,

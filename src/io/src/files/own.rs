@@ -43,10 +43,10 @@ const MARKS: [&str; 7] = [
     "// reproduce: robovec-opt ",
 ];
 
-/// True while anything may be replaced.
+/// True while any file may be replaced.
 static FORCED: AtomicBool = AtomicBool::new(false);
 
-/// Sets whether anything may be replaced from now on, in the whole process.
+/// Sets whether any file may be replaced from now on, in the whole process.
 pub fn set_force(force: bool) {
     FORCED.store(force, Ordering::Relaxed);
 }

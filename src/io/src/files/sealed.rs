@@ -17,8 +17,8 @@ use std::path::Path;
 /// The last part of the name of a manifest.
 const MANIFEST: &str = "manifest.json";
 
-/// The turn in which a file is written: files that seal others come last, and
-/// the one that represents hardware and images after those of images.
+/// The rank of a file in the order of writing: files that seal others come
+/// last, and the one that represents hardware and images after those of images.
 fn turn(name: &str) -> u8 {
     let base = name.rsplit('/').next();
     let base = base.expect("a text has a last part");
@@ -81,7 +81,7 @@ pub enum SealError {
     /// It cannot be read.
     #[error("'{0}' cannot be read: {1}")]
     System(String, io::Error),
-    /// It has another content.
+    /// Its content has changed.
     #[error("'{file}' was changed: it has the hash {found} instead of {expected}")]
     Changed {
         /// The file.

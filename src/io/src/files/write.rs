@@ -48,8 +48,7 @@ pub fn make_folder(path: &Path) -> io::Result<()> {
 ///
 /// # Errors
 ///
-/// Fails when something is there that may not be replaced, or the system
-/// refuses.
+/// Fails when the name exists and must not be replaced, or the system refuses.
 pub fn write_whole(
     path: &Path,
     replace: Replace,
@@ -89,7 +88,7 @@ pub fn write_whole(
 ///
 /// # Errors
 ///
-/// Fails when something is there that may not be replaced, or cannot be read.
+/// Fails when the name exists and must not be replaced, or cannot be read.
 pub fn refuse_foreign(path: &Path, replace: Replace) -> Result<(), FileWriteError> {
     let is_there = fs::metadata(path).is_ok_and(|there| there.is_file());
     let system = |error: io::Error| FileWriteError::System(path.to_owned(), error);
@@ -113,8 +112,8 @@ fn create_file(
     Ok(())
 }
 
-/// The path that symbolic links lead to in the end, though nothing is there
-/// yet (which `fs::canonicalize` refuses); the path itself when it is no link.
+/// The final target of symbolic links, even if it does not exist yet (which
+/// `fs::canonicalize` refuses); the path itself when it is no link.
 fn end_of_links(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..MAX_LINKS {

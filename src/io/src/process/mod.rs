@@ -1,11 +1,11 @@
 //! External programs that robovec runs: compilers, simulators of hardware,
 //! yosys, Python, and compiled programs.
 //!
-//! None of them is trusted to end or to print little.
-//! **Invariant.** A run ends: after its time, or after the last byte it may
-//! print, it is killed with everything it started. On Unix it also ends when
-//! robovec does, however that comes about, because a small watcher
-//! (`watch`), started right after the program, waits for it.
+//! None of them is trusted to end or to limit its output. **Invariant.** A run
+//! ends: after its time, or beyond the limit of its output, it is killed with
+//! all processes that it started. On Unix it also ends when robovec does, for
+//! any cause, because a small watcher (`watch`), started right after the
+//! program, waits for it.
 
 mod watch;
 
@@ -134,8 +134,8 @@ impl ProgramCall {
         ProgramCall::new(program).arguments([argument])
     }
 
-    /// The same under another name in messages: of a shell that runs a
-    /// program, that of the program.
+    /// The same under another name in messages: for a shell that runs a
+    /// program, the name of the program.
     #[must_use]
     pub fn called(mut self, name: &str) -> ProgramCall {
         name.clone_into(&mut self.name);
@@ -162,7 +162,7 @@ impl ProgramCall {
         self
     }
 
-    /// The folder it runs in; a program whose path begins with `./` is in it.
+    /// The working folder; a program whose path begins with `./` is in it.
     #[must_use]
     pub fn folder(mut self, folder: &Path) -> ProgramCall {
         if let Ok(own) = self.program.strip_prefix("./") {

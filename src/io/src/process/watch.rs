@@ -1,7 +1,7 @@
 //! Death of a tool when robovec dies.
 //!
-//! A tool runs in its own process group, so that all of it can be
-//! killed; so the terminal's interrupt, which reaches robovec's group, does
+//! A tool runs in its own process group, so that all of it can be killed;
+//! therefore the terminal's interrupt, which is sent to robovec's group, does
 //! not reach it. A shell beside it waits for the end of a pipe that only
 //! robovec holds open. The system closes the pipe when robovec ends without a
 //! word, and the shell kills the group; a line through the pipe sends it home.

@@ -79,8 +79,7 @@ fn word<T: Copy, const N: usize>(
 }
 
 /// Tests whether velocity and acceleration are symbols. Only a driven joint may
-/// do without, and only by listing those it has: a list that is absent forbids
-/// nothing.
+/// omit it, and only if others are listed: an absent list forbids nothing.
 fn symbols(
     fields: &ElementFields<'_>,
     nature: Nature,
@@ -106,7 +105,8 @@ fn symbols(
     (true, true)
 }
 
-/// Refuses two joints of one name: the user's functions find joints by it.
+/// Refuses two joints of one name: the user's functions find joints by their
+/// names.
 pub(super) fn repeated_joints(
     bodies: &[ElementFields<'_>],
     model: &Model,

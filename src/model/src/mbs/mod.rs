@@ -76,7 +76,7 @@ impl ReadModel {
         warnings
     }
 
-    /// A warning about joints whose damping and friction no equation holds.
+    /// A warning about joints whose damping and friction are in no equation.
     fn losses(&self) -> Option<Diagnostic> {
         let joints = self.model.joints.iter();
         let losing: Vec<&str> = joints

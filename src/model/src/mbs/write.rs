@@ -36,8 +36,8 @@ pub fn write_mbs(model: &Model) -> String {
     writer.text
 }
 
-/// First property of a model for which `.mbs` files have no words, with the
-/// words they have; `None` for a model that they can hold.
+/// First property of a model that `.mbs` files cannot express, with the nearest
+/// that they can; `None` for a model that they can express.
 pub fn unsayable(model: &Model) -> Option<String> {
     let joint = |name: &str, what: &str| Some(format!("joint '{name}' {what}"));
     if model.bodies.is_empty() {

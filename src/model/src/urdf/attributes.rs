@@ -7,8 +7,8 @@ use robovec_ir::diagnostic::{clip, did_you_mean};
 use roxmltree::Node;
 use std::ops::Range;
 
-/// The children of an element by name, at most one of each; one with a name
-/// that is nearly known is warned of, since it would silently mean nothing.
+/// The children of an element by name, at most one of each; a name that is
+/// similar to a known one gets a warning, since it would be ignored.
 pub(super) fn children<'a, const N: usize>(
     node: Node<'a, 'a>,
     known: [&str; N],

@@ -148,7 +148,7 @@ impl RobotBuilder<'_> {
     }
 
     /// A body on one joint; its frame is that of the body before, except for
-    /// the turns that the axis needs.
+    /// the constant rotations that the axis needs.
     fn single(&mut self, joint: &JointElement, frame: &LinkPlace) -> LinkPlace {
         let AxisFrame {
             mounting,

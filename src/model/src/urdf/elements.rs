@@ -63,7 +63,7 @@ pub(super) struct JointElement {
     pub(super) child_place: Range<usize>,
 }
 
-/// Joint that another one follows.
+/// Joint whose motion another one follows.
 pub(super) struct MimicElement {
     pub(super) leader: String,
     pub(super) factor: f64,

@@ -1,10 +1,10 @@
-//! The frame of a joint: constant turns after which its axis is an axis of the
-//! frame, as few as there can be.
+//! The frame of a joint: the minimum number of constant rotations after which
+//! its axis is an axis of the frame.
 
 use crate::rotation::{Point3, Rotation3};
 use crate::{Axis, ConstantTurn, JointMounting};
 
-/// Frame of a joint on the frame before, and its axis in it.
+/// Frame of a joint relative to the frame before, and its axis in it.
 pub(super) struct AxisFrame {
     pub(super) mounting: JointMounting,
     pub(super) axis: Axis,

@@ -2,8 +2,8 @@
 //! the XML library.
 //!
 //! The library neither recurses over nested elements nor expands entities
-//! (document types are refused). It does compare the attributes of one element
-//! with each other, so their number is limited here.
+//! (document types are refused). It compares the attributes of one element with
+//! each other, so their number is limited here.
 
 use super::messages::diagnostic;
 use robovec_ir::diagnostic::{Diagnostic, clip};

@@ -104,7 +104,7 @@ impl Messages {
         self.errors.len() < LIMIT
     }
 
-    /// Remembers an error that there is no room for.
+    /// Counts an error beyond the limit of messages.
     pub(crate) fn count_error(&mut self) {
         self.more_errors = true;
     }

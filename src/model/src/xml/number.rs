@@ -1,4 +1,4 @@
-//! Numbers as files write them.
+//! Numbers in files.
 
 use robovec_ir::diagnostic::clip;
 use robovec_num::decimal::is_lost;

@@ -2,8 +2,8 @@
 //!
 //! Written for paper and screen: text stays text, curves are labelled at their
 //! ends, colour-blind readers can distinguish the colours, and with the markers
-//! they work in grey. Every marker carries its values as an SVG title, which
-//! viewers show when it is pointed at.
+//! they work in grey. Every marker has its values as an SVG title, which
+//! viewers show under the pointer.
 
 mod curves;
 mod labels;
@@ -19,7 +19,7 @@ use svg::{Svg, TextAnchor};
 const WIDE: [f64; 2] = [520.0, 320.0];
 const NARROW: [f64; 2] = [300.0, 210.0];
 
-/// Room left of the axes (numbers and title) and below them.
+/// Space to the left of the axes (numbers and title) and below them.
 const LEFT: f64 = 62.0;
 const BELOW: f64 = 50.0;
 const ABOVE: f64 = 26.0;

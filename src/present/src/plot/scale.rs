@@ -150,7 +150,7 @@ fn above(value: f64) -> f64 {
 /// Steps of linear axes below this one need more than the usual decimals.
 const SMALLEST_STEP: f64 = 1e-4;
 
-/// Thousands apart.
+/// The text of a tick, with separators between thousands.
 fn tick_text(value: f64) -> String {
     if value >= 1e4 && value % 1.0 == 0.0 {
         let digits = format!("{value:.0}");

@@ -2,7 +2,7 @@
 //!
 //! The arguments of a call become outputs of the function and its result an
 //! input. Robotran passes arrays it has filled, the scalars `Z` and `Zd`, and
-//! words that mean nothing here (`s`, `tsim`, the number of the call).
+//! words without meaning here (`s`, `tsim`, the number of the call).
 
 use super::emit::FunctionEmitter;
 use crate::explain::refusal;

@@ -67,7 +67,7 @@ impl Lowering<'_, '_> {
         written
     }
 
-    /// True for a run with an equation or a call in it.
+    /// True for a run that contains an equation or a call.
     fn computes(&self, run: &StatementRun, counters: &SymbolSet) -> bool {
         run.statements.clone().any(|index| match self.syntax.statements[index].kind {
             StatementKind::Equation { target, .. } => {
@@ -100,7 +100,7 @@ impl Lowering<'_, '_> {
         );
     }
 
-    /// Values that each part takes from and gives to the others.
+    /// Values that each part takes from the others and passes to them.
     fn crossing(
         &self,
         runs: &[&StatementRun],

@@ -56,7 +56,7 @@ pub(super) struct StoredArray {
 #[derive(Clone, Default, Debug)]
 pub(super) struct Storage {
     pub(super) arrays: Vec<StoredArray>,
-    /// Number of elements in all.
+    /// Total number of elements.
     pub(super) len: usize,
     names: Vec<RobotranName>,
     numbers: HashMap<RobotranName, u32, FxBuildHasher>,

@@ -7,7 +7,7 @@ use crate::syntax::StatementKind;
 use crate::token::{RobotranName, SourceSpan};
 use robovec_cgen::kind::bare_name;
 
-/// The flow that is open around a block; none outside all.
+/// The open flow around a block; none at the outermost level.
 fn inside(outer: Option<&OpenBlock>) -> (bool, bool) {
     match outer {
         Some(open) => open.inside,

@@ -7,7 +7,7 @@ use robovec_ir::Symbol;
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct SyntaxLeaf(u32);
 
-/// A [`SyntaxLeaf`] taken apart.
+/// A decoded [`SyntaxLeaf`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum LeafKind {
     /// The result of a node of the arena.

@@ -36,7 +36,7 @@ impl SyntaxNode {
 pub(super) struct SyntaxStatement {
     pub(super) kind: StatementKind,
     pub(super) span: SourceSpan,
-    /// Number of [`SyntaxTree::elements`] before it and in it.
+    /// Number of [`SyntaxTree::elements`] before it and inside it.
     pub(super) elements: u32,
 }
 

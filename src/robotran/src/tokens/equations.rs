@@ -120,7 +120,7 @@ impl ExpressionStacks {
         operators.any(|operator| operator.strength() == 0)
     }
 
-    /// The operand that is left at the end.
+    /// The last operand left.
     fn root(&mut self, builder: &mut SyntaxBuilder) -> Result<SyntaxLeaf, NotPlain> {
         self.apply(builder, 1)?;
         match (self.operands.pop(), self.operators.is_empty()) {

@@ -28,7 +28,7 @@ pub(super) type SpannedToken = (u32, RobotranToken, u32);
 /// Source of a parser of tokens, and its memory for the explanation of an
 /// error.
 pub(super) trait TokenSource: Iterator<Item = Result<SpannedToken, LexicalError>> {
-    /// The token given last and the one before it.
+    /// The last token and the one before it.
     fn recent(&self) -> [Option<SpannedToken>; 2];
     /// Goes on after the end of the statement that could not be read.
     fn skip_statement(&mut self);

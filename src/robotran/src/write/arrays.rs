@@ -45,7 +45,7 @@ pub(super) struct FileArrays {
 }
 
 impl FileArrays {
-    /// Collects them.
+    /// Collects the arrays of a file.
     pub(super) fn new(
         functions: &[&Function],
         kind: EquationKind,

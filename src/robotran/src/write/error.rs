@@ -52,7 +52,7 @@ pub enum RobotranWriteError {
         /// The output.
         output: String,
     },
-    /// A sensor function sets something else than the sensor.
+    /// A sensor function sets an output other than the sensor.
     #[error(
         "the output '{output}' of '{function}' is not a field of the sensor, and a sensor function returns only those"
     )]

@@ -1,9 +1,9 @@
-//! Extents that the reader would not find out alone.
+//! Extents that the reader could not infer.
 //!
 //! Robotran's files do not declare their arrays: the reader knows those with an
 //! element per joint and infers the size of the others from the largest index
 //! used. An array of another extent is named in a line of the header, which
-//! means nothing to Robotran.
+//! Robotran ignores.
 
 use super::arrays::{ArrayRole, FileArrays};
 use crate::conventions::least_extent;
@@ -12,8 +12,7 @@ use robovec_ir::{Function, Shape};
 use rustc_hash::FxBuildHasher;
 use std::fmt::Write;
 
-/// The entry of the header, `dpt(3,12) h(4)`; `None` when nothing needs to be
-/// stated.
+/// The entry of the header, `dpt(3,12) h(4)`; `None` when no entry is needed.
 pub(super) fn line(functions: &[&Function], arrays: &FileArrays, joints: u32) -> Option<String> {
     let forces = forces(functions);
     let mut line = String::new();

@@ -46,7 +46,8 @@ impl FunctionText {
         }
     }
 
-    /// As [`FunctionText::declare`], for names that other cases may have declared before.
+    /// As [`FunctionText::declare`], for names that other cases may have
+    /// declared before.
     pub(super) fn declare_once(&mut self, name: &str) {
         if self.text.language == Language::C && !self.known.contains(name) {
             self.known.insert(name.into());

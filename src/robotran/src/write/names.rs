@@ -1,8 +1,9 @@
 //! Identifiers that all three languages, and Robotran's conventions, accept.
 //!
-//! Every name is made valid in all languages, so that the same function has the same
-//! names in each of them. A name of Robotran's stays as it is; a name made by a pass
-//! (`OM16.1`) becomes `OM16_1`. A name that is taken gets a number appended.
+//! Every name is made valid in all languages, so that the same function has the
+//! same names in each of them. A name of Robotran's is unchanged; a name made
+//! by a pass (`OM16.1`) becomes `OM16_1`. A name that is taken gets a number
+//! appended.
 
 use hashbrown::{HashMap, HashSet};
 use robovec_ir::{Name, Symbols};
@@ -152,7 +153,7 @@ pub(super) fn is_array_name(text: &str) -> bool {
 
 #[derive(Debug)]
 pub(super) struct FileIdentifiers {
-    /// Per symbol: a value has it as its identifier.
+    /// Per symbol: true when a value has it as its identifier.
     plain: Vec<bool>,
     /// Identifiers that are no symbol some value has unchanged.
     made: HashMap<Name, Box<str>, FxBuildHasher>,

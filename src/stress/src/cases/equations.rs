@@ -124,8 +124,8 @@ pub(super) fn row(stiffness: f64) -> EquationsSubject {
         )
 }
 
-/// Places of the points, stiffnesses and free lengths: the soft springs are
-/// half as long again as they are free, the stiff one has 1e3 N.
+/// Places of the points, stiffnesses and free lengths: the soft springs have
+/// 1.5 times their free length, the stiff one has 1e3 N.
 pub(super) fn points(stiffness: f64, seed: u64) -> Vec<f64> {
     let mut draw = Draw::new(seed);
     let mut place = [0.0; 3].map(|_: f64| draw.within(0.5));

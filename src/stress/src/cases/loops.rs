@@ -60,8 +60,8 @@ fn parallelogram(text: &str, angle: f64, slope: f64) -> Model {
 }
 
 /// A crank of 0.3 m, a coupler of 0.8 m and a rocker of 0.6 m on pivots 0.9 m
-/// apart; crank and coupler are so far from one line, rad, where the rocker
-/// turns round.
+/// apart; the given angle, rad, is that between crank and coupler where the
+/// rocker turns round.
 pub(in super::super) fn four_bar(bend: f64) -> Model {
     let mut model = file(include_str!("data/four-bar.mbs"));
     let (crank_length, coupler_length, rocker_length) = (0.3f64, 0.8f64, 0.6f64);

@@ -37,7 +37,7 @@ struct CaseMember {
     expected: StressVerdict,
     #[serde(default)]
     long: bool,
-    /// Numbers by name, as texts show them.
+    /// Numbers by name, in the format of texts.
     #[serde(flatten)]
     numbers: BTreeMap<String, String>,
 }

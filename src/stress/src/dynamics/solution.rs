@@ -1,4 +1,4 @@
-//! Accelerations from a mass matrix, in the format it is in.
+//! Accelerations from a mass matrix, in its format.
 
 use super::super::linear::{factorise, substitute};
 use super::super::numbers::{Wide, Work};

@@ -1,9 +1,9 @@
 //! The report of a compilation: cost and error.
 //!
-//! One structure, written as JSON ([`ModuleReport::to_json`]) for programs and as
-//! text ([`ModuleReport::to_text`]) for users. The names of the JSON form are an
-//! interface, documented in `docs/report.md`; a field may be added and none
-//! renamed. Numbers that are not finite are `null` there.
+//! One structure, written as JSON ([`ModuleReport::to_json`]) for programs and
+//! as text ([`ModuleReport::to_text`]) for users. The names of the JSON form
+//! are an interface, documented in `docs/report.md`; a field may be added and
+//! none renamed. Numbers that are not finite are `null`.
 
 mod error;
 mod records;
@@ -134,7 +134,7 @@ pub struct FunctionReport {
     pub sin_cos: usize,
     /// Minus signs.
     pub negations: usize,
-    /// Groups of equations that need only those before them.
+    /// Groups of equations that depend only on those before them.
     pub vectors: usize,
     /// The longest chain, in operations.
     pub asap: u32,

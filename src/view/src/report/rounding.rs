@@ -29,7 +29,7 @@ pub struct BeforeAfter {
     pub after: QuantilesReport,
     /// The median after the pass over that before.
     pub ratio: f64,
-    /// The standard error of the ratio, as a part of it.
+    /// The standard error of the ratio, as a part of the ratio.
     pub noise: f64,
     /// `better`, `same` or `worse`.
     pub trend: &'static str,

@@ -95,7 +95,8 @@ impl Serialize for ByKind {
     }
 }
 
-/// Number of slices into which a run is divided for the chart of its occupation.
+/// Number of slices into which a run is divided for the chart of its
+/// occupation.
 pub(super) const SLICES: usize = 64;
 
 impl ScheduleReport {

@@ -132,7 +132,8 @@ impl<'a> DepthWalk<'a> {
         }
     }
 
-    /// Appends the values that a root depends on and that were not found before, and the root.
+    /// Appends the values that a root depends on and that were not found
+    /// before, and the root.
     fn reach(&mut self, root: Operand, found: &mut Vec<Value>) {
         self.open.extend(root.value().map(|value| (value, false)));
         while let Some((value, entered)) = self.open.pop() {

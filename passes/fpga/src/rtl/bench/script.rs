@@ -205,7 +205,8 @@ impl ScriptWriter<'_> {
         Ok(())
     }
 
-    /// Notes the words that are read after every run; returns the index of the first.
+    /// Notes the words that are read after every run; returns the index of the
+    /// first.
     fn note_outputs(&mut self) -> usize {
         let first = self.note("status after a run: done and no longer running");
         self.note("status after 'done' was cleared");

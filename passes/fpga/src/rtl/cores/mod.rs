@@ -1,4 +1,5 @@
-//! The floating-point operators of `hdl/cores`, and the places for their registers.
+//! The floating-point operators of `hdl/cores`, and the places for their
+//! registers.
 //!
 //! An operator is one Verilog module for every latency: between its steps are
 //! cuts, any of which may hold a register. Which of them do is chosen here, so

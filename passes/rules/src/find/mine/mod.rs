@@ -31,8 +31,9 @@ use solve::RightSides;
 pub struct MiningSpace {
     /// Operations of a window, at most.
     pub window: usize,
-    /// Maximum number of shapes for which right sides are searched, the most frequent
-    /// ones: this number to save operations, and the same number to shorten chains.
+    /// Maximum number of shapes for which right sides are searched, the most
+    /// frequent ones: this number to save operations, and the same number to
+    /// shorten chains.
     pub shapes: usize,
     /// Values looked up for one shape, at most.
     pub work: usize,

@@ -56,7 +56,7 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
         self.set_definition(symbol, value);
     }
 
-    /// Names a value: a fresh node takes the name itself, anything else is
+    /// Names a value: a new node gets the name itself, any other value is
     /// copied.
     pub(super) fn named(
         &mut self,

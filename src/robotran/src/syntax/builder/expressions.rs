@@ -30,7 +30,8 @@ impl SyntaxBuilder {
     }
 
     /// Number of bits that an operand may have as a whole number of Python, and
-    /// 0 for a float. Names mean whole numbers where any equation has them so.
+    /// 0 for a float. Names represent whole numbers where any equation assigns
+    /// one.
     pub(super) fn whole_bits(&self, leaf: SyntaxLeaf) -> u8 {
         match leaf.kind() {
             LeafKind::Node(index) => self.syntax.nodes[index as usize].whole_bits,
@@ -78,7 +79,7 @@ impl SyntaxBuilder {
     }
 
     /// An operation on two operands. Literals that are not both 64-bit floats
-    /// are combined here, as the language combines them.
+    /// are combined here, by the rules of the language.
     pub(crate) fn node(
         &mut self,
         operation: Operation,

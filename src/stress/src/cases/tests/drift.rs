@@ -7,9 +7,8 @@ use crate::{LoopStabilisation, ProgramTreatment};
 use robovec_dynamics::kinematics::linear::{DenseMatrix, column, solve_square};
 use robovec_ir::Format;
 
-/// Lengths (m), masses (kg) and central inertias (kg m^2) of crank,
-/// coupler and rocker, the distance of the pivots and gravity: as binary32
-/// holds them.
+/// Lengths (m), masses (kg) and central inertias (kg m^2) of crank, coupler and
+/// rocker, the distance of the pivots and gravity: numbers of binary32.
 const BARS: [[f32; 3]; 3] = [[0.3, 1.5, 0.0115], [0.8, 2.0, 0.107], [0.6, 1.8, 0.054]];
 const PIVOT: f64 = 0.9f32 as f64;
 const GRAVITY: f64 = 9.81f32 as f64;

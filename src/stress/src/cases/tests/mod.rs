@@ -1,4 +1,4 @@
-//! The figures of cases by other means.
+//! The figures of cases, computed by other methods.
 
 mod contact;
 mod drift;
