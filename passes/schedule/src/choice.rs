@@ -42,8 +42,8 @@ pub(super) const RANKS: [[u8; 3]; 3] = [[1, 2, 5], [3, 4, 7], [6, 8, 9]];
 pub(super) const ADDEND_RANKS: [u8; 3] = [0, 2, 9];
 
 /// The number of cycles after its write-back in which an indirect write of an
-/// operand is searched for, and the number before the issue. Elements between
-/// them are busy anyway; the limit keeps the search independent of the length
+/// operand is searched for, and the number before the issue. The cycles
+/// between are busy anyway; the limit keeps the search independent of the length
 /// of the program.
 const EARLY_WINDOW: u32 = 96;
 const LATE_WINDOW: u32 = 24;
