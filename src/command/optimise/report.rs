@@ -94,6 +94,7 @@ pub(super) fn report(
         answer::SCHEDULE,
         LEFT_OUT,
         answer::OPERATIONS,
+        answer::ANY_STATE,
     ] {
         let parts = [&title, &labelled(&lines), &last];
         let height: usize = parts.iter().map(|part| part.lines().count()).sum();

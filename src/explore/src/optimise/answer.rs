@@ -13,6 +13,9 @@ use serde::Serialize;
 /// Label of the line with other choices.
 pub const OTHERS: &str = "or choose";
 
+/// Label of the errors that any state in the ranges can have.
+pub const ANY_STATE: &str = "any state";
+
 /// Label of the numbers of operations.
 pub const OPERATIONS: &str = "operations";
 
@@ -169,7 +172,7 @@ impl OptimisationAnswer {
             };
             let found = exponential(found);
             let text = format!("up to {found}, found by a search; {bound}");
-            ("any state", text)
+            (ANY_STATE, text)
         }));
         lines.push(("proved", self.proof.clone()));
         lines.extend(self.schedule.clone().map(|text| (SCHEDULE, text)));
