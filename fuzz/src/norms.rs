@@ -106,7 +106,7 @@ fn compare(
 fn program(bytes: &mut Unstructured<'_>) -> Result<String> {
     let mut lines = String::new();
     let mut values: Vec<String> = (1..=INPUTS).map(|input| format!("x[{input}]")).collect();
-    values.extend(["0.3".to_owned(), "2.5".to_owned()]);
+    values.extend(["1.00006103515625".to_owned(), "2.5".to_owned()]);
     for angle in 1..=ANGLES {
         let _ = writeln!(
             lines,
