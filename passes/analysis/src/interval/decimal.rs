@@ -35,8 +35,9 @@ pub(super) fn given(number: f64, rounding: Double) -> (Interval, f64) {
     (exact, ((rounding - rest).high.abs() + slack).next_up())
 }
 
-/// The exact value of a literal.
-pub(crate) fn exact_literal(number: f64, data: GivenData) -> Double {
+/// The exact value of a literal: of real data the decimal that it prints as,
+/// to 2⁻⁹⁵ of it, or the number where that is not known.
+pub fn exact_literal(number: f64, data: GivenData) -> Double {
     match data {
         GivenData::Held => Double::from(number),
         GivenData::Real => Double::from(number) + decimal_rest(number).unwrap_or_default(),

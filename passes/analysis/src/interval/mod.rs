@@ -28,7 +28,7 @@ mod window;
 
 pub use assumed::{LeafRange, Leaves, MARGIN, RangeBasis, input_ranges};
 pub use boxes::{SubdividedEnclosure, subdivide};
-pub(crate) use decimal::exact_literal;
+pub use decimal::exact_literal;
 pub(crate) use loss::rounded;
 pub(crate) use seen::between;
 pub use seen::largest_seen;

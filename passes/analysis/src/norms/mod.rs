@@ -25,7 +25,7 @@ mod terms;
 #[cfg(test)]
 mod tests;
 
-use crate::adjoint::{Tape, TapeSlot, half_ulp};
+use crate::adjoint::{Tape, TapeSlot};
 use crate::interval::{GivenData, given, operate, rounded};
 use layers::{Layer, LayerFactor, decompose, is_pair};
 use robovec_ir::{Format, Operation};
@@ -171,19 +171,6 @@ impl<'a> Norms<'a> {
         let operands = self.tape.operands(node).map(|slot| self.computed(slot));
         let before = self.exact[node].widened(carried);
         let (_, lost) = rounded(operation, operands, before, self.format);
-        // Vectors take the losses of their elements as bounds for any numbers
-        // of that size: not less than half a unit of the largest.
-        let ends = [before.low, before.high].map(|end| half_ulp(self.format, end));
-        let host = if operation.is_trigonometric() {
-            f64::EPSILON * before.magnitude()
-        } else {
-            0.0
-        };
-        let lost = if lost == 0.0 {
-            0.0
-        } else {
-            lost.max(ends[0].max(ends[1]) + host)
-        };
         self.local[node] = lost;
         self.error[node] = if carried + lost == 0.0 {
             0.0

@@ -1,9 +1,8 @@
 //! Errors of a program at many states, as fast as a search needs them.
 //!
-//! The exact results are those of binary64 where the format is so much
-//! narrower that the difference does not count, else of double-double. Nothing
-//! is kept but what the caller asks for; what a search finds is measured again
-//! by a [`Yardstick`].
+//! The exact results are those of binary64 for formats that are much narrower,
+//! else of double-double. Results are not kept; a caller that needs them beyond
+//! doubt measures the states of a search again by a [`Yardstick`].
 
 use super::{ExactPlace, LANES, Unmeasurable, Yardstick, distance, gathered, quotient, results};
 use robovec_framework::scene::Allowed;
@@ -82,16 +81,15 @@ impl<'a> QuickYardstick<'a> {
     }
 
     /// For each output of the program, in the order of its assignments, its
-    /// error over what is allowed in each of the states, at most [`LANES`];
-    /// what lies after the last state repeats the first.
+    /// ratio of the error to the allowed one in each of the states, of which
+    /// there are 1 to [`LANES`]; further lanes repeat the first state.
     pub fn shares(&self, states: &[Vec<f64>], memory: &mut QuickMemory) -> Vec<[f64; LANES]> {
+        let inputs = gathered(states, |number| number);
         let exact: Vec<DoubleLanes<LANES>> = if self.is_narrow {
-            let inputs = gathered(states, |number| number);
             let lanes = Batch([Binary64; LANES]);
             let results = self.reference.run(&lanes, &inputs, &mut memory.narrow);
             results.into_iter().map(DoubleLanes::new).collect()
         } else {
-            let inputs = gathered(states, |number| number);
             let inputs: Vec<_> = inputs.into_iter().map(DoubleLanes::new).collect();
             self.reference
                 .run(&DoubleDoubleLanes::<LANES>, &inputs, &mut memory.wide)

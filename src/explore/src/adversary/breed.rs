@@ -6,7 +6,7 @@
 use robovec_ir::{Input, View};
 use robovec_num::random::{mix, unit};
 
-/// Operators that make new states of a scene from known ones.
+/// Operators that make new states of a function from known ones.
 pub(crate) struct StateBreeder {
     /// The range of every input; `None` for inputs without one, which keep the
     /// values that are drawn.

@@ -1,10 +1,10 @@
-//! Climbs to states at which a choice is worse, step by step.
+//! Climbs to states with larger errors, step by step.
 //!
-//! Rounding errors jump from one number to the next, so that there is no slope
-//! to go down. A climb measures some children of its state at a time and goes
-//! on from the worst of them if it is at least as bad; where nothing was worse
-//! for long it begins anew. Every other climb looks at a single output, since
-//! the worst output of one state is seldom that of the worst state.
+//! Rounding errors jump from one number to the next, so that there is no
+//! gradient. A climb measures some children of its state at a time and
+//! continues from the worst of them if its error is not smaller; after many
+//! generations without a larger error it begins at another state. Every other
+//! climb follows the error of a single output.
 //!
 //! **Invariant.** Climbs meet only between rounds: the same task gives the same
 //! states on any number of threads.
@@ -40,11 +40,11 @@ pub(crate) struct Climbs<'c, D> {
 /// One climb.
 struct Climb {
     number: u64,
-    /// The output it looks at, as a place among the assignments; `None` for
+    /// The output whose error it follows, as a place among the assignments; `None` for
     /// the worst of all.
     output: Option<usize>,
     state: Vec<f64>,
-    /// Error of the state over what is allowed.
+    /// Ratio of the error of the state to the allowed one.
     share: f64,
     /// Generations since the error grew.
     since: u32,
@@ -105,7 +105,7 @@ impl<'c, D: Fn(u64) -> Vec<f64> + Sync> Climbs<'c, D> {
         found.filter_map(|climb| climb.found.take()).collect()
     }
 
-    /// The largest error that was met, over what is allowed.
+    /// The largest ratio of an error to the allowed one in all rounds.
     pub(crate) fn worst(&self) -> f64 {
         self.climbs
             .iter()

@@ -39,13 +39,13 @@ const CLIMBED_WORK: u64 = 4_000_000_000;
 /// Minimum and maximum number of states of climbs for one unit of effort.
 const CLIMBED: [u64; 2] = [ROUND, 1 << 20];
 
-/// States measured before the next look at what was found.
+/// States measured between two tests for a failure.
 const BATCH: usize = 4096;
 
 /// States evaluated by one thread at a time.
 const CHUNK: usize = 256;
 
-/// States that are kept.
+/// Maximum number of states that climbs begin from.
 const PARENTS: usize = 64;
 
 /// Maximum number of failing states that are returned for a choice.

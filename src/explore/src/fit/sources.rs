@@ -19,7 +19,8 @@ pub struct FitSources {
     /// Of series for sines and cosines, with exact data and operations of
     /// binary64.
     pub series: f64,
-    /// Of operations in the format, series included, with data rounded to it.
+    /// Of operations in the format, against the same program with exact ones,
+    /// with data rounded to the format.
     pub operations: f64,
 }
 

@@ -20,9 +20,11 @@ use robovec_num::interval::Interval;
 /// Operations that a search evaluates, about a second.
 const WORK: u64 = 300_000_000;
 
-/// Maximum number of states of a search, and of states it begins from.
+/// Maximum number of states of a search.
 const STATES: u64 = 1 << 18;
-const STARTS: u32 = 64;
+
+/// Number of drawn states that a search begins from.
+const STARTS: u64 = 64;
 
 /// Maximum number of operations of a program that is bounded, about a second.
 const LARGEST: usize = 6000;
@@ -48,9 +50,11 @@ pub(super) fn worst(
     let allowed = Allowed::new(program, None, 1.0, &sizes);
     let least = allowed.of(&vec![0.0; program.function.assignments.len()]);
     let quick = QuickYardstick::new(exact, (program, format), allowed)?;
-    let ranges: Vec<Interval> = (input_ranges(exact, question.states).iter())
-        .map(|input| input.range)
-        .collect();
+    let ranges_of = |view| -> Vec<Interval> {
+        let inputs = input_ranges(view, question.states).into_iter();
+        inputs.map(|input| input.range).collect()
+    };
+    let ranges = ranges_of(exact);
     let breeder = StateBreeder::new(exact, |input| {
         let (array, indices, _) = exact.function.input_element(Input(input));
         let name = exact.tables.symbols.text(array.name);
@@ -61,7 +65,7 @@ pub(super) fn worst(
     });
     let seed = question.states.seed();
     let draw = |number: u64| question.states.draw(exact, number as u32);
-    let starts: Vec<Vec<f64>> = (0..u64::from(STARTS)).map(draw).collect();
+    let starts: Vec<Vec<f64>> = (0..STARTS).map(draw).collect();
     let mut climbs = Climbs::new((&quick, &breeder), &starts, draw, seed);
     for _ in 0..(quick.states_of(WORK).min(STATES) / ROUND).max(1) {
         climbs.round();
@@ -71,10 +75,7 @@ pub(super) fn worst(
         && program.function.nodes().len() <= LARGEST;
     let proved = is_plain.then(|| {
         let tape = Tape::new(program.function);
-        let ranges: Vec<Interval> = (input_ranges(program, question.states).iter())
-            .map(|input| input.range)
-            .collect();
-        let bounds = norm_bounds(&tape, &ranges, format, GivenData::Real);
+        let bounds = norm_bounds(&tape, &ranges_of(program), format, GivenData::Real);
         let outputs = least.iter().enumerate();
         let shares = outputs.map(|(output, least)| {
             let error = bounds.error[tape.output_slot(output)];
