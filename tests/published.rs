@@ -42,6 +42,7 @@ fn bounded(text: &str, name: &str, data: GivenData, boxes: usize) -> IntervalRow
         window: 1000,
         samples: 1,
         boxes,
+        effort: 1,
         data,
     };
     let table = ErrorTable::measure(view, &settings).expect("intervals need no sampling");

@@ -152,11 +152,36 @@ impl EvaluationPlan {
         inputs: &[A::Number],
         memory: &mut Vec<A::Number>,
     ) -> Vec<A::Number> {
+        let literals = self.literals.iter();
+        let literals = literals.map(|&number| arithmetic.literal(number));
+        self.run_numbers(arithmetic, inputs, literals, memory)
+    }
+
+    /// The numbers of the literals that an evaluation needs.
+    pub fn literals(&self) -> &[f64] {
+        &self.literals
+    }
+
+    /// The values of the wanted outputs as in [`EvaluationPlan::run`], with
+    /// numbers for the [literals](EvaluationPlan::literals).
+    ///
+    /// # Panics
+    ///
+    /// Panics when there are not as many inputs as the function has, or not as
+    /// many literals.
+    pub fn run_numbers<A: Arithmetic>(
+        &self,
+        arithmetic: &A,
+        inputs: &[A::Number],
+        literals: impl Iterator<Item = A::Number>,
+        memory: &mut Vec<A::Number>,
+    ) -> Vec<A::Number> {
         assert_eq!(inputs.len(), self.inputs, "one number per input element");
         memory.clear();
         memory.extend_from_slice(inputs);
-        let literals = self.literals.iter();
-        memory.extend(literals.map(|&number| arithmetic.literal(number)));
+        memory.extend(literals);
+        let fixed = self.inputs + self.literals.len();
+        assert_eq!(memory.len(), fixed, "one number per literal");
         memory.resize(self.places, arithmetic.literal(0.0));
         for step in &self.steps {
             let operands = step.operands.map(|place| &memory[place as usize]);

@@ -6,7 +6,6 @@ pub mod adjoint;
 pub mod class;
 pub mod condition;
 pub mod critical_path;
-pub mod directed;
 pub mod error_bound;
 pub mod interval;
 pub mod norms;
@@ -15,6 +14,4 @@ pub mod range;
 pub mod reference;
 pub mod rounding;
 pub mod slice;
-#[cfg(test)]
-mod sound_tests;
 pub mod stochastic;

@@ -42,6 +42,11 @@ pub(super) struct AttributionArguments {
     #[arg(long, default_value_t = 20000, requires = "attribution",
           add = whole(1, 1_000_000, "all operations of the window are enclosed in every box"))]
     boxes: u32,
+    /// Number of times the usual number of states of the search, for the method
+    /// proof
+    #[arg(long, default_value_t = 1, requires = "attribution",
+          add = whole(1, 1_000, "the usual search takes some seconds"))]
+    effort: u32,
     /// Kind of inputs and literals for the methods proof and interval: real numbers
     /// that are rounded first, or numbers of the format
     #[arg(
@@ -107,6 +112,7 @@ pub(super) fn run(
                     window: options.window as usize,
                     samples: options.samples,
                     boxes: options.boxes as usize,
+                    effort: options.effort,
                     data: match options.data {
                         GivenWord::Held => GivenData::Held,
                         GivenWord::Real => GivenData::Real,

@@ -1,7 +1,6 @@
 //! Common parts of explorations: programs made by pipelines, machines with
-//! other numbers of elements, placements, errors against exact results, the
-//! search for the largest ones (`adversary`), shares of a device, times on a
-//! processor, and the points that no other one beats.
+//! other numbers of elements, placements, errors against exact results, shares
+//! of a device, times on a processor, and the points that no other one beats.
 //!
 //! An exploration makes programs, varies axes ([`axes`]), measures a point for
 //! every combination and keeps the points that no other dominates ([`pareto`]).
@@ -23,7 +22,6 @@
 //!   an axis where it is exact or fast enough, `sweep` and `study` place on all
 //!   cores; all but `fit` keep their points.
 
-mod adversary;
 pub mod axes;
 mod captions;
 pub mod device;

@@ -13,11 +13,10 @@ use super::loops::LoopsSubject;
 use super::numbers::WorkingPrecision;
 use super::program::{ModelProgram, ProgramRecipe};
 use super::units::Units;
-use robovec_analysis::adjoint::Tape;
-use robovec_analysis::directed::{SearchSubject, largest_errors};
 use robovec_analysis::interval::{GivenData, input_ranges};
 use robovec_dynamics::kinematics::{LoopClosure, MotionState, StateError};
 use robovec_dynamics::motion::{EquationSetting, MotionEquations};
+use robovec_error::adversary::{SearchSubject, largest_errors};
 use robovec_ir::print::print_module;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Module, View};
@@ -60,16 +59,15 @@ pub fn of_function(module: &Module, states: &States) -> Vec<StressCase> {
         tables: &module.tables,
         function: &module.functions[0],
     };
-    let tape = Tape::new(view.function);
     let ranges = input_ranges(view, states).into_iter();
     let ranges: Vec<_> = ranges.map(|range| range.range).collect();
     let subject = SearchSubject {
-        tape: &tape,
+        view,
         inputs: &ranges,
         format: Format::BINARY32,
         data: GivenData::Held,
     };
-    let found = largest_errors(subject, states.seed());
+    let found = largest_errors(subject, states.seed(), 1);
     let drawn = (0..DRAWN).map(|index| states.draw(view, index)).collect();
     let text = print_module(module);
     let mut worst = found.states;

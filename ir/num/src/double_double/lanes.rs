@@ -40,6 +40,11 @@ impl<const LANES: usize> DoubleLanes<LANES> {
         }
     }
 
+    /// The numbers of a function of the lane.
+    pub fn from_lanes(number: impl Fn(usize) -> Double) -> DoubleLanes<LANES> {
+        DoubleLanes::each(number)
+    }
+
     /// Applies an operation lane by lane.
     fn each(operation: impl Fn(usize) -> Double) -> DoubleLanes<LANES> {
         let mut result = DoubleLanes::new([0.0; LANES]);

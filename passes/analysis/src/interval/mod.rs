@@ -30,8 +30,7 @@ pub use assumed::{LeafRange, Leaves, MARGIN, RangeBasis, input_ranges};
 pub use boxes::{SubdividedEnclosure, subdivide};
 pub use decimal::exact_literal;
 pub(crate) use loss::rounded;
-pub(crate) use seen::between;
-pub use seen::largest_seen;
+pub use seen::{between, largest_seen};
 pub use window::ConeWindow;
 
 use super::adjoint::{Tape, TapeSlot, half_ulp};

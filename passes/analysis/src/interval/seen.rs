@@ -67,13 +67,16 @@ pub fn largest_seen(
     (largest, counted)
 }
 
-/// A real number that binary64 rounds to this one, inside the range.
-pub(crate) fn between(format: Format, number: f64, range: Interval, place: f64) -> Double {
+/// A real number that binary64 rounds to this one, inside the range: between
+/// the ends of those at places 0 and 1. In other formats the number itself.
+pub fn between(format: Format, number: f64, range: Interval, place: f64) -> Double {
     let inner = range.low < number && number < range.high;
-    let half = half_ulp(Format::BINARY64, number);
     if !inner || format != Format::BINARY64 {
         return Double::from(number);
     }
-    // Less than half a unit, so that it is not rounded to a neighbour.
-    Double::from(number) + Double::from(half * (1.9 * place - 0.95) * 0.5)
+    // Less than half a unit, so that it is not rounded to a neighbour; below a
+    // power of two the unit is half as large.
+    let is_power = number.to_bits() << 12 == 0;
+    let most = half_ulp(format, number) * if is_power { 0.475 } else { 0.95 };
+    Double::from(number) + Double::from(most * (2.0 * place - 1.0))
 }

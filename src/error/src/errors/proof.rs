@@ -3,8 +3,8 @@
 
 use super::table::{ErrorSettings, ErrorTable, OutputRow, interval};
 use super::view::{MAX_ROWS, small};
+use crate::adversary::{SearchSubject, largest_errors};
 use robovec_analysis::adjoint::{Tape, TapeSlot};
-use robovec_analysis::directed::{SearchSubject, largest_errors};
 use robovec_analysis::interval::{
     Alarm, ConeWindow, Leaves, RangeBasis, input_ranges, integer_bits,
 };
@@ -44,23 +44,19 @@ pub struct ProofRow {
 
 /// Proves bounds of the outputs that settings request; returns the number of
 /// states that were searched.
-pub(super) fn prove(
-    view: View<'_>,
-    tape: &Tape,
-    settings: &ErrorSettings,
-) -> (Vec<ProofRow>, usize) {
+pub(super) fn prove(view: View<'_>, tape: &Tape, settings: &ErrorSettings) -> (Vec<ProofRow>, u64) {
     let ranges = input_ranges(view, &settings.states);
     let basis = ranges.iter().map(|range| range.knowledge).max();
     let basis = basis.unwrap_or(RangeBasis::Given).text();
     let inputs: Vec<Interval> = ranges.iter().map(|range| range.range).collect();
     let bounds = norm_bounds(tape, &inputs, settings.format, settings.data);
     let subject = SearchSubject {
-        tape,
+        view,
         inputs: &inputs,
         format: settings.format,
         data: settings.data,
     };
-    let found = largest_errors(subject, settings.states.seed());
+    let found = largest_errors(subject, settings.states.seed(), settings.effort);
     let leaves = Leaves::new(view, tape, &settings.states, 0);
     let rows = settings.outputs.iter().map(|&output| {
         let slot = tape.output_slot(output);

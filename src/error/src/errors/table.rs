@@ -67,6 +67,8 @@ pub struct ErrorSettings {
     pub samples: u32,
     /// Enclosures of a window at most.
     pub boxes: usize,
+    /// Number of times the usual number of states of a search.
+    pub effort: u32,
     /// Kind of inputs and literals before the run.
     pub data: GivenData,
 }
@@ -86,7 +88,7 @@ pub struct ErrorTable {
     /// exact value: bounds are of first order, and their error grows with this.
     pub weakest_divisor: f64,
     /// States of the search beside the proofs.
-    pub searched: usize,
+    pub searched: u64,
     /// One row per output requested.
     pub outputs: Vec<OutputRow>,
     /// Place where the errors come from.

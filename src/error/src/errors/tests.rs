@@ -31,6 +31,7 @@ fn settings(methods: &[ErrorMethod], format: &str) -> ErrorSettings {
         window: 100,
         samples: 8,
         boxes: 100,
+        effort: 1,
         data: GivenData::Held,
     }
 }

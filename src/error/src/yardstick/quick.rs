@@ -5,12 +5,15 @@
 //! doubt measures the states of a search again by a [`Yardstick`].
 
 use super::{ExactPlace, LANES, Unmeasurable, Yardstick, distance, gathered, quotient, results};
+use robovec_analysis::interval::{GivenData, between, exact_literal};
 use robovec_framework::scene::Allowed;
 use robovec_ir::plan::EvaluationPlan;
 use robovec_ir::{Format, View};
 use robovec_num::arithmetic::Binary64;
 use robovec_num::batch::Batch;
 use robovec_num::double_double::{Double, DoubleDoubleLanes, DoubleLanes};
+use robovec_num::interval::Interval;
+use robovec_num::random::{mix, unit};
 use robovec_num::soft_float::{FormatArithmetic, FormatLanes};
 
 /// Maximum number of bits of a format whose rounding errors are at least four
@@ -27,7 +30,12 @@ pub struct QuickYardstick<'a> {
     plan: Option<EvaluationPlan>,
     inputs: Vec<usize>,
     rows: Vec<ExactPlace>,
-    allowed: Allowed,
+    /// `None` where errors are absolute.
+    allowed: Option<Allowed>,
+    /// Numbers of the literals in exact results.
+    literals: Vec<Double>,
+    /// Kind and ranges of inputs, where the function is the program itself.
+    own: Option<(GivenData, Vec<Interval>)>,
 }
 
 /// Memory of a [`QuickYardstick`], reused from one run to the next.
@@ -38,16 +46,43 @@ pub struct QuickMemory {
 }
 
 impl<'a> QuickYardstick<'a> {
-    /// Prepares a program; `allowed` belongs to it.
+    /// Prepares a program; `allowed` belongs to it, and errors are its parts.
     ///
     /// # Errors
     ///
     /// See [`Unmeasurable`].
     pub fn new(
         function: View<'_>,
-        (program, format): (View<'a>, Format),
+        program: (View<'a>, Format),
         allowed: Allowed,
     ) -> Result<QuickYardstick<'a>, Unmeasurable> {
+        let mut yardstick = QuickYardstick::of(function, program)?;
+        yardstick.allowed = Some(allowed);
+        Ok(yardstick)
+    }
+
+    /// Prepares a program whose absolute errors are those of its own rounding:
+    /// of operations, and of inputs and literals that are real numbers. `ranges`
+    /// has one for every input element.
+    pub fn own(
+        (program, format): (View<'a>, Format),
+        data: GivenData,
+        ranges: &[Interval],
+    ) -> QuickYardstick<'a> {
+        let yardstick = QuickYardstick::of(program, (program, format));
+        let mut yardstick = yardstick.expect("a program has its own inputs and outputs");
+        let literals = yardstick.reference.literals().iter();
+        yardstick.literals = literals.map(|&one| exact_literal(one, data)).collect();
+        yardstick.own = Some((data, ranges.to_vec()));
+        yardstick
+    }
+
+    fn of(
+        function: View<'_>,
+        (program, format): (View<'a>, Format),
+    ) -> Result<QuickYardstick<'a>, Unmeasurable> {
+        let reference = EvaluationPlan::new(function.function);
+        let literals = reference.literals().iter();
         let names = Yardstick::at(function, Vec::new());
         let fixed =
             program.function.formats.is_some() || program.function.trigonometry_unit().is_some();
@@ -56,15 +91,25 @@ impl<'a> QuickYardstick<'a> {
             Format::Fixed(fixed) => fixed.integer + fixed.fraction,
         };
         Ok(QuickYardstick {
-            reference: EvaluationPlan::new(function.function),
+            literals: literals.copied().map(Double::from).collect(),
+            reference,
             is_narrow: !fixed && bits <= NARROW_BITS,
             program,
             format,
             plan: (!fixed).then(|| EvaluationPlan::new(program.function)),
             inputs: names.input_places(program)?,
             rows: names.rows(program)?,
-            allowed,
+            allowed: None,
+            own: None,
         })
+    }
+
+    /// The same with exact results in double-double, also for narrow formats.
+    pub fn exactly(self) -> QuickYardstick<'a> {
+        QuickYardstick {
+            is_narrow: false,
+            ..self
+        }
     }
 
     /// Number of outputs of the program.
@@ -84,16 +129,7 @@ impl<'a> QuickYardstick<'a> {
     /// ratio of the error to the allowed one in each of the states, of which
     /// there are 1 to [`LANES`]; further lanes repeat the first state.
     pub fn shares(&self, states: &[Vec<f64>], memory: &mut QuickMemory) -> Vec<[f64; LANES]> {
-        let inputs = gathered(states, |number| number);
-        let exact: Vec<DoubleLanes<LANES>> = if self.is_narrow {
-            let lanes = Batch([Binary64; LANES]);
-            let results = self.reference.run(&lanes, &inputs, &mut memory.narrow);
-            results.into_iter().map(DoubleLanes::new).collect()
-        } else {
-            let inputs: Vec<_> = inputs.into_iter().map(DoubleLanes::new).collect();
-            self.reference
-                .run(&DoubleDoubleLanes::<LANES>, &inputs, &mut memory.wide)
-        };
+        let exact = self.exact(states, memory);
         let computed = self.computed(states, &mut memory.narrow);
         let mut shares = vec![[0.0; LANES]; self.rows.len()];
         for lane in 0..LANES {
@@ -103,16 +139,58 @@ impl<'a> QuickYardstick<'a> {
             };
             let exact: Vec<Double> = self.rows.iter().map(of).collect();
             let values: Vec<f64> = exact.iter().map(|value| value.high).collect();
-            let allowed = self.allowed.of(&values);
+            let allowed = self.allowed.as_ref().map(|allowed| allowed.of(&values));
             for (output, share) in shares.iter_mut().enumerate() {
                 // Nothing is known of a state without an exact result.
                 if values[output].is_finite() {
                     let error = distance(exact[output], computed[output][lane]);
-                    share[lane] = quotient(error, allowed[output]);
+                    let allowed = allowed.as_ref().map_or(1.0, |allowed| allowed[output]);
+                    share[lane] = quotient(error, allowed);
                 }
             }
         }
         shares
+    }
+
+    /// The exact results of the function.
+    fn exact(&self, states: &[Vec<f64>], memory: &mut QuickMemory) -> Vec<DoubleLanes<LANES>> {
+        let literals = self.literals.iter();
+        if self.is_narrow {
+            let lanes = Batch([Binary64; LANES]);
+            let single = FormatArithmetic::new(self.format);
+            let held = matches!(self.own, Some((GivenData::Held, _)));
+            let given = |number| if held { single.convert(number) } else { number };
+            let inputs = gathered(states, given);
+            let literals = literals.map(|literal| [literal.high; LANES]);
+            let plan = &self.reference;
+            let results = plan.run_numbers(&lanes, &inputs, literals, &mut memory.narrow);
+            return results.into_iter().map(DoubleLanes::new).collect();
+        }
+        let given = |place: usize| {
+            let number = |lane| states.get(lane).unwrap_or(&states[0])[place];
+            DoubleLanes::from_lanes(|lane| self.exact_input(place, number(lane)))
+        };
+        let inputs: Vec<_> = (0..states[0].len()).map(given).collect();
+        let literals = literals.map(|&literal| DoubleLanes::from_lanes(|_| literal));
+        let lanes = DoubleDoubleLanes::<LANES>;
+        self.reference
+            .run_numbers(&lanes, &inputs, literals, &mut memory.wide)
+    }
+
+    /// The exact number of an input that is given as a binary64 number.
+    fn exact_input(&self, place: usize, number: f64) -> Double {
+        match &self.own {
+            Some((GivenData::Held, _)) => {
+                Double::from(FormatArithmetic::new(self.format).convert(number))
+            }
+            // The rest beyond binary64 belongs to the number, so that what a
+            // search finds is found again.
+            Some((GivenData::Real, ranges)) => {
+                let end = unit(mix(number.to_bits())).round();
+                between(self.format, number, ranges[place], end)
+            }
+            None => Double::from(number),
+        }
     }
 
     /// The outputs of the program.

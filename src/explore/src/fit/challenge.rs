@@ -2,7 +2,7 @@
 //!
 //! A choice that held at some states may fail at others. Here it is tried at
 //! many states that nothing has seen, at corners of the ranges, and then by
-//! climbs from the worst of them ([`crate::adversary`]). Climbs measure
+//! climbs from the worst of them ([`robovec_error::adversary`]). Climbs measure
 //! quickly; the worst states that they find are measured again with
 //! double-double.
 //!
@@ -13,9 +13,9 @@
 
 use super::format::shares;
 use super::{ACCEPTED, FitError, FitProgram, FitTask};
-use crate::adversary::{Climbs, ROUND, StateBreeder};
 use crate::program::view;
 use rayon::prelude::*;
+use robovec_error::adversary::{Climbs, ROUND, StateBreeder};
 use robovec_error::yardstick::{QuickYardstick, Yardstick, results};
 use robovec_framework::scene::Allowed;
 use robovec_ir::count::Counts;
@@ -107,7 +107,7 @@ pub(super) fn challenge(
     let seed = task.seed.wrapping_add(2 + u64::from(number));
     let source = task.scene.states(seed);
     let general = view(task.general);
-    let breeder = StateBreeder::new(general, |input| {
+    let breeder = StateBreeder::new((general, format), |input| {
         let (array, indices, _) = general.function.input_element(Input(input));
         let name = general.tables.symbols.text(array.name);
         source.ranges().get(name, indices)

@@ -7,11 +7,11 @@
 //! rounding to the format counts.
 
 use super::{OptimisationQuestion, measure};
-use crate::adversary::{Climbs, ROUND, StateBreeder};
 use crate::program::view;
 use robovec_analysis::adjoint::Tape;
 use robovec_analysis::interval::{GivenData, input_ranges};
 use robovec_analysis::norms::norm_bounds;
+use robovec_error::adversary::{Climbs, ROUND, StateBreeder};
 use robovec_error::yardstick::{QuickYardstick, Unmeasurable};
 use robovec_framework::scene::{Allowed, ArraySizes};
 use robovec_ir::{Input, Module};
@@ -55,7 +55,7 @@ pub(super) fn worst(
         inputs.map(|input| input.range).collect()
     };
     let ranges = ranges_of(exact);
-    let breeder = StateBreeder::new(exact, |input| {
+    let breeder = StateBreeder::new((exact, format), |input| {
         let (array, indices, _) = exact.function.input_element(Input(input));
         let name = exact.tables.symbols.text(array.name);
         let is_given = question.states.ranges().get(name, indices).is_some();

@@ -1,13 +1,16 @@
 //! New states from bad ones: nearer and further, with inputs of one instead of
-//! another's, at the ends of their ranges and at zero.
+//! another's, at the ends of their ranges, at zero, and where rounding them to
+//! the format moves them most.
 //!
 //! **Invariant.** Every state lies in the ranges.
 
-use robovec_ir::{Input, View};
+use robovec_analysis::adjoint::half_ulp;
+use robovec_ir::{Format, Input, View};
 use robovec_num::random::{mix, unit};
+use robovec_num::soft_float::FormatArithmetic;
 
 /// Operators that make new states of a function from known ones.
-pub(crate) struct StateBreeder {
+pub struct StateBreeder {
     /// The range of every input; `None` for inputs without one, which keep the
     /// values that are drawn.
     ranges: Vec<Option<[f64; 2]>>,
@@ -15,12 +18,17 @@ pub(crate) struct StateBreeder {
     arrays: Vec<usize>,
     /// The inputs with a range of more than one number.
     free: Vec<usize>,
+    /// The format that inputs are rounded to.
+    format: Format,
 }
 
 impl StateBreeder {
-    /// Operators for a function, given the range of every input element, by
-    /// its number from 0.
-    pub(crate) fn new(view: View<'_>, range: impl Fn(u32) -> Option<[f64; 2]>) -> StateBreeder {
+    /// Operators for a function that is computed in a format, given the range
+    /// of every input element, by its number from 0.
+    pub fn new(
+        (view, format): (View<'_>, Format),
+        range: impl Fn(u32) -> Option<[f64; 2]>,
+    ) -> StateBreeder {
         let function = view.function;
         let inputs = 0..function.input_len() as u32;
         let ranges: Vec<Option<[f64; 2]>> = inputs.clone().map(range).collect();
@@ -36,12 +44,13 @@ impl StateBreeder {
                 .collect(),
             free: (0..ranges.len()).filter(is_free).collect(),
             ranges,
+            format,
         }
     }
 
     /// A state whose numbers use all digits of binary64: what is drawn is
     /// rounded to binary32.
-    pub(crate) fn refined(&self, mut state: Vec<f64>, seed: u64) -> Vec<f64> {
+    pub fn refined(&self, mut state: Vec<f64>, seed: u64) -> Vec<f64> {
         for &input in &self.free {
             let step = state[input].abs() * f64::from(f32::EPSILON);
             let place = unit(mix(seed ^ input as u64)) - 0.5;
@@ -52,7 +61,7 @@ impl StateBreeder {
 
     /// A state with inputs at the ends of their ranges and at zero: all of
     /// them, or a part.
-    pub(crate) fn corner(&self, mut state: Vec<f64>, seed: u64) -> Vec<f64> {
+    pub fn corner(&self, mut state: Vec<f64>, seed: u64) -> Vec<f64> {
         let kinds = 2 + seed % 3;
         for &input in &self.free {
             let [low, high] = self.ranges[input].expect("a free input has a range");
@@ -65,7 +74,7 @@ impl StateBreeder {
     }
 
     /// A new state from one and, in part, from another of bad ones.
-    pub(crate) fn child(&self, parent: &[f64], others: &[Vec<f64>], seed: u64) -> Vec<f64> {
+    pub fn child(&self, parent: &[f64], others: &[Vec<f64>], seed: u64) -> Vec<f64> {
         let mut random = mix(seed);
         let mut next = || {
             random = mix(random);
@@ -86,7 +95,7 @@ impl StateBreeder {
         for _ in 0..1 + next() % 3 {
             let input = self.free[(next() % self.free.len() as u64) as usize];
             let [low, high] = self.ranges[input].expect("a free input has a range");
-            let (kind, place, depth) = (next() % 8, unit(next()), next() % 40);
+            let (kind, place, depth) = (next() % 9, unit(next()), next() % 40);
             let other = &others[(next() % others.len() as u64) as usize];
             self.set(&mut state, input, |number| match kind {
                 0 => low,
@@ -94,11 +103,39 @@ impl StateBreeder {
                 2 => 0.0,
                 3 => low + (high - low) * place,
                 4 => other[input],
+                5 => self.between_numbers(number, place),
                 // From half of the range down to the last digits.
                 _ => number + (high - low) * 0.5f64.powi(depth as i32) * (place - 0.5),
             });
         }
         state
+    }
+
+    /// A state near another whose free inputs are rounded to the side that adds
+    /// to an error with these derivatives by inputs.
+    pub(super) fn aligned(&self, mut state: Vec<f64>, slopes: &[f64]) -> Vec<f64> {
+        for &input in &self.free {
+            let slope = slopes[input];
+            if slope != 0.0 {
+                // A number that is rounded up adds to what grows with it.
+                self.set(&mut state, input, |number| {
+                    self.between_numbers(number, 0.5 - slope)
+                });
+            }
+        }
+        state
+    }
+
+    /// A number near the middle of two neighbours of the format, of which it
+    /// is rounded to the nearer, up or down.
+    fn between_numbers(&self, number: f64, place: f64) -> f64 {
+        let held = FormatArithmetic::new(self.format).convert(number);
+        let most = half_ulp(self.format, held) * (1.0 - f64::from(f32::EPSILON));
+        if most.is_finite() {
+            held + most.copysign(place - 0.5)
+        } else {
+            number
+        }
     }
 
     /// Changes an input within its range.

@@ -1,11 +1,11 @@
 //! Bounds of random formulas against directed searches for larger errors.
 
-use crate::adjoint::Tape;
-use crate::directed::{SearchSubject, search};
-use crate::interval::{
+use super::SearchSubject;
+use robovec_analysis::adjoint::Tape;
+use robovec_analysis::interval::{
     ConeWindow, GivenData, Leaves, USUAL, WindowLeaves, input_ranges, largest_seen, subdivide,
 };
-use crate::norms::norm_bounds;
+use robovec_analysis::norms::norm_bounds;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::{Ranges, States};
 use robovec_ir::{Format, View};
@@ -69,9 +69,9 @@ fn formula(random: &mut Random) -> (String, Ranges) {
 /// Bounds random formulas, as many as asked for in each format, and searches
 /// that many states of each; the number of bounds, of states, and the largest
 /// quotient of an error found and its bound.
-fn attack(formulas: usize, states: usize, boxes: usize) -> (usize, usize, f64) {
+fn attack(formulas: usize, states: u64, boxes: usize) -> (usize, u64, f64) {
     let mut random = Random::new(20_261_128);
-    let (mut bounds, mut tried, mut closest) = (0, 0, 0f64);
+    let (mut bounds, mut tried, mut closest) = (0, 0u64, 0f64);
     for _ in 0..formulas {
         let (text, ranges) = formula(&mut random);
         let module = parse_module("random", &text).expect("it is well formed");
@@ -97,12 +97,12 @@ fn attack(formulas: usize, states: usize, boxes: usize) -> (usize, usize, f64) {
                 continue;
             }
             let subject = SearchSubject {
-                tape: &tape,
+                view,
                 inputs: &inputs,
                 format,
                 data,
             };
-            let found = search(subject, random.bits(), states);
+            let found = subject.largest_of(random.bits(), states);
             let (seen, inside) = largest_seen(&tape, &window, &leaves, &bound.worst, 1, 256);
             let error = found.errors[0].max(seen);
             assert!(
@@ -110,7 +110,7 @@ fn attack(formulas: usize, states: usize, boxes: usize) -> (usize, usize, f64) {
                 "{text_of_format} {data:?}: {error:e} above {least:e}\n{text}"
             );
             bounds += 1;
-            tried += found.tried + inside;
+            tried += found.tried + inside as u64;
             closest = closest.max(if least > 0.0 { error / least } else { 0.0 });
         }
     }

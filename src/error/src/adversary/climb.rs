@@ -10,9 +10,11 @@
 //! states on any number of threads.
 
 use super::breed::StateBreeder;
+use crate::yardstick::{LANES, QuickMemory, QuickYardstick};
 use rayon::prelude::*;
-use robovec_error::yardstick::{LANES, QuickMemory, QuickYardstick};
 use robovec_num::random::mix;
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Number of climbs side by side.
 const CLIMBS: u64 = 16;
@@ -23,11 +25,14 @@ const GENERATIONS: u64 = 32;
 /// Generations without a larger error after which a climb begins anew.
 const PATIENCE: u32 = 250;
 
+/// Number of states of one generation of all climbs.
+pub(super) const GENERATION: u64 = CLIMBS * LANES as u64;
+
 /// Number of states of one round of all climbs.
-pub(crate) const ROUND: u64 = CLIMBS * GENERATIONS * LANES as u64;
+pub const ROUND: u64 = GENERATIONS * GENERATION;
 
 /// Climbs from bad states.
-pub(crate) struct Climbs<'c, D> {
+pub struct Climbs<'c, D> {
     quick: &'c QuickYardstick<'c>,
     breeder: &'c StateBreeder,
     /// A new state to begin from, by a number.
@@ -35,13 +40,19 @@ pub(crate) struct Climbs<'c, D> {
     seed: u64,
     climbs: Vec<Climb>,
     rounds: u64,
+    /// For every output the largest error of all rounds, and its state.
+    records: Vec<ErrorRecord>,
 }
+
+/// The largest ratio of an error to the allowed one, and the state where it
+/// was met.
+pub type ErrorRecord = (f64, Option<Arc<Vec<f64>>>);
 
 /// One climb.
 struct Climb {
     number: u64,
-    /// The output whose error it follows, as a place among the assignments; `None` for
-    /// the worst of all.
+    /// The output whose error it follows, as a place among the assignments;
+    /// `None` for the worst of all.
     output: Option<usize>,
     state: Vec<f64>,
     /// Ratio of the error of the state to the allowed one.
@@ -52,12 +63,14 @@ struct Climb {
     worst: f64,
     /// Its state, if it was met in this round.
     found: Option<Vec<f64>>,
+    /// Records of outputs in this round.
+    records: BTreeMap<usize, (f64, Arc<Vec<f64>>)>,
     memory: QuickMemory,
 }
 
 impl<'c, D: Fn(u64) -> Vec<f64> + Sync> Climbs<'c, D> {
     /// Climbs from these states, of which there is one at least.
-    pub(crate) fn new(
+    pub fn new(
         (quick, breeder): (&'c QuickYardstick<'c>, &'c StateBreeder),
         states: &[Vec<f64>],
         draw: D,
@@ -73,6 +86,7 @@ impl<'c, D: Fn(u64) -> Vec<f64> + Sync> Climbs<'c, D> {
                 state,
                 share: 0.0,
                 since: 0,
+                records: BTreeMap::new(),
                 memory: QuickMemory::default(),
             }
         };
@@ -83,30 +97,49 @@ impl<'c, D: Fn(u64) -> Vec<f64> + Sync> Climbs<'c, D> {
             seed,
             climbs: (0..CLIMBS).map(climb).collect(),
             rounds: 0,
+            records: vec![(0.0, None); quick.outputs()],
         }
     }
 
     /// One round of all climbs: the states in it that are worse than all
     /// before of their climb.
-    pub(crate) fn round(&mut self) -> Vec<Vec<f64>> {
+    pub fn round(&mut self) -> Vec<Vec<f64>> {
+        self.round_of(GENERATIONS)
+    }
+
+    /// The same in a round of at most the usual number of generations.
+    pub(super) fn round_of(&mut self, generations: u64) -> Vec<Vec<f64>> {
         let others: Vec<Vec<f64>> = (self.climbs.iter())
             .map(|climb| climb.state.clone())
             .collect();
         let mut climbs = std::mem::take(&mut self.climbs);
         climbs.par_iter_mut().for_each(|climb| {
-            for generation in 0..GENERATIONS {
+            for generation in 0..generations {
                 let number = (self.rounds * GENERATIONS + generation) * CLIMBS + climb.number;
                 self.step(climb, &others, number);
             }
         });
         self.climbs = climbs;
         self.rounds += 1;
+        for climb in &mut self.climbs {
+            for (output, (error, state)) in std::mem::take(&mut climb.records) {
+                if error > self.records[output].0 {
+                    self.records[output] = (error, Some(state));
+                }
+            }
+        }
         let found = self.climbs.iter_mut();
         found.filter_map(|climb| climb.found.take()).collect()
     }
 
+    /// For every output, in the order of the assignments, the largest error of
+    /// all rounds.
+    pub fn records(&self) -> &[ErrorRecord] {
+        &self.records
+    }
+
     /// The largest ratio of an error to the allowed one in all rounds.
-    pub(crate) fn worst(&self) -> f64 {
+    pub fn worst(&self) -> f64 {
         self.climbs
             .iter()
             .map(|climb| climb.worst)
@@ -117,10 +150,16 @@ impl<'c, D: Fn(u64) -> Vec<f64> + Sync> Climbs<'c, D> {
     fn step(&self, climb: &mut Climb, others: &[Vec<f64>], number: u64) {
         if climb.since > PATIENCE {
             (climb.share, climb.since) = (0.0, 0);
-            climb.state = (self.draw)(number);
             climb.output = climb
                 .output
-                .map(|output| (output + 1) % self.quick.outputs());
+                .map(|output| (output + CLIMBS as usize / 2) % self.quick.outputs());
+            let known = climb
+                .output
+                .and_then(|output| self.records[output].1.as_deref());
+            climb.state = match known {
+                Some(known) if (number / CLIMBS).is_multiple_of(2) => known.clone(),
+                _ => (self.draw)(number),
+            };
         }
         let child = |lane: usize| {
             let seed = self.seed ^ mix(number * LANES as u64 + lane as u64);
@@ -137,12 +176,25 @@ impl<'c, D: Fn(u64) -> Vec<f64> + Sync> Climbs<'c, D> {
             if all > climb.worst {
                 (climb.worst, climb.found) = (all, Some(child.clone()));
             }
+            self.record(climb, &shares, lane, &child);
             // Equal ones move on, so that a climb does not stay in one place.
             if share >= climb.share {
                 if share > climb.share {
                     climb.since = 0;
                 }
                 (climb.share, climb.state) = (share, child);
+            }
+        }
+    }
+    /// Keeps the errors of a child that are larger than all before.
+    fn record(&self, climb: &mut Climb, shares: &[[f64; LANES]], lane: usize, child: &[f64]) {
+        let mut state = None;
+        for (output, lanes) in shares.iter().enumerate() {
+            let own = climb.records.get(&output).map_or(0.0, |record| record.0);
+            if lanes[lane] > own.max(self.records[output].0) && lanes[lane].is_finite() {
+                let state = state.get_or_insert_with(|| Arc::new(child.to_vec()));
+                let record = (lanes[lane], Arc::clone(state));
+                climb.records.insert(output, record);
             }
         }
     }

@@ -1,0 +1,15 @@
+//! Adversary of programs: the search for the states at which errors are
+//! largest.
+//!
+//! What it finds is a lower bound of the largest error, no more.
+
+mod breed;
+mod climb;
+mod guide;
+mod own;
+#[cfg(test)]
+mod sound_tests;
+
+pub use breed::StateBreeder;
+pub use climb::{Climbs, ErrorRecord, ROUND};
+pub use own::{FoundErrors, SearchSubject, largest_errors};
