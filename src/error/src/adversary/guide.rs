@@ -5,9 +5,9 @@
 //! can be chosen one by one, so their effects add up; those of operations come
 //! as they come, and a search finds some times their root mean square.
 
-use super::{SearchSubject, StateBreeder};
+use super::StateBreeder;
+use crate::yardstick::QuickYardstick;
 use robovec_analysis::adjoint::{Adjoint, LANES, Tape, Workspace, half_ulp};
-use robovec_analysis::interval::GivenData;
 use robovec_num::arithmetic::Binary64;
 use robovec_num::random::mix;
 
@@ -25,34 +25,48 @@ const FOUND: f64 = 4.0;
 const EVEN: f64 = 1.0 / 3.0;
 
 /// The effects of roundings at states of one program.
-pub(super) struct RoundingGuide<'a> {
-    subject: SearchSubject<'a>,
+pub struct RoundingGuide<'a> {
+    quick: &'a QuickYardstick<'a>,
     tape: Tape,
     workspace: Workspace,
 }
 
 /// Effects of roundings on some outputs, lane by lane.
 struct RoundingEffects {
-    /// Error that a search may find.
+    /// Ratio of the error that a search may find to the allowed one.
     size: [f64; LANES],
-    /// By lane the derivatives by inputs, each over its place.
+    /// Derivatives by the numbers of a state.
     slopes: Vec<[f64; LANES]>,
 }
 
 impl<'a> RoundingGuide<'a> {
-    pub(super) fn new(subject: SearchSubject<'a>) -> RoundingGuide<'a> {
+    /// Prepares the program of a yardstick.
+    pub fn new(quick: &'a QuickYardstick<'a>) -> RoundingGuide<'a> {
         RoundingGuide {
-            subject,
-            tape: Tape::new(subject.view.function),
+            tape: Tape::new(quick.program().function),
+            quick,
             workspace: Workspace::default(),
         }
+    }
+
+    /// States to begin climbs from: those of the guide for climbs with even
+    /// numbers, which follow the worst of all outputs, others beside them.
+    pub fn beside(guided: Vec<Vec<f64>>, others: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let mut starts = Vec::with_capacity(guided.len() + others.len());
+        let mut others = others.iter().cloned();
+        for state in guided {
+            starts.push(state);
+            starts.extend(others.next());
+        }
+        starts.extend(others);
+        starts
     }
 
     /// Climbs from states for the outputs that roundings can move most, at
     /// most [`LANES`], in the time of a number of evaluations; nothing where
     /// that is too little. Inputs that are real numbers are rounded to the side
     /// that adds to the error.
-    pub(super) fn climb(
+    pub fn climb(
         &mut self,
         breeder: &StateBreeder,
         starts: &[Vec<f64>],
@@ -87,7 +101,7 @@ impl<'a> RoundingGuide<'a> {
         }
         best.retain(|(size, _, _)| size.is_finite());
         let aligned = best.into_iter().map(|(_, lane, state)| {
-            if self.subject.data == GivenData::Held {
+            if self.quick.is_held() {
                 return state;
             }
             let slopes = self.effects(&outputs, &state).slopes;
@@ -116,26 +130,37 @@ impl<'a> RoundingGuide<'a> {
     }
 
     fn effects(&mut self, outputs: &[usize], state: &[f64]) -> RoundingEffects {
-        let (tape, format) = (&self.tape, self.subject.format);
-        let values = tape.evaluate(&Binary64, state);
+        let (tape, format) = (&self.tape, self.quick.format());
+        let places = self.quick.inputs();
+        let own: Vec<f64> = places.iter().map(|&place| state[place]).collect();
+        let values = tape.evaluate(&Binary64, &own);
         let inputs = tape.nodes()..tape.nodes() + tape.inputs();
         let mut chosen = [0.0; LANES];
         let mut squares = [0.0; LANES];
-        let mut slopes = vec![[0.0; LANES]; tape.inputs()];
+        let mut slopes = vec![[0.0; LANES]; state.len()];
         let adjoint = Adjoint::at(tape, &values);
         adjoint.sweep_lanes(&mut self.workspace, outputs, |slot, gradient| {
             let half = half_ulp(format, values[slot]);
             if inputs.contains(&slot) {
-                slopes[slot - inputs.start] = gradient.0;
-                if self.subject.data == GivenData::Real {
+                slopes[places[slot - inputs.start]] = gradient.0;
+                if !self.quick.is_held() {
                     (0..LANES).for_each(|lane| chosen[lane] += (half * gradient.0[lane]).abs());
                 }
             } else if slot < inputs.start {
                 (0..LANES).for_each(|lane| squares[lane] += (half * gradient.0[lane]).powi(2));
             }
         });
+        let results = 0..tape.outputs();
+        let results: Vec<f64> = results.map(|one| values[tape.output_slot(one)]).collect();
+        let allowed = self.quick.allowed(&results);
+        let size = |lane: usize| {
+            let error = chosen[lane] + FOUND * (EVEN * squares[lane]).sqrt();
+            outputs
+                .get(lane)
+                .map_or(0.0, |&output| error / allowed[output])
+        };
         RoundingEffects {
-            size: std::array::from_fn(|lane| chosen[lane] + FOUND * (EVEN * squares[lane]).sqrt()),
+            size: std::array::from_fn(size),
             slopes,
         }
     }

@@ -12,4 +12,5 @@ mod sound_tests;
 
 pub use breed::StateBreeder;
 pub use climb::{Climbs, ErrorRecord, ROUND};
+pub use guide::RoundingGuide;
 pub use own::{FoundErrors, SearchSubject, largest_errors};

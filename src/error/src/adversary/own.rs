@@ -2,8 +2,7 @@
 //! data that are real numbers, of its inputs and literals.
 
 use super::climb::GENERATION;
-use super::guide::RoundingGuide;
-use super::{Climbs, ROUND, StateBreeder};
+use super::{Climbs, ROUND, RoundingGuide, StateBreeder};
 use crate::yardstick::{LANES, QuickMemory, QuickYardstick};
 use robovec_analysis::adjoint::half_ulp;
 use robovec_analysis::interval::GivenData;
@@ -100,12 +99,9 @@ impl<'a> SearchSubject<'a> {
             }
         };
         let mut starts: Vec<Vec<f64>> = (0..STARTS).map(draw).collect();
-        let mut guide = RoundingGuide::new(self);
+        let mut guide = RoundingGuide::new(quick);
         let guided = guide.climb(&breeder, &starts, (states / GUIDED, seed));
-        // Climbs for the worst of all outputs have even numbers.
-        for (number, state) in guided.iter().enumerate() {
-            starts[2 * number].clone_from(state);
-        }
+        starts = RoundingGuide::beside(guided.clone(), &starts);
         let begin = |number: u64| match guided.len() as u64 {
             len if len > 0 && number.is_multiple_of(3) => {
                 guided[(mix(number) % len) as usize].clone()

@@ -61,7 +61,7 @@ impl<'a> QuickYardstick<'a> {
         Ok(yardstick)
     }
 
-    /// Prepares a program whose absolute errors are those of its own rounding:
+    /// Prepares a program whose absolute errors are those of rounding alone:
     /// of operations, and of inputs and literals that are real numbers. `ranges`
     /// has one for every input element.
     pub fn own(
@@ -112,6 +112,35 @@ impl<'a> QuickYardstick<'a> {
         }
     }
 
+    /// The program.
+    pub(crate) fn program(&self) -> View<'a> {
+        self.program
+    }
+
+    /// The format that it is computed in.
+    pub(crate) fn format(&self) -> Format {
+        self.format
+    }
+
+    /// For every input of the program its place in a state.
+    pub(crate) fn inputs(&self) -> &[usize] {
+        &self.inputs
+    }
+
+    /// True when inputs are numbers of the format.
+    pub(crate) fn is_held(&self) -> bool {
+        matches!(self.own, Some((GivenData::Held, _)))
+    }
+
+    /// The allowed errors of outputs with these values; 1 where errors are
+    /// absolute.
+    pub(crate) fn allowed(&self, values: &[f64]) -> Vec<f64> {
+        match &self.allowed {
+            Some(allowed) => allowed.of(values),
+            None => vec![1.0; values.len()],
+        }
+    }
+
     /// Number of outputs of the program.
     pub fn outputs(&self) -> usize {
         self.rows.len()
@@ -139,13 +168,12 @@ impl<'a> QuickYardstick<'a> {
             };
             let exact: Vec<Double> = self.rows.iter().map(of).collect();
             let values: Vec<f64> = exact.iter().map(|value| value.high).collect();
-            let allowed = self.allowed.as_ref().map(|allowed| allowed.of(&values));
+            let allowed = self.allowed(&values);
             for (output, share) in shares.iter_mut().enumerate() {
                 // Nothing is known of a state without an exact result.
                 if values[output].is_finite() {
                     let error = distance(exact[output], computed[output][lane]);
-                    let allowed = allowed.as_ref().map_or(1.0, |allowed| allowed[output]);
-                    share[lane] = quotient(error, allowed);
+                    share[lane] = quotient(error, allowed[output]);
                 }
             }
         }

@@ -2,7 +2,8 @@
 //!
 //! A choice that held at some states may fail at others. Here it is tried at
 //! many states that nothing has seen, at corners of the ranges, and then by
-//! climbs from the worst of them ([`robovec_error::adversary`]). Climbs measure
+//! climbs from the worst of them and from states at which roundings can move
+//! outputs most ([`robovec_error::adversary`]). Climbs measure
 //! quickly; the worst states that they find are measured again with
 //! double-double.
 //!
@@ -15,7 +16,7 @@ use super::format::shares;
 use super::{ACCEPTED, FitError, FitProgram, FitTask};
 use crate::program::view;
 use rayon::prelude::*;
-use robovec_error::adversary::{Climbs, ROUND, StateBreeder};
+use robovec_error::adversary::{Climbs, ROUND, RoundingGuide, StateBreeder};
 use robovec_error::yardstick::{QuickYardstick, Yardstick, results};
 use robovec_framework::scene::Allowed;
 use robovec_ir::count::Counts;
@@ -38,6 +39,9 @@ const CLIMBED_WORK: u64 = 4_000_000_000;
 
 /// Minimum and maximum number of states of climbs for one unit of effort.
 const CLIMBED: [u64; 2] = [ROUND, 1 << 20];
+
+/// Part of the states of climbs whose time goes into adjoints.
+const GUIDED: u64 = 16;
 
 /// States measured between two tests for a failure.
 const BATCH: usize = 4096;
@@ -134,13 +138,21 @@ pub(super) fn challenge(
     let program = view(&program.module);
     let allowed = Allowed::new(program, Some(task.scene), f64::INFINITY, &task.sizes);
     let quick = QuickYardstick::new(general, (program, format), allowed)?;
-    let starts: Vec<Vec<f64>> = trial.worst.iter().map(|one| one.1.clone()).collect();
+    let states = quick.states_of(CLIMBED_WORK).clamp(CLIMBED[0], CLIMBED[1]);
+    let worst: Vec<Vec<f64>> = trial.worst.iter().map(|one| one.1.clone()).collect();
+    // Where nothing errs, as without tolerances, there is nothing to climb.
+    let guided = if trial.result.holds() && trial.result.used > 0.0 {
+        let mut guide = RoundingGuide::new(&quick);
+        guide.climb(&breeder, &worst, (states / GUIDED, seed))
+    } else {
+        Vec::new()
+    };
+    let starts = RoundingGuide::beside(guided, &worst);
     let begin = |number: u64| match number % 3 {
         0 => draw(number),
         1 => corner(number),
         _ => starts[(mix(number) % starts.len() as u64) as usize].clone(),
     };
-    let states = quick.states_of(CLIMBED_WORK).clamp(CLIMBED[0], CLIMBED[1]);
     let mut climbs = Climbs::new((&quick, &breeder), &starts, begin, seed);
     for _ in 0..states * u64::from(task.effort) / ROUND {
         // Where nothing errs, as without tolerances, there is nothing to climb.
