@@ -2,7 +2,8 @@
 
 /// A fenced block.
 pub(crate) struct CodeBlock {
-    /// Kind of the block: the first word of the fence.
+    /// Kind of the block: the first word of the fence, or the second after
+    /// `text`. Highlighters of books warn of languages that they do not know.
     pub(crate) kind: String,
     /// The other words: the context of a fragment.
     pub(crate) note: String,
@@ -20,6 +21,7 @@ pub(crate) fn blocks(document: &str) -> Result<Vec<CodeBlock>, String> {
     for (number, line) in document.lines().enumerate() {
         match (&mut open, line.strip_prefix("```")) {
             (None, Some(words)) => {
+                let words = words.strip_prefix("text ").unwrap_or(words);
                 let (kind, note) = words.split_once(' ').unwrap_or((words, ""));
                 open = Some(CodeBlock {
                     kind: kind.to_owned(),
