@@ -53,7 +53,8 @@ fn of_scene(arguments: &OptimiseArguments, file: SceneFile) -> Result<GivenStart
     }
     let (formulations, left) = match &file.subject {
         SceneSubject::Model(subject) => {
-            start::formulations(&module, &subject.model, subject.function)
+            let scene = Some(&file.scene);
+            start::formulations(&module, &subject.model, subject.function, scene)
         }
         SceneSubject::Equations(_) => (Vec::new(), Vec::new()),
     };
@@ -106,7 +107,7 @@ fn equations(
     let (mut formulations, mut left) = (Vec::new(), Vec::new());
     if let (Some(model), Some(kind)) = (&model, FunctionKind::with_name(&module.functions[0].name))
     {
-        (formulations, left) = start::formulations(&module, model, kind);
+        (formulations, left) = start::formulations(&module, model, kind, scene.as_ref());
     }
     let mut starts = vec![OptimisationStart::given(module)];
     starts.append(&mut formulations);

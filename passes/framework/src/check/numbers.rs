@@ -188,6 +188,7 @@ impl<'a> OutputComparison<'a> {
         inputs: &[Vec<f64>; 2],
         (apart, size): &mut (f64, f64),
     ) -> Result<(), Failed> {
+        let mut after = new.value.high[lane];
         let differs = match (old.is_known(lane), new.is_known(lane)) {
             (true, true) if old.touches(new, lane) => {
                 let largest = old.value.high[lane].abs().max(new.value.high[lane].abs());
@@ -209,6 +210,8 @@ impl<'a> OutputComparison<'a> {
             (true, false) if self.precise > 0 && old.reach(lane).is_finite() => {
                 self.precise -= 1;
                 let place = self.pairs.list[pair].after;
+                // What is computed there without a bound is no value.
+                after = f64::NAN;
                 is_lost(self.pairs.after.function, &[place], &inputs[1])
             }
             _ => false,
@@ -219,7 +222,7 @@ impl<'a> OutputComparison<'a> {
                 values: Values {
                     state,
                     before: old.value.high[lane],
-                    after: new.value.high[lane],
+                    after,
                     allowed: old.radius[lane] + new.radius[lane],
                 },
                 inputs: None,

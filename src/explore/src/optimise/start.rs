@@ -8,8 +8,9 @@ use robovec_dynamics::generate::{
     Formulation, GenerationRequest, MomentOrigin, Options, PrefixNetwork, generate,
 };
 use robovec_error::yardstick::input_names;
-use robovec_framework::check::check;
+use robovec_framework::check::{CheckVerdict, Specialised, check, check_specialised};
 use robovec_framework::rewrite::remove_dead;
+use robovec_framework::scene::Scene;
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
 use robovec_ir::{Assignment, Level, Module, Output, SourceSet, View};
@@ -89,12 +90,14 @@ pub fn starts(
         .collect()
 }
 
-/// The formulations of a model that are the function that came in; for the
-/// others the reason why they are not.
+/// The formulations of a model that are the function that came in, where the
+/// inputs that a scene binds have their numbers; for the others the reason why
+/// they are not.
 pub fn formulations(
     given: &Module,
     model: &Model,
     kind: FunctionKind,
+    scene: Option<&Scene>,
 ) -> (Vec<OptimisationStart>, Vec<(String, String)>) {
     let mut found = Vec::new();
     let mut left = Vec::new();
@@ -114,7 +117,7 @@ pub fn formulations(
             let recipe = format!("--function {} --formulation {name}{words}", kind.name());
             let same = generate(model, &request)
                 .map_err(|error| error.to_string())
-                .and_then(|module| same_function(given, module));
+                .and_then(|module| same_function(given, module, scene));
             match same {
                 Ok((module, is_changed)) => {
                     // No command makes what was changed here.
@@ -154,19 +157,30 @@ fn ways() -> [(Options, String); 4] {
 
 /// The function of a module that is equal to the input, alone in it, with the
 /// same outputs; and a flag: true when outputs were changed for that.
-fn same_function(given: &Module, mut module: Module) -> Result<(Module, bool), String> {
+fn same_function(
+    given: &Module,
+    mut module: Module,
+    scene: Option<&Scene>,
+) -> Result<(Module, bool), String> {
     let name = &given.functions[0].name;
     module.functions.retain(|function| function.name == *name);
     if module.functions.len() != 1 {
         return Err(format!("the model gives no function '{name}'"));
     }
-    let verdict = compared(
-        given,
-        &module,
-        NumericClass::RealTrig,
-        &States::new(1),
-        POINTS,
-    );
+    let verdict = aligned(given, &module, |before, after| {
+        let (class, states) = (NumericClass::RealTrig, States::new(1));
+        if scene.is_none() {
+            return check(before, after, class, &states, POINTS);
+        }
+        // A factorisation has its poles at masses that no model has.
+        let subject = Specialised {
+            before,
+            witness: after,
+            after,
+            scene,
+        };
+        check_specialised(subject, class, &states, POINTS)
+    });
     if !verdict.holds() {
         return Err(format!("the model's equations are different: {verdict}"));
     }
@@ -241,13 +255,24 @@ pub(super) fn compared(
     class: NumericClass,
     states: &States,
     points: u32,
-) -> robovec_framework::check::CheckVerdict {
+) -> CheckVerdict {
+    aligned(before, after, |before, after| {
+        check(before, after, class, states, points)
+    })
+}
+
+/// The verdict on two modules of one function each, with all arrays of either.
+fn aligned(
+    before: &Module,
+    after: &Module,
+    judge: impl Fn(View<'_>, View<'_>) -> CheckVerdict,
+) -> CheckVerdict {
     let mut tables = [before.tables.clone(), after.tables.clone()];
     let [first, second] = &mut tables;
     let (one, other) = align::align((&before.functions[0], first), (&after.functions[0], second));
     let views = [(&tables[0], &one), (&tables[1], &other)];
     let [before, after] = views.map(|(tables, function)| View { tables, function });
-    check(before, after, class, states, points)
+    judge(before, after)
 }
 
 /// Starts at the level atomic, specialised to a scene.
@@ -305,6 +330,24 @@ mod tests {
     use robovec_ir::parse::parse_module;
 
     #[test]
+    fn a_pole_beyond_the_numbers_of_a_scene_is_no_difference() {
+        let module = |output: &str| {
+            let text =
+                format!("function f equations {{\n  in x\n  in m\n  out o\n\n  o = {output}\n}}\n");
+            parse_module("f.rvir", &text).expect("well formed")
+        };
+        let (given, other) = (module("x + m"), module("(x*m + m*m)/m"));
+        let reason = same_function(&given, other.clone(), None).expect_err("it has a pole");
+        assert!(reason.contains("o is not defined everywhere"), "{reason}");
+        let mut scene = Scene::default();
+        scene.bound.set("m", [0, 0], 2.0);
+        same_function(&given, other, Some(&scene)).expect("it is the same where m = 2");
+        let reason = same_function(&given, module("x*m"), Some(&scene));
+        let reason = reason.expect_err("it is another function");
+        assert!(reason.contains("o is another function"), "{reason}");
+    }
+
+    #[test]
     fn an_output_that_is_left_out_takes_its_expression_with_it() {
         let text = |outputs: &str| {
             format!("function f equations {{\n  in x\n  out o[1..2]\n\n{outputs}}}\n")
@@ -313,7 +356,7 @@ mod tests {
         let given = parse_module("given.rvir", &given).expect("well formed");
         let other = text("  o[1] = sin(x)\n  o[2] = x*x - x*x\n");
         let other = parse_module("other.rvir", &other).expect("well formed");
-        let (module, is_changed) = same_function(&given, other).expect("it is the same");
+        let (module, is_changed) = same_function(&given, other, None).expect("it is the same");
         assert!(is_changed);
         let thesis = robovec_ir::Machine::built_in("thesis").expect("it ships");
         let atomic = transformed_by(&module, "atomise", &thesis, None).expect("nothing is dead");
