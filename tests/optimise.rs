@@ -2,14 +2,16 @@
 //! it names, and not beaten by other pipelines; more effort is never worse,
 //! and threads change nothing.
 
+use crate::determinism::files;
 use crate::reference::random::ModelDraw;
 use crate::support::programs::{assert_fits_a_screen, opt_in, robovec, robovec_in, said, stderr};
 use robovec_num::random::Random;
 use robovec_passes::registry::REGISTRY;
 use serde_json::Value;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 fn read(folder: &Path, name: &str) -> String {
     fs::read_to_string(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
@@ -28,6 +30,22 @@ fn optimised(words: &[&str]) -> tempfile::TempDir {
     assert!(text.contains("\nproved       equal"), "{text}");
     assert_fits_a_screen(&text);
     assert_shows(&text, &results(folder.path()));
+    folder
+}
+
+/// A search for the bogie, made once for all tests.
+const BOGIE: [&str; 3] = ["examples/models/bogie.mbs", "--effort=1", "--states=16"];
+
+/// Its results, in a new folder.
+fn bogie() -> tempfile::TempDir {
+    static FOUND: OnceLock<BTreeMap<PathBuf, Vec<u8>>> = OnceLock::new();
+    let found = FOUND.get_or_init(|| files(optimised(&BOGIE).path()));
+    let folder = tempfile::tempdir().expect("there is room for a folder");
+    for (name, content) in found {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("a folder of our own");
+        fs::write(path, content).expect("a folder of our own");
+    }
     folder
 }
 
@@ -166,8 +184,7 @@ fn effort_is_never_worse_and_threads_change_nothing() {
 
 #[test]
 fn a_search_that_goes_on_ends_as_one_that_was_not_interrupted() {
-    let words = ["examples/models/bogie.mbs", "--effort=1", "--states=16"];
-    let whole = optimised(&words);
+    let whole = bogie();
     let path = whole.path().to_string_lossy().into_owned();
     // As if it had been stopped half way.
     let mut kept: Vec<_> = fs::read_dir(whole.path().join("points"))
@@ -187,7 +204,7 @@ fn a_search_that_goes_on_ends_as_one_that_was_not_interrupted() {
     let program = read(whole.path(), "program.rvir");
     let report = read(whole.path(), "optimise.json");
     let mut again = vec!["optimise"];
-    again.extend(words);
+    again.extend(BOGIE);
     again.extend(["--resume", "-o", &path]);
     said(&robovec(&again));
     assert_eq!(read(whole.path(), "program.rvir"), program);
@@ -220,7 +237,7 @@ fn every_target_is_ready_to_use() {
 
 #[test]
 fn a_scene_leaves_out_what_it_does_not_need() {
-    let general = optimised(&["examples/models/bogie.mbs", "--effort=1", "--states=16"]);
+    let general = bogie();
     let scene = optimised(&[
         "examples/scenes/bogie-1e-4.scene.toml",
         "--effort=1",
@@ -236,6 +253,7 @@ fn a_model_that_is_another_one_is_left_out_with_a_word() {
         "examples/suspension/mbs_dirdyna_suspension.m",
         "--model=examples/models/bogie.mbs",
         "--effort=1",
+        "--states=16",
     ]));
     assert!(text.contains("left out     4 formulations: "), "{text}");
 }

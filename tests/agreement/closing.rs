@@ -9,9 +9,10 @@ use crate::reference::loops::{Constraint, constraints};
 use crate::reference::random::{self, ModelDraw, Recipe};
 use crate::reference::spatial::{apply, dot, sub, zeros};
 use crate::reference::{State, Tree};
-use robovec::generate::{Formulation, GenerationRequest};
+use robovec::generate::{Formulation, GenerationRequest, generate};
 use robovec::model::{Anchor, Cut, CutKind, Model, ModelPoint, Nature};
 use robovec::robotran::FunctionKind;
+use robovec_ir::Module;
 use robovec_num::double_double::Double;
 use robovec_num::random::Random;
 
@@ -126,14 +127,33 @@ fn add_cut(random: &mut Random, model: &mut Model, state: &State<f64>) {
 
 /// A function of a case at its state.
 pub(super) fn outputs(case: &Case, kind: FunctionKind, forces: &[f64]) -> Option<Outputs> {
+    Some(outputs_of(
+        &equations(&case.model, kind)?,
+        case,
+        kind,
+        forces,
+    ))
+}
+
+/// A function of a model; `None` where it has none.
+pub(super) fn equations(model: &Model, kind: FunctionKind) -> Option<Module> {
     let request = GenerationRequest {
         formulation: Formulation::Composite,
         ..GenerationRequest::new(kind)
     };
-    let module = robovec::generate::generate(&case.model, &request).ok()?;
+    generate(model, &request).ok()
+}
+
+/// The outputs of a function that was generated.
+pub(super) fn outputs_of(
+    module: &Module,
+    case: &Case,
+    kind: FunctionKind,
+    forces: &[f64],
+) -> Outputs {
     let mut inputs = case.inputs();
     inputs.joint_forces.copy_from_slice(forces);
-    Some(Outputs::of(case, &module, kind.name(), &inputs))
+    Outputs::of(case, module, kind.name(), &inputs)
 }
 
 /// The rows of the reference that the equations number, by their places.

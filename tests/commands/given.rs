@@ -98,7 +98,23 @@ pub(crate) const SMALLER: &[(&str, &str)] = &[
     ),
     (
         "robovec optimise examples/models/bogie.mbs --for cpu",
-        "robovec optimise examples/models/bogie.mbs --for cpu --effort 1 -o fast",
+        "robovec optimise examples/models/quarter-car.mbs --for cpu --effort 1 -o fast",
+    ),
+    (
+        "robovec optimise examples/suspension/mbs_dirdyna_suspension.c --for cpu",
+        "robovec optimise examples/suspension/mbs_dirdyna_suspension.c --for cpu --effort 1 -o fast",
+    ),
+    (
+        "robovec optimise examples/suspension/mbs_dirdyna_suspension.m",
+        "robovec optimise examples/suspension/mbs_dirdyna_suspension.m --effort 1 -o best",
+    ),
+    (
+        "robovec rtl examples/models/double-pendulum.mbs",
+        "robovec rtl examples/models/double-pendulum.mbs --passes '$shorten,place' --machine side-split -o board --check iverilog --runs 1",
+    ),
+    (
+        "robovec-opt examples/models/bogie.mbs -passes=atomise",
+        "robovec-opt examples/models/quarter-car.mbs -passes=atomise,zero-removal,balance,eqsat,cse,dce --rules mine.rules -stats",
     ),
     (
         "robovec explore --plan",
@@ -124,8 +140,10 @@ pub(crate) const SMALLER: &[(&str, &str)] = &[
         "robovec stress --verdicts",
         "robovec stress --verdicts --case tiny-1e-9",
     ),
-    ("robovec stress --case", "robovec stress --case tiny-1e-9"),
-    ("robovec stress", "robovec stress --case tiny-1e-9"),
+    (
+        "robovec stress",
+        "robovec stress --case tiny-1e-9 -o stress",
+    ),
 ];
 
 /// Words that represent a user's file or choice.
@@ -168,6 +186,11 @@ pub(crate) fn fill(folder: &Path) {
         "placed.rvir",
     ];
     said(&opt_in(folder, &[&[model], &place[..]].concat()));
+    // What a smaller command leaves in another folder.
+    fs::create_dir(folder.join("best")).expect("a folder of our own");
+    let equations = "examples/suspension/mbs_dirdyna_suspension.m";
+    let shorten = ["-passes=$shorten", "-o", "best/program.rvir"];
+    said(&opt_in(folder, &[&[equations], &shorten[..]].concat()));
     let copy = |from: &str, to: &str| {
         fs::copy(folder.join("symbolicR").join(from), folder.join(to)).expect(from);
     };
