@@ -181,7 +181,7 @@ fn layout_is_free() {
 fn the_examples_of_the_documentation_are_read() {
     let document = include_str!("../docs/text-format.md");
     let examples: Vec<&str> = document
-        .split("```rvir\n")
+        .split("```text rvir\n")
         .skip(1)
         .filter_map(|rest| rest.split("```").next())
         .collect();
