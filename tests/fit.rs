@@ -22,7 +22,7 @@ use std::path::Path;
 /// Number of climbs, each from a drawn state.
 const CLIMBS: u64 = 24;
 
-/// Steps without a larger error after which a climb begins anew.
+/// States without a larger error after which a climb begins anew.
 const PATIENCE: u32 = 2000;
 
 /// Number of states evaluated at once, the children of a step.

@@ -42,14 +42,9 @@ impl<const LANES: usize> DoubleLanes<LANES> {
 
     /// The numbers of a function of the lane.
     pub fn from_lanes(number: impl Fn(usize) -> Double) -> DoubleLanes<LANES> {
-        DoubleLanes::each(number)
-    }
-
-    /// Applies an operation lane by lane.
-    fn each(operation: impl Fn(usize) -> Double) -> DoubleLanes<LANES> {
         let mut result = DoubleLanes::new([0.0; LANES]);
         for lane in 0..LANES {
-            let number = operation(lane);
+            let number = number(lane);
             result.high[lane] = number.high;
             result.low[lane] = number.low;
         }
@@ -94,7 +89,7 @@ impl<const LANES: usize> Arithmetic for DoubleDoubleLanes<LANES> {
         if result.is_regular() {
             return result;
         }
-        DoubleLanes::each(|lane| a.lane(lane) + b.lane(lane))
+        DoubleLanes::from_lanes(|lane| a.lane(lane) + b.lane(lane))
     }
 
     #[inline]
@@ -121,23 +116,23 @@ impl<const LANES: usize> Arithmetic for DoubleDoubleLanes<LANES> {
         if result.is_regular() {
             return result;
         }
-        DoubleLanes::each(|lane| a.lane(lane) * b.lane(lane))
+        DoubleLanes::from_lanes(|lane| a.lane(lane) * b.lane(lane))
     }
 
     fn div(&self, a: Self::Number, b: Self::Number) -> Self::Number {
-        DoubleLanes::each(|lane| a.lane(lane) / b.lane(lane))
+        DoubleLanes::from_lanes(|lane| a.lane(lane) / b.lane(lane))
     }
 
     fn sin(&self, a: Self::Number) -> Self::Number {
-        DoubleLanes::each(|lane| DoubleDouble.sin(a.lane(lane)))
+        DoubleLanes::from_lanes(|lane| DoubleDouble.sin(a.lane(lane)))
     }
 
     fn cos(&self, a: Self::Number) -> Self::Number {
-        DoubleLanes::each(|lane| DoubleDouble.cos(a.lane(lane)))
+        DoubleLanes::from_lanes(|lane| DoubleDouble.cos(a.lane(lane)))
     }
 
     fn sqrt(&self, a: Self::Number) -> Self::Number {
-        DoubleLanes::each(|lane| a.lane(lane).sqrt())
+        DoubleLanes::from_lanes(|lane| a.lane(lane).sqrt())
     }
 
     #[inline]

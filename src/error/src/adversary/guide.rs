@@ -72,6 +72,7 @@ impl<'a> RoundingGuide<'a> {
         starts: &[Vec<f64>],
         (evaluations, seed): (u64, u64),
     ) -> Vec<Vec<f64>> {
+        // Half of them for the choice of outputs.
         let steps = evaluations / ADJOINT / 2;
         let sweeps = self.tape.outputs().div_ceil(LANES).max(1) as u64;
         let compared = (steps / sweeps).min(COMPARED).min(starts.len() as u64);

@@ -6,11 +6,11 @@
 mod breed;
 mod climb;
 mod guide;
-mod own;
+mod rounding;
 #[cfg(test)]
 mod sound_tests;
 
 pub use breed::StateBreeder;
 pub use climb::{Climbs, ErrorRecord, ROUND};
 pub use guide::RoundingGuide;
-pub use own::{FoundErrors, SearchSubject, largest_errors};
+pub use rounding::{FoundErrors, SearchSubject, largest_errors};

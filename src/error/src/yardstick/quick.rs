@@ -2,7 +2,8 @@
 //!
 //! The exact results are those of binary64 for formats that are much narrower,
 //! else of double-double. Results are not kept; a caller that needs them beyond
-//! doubt measures the states of a search again by a [`Yardstick`].
+//! doubt measures the states of a search again by a [`Yardstick`], or by
+//! [`QuickYardstick::exactly`].
 
 use super::{ExactPlace, LANES, Unmeasurable, Yardstick, distance, gathered, quotient, results};
 use robovec_analysis::interval::{GivenData, between, exact_literal};
@@ -46,7 +47,7 @@ pub struct QuickMemory {
 }
 
 impl<'a> QuickYardstick<'a> {
-    /// Prepares a program; `allowed` belongs to it, and errors are its parts.
+    /// Prepares a program; errors are ratios to `allowed`, which belongs to it.
     ///
     /// # Errors
     ///

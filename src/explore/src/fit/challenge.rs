@@ -140,8 +140,7 @@ pub(super) fn challenge(
     let quick = QuickYardstick::new(general, (program, format), allowed)?;
     let states = quick.states_of(CLIMBED_WORK).clamp(CLIMBED[0], CLIMBED[1]);
     let worst: Vec<Vec<f64>> = trial.worst.iter().map(|one| one.1.clone()).collect();
-    // Where nothing errs, as without tolerances, there is nothing to climb.
-    let guided = if trial.result.holds() && trial.result.used > 0.0 {
+    let guided = if trial.is_open() {
         let mut guide = RoundingGuide::new(&quick);
         guide.climb(&breeder, &worst, (states / GUIDED, seed))
     } else {
@@ -155,8 +154,7 @@ pub(super) fn challenge(
     };
     let mut climbs = Climbs::new((&quick, &breeder), &starts, begin, seed);
     for _ in 0..states * u64::from(task.effort) / ROUND {
-        // Where nothing errs, as without tolerances, there is nothing to climb.
-        if !trial.result.holds() || trial.result.used == 0.0 {
+        if !trial.is_open() {
             break;
         }
         trial.measure(climbs.round())?;
@@ -178,6 +176,12 @@ fn measured_states(task: &FitTask<'_>, program: &FitProgram) -> [u64; 2] {
 }
 
 impl ChallengeRun<'_> {
+    /// True while climbs may find a failure: none is known, and there are
+    /// errors. Without tolerances nothing errs.
+    fn is_open(&self) -> bool {
+        self.result.holds() && self.result.used > 0.0
+    }
+
     /// Measures states by their number, until the choice does not hold; the
     /// number of those measured.
     fn all(
