@@ -111,6 +111,8 @@ struct HostReport {
     actuators: f64,
     /// The most rounds of closing, by the dense way and by the step.
     rounds: [f64; 2],
+    /// Time of the dense way in parts of that of the step.
+    speedup: f64,
 }
 
 /// Writes the C of a model for a project into a folder.
@@ -205,6 +207,7 @@ fn simulated(model: &Model, plan: &HostPlan) -> HostReport {
         forces: numbers[6],
         actuators: numbers[7],
         rounds: [numbers[4], numbers[5]],
+        speedup: numbers[2] / numbers[3],
     }
 }
 
@@ -213,7 +216,7 @@ fn shipped(name: &str) -> Model {
     read_mbs(name, &bytes).expect("a good model").model
 }
 
-fn moves_the_same(model: &Model, plan: &HostPlan) {
+fn moves_the_same(model: &Model, plan: &HostPlan) -> HostReport {
     let told = simulated(model, plan);
     let (name, apart, largest) = (&model.name, told.apart, told.largest);
     assert!(largest > 1e-3, "{name} does not move: {largest:e}");
@@ -221,6 +224,7 @@ fn moves_the_same(model: &Model, plan: &HostPlan) {
     let (forces, actuators) = (told.forces, told.actuators);
     assert!(forces < 1e-9, "{name}: forces are {forces:e} apart");
     assert!(actuators < 1e-9, "{name}: actuators miss by {actuators:e}");
+    told
 }
 
 #[test]
@@ -287,6 +291,52 @@ fn rows_of_the_user_and_actuators_are_served() {
             ..HostPlan::default()
         };
         moves_the_same(&model, &plan);
+    }
+}
+
+/// Clients as real projects are: steering without mass that rows of the project
+/// move, a joint that it drives, with loops and without.
+#[test]
+fn projects_with_massless_steering_move_the_same() {
+    if !has_gcc() {
+        return;
+    }
+    for (name, rows) in [("train", 2), ("wishbone-car", 3)] {
+        let mut model = shipped(name);
+        let free = independent_joints(&model, &Options::default()).expect("the loops close");
+        let is_end = |joint: &usize| {
+            let body = model.joints[*joint].body;
+            let parents = model.bodies.iter().filter_map(|other| other.parent);
+            let mut ends = model.cuts.iter().flat_map(|cut| cut.ends);
+            model.bodies[body].joints.len() == 1
+                && parents.into_iter().all(|parent| parent != body)
+                && ends.all(|end| end.body != Some(body))
+        };
+        let mut ends: Vec<usize> = free.iter().copied().filter(is_end).collect();
+        assert!(ends.len() > rows, "{name} has {} ends", ends.len());
+        let driven = ends.pop().expect("there are ends");
+        let bound = ends.split_off(ends.len() - rows);
+        for (joint, of_model) in model.joints.iter_mut().enumerate() {
+            let follows = bound.contains(&joint) || !free.contains(&joint);
+            of_model.actuated = false;
+            of_model.nature = match of_model.nature {
+                _ if joint == driven => Nature::Driven,
+                Nature::Driven => Nature::Driven,
+                _ if follows => Nature::Dependent,
+                _ => Nature::Independent,
+            };
+        }
+        for &joint in &bound {
+            let body = &mut model.bodies[model.joints[joint].body];
+            (body.mass, body.center, body.inertia) = (0.0, [0.0; 3], [0.0; 6]);
+        }
+        let plan = HostPlan {
+            bound,
+            has_actuators: true,
+            ..HostPlan::default()
+        };
+        let report = moves_the_same(&model, &plan);
+        assert!(report.speedup > 5.0, "{name}: {} times", report.speedup);
     }
 }
 

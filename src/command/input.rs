@@ -12,11 +12,11 @@ use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;
 use robovec_io::files::limited::{self, FileLimit};
 use robovec_io::sources::{self, EquationLanguage, ReadEquations};
-use robovec_ir::diagnostic::Report;
+use robovec_ir::diagnostic::{Report, clip, did_you_mean};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, Operation};
-use robovec_model::Model;
 use robovec_model::mbs::ReadModel;
+use robovec_model::{Model, Nature};
 use robovec_passes::registry::REGISTRY;
 use robovec_robotran::FunctionKind;
 use robovec_robotran::Language;
@@ -149,6 +149,22 @@ pub(crate) fn model_for(
         None => emit(&read.warnings),
     }
     Ok(read)
+}
+
+/// Makes joints driven; gives their places. A law moves them, or nothing does.
+pub(crate) fn drive(model: &mut Model, names: &[String]) -> Result<Vec<usize>, CommandFailure> {
+    let mut places = Vec::with_capacity(names.len());
+    for name in names {
+        let Some(place) = model.joints.iter().position(|joint| joint.name == *name) else {
+            let known = model.joints.iter().map(|joint| joint.name.as_str());
+            let near = did_you_mean(name, known).map(|near| format!("did you mean '{near}'?"));
+            let message = format!("the model has no joint '{}'", clip(name));
+            return Err(CommandFailure::advised(message, near.into_iter().collect()));
+        };
+        model.joints[place].nature = Nature::Driven;
+        places.push(place);
+    }
+    Ok(places)
 }
 
 /// Reads a scene, and the files that it names.

@@ -177,8 +177,14 @@ pub(super) fn rows(case: &Case, state: &State<Double>, kept: &[usize]) -> Constr
 
 /// Solves a square system in double-double, with the largest pivot of a
 /// column.
-pub(super) fn solve(mut matrix: Vec<Vec<Double>>, mut right: Vec<Double>) -> Vec<Double> {
+pub(super) fn solve(matrix: Vec<Vec<Double>>, right: Vec<Double>) -> Vec<Double> {
+    solve_with_pivots(matrix, right).0
+}
+
+/// The solution, and the smallest pivot in parts of the largest.
+fn solve_with_pivots(mut matrix: Vec<Vec<Double>>, mut right: Vec<Double>) -> (Vec<Double>, f64) {
     let n = right.len();
+    let (mut least, mut most) = (f64::INFINITY, 0.0f64);
     for k in 0..n {
         let pivot = (k..n)
             .max_by(|&a, &b| {
@@ -188,6 +194,8 @@ pub(super) fn solve(mut matrix: Vec<Vec<Double>>, mut right: Vec<Double>) -> Vec
             .expect("a row is left");
         matrix.swap(k, pivot);
         right.swap(k, pivot);
+        let size = matrix[k][k].high.abs();
+        (least, most) = (least.min(size), most.max(size));
         for row in k + 1..n {
             let factor = matrix[row][k] / matrix[k][k];
             let (above, below) = matrix.split_at_mut(row);
@@ -201,7 +209,7 @@ pub(super) fn solve(mut matrix: Vec<Vec<Double>>, mut right: Vec<Double>) -> Vec
         let known = (k + 1..n).fold(right[k], |sum, j| sum - matrix[k][j] * right[j]);
         right[k] = known / matrix[k][k];
     }
-    right
+    (right, least / most)
 }
 
 /// The independent rows of the loops at the state of a case.
@@ -214,16 +222,17 @@ pub(super) fn independent(case: &Case, rows: &[usize]) -> Constraint<Double> {
 /// The accelerations of the full equations: `M qdd + c = Qq + J^T lambda` for
 /// free joints, `J qdd + Jdqd = 0` for independent rows.
 pub(super) fn full(case: &Case, forces: &[f64], rows: &Constraint<Double>) -> Vec<Double> {
-    full_at(case, &case.exact().1, forces, rows)
+    full_at(case, &case.exact().1, forces, rows).0
 }
 
-/// As [`full`], at another state.
+/// As [`full`], at another state; and the smallest pivot of the equations in
+/// parts of the largest.
 pub(super) fn full_at(
     case: &Case,
     state: &State<Double>,
     forces: &[f64],
     rows: &Constraint<Double>,
-) -> Vec<Double> {
+) -> (Vec<Double>, f64) {
     let tree = Tree::new(&case.model);
     let (mass, bias) = (mass_matrix(&tree, state), bias(&tree, state));
     let n = case.model.joints.len();
@@ -246,9 +255,9 @@ pub(super) fn full_at(
         matrix[n + k][..n].copy_from_slice(row);
         right[n + k] = -rows.quadratic[k];
     }
-    let mut solution = solve(matrix, right);
+    let (mut solution, weakest) = solve_with_pivots(matrix, right);
     solution.truncate(n);
-    solution
+    (solution, weakest)
 }
 
 /// Velocities that the loops allow, from the function itself, and its residual

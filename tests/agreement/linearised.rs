@@ -73,7 +73,7 @@ impl ClosedCase {
     fn accelerations(&self, mut state: State<Double>, forces: &[f64]) -> Vec<Double> {
         self.close(&mut state);
         let loops = rows(&self.case, &state, &self.kept);
-        full_at(&self.case, &state, forces, &loops)
+        full_at(&self.case, &state, forces, &loops).0
     }
 
     /// The derivatives of all accelerations by the position, the velocity or

@@ -2,18 +2,22 @@
 //! positions, velocities, accelerations, multipliers and forces of actuators
 //! against the full equations.
 
-use super::closing::{closed, full, independent};
+use super::closing::{closed, full, full_at, independent};
 use super::{Case, Outputs};
 use crate::reference::dynamics::{bias, mass_matrix};
 use crate::reference::loops::Constraint;
+use crate::reference::random::ModelDraw;
 use robovec::generate::{Formulation, GenerationRequest, Options, generate};
-use robovec::model::Nature;
+use robovec::model::{Model, Nature};
 use robovec::robotran::FunctionKind;
 use robovec_num::double_double::Double;
 use robovec_num::random::Random;
 
 /// Number of models tried.
 const MODELS: usize = 60;
+
+/// Number of models with bodies that have no mass.
+const MASSLESS: usize = 300;
 
 /// A model with rows that are linear in positions.
 struct Bound {
@@ -29,8 +33,9 @@ struct Bound {
 }
 
 impl Bound {
-    /// A model of a seed; `None` where the draw has no joint to bind.
-    fn new(seed: u64) -> Option<Bound> {
+    /// A model of a seed, with bodies that have no mass where the rows can make
+    /// up for it; `None` where the draw has no joint to bind, or no such body.
+    fn new(seed: u64, massless: bool) -> Option<Bound> {
         let mut case = closed(seed)?;
         let mut random = Random::new(seed ^ 0x5eed);
         let joints = case.model.joints.len();
@@ -66,15 +71,31 @@ impl Bound {
         if free.len() <= rows {
             return None;
         }
-        for joint in free.iter_mut().take(rows) {
+        let sparse = massless && random.chance(0.5);
+        let first = if massless {
+            random.below(free.len() - rows + 1)
+        } else {
+            0
+        };
+        for joint in free.iter_mut().skip(first).take(rows) {
             joint.nature = Nature::Dependent;
         }
-        let mut number = || 2.0 * random.unit() - 1.0;
         for _ in 0..rows {
-            bound.jacobian.push((0..joints).map(|_| number()).collect());
-            bound.quadratic.push(number());
+            let entry = |random: &mut Random| {
+                if sparse && random.chance(0.6) {
+                    0.0
+                } else {
+                    2.0 * random.unit() - 1.0
+                }
+            };
+            let row = (0..joints).map(|_| entry(&mut random)).collect();
+            bound.jacobian.push(row);
+            bound.quadratic.push(2.0 * random.unit() - 1.0);
         }
         bound.case.model = case.model;
+        if massless && !lighten(&mut bound.case.model, &dependent, rows) {
+            return None;
+        }
         Some(bound)
     }
 
@@ -85,6 +106,7 @@ impl Bound {
             options: Options {
                 user_constraints: self.jacobian.len(),
                 multipliers: true,
+                losses: true,
                 ..Options::default()
             },
             ..GenerationRequest::new(kind)
@@ -227,6 +249,31 @@ impl Bound {
     }
 }
 
+/// Takes the masses of ends of the tree, so that at most `rows` joints that the
+/// loops do not determine move none; false where there is no such end.
+fn lighten(model: &mut Model, dependent: &[usize], rows: usize) -> bool {
+    let mut left = rows;
+    let mut carries = vec![false; model.bodies.len()];
+    for body in (0..model.bodies.len()).rev() {
+        let joints = model.bodies[body].joints.clone();
+        let free = |joint: &usize| {
+            model.joints[*joint].nature != Nature::Driven && !dependent.contains(joint)
+        };
+        let count = joints.filter(free).count();
+        if !carries[body] && (1..=left).contains(&count) {
+            left -= count;
+            let light = &mut model.bodies[body];
+            (light.mass, light.center, light.inertia) = (0.0, [0.0; 3], [0.0; 6]);
+        } else if let Some(parent) = model.bodies[body].parent {
+            carries[parent] = true;
+        }
+        if let (Some(parent), true) = (model.bodies[body].parent, carries[body]) {
+            carries[parent] = true;
+        }
+    }
+    left < rows
+}
+
 /// The largest difference in parts of the largest number, at least 1.
 fn distance(exact: &[Double], numbers: &[f64]) -> f64 {
     let size = exact.iter().fold(1.0f64, |size, x| size.max(x.high.abs()));
@@ -241,7 +288,7 @@ fn rows_of_the_user_hold_with_those_of_loops() {
     let (mut tried, mut seed, mut worst) = (0, 0, [0.0f64; 5]);
     while tried < MODELS {
         seed += 1;
-        let Some(mut bound) = Bound::new(seed) else {
+        let Some(mut bound) = Bound::new(seed, false) else {
             continue;
         };
         // Where other joints are better dependents than those named, the count
@@ -285,4 +332,56 @@ fn rows_of_the_user_hold_with_those_of_loops() {
         }
     }
     println!("worst of {MODELS} models of {seed} draws: {worst:?}");
+}
+
+/// Accelerations, multipliers and forces exist where masses and all rows
+/// together are regular, and only there.
+#[test]
+fn rows_of_the_user_move_joints_without_mass() {
+    let (mut tried, mut singular, mut seed, mut worst) = (0, 0, 0, [0.0f64; 3]);
+    while tried < MASSLESS {
+        seed += 1;
+        let Some(bound) = Bound::new(seed, true) else {
+            continue;
+        };
+        if bound.outputs(FunctionKind::LoopPositions).is_none() {
+            continue;
+        }
+        let state = bound.case.exact().1;
+        let (expected, weakest) = full_at(&bound.case, &state, &bound.forces, &bound.rows());
+        let found = bound.outputs(FunctionKind::Accelred);
+        let found = found.unwrap_or_else(|| panic!("seed {seed}: no accelerations"));
+        let losses: Vec<f64> = found.assigned("Loss").map(|(_, loss)| loss.abs()).collect();
+        // Loops may give what has no mass that of other bodies.
+        if losses.len() == bound.jacobian.len() {
+            continue;
+        }
+        tried += 1;
+        let is_regular = losses.iter().all(|&loss| loss <= 1e12);
+        assert_eq!(
+            is_regular,
+            weakest > 1e-12,
+            "seed {seed}: {weakest:e}, {losses:?}"
+        );
+        if !is_regular {
+            singular += 1;
+            continue;
+        }
+        let mut accelerations = bound.case.state.qdd.clone();
+        for (joint, number) in found.assigned("qdd") {
+            accelerations[joint] = number;
+        }
+        let mut bound = bound;
+        let wanted: Vec<f64> = expected.iter().map(|number| 0.1 * number.high).collect();
+        let errors = [
+            distance(&expected, &accelerations),
+            bound.balance(&found),
+            bound.actuated(&wanted),
+        ];
+        for (worst, error) in worst.iter_mut().zip(errors) {
+            assert!(error < 1e-10, "seed {seed}: {errors:?}");
+            *worst = worst.max(error);
+        }
+    }
+    println!("worst of {MASSLESS} models, {singular} of them singular: {worst:?}");
 }

@@ -80,6 +80,12 @@ pub(super) struct GenArguments {
     #[arg(long, value_name = "ROWS", default_value_t = 0,
           add = whole(0, 32, "each row is eliminated with all joints"))]
     user_constraints: usize,
+    /// Joints of the model that the project drives
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    driven: Vec<String>,
+    /// Joints held where they start, whatever the model calls them
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    hold: Vec<String>,
     /// Language of files of equations; by default found from their names and content
     #[arg(long, value_enum)]
     input_language: Option<InputLanguage>,
@@ -111,9 +117,24 @@ impl GenArguments {
             ("--any-angles", self.any_angles),
             ("--multipliers", self.multipliers),
             ("--user-constraints", self.user_constraints > 0),
+            ("--driven", !self.driven.is_empty()),
+            ("--hold", !self.hold.is_empty()),
         ];
         let mut given = given.into_iter().filter(|(_, is_given)| *is_given);
         given.next().map(|(name, _)| name)
+    }
+
+    /// The model of a subject, with the joints that are driven or held.
+    fn model(&self, path: &Path, kind: Option<FunctionKind>) -> Result<Model, CommandFailure> {
+        let mut model = input::model_for(path, kind)?.model;
+        for (names, moves) in [(&self.driven, true), (&self.hold, false)] {
+            for place in input::drive(&mut model, names)? {
+                // What does not move has no velocity in the equations.
+                model.joints[place].has_velocity = moves;
+                model.joints[place].has_acceleration = moves;
+            }
+        }
+        Ok(model)
     }
 
     /// The formulation requested, or else one by name.
@@ -144,6 +165,7 @@ impl GenArguments {
             small_angles: Vec::new(),
             multipliers: self.multipliers,
             user_constraints: self.user_constraints,
+            losses: false,
         }
     }
 }
@@ -348,20 +370,20 @@ fn of_model(path: &Path, arguments: &GenArguments) -> Result<Module, CommandFail
         );
     }
     let forces = kinds.iter().find(|kind| kind.depends_on_link_forces());
-    let read = input::model_for(path, forces.copied())?;
+    let model = arguments.model(path, forces.copied())?;
     let options = arguments.options();
     let mut module = Module::new();
     let mut empty = Vec::new();
     for function in kinds {
-        let formulation = arguments.formulation(&read.model, function, "recursive");
+        let formulation = arguments.formulation(&model, function, "recursive");
         let before = module.functions.len();
-        add(&mut module, &read.model, (function, formulation), &options)?;
-        if refuse_empty(&read.model, function, &module.functions[before..]).is_err() {
+        add(&mut module, &model, (function, formulation), &options)?;
+        if refuse_empty(&model, function, &module.functions[before..]).is_err() {
             empty.push(function);
         }
     }
     if let Some(&first) = empty.first() {
-        refuse_empty(&read.model, first, &module.functions)
+        refuse_empty(&model, first, &module.functions)
             .map_err(|error| CommandFailure::plain(error.to_string()))?;
         let names: Vec<&str> = empty.iter().map(|kind| kind.name()).collect();
         let _ = writeln!(

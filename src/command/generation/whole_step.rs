@@ -25,7 +25,7 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
     }
     let pipeline = input::passes(arguments.passes.as_deref().unwrap_or("$cpu"))?;
     let steps = steps(&arguments.function)?;
-    let model = input::model_for(path, Some(FunctionKind::Accelred))?.model;
+    let model = arguments.model(path, Some(FunctionKind::Accelred))?;
     let formulation = arguments.formulation(&model, FunctionKind::Accelred, FEWEST);
     let options = arguments.options();
     let mut module = whole_step::generate_parts(&model, &steps, formulation, &options)

@@ -11,7 +11,7 @@ use robovec_dynamics::motion::{
     MultibodySystem, SimulationPlan, SimulationRun, plot, simulate,
 };
 use robovec_ir::Format;
-use robovec_ir::diagnostic::{Report, Severity, clip, counted, did_you_mean};
+use robovec_ir::diagnostic::{Report, Severity, counted};
 use robovec_model::mbs::ReadModel;
 use robovec_model::{Model, Nature};
 use std::fmt::Write as _;
@@ -86,7 +86,7 @@ impl MovedModel {
         let path = self.model.as_ref().expect("the command line requires it");
         let mut read = input::model(path)?;
         refuse_left_out(&read)?;
-        hold(&mut read.model, &self.hold)?;
+        input::drive(&mut read.model, &self.hold)?;
         let laws = match &self.laws {
             None => Laws::of_model(&read.model),
             Some(path) => input::laws(&read.model, path)?,
@@ -249,20 +249,6 @@ fn refuse_left_out(read: &ReadModel) -> Result<(), CommandFailure> {
         file.text(),
         refused,
     )))
-}
-
-/// Makes joints driven, which holds them unless a law moves them.
-fn hold(model: &mut Model, names: &[String]) -> Result<(), CommandFailure> {
-    for name in names {
-        let Some(joint) = model.joints.iter_mut().find(|joint| joint.name == *name) else {
-            let known = model.joints.iter().map(|joint| joint.name.as_str());
-            let near = did_you_mean(name, known).map(|near| format!("did you mean '{near}'?"));
-            let message = format!("the model has no joint '{}'", clip(name));
-            return Err(CommandFailure::advised(message, near.into_iter().collect()));
-        };
-        joint.nature = Nature::Driven;
-    }
-    Ok(())
 }
 
 fn plan(arguments: &SimArguments) -> SimulationPlan {

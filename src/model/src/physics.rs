@@ -51,29 +51,57 @@ fn is_massless(body: &Body) -> bool {
     body.mass == 0.0 && body.inertia == [0.0; 6]
 }
 
-/// A body that carries no mass, directly or on bodies that are attached to it,
-/// makes the rows of its joints in `M` zero. Only the first such body of a
-/// branch is named.
+/// Warns of bodies that carry no mass, directly or on bodies attached to them:
+/// the rows of their joints in `M` are zero. Only the first such body of a
+/// branch is named; none where a cut closes a loop through the branch, which
+/// determines its joints, or where they are driven.
 pub(super) fn massless(model: &Model, places: &[Range<usize>], messages: &mut Messages) {
     let mut carries: Vec<bool> = model.bodies.iter().map(|body| !is_massless(body)).collect();
+    let mut bound = vec![false; model.bodies.len()];
+    let ends = model.cuts.iter().flat_map(|cut| cut.ends);
+    ends.filter_map(|end| end.body)
+        .for_each(|body| bound[body] = true);
     for (index, body) in model.bodies.iter().enumerate().rev() {
         if let Some(parent) = body.parent {
             carries[parent] |= carries[index];
+            bound[parent] |= bound[index];
         }
     }
-    for (index, body) in model.bodies.iter().enumerate() {
-        let named = !carries[index] && body.parent.is_none_or(|parent| carries[parent]);
-        let driven = |joint: usize| model.joints[joint].nature == Nature::Driven;
-        if named && !body.joints.clone().all(driven) {
-            let joint = &model.joints[body.joints.end - 1].name;
-            messages.warn(
-                places[index].clone(),
-                &format!("{} moves no mass", body_title(&body.name)),
-                &format!("the row of joint '{joint}' in the mass matrix is zero"),
-                "give it a mass, or do not solve for this joint's acceleration",
-            );
+    let driven = |joint: usize| model.joints[joint].nature == Nature::Driven;
+    let bodies = model.bodies.iter().enumerate().filter(|(index, body)| {
+        let first = !carries[*index] && body.parent.is_none_or(|parent| carries[parent]);
+        first && !bound[*index] && !body.joints.clone().all(driven)
+    });
+    let named: Vec<(usize, &str)> = bodies
+        .map(|(index, body)| (index, model.joints[body.joints.end - 1].name.as_str()))
+        .collect();
+    let Some((&(first, joint), others)) = named.split_first() else {
+        return;
+    };
+    let title = body_title(&model.bodies[first].name);
+    let (message, label) = match others {
+        [] => (
+            format!("{title} moves no mass"),
+            format!("the row of joint '{joint}' in the mass matrix is zero"),
+        ),
+        _ => {
+            let more = others.iter().map(|(_, joint)| format!(", '{joint}'"));
+            (
+                format!("{title} and {} more move no mass", others.len()),
+                format!(
+                    "the rows of joints '{joint}'{} in the mass matrix are zero",
+                    more.collect::<String>()
+                ),
+            )
         }
-    }
+    };
+    messages.warn(
+        places[first].clone(),
+        &message,
+        &label,
+        "give it a mass, drive it (--driven), hold it (--hold), or bind it by constraints of the \
+         project (--user-constraints)",
+    );
 }
 
 /// The share of the largest entry that counts as rounding.

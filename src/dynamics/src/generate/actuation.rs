@@ -119,7 +119,7 @@ fn multipliers<'c>(
     }
     let names = ["Jwlu", "Jwl", "Jwi", "Jwx", "lamw"];
     let solution = solve_blocks(equations, names, &rows, 1 + user.len()).map_err(|place| {
-        GenerateError::singular(closing.parameters.model, roles.of_loops[place])
+        GenerateError::singular(closing.parameters.model, [roles.of_loops[place]])
     })?;
     // At the joints left: (U^T - J^T L) mu = phi - J^T lambda_0.
     let mut left = ReducedRows {

@@ -144,7 +144,7 @@ impl<'r> LoopBlock<'r> {
                 .collect()
         });
         let rows: Vec<SparseRow> = rows.collect();
-        solve_square(equations, names, &rows, sides)
+        solve_square(equations, names, &rows, sides).map(|(solution, _)| solution)
     }
 
     /// One more than the last side that is not zero.

@@ -77,7 +77,7 @@ impl<'p, 'm> Closing<'p, 'm> {
     ) -> Result<Closing<'p, 'm>, GenerateError> {
         Ok(Closing {
             parameters,
-            roles: JointRoles::of_frames(parameters.frames, options)?,
+            roles: JointRoles::new(parameters.frames.source, options)?.framed(parameters.frames),
             constraints: constraints::rows(equations, parameters, options, part),
             user: user_constraints::rows(equations, parameters.frames, options),
         })
@@ -141,7 +141,7 @@ impl<'p, 'm> Closing<'p, 'm> {
             rows.push(row);
         }
         let solution = solve_blocks(equations, names, &rows, 1 + bound.len())
-            .map_err(|place| GenerateError::singular(self.parameters.model, dependent[place]))?;
+            .map_err(|place| GenerateError::singular(self.parameters.model, [dependent[place]]))?;
         // x_v = rest + B x_w, with w for the joints that the user's rows bind.
         let rest: Vec<Scalar> = solution.iter().map(|row| -entry(row, 0)).collect();
         let behind =

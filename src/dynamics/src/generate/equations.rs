@@ -405,6 +405,13 @@ impl Equations {
         if below.magnitude() == Scalar::ONE {
             return above.magnitude().negated_if(negative);
         }
+        if let (Scalar::ONE, Atom::Number(number)) =
+            (above.magnitude(), self.atoms[below.atom() as usize])
+            && number.log2().fract() == 0.0
+        {
+            // The inverse of a power of two is exact.
+            return self.number(number.recip()).negated_if(negative);
+        }
         self.function(
             label,
             4,

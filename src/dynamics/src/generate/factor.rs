@@ -145,14 +145,15 @@ pub(super) fn product(
 /// Solves `A X = B` for a square matrix whose rows and columns already are in
 /// the order of their pivots. A row holds its columns, then those of the right
 /// sides. The names are those of the triangular factors, of the pivots'
-/// inverses, and of the solution before and after its division. The number of
-/// a row without a pivot is an error.
+/// inverses, and of the solution before and after its division. Gives the
+/// solution and those inverses; the number of a row without a pivot is an
+/// error.
 pub(super) fn solve_square(
     equations: &mut Equations,
     [upper_name, lower_name, inverse_name, half_name, name]: [&'static str; 5],
     rows: &[SparseRow],
     sides: usize,
-) -> Result<Vec<SparseRow>, usize> {
+) -> Result<(Vec<SparseRow>, Vec<Scalar>), usize> {
     let count = rows.len();
     debug_assert!(
         rows.iter()
@@ -210,5 +211,5 @@ pub(super) fn solve_square(
             }
         }
     }
-    Ok(solution)
+    Ok((solution, inverses))
 }

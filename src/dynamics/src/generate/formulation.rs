@@ -294,7 +294,7 @@ pub(super) fn accelerations(
 ) -> Result<(), GenerateError> {
     if request.formulation == Formulation::Articulated {
         return articulated::accelerations(equations, parameters, &request.options)
-            .map_err(|joint| GenerateError::singular(parameters.model, joint));
+            .map_err(|joint| GenerateError::singular(parameters.model, [joint]));
     }
     direct(equations, parameters, request);
     let dynamics = MassAndBias::take(equations, parameters.joints());

@@ -36,6 +36,7 @@ mod linearised;
 mod link;
 mod loads;
 mod lower;
+mod massless;
 mod network;
 mod parameters;
 mod prefix;
@@ -58,6 +59,7 @@ pub use self::formulation::{Formulation, Requirements};
 use self::frames::ModelFrames;
 pub use self::hub::MomentOrigin;
 use self::lower::Extents;
+pub use self::massless::massless;
 pub use self::network::PrefixNetwork;
 pub use self::roles::{
     constraints as loop_constraints, cuts_of_rows, independent_joints, redundant_rows,
@@ -123,6 +125,10 @@ pub struct Options {
     /// number of joints that the model names dependent, besides those of the
     /// loops, follow from them.
     pub user_constraints: usize,
+    /// Give beside accelerations the factors `Loss` by which the elimination of
+    /// each row of the user, and then of each of [`massless`], enlarges
+    /// rounding.
+    pub losses: bool,
 }
 
 impl Default for Options {
@@ -138,6 +144,7 @@ impl Default for Options {
             small_angles: Vec::new(),
             multipliers: false,
             user_constraints: 0,
+            losses: false,
         }
     }
 }
@@ -242,12 +249,18 @@ pub enum GenerateError {
         /// The name of the function.
         function: &'static str,
     },
-    /// Forces cannot move a joint in a determined way.
+    /// Forces cannot move joints in a determined way.
     #[error(
-        "no acceleration of the joint '{0}' is determined: \
-         what it moves has no mass or inertia in that direction"
+        "no acceleration of {} is determined: what {} no mass or inertia in that direction; drive \
+         it (--driven), hold it (--hold) or bind it by constraints of the project \
+         (--user-constraints)",
+        named(joints),
+        if joints.len() == 1 { "it moves has" } else { "they move has" }
     )]
-    Singular(String),
+    Singular {
+        /// Names of the joints.
+        joints: Vec<String>,
+    },
     /// Constraints of the user have no dependent joints.
     #[error(
         "{rows} user constraint(s) determine as many dependent joints beside the {of_loops} of \
@@ -309,10 +322,20 @@ pub enum GenerateError {
 }
 
 impl GenerateError {
-    /// The error of a joint that forces cannot move in a determined way.
-    fn singular(model: &Model, joint: usize) -> GenerateError {
-        GenerateError::Singular(model.joints[joint].name.clone())
+    /// The error of joints that forces cannot move in a determined way.
+    fn singular(model: &Model, joints: impl IntoIterator<Item = usize>) -> GenerateError {
+        let name = |joint: usize| model.joints[joint].name.clone();
+        GenerateError::Singular {
+            joints: joints.into_iter().map(name).collect(),
+        }
     }
+}
+
+/// Joints in a sentence: the joint 'a', or the joints 'a', 'b'.
+fn named(joints: &[String]) -> String {
+    let names: Vec<String> = joints.iter().map(|joint| format!("'{joint}'")).collect();
+    let noun = if joints.len() == 1 { "joint" } else { "joints" };
+    format!("the {noun} {}", names.join(", "))
 }
 
 /// The maximum number of pairs of a joint and one of its ancestors or itself:

@@ -114,6 +114,6 @@ fn of_loops(
     }
     let names = ["Jtlu", "Jtl", "Jti", "Jtx", "lam"];
     let solution = solve_blocks(reduction.equations, names, &rows, 1)
-        .map_err(|place| GenerateError::singular(reduction.parameters.model, v[place]))?;
+        .map_err(|place| GenerateError::singular(reduction.parameters.model, [v[place]]))?;
     Ok(solution.iter().map(|row| entry(row, 0)).collect())
 }

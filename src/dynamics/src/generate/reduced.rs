@@ -13,7 +13,7 @@
 //! Rows `A qdd_u + g = 0` that the user computes are satisfied by separate
 //! multipliers, `(A Mr^-1 A^T) mu = -g - A Mr^-1 f_r`: their Jacobian is not
 //! known before, and this matrix is positive definite for any Jacobian of full
-//! rank.
+//! rank. Where `Mr` is singular, [`super::massless`] makes it regular.
 //!
 //! The accelerations of driven joints c are inputs. Positions and velocities
 //! must satisfy the loops. Which joints depend and which rows are redundant are
@@ -27,6 +27,7 @@ use super::reduction::{CoordinateReduction, sorted};
 use super::composite::MassAndBias;
 use super::equations::Equations;
 use super::factor::{LIMIT, Stop, solve_symmetric};
+use super::massless::massless_joints;
 use super::parameters::ModelParameters;
 use super::reactions::{self, ForceBalance};
 use super::roles::JointRoles;
@@ -48,7 +49,10 @@ pub(super) fn accelerations(
         masses: dynamics.mass.iter().map(|row| sorted(row)).collect(),
         given: vec![Scalar::ZERO; model.joints.len()],
     };
-    let partition = JointRoles::of_frames(parameters.frames, options)?;
+    let frames = parameters.frames;
+    let roles = JointRoles::of_loops(frames.source)?;
+    let massless = massless_joints(frames.source, &roles, options)?;
+    let partition = roles.framed(frames);
     for joint in 0..model.joints.len() {
         if model.joints[joint].nature == Nature::Driven {
             reduction.given[joint] = parameters.acceleration(reduction.equations, joint);
@@ -58,19 +62,21 @@ pub(super) fn accelerations(
     let forces: Vec<Scalar> = (0..model.joints.len())
         .map(|joint| reduction.residual(joint, dynamics.bias[joint]))
         .collect();
-    let (rows, right) = reduction.reduced(&partition, &loops, &forces);
-    let user = reduction.user(&partition, &loops, options);
+    let (mut rows, right) = reduction.reduced(&partition, &loops, &forces);
+    let mut user = reduction.user(&partition, &loops, options);
+    user.add_massless(reduction.equations, &massless, &mut rows);
     let mut sides = vec![right];
     sides.extend(user.reduced.matrix.iter().cloned());
     let joints = &partition.free;
     let mut solutions =
         solve_symmetric(reduction.equations, &rows, &sides, joints).map_err(|stop| match stop {
-            Stop::NoPivot(place) => GenerateError::singular(model, joints[place]),
+            Stop::NoPivot(place) => GenerateError::singular(model, [joints[place]]),
             Stop::TooLarge => too_large(model),
         })?;
     let forced = solutions.split_off(1);
     let unbound = solutions.pop().expect("the forces are the first side");
-    let multipliers = user.multipliers(reduction.equations, &unbound, &forced);
+    let losses = options.losses;
+    let multipliers = user.multipliers(reduction.equations, &unbound, &forced, losses);
     let solution = BoundAccelerations::bound(reduction.equations, &unbound, &forced, &multipliers);
     let accelerations = reduction.output(&partition, &loops, &solution);
     if options.multipliers {
@@ -78,7 +84,7 @@ pub(super) fn accelerations(
             bias: &dynamics.bias,
             forces: &forces,
             accelerations: &accelerations,
-            user: (&user.rows, &multipliers),
+            user: (&user.rows, &multipliers[..user.rows.len()]),
         };
         reactions::write(&mut reduction, &partition, &loops, &balance)?;
     }

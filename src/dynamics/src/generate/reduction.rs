@@ -89,7 +89,7 @@ impl CoordinateReduction<'_, '_, '_> {
         }
         let names = ["Jvlu", "Jvl", "Jvi", "Jvx", "Bvx"];
         let solution = solve_blocks(self.equations, names, &rows, u.len() + 1)
-            .map_err(|place| GenerateError::singular(self.parameters.model, v[place]))?;
+            .map_err(|place| GenerateError::singular(self.parameters.model, [v[place]]))?;
         let rest = solution.iter().map(|row| -entry(row, u.len())).collect();
         let column =
             |&(column, value): &(usize, Scalar)| (column < u.len()).then_some((column, -value));
@@ -136,7 +136,7 @@ impl CoordinateReduction<'_, '_, '_> {
                 sum
             },
         );
-        BoundAccelerations { rows, reduced }
+        BoundAccelerations::of_user(rows, reduced)
     }
 
     /// The lower triangle of `Mr`, and the right side.

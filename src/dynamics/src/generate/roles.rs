@@ -51,18 +51,14 @@ impl JointRoles {
     }
 
     /// The roles, with frames instead of joints.
-    pub(super) fn of_frames(
-        frames: &ModelFrames<'_>,
-        options: &Options,
-    ) -> Result<JointRoles, GenerateError> {
-        let mut roles = JointRoles::new(frames.source, options)?;
-        for joint in [&mut roles.free, &mut roles.bound, &mut roles.dependent]
+    pub(super) fn framed(mut self, frames: &ModelFrames<'_>) -> JointRoles {
+        for joint in [&mut self.free, &mut self.bound, &mut self.dependent]
             .into_iter()
             .flatten()
         {
             *joint = frames.place(*joint);
         }
-        Ok(roles)
+        self
     }
 
     /// Joints that no constraint determines, ascending.
@@ -77,7 +73,7 @@ impl JointRoles {
     }
 
     /// The roles without constraints of the user.
-    fn of_loops(model: &Model) -> Result<JointRoles, GenerateError> {
+    pub(super) fn of_loops(model: &Model) -> Result<JointRoles, GenerateError> {
         let free = |joint: &usize| model.joints[*joint].nature != Nature::Driven;
         if model.cuts.is_empty() {
             return Ok(JointRoles {
@@ -189,12 +185,15 @@ fn at_rest(model: &Model) -> MotionState {
     state
 }
 
-/// The constraints of a model with cuts, in binary64.
+/// The constraints of a model, in binary64; without cuts it has none.
 ///
 /// # Errors
 ///
 /// Fails when they cannot be generated.
 pub fn constraints(model: &Model) -> Result<LoopConstraints, GenerateError> {
+    if model.cuts.is_empty() {
+        return Ok(LoopConstraints::none(model, Format::BINARY64));
+    }
     let kind = FunctionKind::ConsHJ;
     let Module {
         tables,

@@ -63,7 +63,7 @@ impl FreeMasses {
     ) -> Result<Vec<Vec<Scalar>>, GenerateError> {
         let model = parameters.model;
         solve_symmetric(equations, &self.rows, sides, &self.joints).map_err(|stop| match stop {
-            Stop::NoPivot(place) => GenerateError::singular(model, self.joints[place]),
+            Stop::NoPivot(place) => GenerateError::singular(model, [self.joints[place]]),
             Stop::TooLarge => too_large(model),
         })
     }

@@ -16,6 +16,7 @@ use super::constraints::ConstraintRow;
 use super::equations::{Equations, QuantityLabel};
 use super::factor::{SparseRow, entry, product, solve_square};
 use super::frames::ModelFrames;
+use super::massless::MasslessJoint;
 
 /// The rows, all joints in each.
 pub(super) fn rows(
@@ -89,31 +90,80 @@ impl ReducedRows {
     }
 }
 
-/// The rows in accelerations, with those of the loops eliminated.
+/// The rows in accelerations, those of the loops eliminated; then the rows of
+/// joints without mass ([`super::massless`]).
 pub(super) struct BoundAccelerations {
     pub(super) rows: Vec<ConstraintRow>,
     pub(super) reduced: ReducedRows,
+    /// `-1/s` of each row of a joint without mass.
+    compliances: Vec<Scalar>,
 }
 
 impl BoundAccelerations {
+    /// The rows of the user.
+    pub(super) fn of_user(rows: Vec<ConstraintRow>, reduced: ReducedRows) -> BoundAccelerations {
+        BoundAccelerations {
+            rows,
+            reduced,
+            compliances: Vec::new(),
+        }
+    }
+
+    /// Adds the rows of joints without mass, and their inertia to the mass
+    /// matrix, the rows of whose lower triangle are given.
+    pub(super) fn add_massless(
+        &mut self,
+        equations: &mut Equations,
+        joints: &[MasslessJoint],
+        masses: &mut [SparseRow],
+    ) {
+        for &MasslessJoint { place, inertia } in joints {
+            let mut unit = vec![Scalar::ZERO; masses.len()];
+            unit[place] = Scalar::ONE;
+            self.reduced.matrix.push(unit);
+            self.reduced.rest.push(Scalar::ZERO);
+            self.compliances.push(equations.number(-1.0 / inertia));
+            let sum = Sum::total(&[entry(&masses[place], place), equations.number(inertia)]);
+            let label = QuantityLabel::new("Mrs", 0, place + 1);
+            let diagonal = equations.define(label, sum);
+            masses[place].retain(|&(column, _)| column != place);
+            masses[place].push((place, diagonal));
+        }
+    }
+
     /// The multipliers of the rows, from accelerations without them and from
-    /// the effect of each row's own column on accelerations.
+    /// the effect of each row's own column on accelerations. With `losses`,
+    /// writes for every row the factor by which its elimination enlarges
+    /// rounding: the entry on the diagonal, or what is added to it, over the
+    /// pivot.
     pub(super) fn multipliers(
         &self,
         equations: &mut Equations,
         unbound: &[Scalar],
         forced: &[Vec<Scalar>],
+        losses: bool,
     ) -> Vec<Scalar> {
-        if self.rows.is_empty() {
+        let matrix = &self.reduced.matrix;
+        if matrix.is_empty() {
             return Vec::new();
         }
-        let matrix = &self.reduced.matrix;
         assert_eq!(
             self.reduced.rest.len(),
             matrix.len(),
             "every row has a rest"
         );
-        let square = products(equations, "us", matrix, forced);
+        let mut square = products(equations, "us", matrix, forced);
+        let rows = self.rows.len();
+        let mut sizes: Vec<Scalar> = (0..rows).map(|row| entry(&square[row], row)).collect();
+        for (number, &compliance) in (rows..).zip(&self.compliances) {
+            let sum = Sum::total(&[entry(&square[number], number), compliance]);
+            let label = QuantityLabel::new("usz", 0, number + 1);
+            let diagonal = equations.define(label, sum);
+            square[number].retain(|&(column, _)| column != number);
+            square[number].push((number, diagonal));
+            square[number].sort_unstable_by_key(|&(column, _)| column);
+            sizes.push(compliance);
+        }
         let mut right = Vec::with_capacity(matrix.len());
         for (number, (row, &rest)) in matrix.iter().zip(&self.reduced.rest).enumerate() {
             let mut sum = Sum::of(-rest);
@@ -122,12 +172,16 @@ impl BoundAccelerations {
             }
             right.push(equations.define(QuantityLabel::new("ut", 0, number + 1), sum));
         }
-        solve_positive(
-            equations,
-            ["usu", "usl", "usi", "ush", "um"],
-            square,
-            &right,
-        )
+        let names = ["usu", "usl", "usi", "ush", "um"];
+        let (multipliers, inverses) = solve_positive(equations, names, square, &right);
+        for (number, (size, inverse)) in sizes.into_iter().zip(inverses).enumerate() {
+            if losses {
+                let label = QuantityLabel::new("uloss", 0, number + 1);
+                let loss = product(equations, label, size, inverse);
+                equations.output("Loss", &[number + 1], loss);
+            }
+        }
+        multipliers
     }
 
     /// Accelerations with the multipliers.
@@ -197,7 +251,7 @@ fn least(
 ) -> Vec<Scalar> {
     let square = products(equations, "ug", matrix, matrix);
     let names = ["ugu", "ugl", "ugi", half_name, multiplier_name];
-    let multipliers = solve_positive(equations, names, square, right);
+    let (multipliers, _) = solve_positive(equations, names, square, right);
     let columns = 0..matrix.len();
     let sums = columns.map(|column| {
         let mut sum = Sum::new();
@@ -234,13 +288,14 @@ pub(super) fn products(
     rows
 }
 
-/// Solves with a positive definite matrix, in the order of its rows.
+/// Solves with a definite or quasi-definite matrix, in the order of its rows;
+/// gives the solution and the inverses of the pivots.
 pub(super) fn solve_positive(
     equations: &mut Equations,
     names: [&'static str; 5],
     mut rows: Vec<SparseRow>,
     right: &[Scalar],
-) -> Vec<Scalar> {
+) -> (Vec<Scalar>, Vec<Scalar>) {
     let count = rows.len();
     assert_eq!(right.len(), count, "one right side per row");
     for (row, &right) in rows.iter_mut().zip(right) {
@@ -248,7 +303,8 @@ pub(super) fn solve_positive(
             row.push((count, right));
         }
     }
-    let solution = solve_square(equations, names, &rows, 1)
+    let (solution, inverses) = solve_square(equations, names, &rows, 1)
         .expect("rows of the user have entries of all joints");
-    solution.iter().map(|row| entry(row, 0)).collect()
+    let solution = solution.iter().map(|row| entry(row, 0));
+    (solution.collect(), inverses)
 }

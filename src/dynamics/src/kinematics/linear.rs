@@ -46,6 +46,13 @@ impl DenseMatrix {
         }
     }
 
+    /// Multiplies every entry.
+    pub fn scale(&mut self, factor: f64) {
+        for entry in &mut self.entries {
+            *entry *= factor;
+        }
+    }
+
     /// Matrix times vector.
     pub fn times(&self, vector: &[f64]) -> Vec<f64> {
         assert_eq!(vector.len(), self.columns, "one number per column");

@@ -12,10 +12,12 @@ mod error;
 mod inputs;
 pub mod linear;
 mod partition;
+mod states;
 
 pub use closing::{ClosingLimits, LoopClosure};
 pub use compiled::{CompiledFunction, EvaluatedOutputs};
 pub use constraints::LoopConstraints;
 pub use error::StateError;
 pub use inputs::{InputSources, MotionState, element_name, parameter};
-pub use partition::Partition;
+pub use partition::{Partition, stack};
+pub use states::closed_states;

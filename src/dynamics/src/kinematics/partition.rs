@@ -119,3 +119,18 @@ impl Partition {
         })
     }
 }
+
+/// The matrix that takes the motions of independent joints `u` to those of all
+/// joints: ones, and the slopes `B` of dependent joints `v`.
+pub fn stack(u: &[usize], v: &[usize], slopes: &DenseMatrix, joints: usize) -> DenseMatrix {
+    let mut matrix = DenseMatrix::zeros(joints, u.len());
+    for (place, &joint) in u.iter().enumerate() {
+        matrix[(joint, place)] = 1.0;
+    }
+    for (row, &joint) in v.iter().enumerate() {
+        for place in 0..u.len() {
+            matrix[(joint, place)] = slopes[(row, place)];
+        }
+    }
+    matrix
+}

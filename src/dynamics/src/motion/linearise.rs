@@ -17,11 +17,10 @@
 //! contribution of changed dependent accelerations.
 
 use super::MotionError;
-use super::solving::stack;
 use super::system::MultibodySystem;
 use super::{Spring, Support};
 use crate::kinematics::linear::{DenseMatrix, column, dot, largest, solve_square};
-use crate::kinematics::{MotionState, Partition};
+use crate::kinematics::{MotionState, Partition, stack};
 
 /// Small motions around a state. Rows and columns are the independent joints.
 #[derive(Clone, PartialEq, Debug)]

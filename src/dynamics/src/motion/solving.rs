@@ -4,7 +4,7 @@
 use super::MotionError;
 use super::system::MultibodySystem;
 use crate::kinematics::linear::{DenseMatrix, column, dot, largest, solve_positive, solve_square};
-use crate::kinematics::{MotionState, Partition};
+use crate::kinematics::{MotionState, Partition, stack};
 
 /// Results of the equations in a state.
 pub(super) struct SystemMotion {
@@ -152,18 +152,4 @@ impl MultibodySystem<'_> {
             .map(|&joint| (needed[joint] - of_loops[joint] + share(joint)) * state.qd[joint])
             .sum()
     }
-}
-
-/// The matrix that takes the independent motions to all motions.
-pub(super) fn stack(u: &[usize], v: &[usize], slopes: &DenseMatrix, joints: usize) -> DenseMatrix {
-    let mut matrix = DenseMatrix::zeros(joints, u.len());
-    for (place, &joint) in u.iter().enumerate() {
-        matrix[(joint, place)] = 1.0;
-    }
-    for (row, &joint) in v.iter().enumerate() {
-        for place in 0..u.len() {
-            matrix[(joint, place)] = slopes[(row, place)];
-        }
-    }
-    matrix
 }

@@ -6,22 +6,15 @@
 
 use super::StepFunction;
 use crate::generate::{GenerateError, loop_constraints};
-use crate::kinematics::{InputSources, LoopClosure, LoopConstraints, MotionState};
+use crate::kinematics::{InputSources, LoopClosure, MotionState, closed_states};
 use robovec_error::yardstick::Yardstick;
 use robovec_error::yardstick::account::ErrorAccount;
 use robovec_ir::{Format, Module, View};
-use robovec_model::{Model, Nature};
-use robovec_num::random::Random;
+use robovec_model::Model;
 
 /// States that are measured, and the seed they are drawn with.
 const STATES: usize = 16;
 const SEED: u64 = 1;
-
-/// Maximum distance of drawn joints from their start, m or rad.
-const REACH: f64 = 0.2;
-
-/// Maximum number of times a state is drawn again, ever nearer to the start.
-const ATTEMPTS: i32 = 20;
 
 /// The error of the results of a step in a format, against exact results of the
 /// same equations. `None` where no state was found that closes the loops, or
@@ -48,7 +41,7 @@ pub fn step_error(
         tables: &module.tables,
         function,
     };
-    let states = closed_states(model)?;
+    let states = states(model)?;
     let Some(sources) = InputSources::new(model, view)
         .ok()
         .filter(|_| !states.is_empty())
@@ -65,47 +58,13 @@ pub fn step_error(
 }
 
 /// States with closed loops, and random forces.
-fn closed_states(model: &Model) -> Result<Vec<MotionState>, GenerateError> {
-    let constraints = if model.cuts.is_empty() {
-        LoopConstraints::none(model, Format::BINARY64)
-    } else {
-        loop_constraints(model)?
-    };
+fn states(model: &Model) -> Result<Vec<MotionState>, GenerateError> {
+    let constraints = loop_constraints(model)?;
     let loops = LoopClosure {
         model,
         constraints: &constraints,
     };
-    let mut start = MotionState::initial(model);
-    let Ok(partition) = loops.start(&mut start) else {
-        return Ok(Vec::new());
-    };
-    let mut random = Random::new(SEED);
-    let drawn = (0..STATES).filter_map(|_| {
-        (0..ATTEMPTS).find_map(|attempt| {
-            let reach = REACH * 0.5f64.powi(attempt);
-            let mut state = drawn(model, &start, reach, &mut random);
-            loops.close(&mut state, &partition).ok().map(|()| state)
-        })
-    });
-    Ok(drawn.collect())
-}
-
-/// A state around another one: positions of joints within `reach`, everything
-/// else within one.
-fn drawn(model: &Model, start: &MotionState, reach: f64, random: &mut Random) -> MotionState {
-    let mut state = start.clone();
-    for (joint, description) in model.joints.iter().enumerate() {
-        // Dependent joints only start to be closed from here.
-        if description.nature != Nature::Dependent {
-            state.q[joint] += reach * random.signed();
-            state.qd[joint] = random.signed();
-            state.qdd[joint] = random.signed();
-        }
-        state.joint_forces[joint] = random.signed();
-        state.frc[joint] = [(); 3].map(|()| random.signed());
-        state.trq[joint] = [(); 3].map(|()| random.signed());
-    }
-    state
+    Ok(closed_states(&loops, STATES, SEED))
 }
 
 #[cfg(test)]
@@ -143,7 +102,7 @@ mod tests {
         let model = ModelFamily::from_name("four-bar")
             .expect("a family")
             .build(0, 1);
-        let states = closed_states(&model).expect("it has constraints");
+        let states = states(&model).expect("it has constraints");
         let constraints = loop_constraints(&model).expect("it has constraints");
         for state in &states {
             let (gaps, _) = constraints.evaluate(state);

@@ -5,6 +5,7 @@
 use super::{StepFunction, StepPlan};
 use robovec_cgen::kind::{Generation, ProjectStructure, file_stem};
 use robovec_framework::template::fill;
+use robovec_model::Nature;
 
 /// Text of both functions.
 const STEP: &str = include_str!("step.c");
@@ -21,12 +22,6 @@ pub(super) fn source(step: &StepPlan<'_>, function: StepFunction, generated: &st
     let (own, title) = match function {
         StepFunction::Accelerations => (include_str!("accelred.c"), "the accelerations"),
         StepFunction::ActuatorForces => (include_str!("invdynared.c"), "the forces of actuators"),
-    };
-    let joints: Vec<String> = step.independent.iter().map(usize::to_string).collect();
-    let list = if joints.is_empty() {
-        "0".to_owned()
-    } else {
-        joints.join(", ")
     };
     let (filled, qddu) = match step.generation {
         Generation::Current => ("", ""),
@@ -50,11 +45,21 @@ pub(super) fn source(step: &StepPlan<'_>, function: StepFunction, generated: &st
             ("HEADER", &header),
             ("FUNCTIONS", &functions),
             ("JOINTS", &step.model.joints.len()),
-            ("INDEPENDENT", &step.independent.len()),
-            ("LOOP_ROWS", &step.rows),
+            ("LOOP_ROWS", &step.rows.len()),
+            ("MASSLESS", &step.massless.len()),
+            ("MASSLESS_JOINTS", &numbers(&step.massless)),
+            ("LOSS", &if step.is_double { "1e12" } else { "1e5" }),
+            (
+                "CUTS",
+                &texts(step.rows.iter().map(|&cut| &step.model.cuts[cut].name)),
+            ),
             ("USER_ROWS", &step.user_rows),
             ("MULTIPLIERS", &u8::from(step.multipliers)),
-            ("LIST", &list),
+            ("ROLES", &roles(step)),
+            (
+                "NAMES",
+                &texts(step.model.joints.iter().map(|joint| &joint.name)),
+            ),
             ("LOADS", &loads(step)),
             ("DRIVEN", &driven),
             ("FILLED", &filled),
@@ -64,6 +69,39 @@ pub(super) fn source(step: &StepPlan<'_>, function: StepFunction, generated: &st
             ("GENERATED", &generated),
         ],
     )
+}
+
+/// A letter for each joint: u, v or c.
+fn roles(step: &StepPlan<'_>) -> String {
+    let joints = step.model.joints.iter().enumerate();
+    let letters = joints.map(|(place, joint)| match joint.nature {
+        Nature::Driven => 'c',
+        _ if step.independent.binary_search(&place).is_ok() => 'u',
+        _ => 'v',
+    });
+    letters.collect()
+}
+
+/// Numbers from 1 of joints, as elements of an array of C, which has one at
+/// least.
+fn numbers(joints: &[usize]) -> String {
+    let numbers = joints.iter().map(|joint| (joint + 1).to_string());
+    let numbers: Vec<String> = numbers.chain(["0".to_owned()]).collect();
+    numbers.join(", ")
+}
+
+/// Names as texts of C, elements of an array, which has one at least.
+fn texts<'n>(names: impl Iterator<Item = &'n String>) -> String {
+    let texts = names.map(|name| {
+        let plain = name.chars().filter(|letter| !letter.is_control());
+        let escaped = plain.flat_map(|letter| {
+            let escape = matches!(letter, '"' | '\\' | '?').then_some('\\');
+            escape.into_iter().chain([letter])
+        });
+        format!("\"{}\"", escaped.collect::<String>())
+    });
+    let texts: Vec<String> = texts.chain(["\"\"".to_owned()]).collect();
+    texts.join(", ")
 }
 
 /// Calls of the functions that add loads, if the model has them.

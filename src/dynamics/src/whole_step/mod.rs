@@ -26,7 +26,7 @@ mod driver;
 
 use crate::generate::{
     Formulation, GenerateError, GenerationRequest, Options, cuts_of_rows, generate_into,
-    independent_joints,
+    independent_joints, massless,
 };
 use robovec_cgen::c::{self, Real, SignatureError};
 use robovec_cgen::kind::{Generation, file_stem};
@@ -103,7 +103,10 @@ pub fn generate_parts(
         let request = GenerationRequest {
             function,
             formulation,
-            options: options.clone(),
+            options: Options {
+                losses: options.user_constraints > 0,
+                ..options.clone()
+            },
         };
         generate_into(&mut module, model, &request)?;
     }
@@ -185,24 +188,34 @@ fn source(
 struct StepPlan<'m> {
     model: &'m Model,
     generation: Generation,
-    /// Numbers of the independent joints, from 1, ascending.
+    /// The independent joints, from 0, ascending.
     independent: Vec<usize>,
-    /// Rows of constraints of loops, redundant ones included.
-    rows: usize,
+    /// The cut of each row of the constraints of loops, redundant ones
+    /// included.
+    rows: Vec<usize>,
     /// Rows of constraints of the user.
     user_rows: usize,
+    /// Joints that get their accelerations from rows of the user, from 0.
+    massless: Vec<usize>,
+    /// The arithmetic of accelerations is binary64.
+    is_double: bool,
     /// True to compute the multipliers and the forces of driven joints.
     multipliers: bool,
 }
 
 impl StepPlan<'_> {
     fn new<'m>(model: &'m Model, style: &StepStyle<'_>) -> Result<StepPlan<'m>, GenerateError> {
-        let joints = independent_joints(model, style.options)?;
+        let independent = independent_joints(model, style.options)?;
         Ok(StepPlan {
             model,
             generation: style.generation,
-            independent: joints.into_iter().map(|joint| joint + 1).collect(),
-            rows: cuts_of_rows(model)?.len(),
+            independent,
+            rows: cuts_of_rows(model)?,
+            massless: match style.options.user_constraints {
+                0 => Vec::new(),
+                _ => massless(model, style.options)?,
+            },
+            is_double: style.c.real == Real::Double,
             user_rows: style.options.user_constraints,
             multipliers: style.options.multipliers,
         })

@@ -10,13 +10,15 @@
 #include "@FUNCTIONS@"
 
 @GENERATED@
-/* What this was made for: joints and independent ones of them, rows of
-   constraints of loops and of the user, multipliers wanted or not. */
+/* What this was made for: joints, rows of constraints of loops and of the user,
+   multipliers wanted or not. */
 #define JOINTS @JOINTS@
-#define INDEPENDENT @INDEPENDENT@
 #define LOOP_ROWS @LOOP_ROWS@
 #define USER_ROWS @USER_ROWS@
 #define MULTIPLIERS @MULTIPLIERS@
+
+/* Joints that get their accelerations from constraints of the user alone. */
+#define MASSLESS @MASSLESS@
 
 /* Rounds of Newton's method before closing is given up, as in MBsysC. */
 #define MAX_ROUNDS 100
@@ -29,17 +31,38 @@ typedef struct UserRows
     double *J[USER_ROWS + 1];
 } UserRows;
 
+/* Roles of joints: independent (u), dependent (v), driven (c). */
+static const char robovec_roles[JOINTS + 1] = "@ROLES@";
+static const char *const robovec_joints[] = {@NAMES@};
+
+static const char *robovec_role(char role)
+{
+    return role == 'c' ? "driven" : role == 'u' ? "independent" : "dependent";
+}
+
 /* Whether the project has the coordinates that the equations were made for. */
 static int robovec_same_project(const @DATA@ *s)
 {
-    static const int independent[] = {@LIST@};
-    int same = s->njoint == JOINTS && s->nqu == INDEPENDENT && s->Nuserc == USER_ROWS;
-    for (int i = 0; same && i < INDEPENDENT; i++)
-        same = s->qu[i + 1] == independent[i];
-    if (!same)
-        fprintf(stderr, "@PREFIX@@NAME@: made for %d joints, %d constraint(s) of the user and these "
-                "independent joints: @LIST@; the project has other ones\n", JOINTS, USER_ROWS);
-    return same;
+    char roles[JOINTS + 1];
+    if (s->njoint != JOINTS || s->Nuserc != USER_ROWS) {
+        fprintf(stderr, "@PREFIX@@NAME@: made for %d joints and %d constraint(s) of the user, and the "
+                "project has %d and %d\n", JOINTS, USER_ROWS, s->njoint, s->Nuserc);
+        return 0;
+    }
+    for (int joint = 0; joint < JOINTS; joint++)
+        roles[joint] = 'v';
+    for (int i = 1; i <= s->nqu; i++)
+        roles[s->qu[i] - 1] = 'u';
+    for (int i = 1; i <= s->nqc; i++)
+        roles[s->qc[i] - 1] = 'c';
+    for (int joint = 0; joint < JOINTS; joint++)
+        if (roles[joint] != robovec_roles[joint]) {
+            fprintf(stderr, "@PREFIX@@NAME@: the joint '%s' (%d) is %s in the project and %s in this file: "
+                    "set its nature in the model, or use --driven\n", robovec_joints[joint], joint + 1,
+                    robovec_role(roles[joint]), robovec_role(robovec_roles[joint]));
+            return 0;
+        }
+    return 1;
 }
 
 /* Values and Jacobian of the user's constraints. */
@@ -69,6 +92,25 @@ static double robovec_largest(double largest, const double *numbers, int count)
     return largest;
 }
 
+/* Reports the constraint that stays open most. */
+static int robovec_open(double tsim, const double *h, const double *user)
+{
+    static const char *const cuts[] = {@CUTS@};
+    int worst = 1;
+    for (int row = 1; row <= LOOP_ROWS + USER_ROWS; row++) {
+        const double gap = row <= LOOP_ROWS ? h[row] : user[row - LOOP_ROWS];
+        const double most = worst <= LOOP_ROWS ? h[worst] : user[worst - LOOP_ROWS];
+        if (!(fabs(gap) <= fabs(most)))
+            worst = row;
+    }
+    if (worst <= LOOP_ROWS)
+        fprintf(stderr, "@PREFIX@@NAME@: at %g s the cut '%s' stays open by %g\n", tsim, cuts[worst - 1], h[worst]);
+    else
+        fprintf(stderr, "@PREFIX@@NAME@: at %g s the constraint %d of the user stays open by %g\n", tsim,
+                worst - LOOP_ROWS, user[worst - LOOP_ROWS]);
+    return -1;
+}
+
 /* Closes the loops; gives the rounds it took, or -1. */
 static int robovec_close(@DATA@ *s, double tsim, UserRows *user)
 {
@@ -79,7 +121,7 @@ static int robovec_close(@DATA@ *s, double tsim, UserRows *user)
         const double loops = robovec_largest(0, h, LOOP_ROWS);
         const double largest = robovec_largest(loops, user->h, USER_ROWS);
         if (!isfinite(largest))
-            return -1;
+            break;
         if (largest <= s->NRerr) {
             /* The positions have moved a last time. */
             robovec_user_rows(user, s, tsim);
@@ -87,7 +129,7 @@ static int robovec_close(@DATA@ *s, double tsim, UserRows *user)
             return round;
         }
     }
-    return -1;
+    return robovec_open(tsim, h, user->h);
 }
 #endif
 
