@@ -6,6 +6,7 @@ mod standing;
 use super::flags::{real, whole};
 use super::{CommandFailure, input, output, progress};
 use clap::{Args, Subcommand, ValueEnum};
+use robovec_dynamics::generate::Formulation;
 use robovec_dynamics::motion::{
     EVENT_TOLERANCE, EquationSetting, IntegrationMethod, Laws, LoopKeeping, MotionError,
     MultibodySystem, SimulationPlan, SimulationRun, plot, simulate,
@@ -18,6 +19,10 @@ use std::fmt::Write as _;
 use std::io::{IsTerminal as _, Write as _};
 use std::path::PathBuf;
 use std::time::Instant;
+
+/// Maximum number of joints of an open model whose accelerations are solved for
+/// with its mass matrix.
+const LONG: usize = 60;
 
 /// Steps of the progress bar.
 const BAR_LENGTH: f64 = 1000.0;
@@ -127,10 +132,10 @@ struct SimArguments {
     /// float(EXPONENT,MANTISSA) or fixed(INTEGER,FRACTION)
     #[arg(long, value_name = "FORMAT", default_value_t = Format::BINARY64)]
     number: Format,
-    /// Recursion the equations come from
-    #[arg(long, default_value = "recursive",
-          value_parser = super::generation::formulations())]
-    formulation: String,
+    /// Recursion the equations come from [default: recursive; articulated for
+    /// more than 60 joints without loops]
+    #[arg(long, value_parser = super::generation::formulations())]
+    formulation: Option<String>,
     /// Take accelerations from the generated function accelred instead of
     /// solving M qdd + c = Qq
     #[arg(long)]
@@ -184,7 +189,7 @@ fn motion(arguments: &SimArguments) -> Result<String, CommandFailure> {
     let (model, laws) = arguments.subject.read()?;
     let model = &model;
     let setting = EquationSetting {
-        formulation: super::generation::formulation(&arguments.formulation),
+        formulation: formulation(arguments, model),
         passes: arguments.passes.is_some().then_some((&pipeline, &machine)),
         format: arguments.number,
         accelerations: arguments.accelred,
@@ -196,9 +201,10 @@ fn motion(arguments: &SimArguments) -> Result<String, CommandFailure> {
     system.keep_loops(keeping(arguments));
     let remark = roles(model, &system);
     let start = Instant::now();
-    let bar = progress::bar(BAR_LENGTH as usize, "{percent}% {elapsed}, {eta} left");
+    let bar = progress::bar(BAR_LENGTH as usize, "{msg}, {elapsed}, {eta} left");
     let run = simulate(&mut system, &initial, &plan(arguments), &mut |time| {
         bar.set_position((time / arguments.time * BAR_LENGTH) as u64);
+        bar.set_message(format!("{time:.4} s of {} s", arguments.time));
     });
     bar.finish_and_clear();
     let run = run.map_err(failure)?;
@@ -249,6 +255,17 @@ fn refuse_left_out(read: &ReadModel) -> Result<(), CommandFailure> {
         file.text(),
         refused,
     )))
+}
+
+/// The formulation requested, or the one that suits the model: the work of
+/// solving for accelerations grows with the cube of the joints of a chain, that
+/// of articulated bodies with their number.
+fn formulation(arguments: &SimArguments, model: &Model) -> Formulation {
+    match &arguments.formulation {
+        Some(name) => super::generation::formulation(name),
+        None if model.cuts.is_empty() && model.joints.len() > LONG => Formulation::Articulated,
+        None => Formulation::default(),
+    }
 }
 
 fn plan(arguments: &SimArguments) -> SimulationPlan {

@@ -3,9 +3,9 @@
 //! A choice that held at some states may fail at others. Here it is tried at
 //! many states that nothing has seen, at corners of the ranges, and then by
 //! climbs from the worst of them and from states at which roundings can move
-//! outputs most ([`robovec_error::adversary`]). Climbs measure
-//! quickly; the worst states that they find are measured again with
-//! double-double.
+//! outputs most ([`robovec_error::adversary`]), and by others from the worst of
+//! them alone. Climbs measure quickly; the worst states that they find are
+//! measured again with double-double.
 //!
 //! **Invariants.** Every state lies in the ranges of the scene. Numbers are
 //! those of binary64, not only those that narrower formats hold, since the
@@ -34,10 +34,12 @@ const STATES: [u64; 2] = [3072, 3 << 18];
 /// Number of drawn states for one corner of the ranges.
 const CORNERS: u64 = 12;
 
-/// Operations evaluated by climbs for one unit of effort.
+/// Operations evaluated by climbs of each of the two kinds, for one unit of
+/// effort.
 const CLIMBED_WORK: u64 = 4_000_000_000;
 
-/// Minimum and maximum number of states of climbs for one unit of effort.
+/// Minimum and maximum number of states of climbs of each kind for one unit of
+/// effort.
 const CLIMBED: [u64; 2] = [ROUND, 1 << 20];
 
 /// Part of the states of climbs whose time goes into adjoints.
@@ -146,19 +148,22 @@ pub(super) fn challenge(
     } else {
         Vec::new()
     };
-    let starts = RoundingGuide::beside(guided, &worst);
-    let begin = |number: u64| match number % 3 {
-        0 => draw(number),
-        1 => corner(number),
-        _ => starts[(mix(number) % starts.len() as u64) as usize].clone(),
-    };
-    let mut climbs = Climbs::new((&quick, &breeder), &starts, begin, seed);
-    for _ in 0..states * u64::from(task.effort) / ROUND {
-        if !trial.is_open() {
-            break;
+    let guided = RoundingGuide::beside(guided, &worst);
+    // What adjoints show is not all: others begin without them.
+    for (starts, seed) in [(guided, seed), (worst, mix(seed))] {
+        let begin = |number: u64| match number % 3 {
+            0 => draw(number),
+            1 => corner(number),
+            _ => starts[(mix(number) % starts.len() as u64) as usize].clone(),
+        };
+        let mut climbs = Climbs::new((&quick, &breeder), &starts, begin, seed);
+        for _ in 0..states * u64::from(task.effort) / ROUND {
+            if !trial.is_open() {
+                break;
+            }
+            trial.measure(climbs.round())?;
+            trial.result.directed += ROUND;
         }
-        trial.measure(climbs.round())?;
-        trial.result.directed += ROUND;
     }
     trial.worst.truncate(TOLD);
     trial.result.worst = trial.worst.into_iter().map(|(_, state)| state).collect();

@@ -231,7 +231,10 @@ fn pass_row(pass: &PassReport) -> Vec<String> {
         .and_then(|check| check.binary32.as_ref());
     vec![
         pass.name.clone(),
-        format!("{:.2}", pass.cpu_s * 1e3),
+        // WebAssembly has no clock of the processor.
+        or_dash((pass.cpu_s > 0.0).then_some(pass.cpu_s), |time| {
+            format!("{:.2}", time * 1e3)
+        }),
         or_dash(pass.peak_mb, |mb| format!("{mb:.1}")),
         pass.operations.to_string(),
         pass.asap_cycle.to_string(),
