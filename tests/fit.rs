@@ -297,7 +297,7 @@ fn a_choice_holds_under_a_search_that_is_not_its_own() {
 
 /// Thirty scenes, a million states each (`ROBOVEC_FIRST=1 ROBOVEC_SCENES=30 ROBOVEC_STATES=…`).
 #[test]
-#[ignore = "half an hour"]
+#[ignore = "two hours"]
 fn thirty_choices_hold_under_a_million_states_each() {
     let number = |name, usual| match std::env::var(name) {
         Ok(text) => text.parse().expect("a number"),

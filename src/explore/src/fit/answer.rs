@@ -4,8 +4,7 @@
 use super::confirm::Confirmation;
 use super::text::percent;
 use super::{
-    ACCEPTED, Challenge, CostMeasure, FitCandidate, FitOutcome, FitTask, MotionShare,
-    VALIDATION_FACTOR,
+    Challenge, CostMeasure, FitCandidate, FitOutcome, FitTask, MotionShare, VALIDATION_FACTOR,
 };
 use robovec_error::yardstick::account::measure_text;
 use robovec_framework::scene::{Measure, OutputTolerance};
@@ -252,7 +251,7 @@ fn refusal(task: &FitTask<'_>, outcome: &FitOutcome) -> Vec<Line> {
     }
     if let Some(exact) = exact {
         let used = percent(exact.used);
-        let accepted = percent(ACCEPTED);
+        let accepted = percent(task.accepted());
         let text = format!("{used} of the tolerance; up to {accepted} are accepted");
         lines.push(("most exact", text));
     }
@@ -275,7 +274,7 @@ fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> Vec<
         broken => format!(
             "; {} came above {}",
             counted(broken, "other choice"),
-            percent(ACCEPTED)
+            percent(task.accepted())
         ),
     };
     let mut lines = vec![

@@ -13,7 +13,7 @@
 //! same task gives the same states on any number of threads.
 
 use super::format::shares;
-use super::{ACCEPTED, FitError, FitProgram, FitTask};
+use super::{FitError, FitProgram, FitTask};
 use crate::program::view;
 use rayon::prelude::*;
 use robovec_error::adversary::{Climbs, ROUND, RoundingGuide, StateBreeder};
@@ -70,6 +70,8 @@ pub struct Challenge {
     pub directed: u64,
     /// The largest error anywhere over what is allowed.
     pub used: f64,
+    /// The largest that is accepted.
+    pub accepted: f64,
     /// The worst states, the worst first: inputs of the general function.
     #[serde(skip)]
     pub worst: Vec<Vec<f64>>,
@@ -78,7 +80,7 @@ pub struct Challenge {
 impl Challenge {
     /// True when no error was larger than what is accepted of the tolerance.
     pub fn holds(&self) -> bool {
-        self.used <= ACCEPTED
+        self.used <= self.accepted
     }
 
     /// The part of the states in the ranges, drawn uniformly, at which the
@@ -129,6 +131,7 @@ pub(super) fn challenge(
         format,
         result: Challenge {
             seed,
+            accepted: task.accepted(),
             ..Challenge::default()
         },
         worst: Vec::new(),

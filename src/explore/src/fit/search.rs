@@ -3,8 +3,8 @@
 use super::challenge::Challenge;
 use super::format::{FormatErrors, FormatQuestion, MeasuredFormat, PART, WIDEST};
 use super::{
-    ACCEPTED, CostMeasure, FitCandidate, FitError, FitOutcome, FitProgram, FitSources, FitTask,
-    MOTION_STEPS, SinePlace, SineTreatment, bound, mixture, series, size, units, variants,
+    CostMeasure, FitCandidate, FitError, FitOutcome, FitProgram, FitSources, FitTask, MOTION_STEPS,
+    SinePlace, SineTreatment, bound, mixture, series, size, units, variants,
 };
 use crate::ExplorationProgress;
 use crate::device::MachineFigures;
@@ -502,7 +502,7 @@ fn candidate(
         cells: function_cost(function, format),
         meets: remark.is_empty()
             && in_time
-            && used <= ACCEPTED
+            && used <= task.accepted()
             // Infinite when a result was not finite, which a scene without
             // tolerances would let pass.
             && errors.normwise.worst.is_finite()
