@@ -44,6 +44,7 @@ mod optimise;
 mod packages;
 mod pages;
 mod passes;
+mod project;
 mod provenance;
 mod published;
 mod quartus;

@@ -30,6 +30,7 @@ mod optimise;
 mod output;
 mod placed;
 mod progress;
+mod project;
 mod reduction;
 mod reproducer;
 mod robot_bench;

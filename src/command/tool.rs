@@ -95,6 +95,7 @@ enum ToolCommand {
     Model(ModelArguments),
     #[command(alias = "optimize")]
     Optimise(OptimiseArguments),
+    Project(super::project::ProjectArguments),
     Rtl(super::rtl::RtlCommand),
     Rules(super::rules::RulesArguments),
     Sim(SimCommand),
@@ -162,6 +163,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         ToolCommand::Manual(arguments) => super::manual::manual(arguments),
         ToolCommand::Model(arguments) => model::run(arguments),
         ToolCommand::Optimise(arguments) => optimise::run(arguments),
+        ToolCommand::Project(arguments) => super::project::run(arguments),
         ToolCommand::Rtl(arguments) => super::rtl::run(arguments),
         ToolCommand::Rules(arguments) => super::rules::run(arguments),
         ToolCommand::Sim(arguments) => sim::run(arguments),

@@ -30,7 +30,10 @@ pub(crate) const NOT_RUN: &[(&str, &str)] = &[
     ("scripts/compare-with-form", "needs FORM"),
     ("scripts/compare-with-pinocchio …", "needs Pinocchio"),
     ("scripts/check-rtl.sh …", "takes minutes"),
-    ("scripts/try-in-project.sh …", "needs a project of Robotran"),
+    (
+        "robovec project …",
+        "needs a project of Robotran; tests/project.rs makes one",
+    ),
     (
         "seq 8 | …",
         "shares side by side; tests/shares.rs runs shares",

@@ -49,6 +49,16 @@ pub(crate) fn prepare(folder: &Path) {
         "// robovec 1\n\nfunction f equations {\n  in q[1..2]\n  out c[1..2]\n\n  \
          %a = q[1]*q[2] + 0.5*q[1]\n  c[1] = %a + q[2]\n  c[2] = %a*%a - q[1]\n}\n",
     );
+    let symbolic = folder.join("project/symbolicR");
+    fs::create_dir_all(&symbolic).expect("a writable folder");
+    write(
+        &symbolic,
+        "mbs_dirdyna_p.c",
+        "void mbs_dirdyna(double **M, double *c, MbsData *s, double tsim)\n{\n  \
+         c[1] = s->q[1]*s->q[2]+s->q[1];\n}\n",
+    );
+    write(&folder.join("project"), "result.txt", "1 2\n");
+    write(&folder.join("project"), "p.mbs", &pendulum_text());
     write(
         folder,
         "r.rules",
@@ -130,6 +140,7 @@ fn flag(row: &LimitRow, value: &str) -> Option<Invocation> {
         ("robovec error", _) => "f.rvir --states=8",
         ("robovec eval", _) => "f.rvir --random=1",
         ("robovec fit", _) => "s.scene.toml --states=8 --formulation=recursive",
+        ("robovec project", _) => "project --run true --result result.txt",
         ("robovec gen", _) => "p.mbs --function accelred -o out.rvir",
         ("robovec explore", "--cpu-limit") => "--plan plan.toml -o out --cpu",
         ("robovec explore", "--elements" | "--angle" | "--states" | "--seed" | "--jobs") => {

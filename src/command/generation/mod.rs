@@ -219,7 +219,7 @@ fn formulations_or_fewest() -> PossibleValuesParser {
 /// The formulation of a function that has the fewest operations after the
 /// preset `$cpu`, of equally short ones the first; one that the generator does
 /// not give for this model is none.
-fn fewest(model: &Model, function: FunctionKind, options: &Options) -> Formulation {
+pub(super) fn fewest(model: &Model, function: FunctionKind, options: &Options) -> Formulation {
     let cpu = REGISTRY.pipeline("$cpu").expect("a preset is a pipeline");
     let found = contenders(model, function, &Formulation::ALL, options);
     let lengths = found.possible.into_iter().filter_map(|contender| {

@@ -1,0 +1,194 @@
+//! The parts of a Robotran project.
+
+use super::calls::{self, ProjectCalls};
+use crate::command::CommandFailure;
+use robovec_cgen::kind::{Generation, file_stem};
+use robovec_io::sources;
+use robovec_robotran::{FunctionKind, Language};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Folders that hold results, drawings or what was built.
+const PASSED_OVER: [&str; 6] = [
+    "animationR",
+    "resultsR",
+    "build",
+    "target",
+    "doc",
+    "figures",
+];
+
+/// Maximum depth of folders.
+const DEPTH: usize = 6;
+
+/// Maximum number of files; those beyond it are passed over.
+const FILES: usize = 50_000;
+
+/// A project.
+pub(super) struct FoundProject {
+    /// Folder of the project.
+    pub(super) root: PathBuf,
+    /// The name in the equations' file names.
+    pub(super) name: String,
+    /// Folder of the equations.
+    pub(super) symbolic: PathBuf,
+    pub(super) language: Language,
+    pub(super) generation: Generation,
+    /// Function and file, in the order of Robotran's numbers.
+    pub(super) equations: Vec<(FunctionKind, PathBuf)>,
+    pub(super) model: Option<PathBuf>,
+    /// Names of other models with equations.
+    pub(super) others: Vec<String>,
+    pub(super) calls: ProjectCalls,
+}
+
+impl FoundProject {
+    /// A path as it is within the project.
+    pub(super) fn shown(&self, path: &Path) -> String {
+        let inside = path.strip_prefix(&self.root).unwrap_or(path);
+        inside.display().to_string()
+    }
+}
+
+/// Equations of one model in one folder and language.
+type EquationFolder = (String, PathBuf, &'static str);
+
+/// Finds the parts of a project.
+pub(super) fn project(root: &Path, model: Option<&Path>) -> Result<FoundProject, CommandFailure> {
+    let mut files = Vec::new();
+    walk(root, 0, &mut files)
+        .map_err(|error| CommandFailure::plain(format!("{}: {error}", root.display())))?;
+    let mut groups: BTreeMap<EquationFolder, Vec<(FunctionKind, PathBuf)>> = BTreeMap::new();
+    for file in &files {
+        if let Some((kind, stem, end)) = equation_name(file) {
+            let folder = file.parent().unwrap_or(root).to_owned();
+            groups
+                .entry((stem, folder, end))
+                .or_default()
+                .push((kind, file.clone()));
+        }
+    }
+    let wanted = model.map(stems).transpose()?;
+    let fits = |stem: &String| wanted.as_ref().is_none_or(|names| names.contains(stem));
+    let largest = groups
+        .iter()
+        .filter(|((stem, _, _), _)| fits(stem))
+        // Of equally many the first: a later one is not larger.
+        .rev()
+        .max_by_key(|(_, files)| files.len());
+    let Some(((name, symbolic, end), equations)) = largest else {
+        return Err(CommandFailure::advised(
+            format!(
+                "{} holds no equations of Robotran{}",
+                root.display(),
+                match &wanted {
+                    Some(names) => format!(" for the model '{}'", names[0]),
+                    None => String::new(),
+                }
+            ),
+            vec![
+                "they are files such as symbolicR/mbs_dirdyna_NAME.c; without them, \
+                 'robovec gen MODEL.mbs' makes them"
+                    .to_owned(),
+            ],
+        ));
+    };
+    let mut others: Vec<String> = groups.keys().map(|(stem, _, _)| stem.clone()).collect();
+    others.dedup();
+    others.retain(|other| other != name);
+    let mut equations = equations.clone();
+    equations.sort_by_key(|(kind, _)| FunctionKind::ALL.iter().position(|one| one == kind));
+    let model = match model {
+        Some(path) => Some(path.to_owned()),
+        None => model_of(&files, name),
+    };
+    let sources = files.iter().filter(|file| file.parent() != Some(symbolic));
+    Ok(FoundProject {
+        root: root.to_owned(),
+        generation: generation(&equations),
+        language: match *end {
+            "m" => Language::Matlab,
+            "py" => Language::Python,
+            _ => Language::C,
+        },
+        calls: calls::read(sources),
+        name: name.clone(),
+        symbolic: symbolic.clone(),
+        equations,
+        model,
+        others,
+    })
+}
+
+/// All files below a folder, sorted.
+fn walk(folder: &Path, depth: usize, files: &mut Vec<PathBuf>) -> std::io::Result<()> {
+    let mut entries: Vec<PathBuf> = fs::read_dir(folder)?
+        .map(|entry| entry.map(|entry| entry.path()))
+        .collect::<Result<_, _>>()?;
+    entries.sort();
+    for path in entries {
+        let name = path
+            .file_name()
+            .map(|name| name.to_string_lossy().into_owned());
+        let name = name.unwrap_or_default();
+        if name.starts_with('.') || files.len() >= FILES {
+            continue;
+        }
+        // A link may lead back to where it is.
+        let kind = fs::symlink_metadata(&path)?.file_type();
+        if kind.is_dir() && depth < DEPTH && !PASSED_OVER.contains(&name.as_str()) {
+            walk(&path, depth + 1, files)?;
+        } else if kind.is_file() {
+            files.push(path);
+        }
+    }
+    Ok(())
+}
+
+/// Function, model and ending of a file of equations: `mbs_dirdyna_X.c`, or
+/// `dirdyna_X.c` of generator 6.6.
+fn equation_name(path: &Path) -> Option<(FunctionKind, String, &'static str)> {
+    let end = ["c", "m", "py"]
+        .into_iter()
+        .find(|end| path.extension().is_some_and(|extension| extension == *end))?;
+    let stem = path.file_stem()?.to_str()?;
+    let rest = stem.strip_prefix("mbs_").unwrap_or(stem);
+    FunctionKind::ALL.into_iter().find_map(|kind| {
+        let name = rest.strip_prefix(kind.name())?.strip_prefix('_')?;
+        let is_usual = !kind.is_special() && !name.is_empty();
+        is_usual.then(|| (kind, name.to_owned(), end))
+    })
+}
+
+/// Names under which equations of a model's file may be found.
+fn stems(path: &Path) -> Result<Vec<String>, CommandFailure> {
+    let model = sources::model(path)?.model;
+    let file = path.file_stem().unwrap_or_default().to_string_lossy();
+    Ok(vec![file_stem(&model.name), file_stem(&file), model.name])
+}
+
+/// The model of a name among the files, or the only one.
+fn model_of(files: &[PathBuf], name: &str) -> Option<PathBuf> {
+    let is_model = |path: &&PathBuf| path.extension().is_some_and(|end| end == "mbs");
+    let models: Vec<&PathBuf> = files.iter().filter(is_model).collect();
+    let named = models.iter().find(|path| {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        stem == name || file_stem(&stem) == name
+    });
+    let only = (models.len() == 1).then(|| models.first()).flatten();
+    named.or(only).map(|path| (*path).clone())
+}
+
+/// The generator whose names the C has.
+fn generation(equations: &[(FunctionKind, PathBuf)]) -> Generation {
+    let is_old = equations.iter().any(|(_, path)| {
+        let text = fs::read(path).unwrap_or_default();
+        String::from_utf8_lossy(&text).contains("MBSdataStruct")
+    });
+    if is_old {
+        Generation::Old
+    } else {
+        Generation::Current
+    }
+}

@@ -1,0 +1,218 @@
+//! `robovec project`: a project of Robotran with its equations replaced.
+//!
+//! The parts of the project are found ([`find`]), its own calls are read where
+//! they are plain ([`calls`]), and every file of equations is made anew, from
+//! the file or from the model, whichever takes fewer operations ([`replace`]).
+//! Nothing is written without a request; what `--apply` replaces is kept and
+//! comes back with `--undo` ([`keep`]). With commands that build and run the
+//! project, a copy of it is tried with both ([`trial`]).
+
+mod calls;
+mod find;
+mod keep;
+mod replace;
+mod trial;
+
+use super::flags::{real, whole};
+use super::{CommandFailure, input, output, telling};
+use clap::Args;
+use find::FoundProject;
+use replace::NewEquations;
+use robovec_ir::diagnostic::counted;
+use robovec_model::{Model, Nature};
+use robovec_present::text::{labelled, text_lines};
+use robovec_robotran::Language;
+use std::io::Write as _;
+use std::path::PathBuf;
+use trial::TrialArguments;
+
+/// Replace the equations of a project of Robotran, compare both, and undo it
+#[derive(Args, Debug)]
+pub(super) struct ProjectArguments {
+    /// Folder of the project: symbolicR, userfctR, dataR and what builds it
+    #[arg(value_name = "FOLDER")]
+    folder: PathBuf,
+    /// Model of the equations; by default the file .mbs of their name
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    /// Replace the equations in the project, and add the whole step; the
+    /// originals are kept in the folder .robovec of the project
+    #[arg(long, conflicts_with_all = ["undo", "output"])]
+    apply: bool,
+    /// Bring back what --apply replaced
+    #[arg(long, conflicts_with_all = ["output", "model", "run"])]
+    undo: bool,
+    /// Folder to write the new files to, instead of the project
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+    /// Joints that the project drives, beside those that it names in plain
+    /// calls
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    driven: Vec<String>,
+    /// Number of constraints of the project, where it is in no plain call
+    #[arg(long, value_name = "ROWS",
+          add = whole(0, 32, "each row is eliminated with all joints"))]
+    user_constraints: Option<usize>,
+    #[command(flatten)]
+    trial: TrialArguments,
+}
+
+/// Runs the command: the text for the standard output.
+pub(super) fn run(arguments: &ProjectArguments) -> Result<String, CommandFailure> {
+    if arguments.undo {
+        return keep::undo(&arguments.folder);
+    }
+    let project = find::project(&arguments.folder, arguments.model.as_deref())?;
+    let model = model(&project, arguments)?;
+    let new = replace::equations(&project, model.as_ref().map(|model| &model.model));
+    let step = match &model {
+        Some(model) if project.language == Language::C => Some(replace::whole_step(
+            &project,
+            &model.model,
+            model.constraints,
+        )),
+        _ => None,
+    };
+    let mut text = headline(&project, model.as_ref(), &new);
+    text += &table(&new, step.as_ref());
+    let all: Vec<&NewEquations> = new.iter().chain(&step).collect();
+    if all.iter().all(|one| one.files.is_empty()) {
+        return Err(CommandFailure::advised(
+            format!("no equations of {} can be replaced", project.name),
+            vec![text],
+        ));
+    }
+    text += &match (&arguments.output, arguments.apply) {
+        (Some(folder), _) => {
+            let files: Vec<(String, String)> =
+                all.iter().flat_map(|one| one.files.clone()).collect();
+            output::write_files(folder, &files)?;
+            format!("written to  {}\n", folder.display())
+        }
+        (None, true) => {
+            let files: Vec<(String, String)> =
+                all.iter().flat_map(|one| one.files.clone()).collect();
+            keep::apply(&arguments.folder, &project.symbolic, &files)?;
+            "replaced    bring the originals back with --undo\n".to_owned()
+        }
+        (None, false) if arguments.trial.is_asked() => String::new(),
+        (None, false) => {
+            "nothing is written: --apply replaces the files, -o FOLDER writes them elsewhere\n"
+                .to_owned()
+        }
+    };
+    if arguments.trial.is_asked() {
+        text += &trial::run(
+            &arguments.trial,
+            &arguments.folder,
+            &project,
+            &new,
+            step.as_ref(),
+        )?;
+    }
+    Ok(text)
+}
+
+/// The model of a project, with its joints as the project uses them.
+struct ProjectModel {
+    model: Model,
+    /// Rows of constraints that the project computes.
+    constraints: usize,
+}
+
+fn model(
+    project: &FoundProject,
+    arguments: &ProjectArguments,
+) -> Result<Option<ProjectModel>, CommandFailure> {
+    let Some(path) = &project.model else {
+        return Ok(None);
+    };
+    let mut model = input::model(path)?.model;
+    let mut driven = arguments.driven.clone();
+    for joint in &project.calls.driven {
+        match calls::joint(&model, joint, &project.calls) {
+            Some(place) => driven.push(model.joints[place].name.clone()),
+            None => {
+                let _ = writeln!(
+                    telling::remarks(),
+                    "remark: the project drives the joint '{joint}', which the model has not; \
+                     --driven names others"
+                );
+            }
+        }
+    }
+    input::drive(&mut model, &driven)?;
+    Ok(Some(ProjectModel {
+        model,
+        constraints: arguments
+            .user_constraints
+            .or(project.calls.constraints)
+            .unwrap_or(0),
+    }))
+}
+
+/// The project, what is gained, and where its parts are.
+fn headline(project: &FoundProject, model: Option<&ProjectModel>, new: &[NewEquations]) -> String {
+    let replaced = new.iter().filter_map(|one| Some((one.before?, one.after?)));
+    let (before, after) = replaced.fold((0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
+    let language = match project.language {
+        Language::C => "C",
+        Language::Matlab => "Matlab",
+        Language::Python => "Python",
+    };
+    let files = counted(project.equations.len(), "file");
+    let mut lines = vec![
+        ("operations", format!("{before} -> {after}")),
+        (
+            "equations",
+            format!(
+                "{files} in {language}, {}",
+                project.shown(&project.symbolic)
+            ),
+        ),
+    ];
+    if let (Some(model), Some(path)) = (model, &project.model) {
+        let joints = &model.model.joints;
+        let driven = joints.iter().filter(|joint| joint.nature == Nature::Driven);
+        lines.push((
+            "model",
+            format!(
+                "{}: {}, {} driven, {}, {} of the project",
+                project.shown(path),
+                counted(joints.len(), "joint"),
+                driven.count(),
+                counted(model.model.cuts.len(), "loop"),
+                counted(model.constraints, "constraint"),
+            ),
+        ));
+    } else {
+        let text = "none: without one the whole step cannot be made (--model FILE)";
+        lines.push(("model", text.to_owned()));
+    }
+    if !project.others.is_empty() {
+        let others = project.others.join(", ");
+        lines.push((
+            "others",
+            format!("equations of {others}: choose by --model"),
+        ));
+    }
+    format!("{}\n{}\n", project.name, labelled(&lines))
+}
+
+/// Operations of every function before and after.
+fn table(new: &[NewEquations], step: Option<&NewEquations>) -> String {
+    let number = |count: Option<usize>| count.map_or("-".to_owned(), |count| count.to_string());
+    let rows: Vec<Vec<String>> = new
+        .iter()
+        .chain(step)
+        .map(|one| {
+            vec![
+                one.function.clone(),
+                number(one.before),
+                number(one.after),
+                one.remark.clone(),
+            ]
+        })
+        .collect();
+    text_lines("function | >operations | >robovec's | ", &rows) + "\n"
+}

@@ -1,0 +1,165 @@
+//! New equations for a project, from its files or its model.
+
+use super::find::FoundProject;
+use crate::command::generation::{self, transform_remarking};
+use crate::command::{CommandFailure, input};
+use robovec_cgen::c;
+use robovec_dynamics::generate::{Formulation, Options};
+use robovec_dynamics::stale;
+use robovec_dynamics::whole_step::{self, StepFunction, StepStyle};
+use robovec_io::sources;
+use robovec_ir::Module;
+use robovec_ir::count::Counts;
+use robovec_model::Model;
+use robovec_robotran::drop_in::{DropInOptions, drop_in};
+use robovec_robotran::write::{WriteOptions, write};
+use robovec_robotran::{FunctionKind, Language};
+use std::path::Path;
+
+/// New equations of one function.
+pub(super) struct NewEquations {
+    /// Name of the function.
+    pub(super) function: String,
+    /// Operations of the project's file.
+    pub(super) before: Option<usize>,
+    /// Operations of the new equations.
+    pub(super) after: Option<usize>,
+    /// Source of the new equations, or the reason why there are none.
+    pub(super) remark: String,
+    /// Names and texts of the new files; none where the old ones stay.
+    pub(super) files: Vec<(String, String)>,
+}
+
+/// New equations for every file of a project.
+pub(super) fn equations(project: &FoundProject, model: Option<&Model>) -> Vec<NewEquations> {
+    let make = |(kind, path): &(FunctionKind, std::path::PathBuf)| {
+        let mut new = NewEquations {
+            function: kind.name().to_owned(),
+            before: None,
+            after: None,
+            remark: String::new(),
+            files: Vec::new(),
+        };
+        if let Err(reason) = renewed(project, model, (*kind, path), &mut new) {
+            new.remark = format!("stays: {reason}");
+        }
+        new
+    };
+    project.equations.iter().map(make).collect()
+}
+
+/// Fills in the new equations of a file.
+fn renewed(
+    project: &FoundProject,
+    model: Option<&Model>,
+    (kind, path): (FunctionKind, &Path),
+    new: &mut NewEquations,
+) -> Result<(), String> {
+    let summary = |report: robovec_ir::diagnostic::Report| report.summary();
+    let read = sources::equations_or_stubs(path, None, None).map_err(summary)?;
+    let before = operations(&read.module);
+    new.before = Some(before);
+    if before == 0 {
+        return Err("it computes nothing".to_owned());
+    }
+    let mut module = read.module.clone();
+    optimise(&mut module)?;
+    let mut origin = "from the file".to_owned();
+    if let Some(model) = model {
+        let comparison = stale::compare(model, &read.module);
+        if comparison.is_stale() {
+            origin = "from the file, which is not the model's".to_owned();
+        } else if let Ok(other) = of_model(model, kind)
+            && operations(&other) < operations(&module)
+        {
+            (module, origin) = (other, "from the model".to_owned());
+        }
+    }
+    new.after = Some(operations(&module));
+    for function in &mut module.functions {
+        project.generation.mark(function);
+    }
+    let options = WriteOptions {
+        model: Some(project.name.clone()),
+        ..WriteOptions::default()
+    };
+    let files = match project.language {
+        Language::C => drop_in(
+            &module,
+            &DropInOptions {
+                write: options,
+                ..DropInOptions::default()
+            },
+        ),
+        language => write(&module, language, &options),
+    };
+    new.files = files.map_err(|error| error.to_string())?;
+    new.remark = origin;
+    Ok(())
+}
+
+/// A function of the model, in few operations.
+fn of_model(model: &Model, kind: FunctionKind) -> Result<Module, String> {
+    let first = |failure: CommandFailure| failure.0.summary();
+    let mut module =
+        generation::functions(model, &[kind], Formulation::Composite, &Options::default())
+            .map_err(first)?;
+    optimise(&mut module)?;
+    Ok(module)
+}
+
+fn optimise(module: &mut Module) -> Result<(), String> {
+    let pipeline = input::passes("$cpu").map_err(|failure| failure.0.summary())?;
+    transform_remarking(module, &pipeline, &mut std::io::sink())
+        .map_err(|failure| failure.0.summary())
+}
+
+fn operations(module: &Module) -> usize {
+    let counts = module.functions.iter().map(Counts::of);
+    counts.map(|counts| counts.operations).sum()
+}
+
+/// The whole step of the model.
+pub(super) fn whole_step(
+    project: &FoundProject,
+    model: &Model,
+    user_constraints: usize,
+) -> NewEquations {
+    let mut new = NewEquations {
+        function: "accelred".to_owned(),
+        before: None,
+        after: None,
+        remark: "whole step: for the option accelred".to_owned(),
+        files: Vec::new(),
+    };
+    let options = Options {
+        user_constraints,
+        ..Options::default()
+    };
+    if let Err(reason) = stepped(project, model, &options, &mut new) {
+        new.remark = format!("no whole step: {reason}");
+    }
+    new
+}
+
+fn stepped(
+    project: &FoundProject,
+    model: &Model,
+    options: &Options,
+    new: &mut NewEquations,
+) -> Result<(), String> {
+    let steps = [StepFunction::Accelerations];
+    let formulation = generation::fewest(model, FunctionKind::Accelred, options);
+    let mut module = whole_step::generate_parts(model, &steps, formulation, options)
+        .map_err(|error| error.to_string())?;
+    optimise(&mut module)?;
+    new.after = Some(operations(&module));
+    let style = StepStyle {
+        c: &c::Options::default(),
+        generation: project.generation,
+        options,
+    };
+    new.files =
+        whole_step::files(model, &steps, &module, &style).map_err(|error| error.to_string())?;
+    Ok(())
+}
