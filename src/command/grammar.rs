@@ -132,7 +132,7 @@ pub(super) const GROUPS: [(&str, &[&str]); 5] = [
         "Get the best program",
         &["optimise", "explore", "view", "bench"],
     ),
-    ("Use models", &["model", "gen", "sim"]),
+    ("Use models", &["model", "gen", "sim", "project"]),
     (
         "Check correctness and accuracy",
         &["eval", "check", "error", "stress"],
@@ -217,6 +217,13 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         &[
             "robovec optimise examples/suspension/mbs_dirdyna_suspension.m -o best",
             "robovec optimise examples/models/double-pendulum.mbs --for batch -o batch",
+        ],
+    ),
+    (
+        "project",
+        &[
+            "robovec project examples/suspension",
+            "robovec project examples/suspension -o new",
         ],
     ),
     (

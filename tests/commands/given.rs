@@ -31,7 +31,7 @@ pub(crate) const NOT_RUN: &[(&str, &str)] = &[
     ("scripts/compare-with-pinocchio …", "needs Pinocchio"),
     ("scripts/check-rtl.sh …", "takes minutes"),
     (
-        "robovec project …",
+        "robovec project coman …",
         "needs a project of Robotran; tests/project.rs makes one",
     ),
     (

@@ -6,7 +6,7 @@
 //! run.
 
 use robovec_io::files::limited;
-use robovec_model::Model;
+use robovec_model::{Model, Nature};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -15,14 +15,21 @@ use std::path::PathBuf;
 pub(super) struct ProjectCalls {
     /// Number of its constraints; `None` where no call gives it.
     pub(super) constraints: Option<usize>,
-    /// Arguments that name driven joints.
-    pub(super) driven: Vec<String>,
+    /// Joints as the calls name them, with the roles that they give.
+    pub(super) roles: Vec<(Nature, String)>,
     /// Numbers that the project defines for names.
     ids: BTreeMap<String, usize>,
 }
 
-/// Endings of sources in C and C++.
-const SOURCES: [&str; 6] = ["c", "cc", "cpp", "cxx", "h", "hpp"];
+/// Endings of sources in C, C++ and Matlab.
+const SOURCES: [&str; 7] = ["c", "cc", "cpp", "cxx", "h", "hpp", "m"];
+
+/// The functions of MBsysC and MBsysLab that give joints their roles.
+const ROLES: [(&str, Nature); 3] = [
+    ("mbs_set_qu", Nature::Independent),
+    ("mbs_set_qv", Nature::Dependent),
+    ("mbs_set_qdriven", Nature::Driven),
+];
 
 /// Reads the calls in sources.
 pub(super) fn read<'p>(files: impl Iterator<Item = &'p PathBuf>) -> ProjectCalls {
@@ -36,7 +43,12 @@ pub(super) fn read<'p>(files: impl Iterator<Item = &'p PathBuf>) -> ProjectCalls
         let Ok(bytes) = limited::read(file, &limited::EQUATIONS) else {
             continue;
         };
-        calls.add(&without_comments(&String::from_utf8_lossy(&bytes)));
+        let text = String::from_utf8_lossy(&bytes);
+        calls.add(&if end == "m" {
+            without_percent(&text)
+        } else {
+            without_comments(&text)
+        });
     }
     calls
 }
@@ -48,10 +60,13 @@ impl ProjectCalls {
                 self.constraints = Some(count);
             }
         }
-        for arguments in calls_of(text, "mbs_set_qdriven") {
-            // The declaration of the function has a type there.
-            let joint = arguments.get(1).filter(|joint| is_word(joint));
-            self.driven.extend(joint.cloned());
+        for (function, nature) in ROLES {
+            for arguments in calls_of(text, function) {
+                // The declaration of a function has a type there.
+                let joints = arguments.iter().skip(1).filter(|joint| is_word(joint));
+                self.roles
+                    .extend(joints.map(|joint| (nature, joint.clone())));
+            }
         }
         for line in text.lines() {
             let mut words = line.split_whitespace();
@@ -84,21 +99,31 @@ fn is_word(text: &str) -> bool {
             .all(|letter| letter.is_alphanumeric() || letter == '_')
 }
 
-/// The arguments of every call of a function.
+/// The arguments of every call of a function; a list of Matlab is several.
 fn calls_of(text: &str, function: &str) -> Vec<Vec<String>> {
     let found = text.match_indices(function).filter_map(|(place, _)| {
-        let behind = text[place + function.len()..]
-            .trim_start()
-            .strip_prefix('(')?;
-        let inside = &behind[..behind.find(')')?];
-        Some(
-            inside
-                .split(',')
-                .map(|word| word.trim().to_owned())
-                .collect(),
-        )
+        let rest = text[place + function.len()..].trim_start();
+        let inside = rest.strip_prefix('(')?;
+        let inside = &inside[..inside.find(')')?];
+        let arguments = inside.split(',').flat_map(|argument| {
+            let list = argument.trim().strip_prefix('[');
+            let list = list.map(|list| list.trim_end_matches(']').split_whitespace());
+            match list {
+                Some(list) => list.map(str::to_owned).collect(),
+                None => vec![argument.trim().trim_end_matches(']').to_owned()],
+            }
+        });
+        Some(arguments.collect())
     });
     found.collect()
+}
+
+/// A text of Matlab without its comments.
+fn without_percent(text: &str) -> String {
+    let lines = text
+        .lines()
+        .map(|line| line.split('%').next().unwrap_or(""));
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 /// A text of C without its comments.
@@ -133,7 +158,13 @@ mod tests {
              void mbs_set_qdriven(MbsData *mbs_data, int qdriven);\nx = a / b;",
         ));
         assert_eq!(calls.constraints, Some(4));
-        assert_eq!(calls.driven, ["R1_a_id"]);
+        assert_eq!(calls.roles, [(Nature::Driven, "R1_a_id".to_owned())]);
         assert_eq!(calls.ids["R1_a_id"], 3);
+        let mut calls = ProjectCalls::default();
+        calls.add(&without_percent(
+            "s = mbs_set_qu(s,[1 2]); % mbs_set_qv(s,[9])",
+        ));
+        let joints: Vec<&str> = calls.roles.iter().map(|(_, joint)| &**joint).collect();
+        assert_eq!(joints, ["1", "2"]);
     }
 }

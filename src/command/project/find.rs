@@ -20,7 +20,7 @@ const PASSED_OVER: [&str; 6] = [
 ];
 
 /// Maximum depth of folders.
-const DEPTH: usize = 6;
+const DEPTH: usize = 12;
 
 /// Maximum number of files; those beyond it are passed over.
 const FILES: usize = 50_000;
@@ -38,7 +38,9 @@ pub(super) struct FoundProject {
     /// Function and file, in the order of Robotran's numbers.
     pub(super) equations: Vec<(FunctionKind, PathBuf)>,
     pub(super) model: Option<PathBuf>,
-    /// Names of other models with equations.
+    /// Models that may be meant where none has the name of the equations.
+    pub(super) candidates: Vec<PathBuf>,
+    /// Folders with equations of other models, and others with those of this one.
     pub(super) others: Vec<String>,
     pub(super) calls: ProjectCalls,
 }
@@ -46,8 +48,10 @@ pub(super) struct FoundProject {
 impl FoundProject {
     /// A path as it is within the project.
     pub(super) fn shown(&self, path: &Path) -> String {
-        let inside = path.strip_prefix(&self.root).unwrap_or(path);
-        inside.display().to_string()
+        match path.strip_prefix(&self.root) {
+            Ok(inside) if inside != Path::new("") => inside.display().to_string(),
+            _ => path.display().to_string(),
+        }
     }
 }
 
@@ -94,14 +98,19 @@ pub(super) fn project(root: &Path, model: Option<&Path>) -> Result<FoundProject,
             ],
         ));
     };
-    let mut others: Vec<String> = groups.keys().map(|(stem, _, _)| stem.clone()).collect();
-    others.dedup();
-    others.retain(|other| other != name);
     let mut equations = equations.clone();
     equations.sort_by_key(|(kind, _)| FunctionKind::ALL.iter().position(|one| one == kind));
-    let model = match model {
-        Some(path) => Some(path.to_owned()),
-        None => model_of(&files, name),
+    let others = groups
+        .keys()
+        .filter(|(stem, folder, _)| (stem, folder) != (name, symbolic));
+    let mut others: Vec<String> = others
+        .map(|(_, folder, _)| folder.strip_prefix(root).unwrap_or(folder))
+        .map(|folder| folder.display().to_string())
+        .collect();
+    others.dedup();
+    let (model, candidates) = match model {
+        Some(path) => (Some(path.to_owned()), Vec::new()),
+        None => model_of(&files, name, symbolic),
     };
     let sources = files.iter().filter(|file| file.parent() != Some(symbolic));
     Ok(FoundProject {
@@ -117,6 +126,7 @@ pub(super) fn project(root: &Path, model: Option<&Path>) -> Result<FoundProject,
         symbolic: symbolic.clone(),
         equations,
         model,
+        candidates,
         others,
     })
 }
@@ -168,16 +178,26 @@ fn stems(path: &Path) -> Result<Vec<String>, CommandFailure> {
     Ok(vec![file_stem(&model.name), file_stem(&file), model.name])
 }
 
-/// The model of a name among the files, or the only one.
-fn model_of(files: &[PathBuf], name: &str) -> Option<PathBuf> {
+/// The model of a name among the files, of several that nearest to the
+/// equations; else the only model. Without it those that may be meant.
+fn model_of(files: &[PathBuf], name: &str, near: &Path) -> (Option<PathBuf>, Vec<PathBuf>) {
     let is_model = |path: &&PathBuf| path.extension().is_some_and(|end| end == "mbs");
     let models: Vec<&PathBuf> = files.iter().filter(is_model).collect();
-    let named = models.iter().find(|path| {
+    let has_name = |path: &&&PathBuf| {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         stem == name || file_stem(&stem) == name
-    });
+    };
+    let shared = |path: &&&PathBuf| {
+        let parts = path.components().zip(near.components());
+        parts.take_while(|(one, other)| one == other).count()
+    };
+    // Of equally near ones the first.
+    let named = models.iter().filter(has_name).rev().max_by_key(shared);
     let only = (models.len() == 1).then(|| models.first()).flatten();
-    named.or(only).map(|path| (*path).clone())
+    match named.or(only) {
+        Some(path) => (Some((*path).clone()), Vec::new()),
+        None => (None, models.into_iter().cloned().collect()),
+    }
 }
 
 /// The generator whose names the C has.

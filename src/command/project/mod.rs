@@ -70,6 +70,7 @@ pub(super) fn run(arguments: &ProjectArguments) -> Result<String, CommandFailure
             &project,
             &model.model,
             model.constraints,
+            new.iter().any(|one| one.is_stale),
         )),
         _ => None,
     };
@@ -128,20 +129,19 @@ fn model(
         return Ok(None);
     };
     let mut model = input::model(path)?.model;
-    let mut driven = arguments.driven.clone();
-    for joint in &project.calls.driven {
+    for (nature, joint) in &project.calls.roles {
         match calls::joint(&model, joint, &project.calls) {
-            Some(place) => driven.push(model.joints[place].name.clone()),
+            Some(place) => model.joints[place].nature = *nature,
             None => {
                 let _ = writeln!(
                     telling::remarks(),
-                    "remark: the project drives the joint '{joint}', which the model has not; \
-                     --driven names others"
+                    "remark: the project gives a role to the joint '{joint}', which the model has \
+                     not; --driven names driven ones"
                 );
             }
         }
     }
-    input::drive(&mut model, &driven)?;
+    input::drive(&mut model, &arguments.driven)?;
     Ok(Some(ProjectModel {
         model,
         constraints: arguments
@@ -186,15 +186,22 @@ fn headline(project: &FoundProject, model: Option<&ProjectModel>, new: &[NewEqua
             ),
         ));
     } else {
-        let text = "none: without one the whole step cannot be made (--model FILE)";
-        lines.push(("model", text.to_owned()));
+        let text = match project.candidates.first() {
+            None => "none: without one the whole step cannot be made (--model FILE)".to_owned(),
+            Some(first) => format!(
+                "none has the name of the equations; of {}, --model chooses one: {} …",
+                project.candidates.len(),
+                project.shown(first)
+            ),
+        };
+        lines.push(("model", text));
     }
-    if !project.others.is_empty() {
-        let others = project.others.join(", ");
-        lines.push((
-            "others",
-            format!("equations of {others}: choose by --model"),
-        ));
+    if let Some(first) = project.others.first() {
+        let text = format!(
+            "{} with equations, such as {first}: name the folder, or --model",
+            counted(project.others.len(), "other place")
+        );
+        lines.push(("others", text));
     }
     format!("{}\n{}\n", project.name, labelled(&lines))
 }

@@ -10,6 +10,7 @@ use robovec_dynamics::whole_step::{self, StepFunction, StepStyle};
 use robovec_io::sources;
 use robovec_ir::Module;
 use robovec_ir::count::Counts;
+use robovec_ir::diagnostic::Report;
 use robovec_model::Model;
 use robovec_robotran::drop_in::{DropInOptions, drop_in};
 use robovec_robotran::write::{WriteOptions, write};
@@ -26,6 +27,8 @@ pub(super) struct NewEquations {
     pub(super) after: Option<usize>,
     /// Source of the new equations, or the reason why there are none.
     pub(super) remark: String,
+    /// True where the file's equations are not those of the model.
+    pub(super) is_stale: bool,
     /// Names and texts of the new files; none where the old ones stay.
     pub(super) files: Vec<(String, String)>,
 }
@@ -38,6 +41,7 @@ pub(super) fn equations(project: &FoundProject, model: Option<&Model>) -> Vec<Ne
             before: None,
             after: None,
             remark: String::new(),
+            is_stale: false,
             files: Vec::new(),
         };
         if let Err(reason) = renewed(project, model, (*kind, path), &mut new) {
@@ -55,8 +59,7 @@ fn renewed(
     (kind, path): (FunctionKind, &Path),
     new: &mut NewEquations,
 ) -> Result<(), String> {
-    let summary = |report: robovec_ir::diagnostic::Report| report.summary();
-    let read = sources::equations_or_stubs(path, None, None).map_err(summary)?;
+    let read = sources::equations_or_stubs(path, None, None).map_err(|report| first(&report))?;
     let before = operations(&read.module);
     new.before = Some(before);
     if before == 0 {
@@ -69,6 +72,7 @@ fn renewed(
         let comparison = stale::compare(model, &read.module);
         if comparison.is_stale() {
             origin = "from the file, which is not the model's".to_owned();
+            new.is_stale = true;
         } else if let Ok(other) = of_model(model, kind)
             && operations(&other) < operations(&module)
         {
@@ -100,18 +104,24 @@ fn renewed(
 
 /// A function of the model, in few operations.
 fn of_model(model: &Model, kind: FunctionKind) -> Result<Module, String> {
-    let first = |failure: CommandFailure| failure.0.summary();
+    let failed = |failure: CommandFailure| first(&failure.0);
     let mut module =
         generation::functions(model, &[kind], Formulation::Composite, &Options::default())
-            .map_err(first)?;
+            .map_err(failed)?;
     optimise(&mut module)?;
     Ok(module)
 }
 
 fn optimise(module: &mut Module) -> Result<(), String> {
-    let pipeline = input::passes("$cpu").map_err(|failure| failure.0.summary())?;
-    transform_remarking(module, &pipeline, &mut std::io::sink())
-        .map_err(|failure| failure.0.summary())
+    let failed = |failure: CommandFailure| first(&failure.0);
+    let pipeline = input::passes("$cpu").map_err(failed)?;
+    transform_remarking(module, &pipeline, &mut std::io::sink()).map_err(failed)
+}
+
+/// The first message of a report.
+fn first(report: &Report) -> String {
+    let message = report.diagnostics().first();
+    message.map_or_else(String::new, |message| message.message.clone())
 }
 
 fn operations(module: &Module) -> usize {
@@ -124,12 +134,17 @@ pub(super) fn whole_step(
     project: &FoundProject,
     model: &Model,
     user_constraints: usize,
+    is_stale: bool,
 ) -> NewEquations {
     let mut new = NewEquations {
         function: "accelred".to_owned(),
         before: None,
         after: None,
-        remark: "whole step: for the option accelred".to_owned(),
+        remark: match is_stale {
+            false => "whole step: for the option accelred".to_owned(),
+            true => "whole step of the model, which some files are not".to_owned(),
+        },
+        is_stale,
         files: Vec::new(),
     };
     let options = Options {

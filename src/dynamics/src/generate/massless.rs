@@ -29,10 +29,14 @@ use robovec_robotran::FunctionKind;
 const STATES: usize = 3;
 const SEED: u64 = 1;
 
-/// Pivots, in parts of a usual mass, that count as zero and as weak. A joint
-/// with a weak one may do without its mass where there are rows enough.
+/// Pivots, in parts of the entry that they are left of, that count as zero and
+/// as weak. A joint with a weak one may do without its mass where there are rows
+/// enough.
 const ZERO: f64 = 1e-12;
 const WEAK: f64 = 1e-6;
+
+/// A mass in parts of a usual one that is rounding of loops.
+const NOTHING: f64 = 1e-20;
 
 /// A joint that gets its acceleration from rows of the user.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -155,8 +159,7 @@ fn inertias(model: &Model, roles: &JointRoles, masses: &[DenseMatrix]) -> Vec<f6
             .filter(|&place| revolute(place) == is_revolute);
         let entries = of_kind.flat_map(|place| masses.iter().map(move |m| m[(place, place)]));
         let entries: Vec<f64> = entries.collect();
-        // What is rounding is no mass.
-        let least = WEAK * largest(&entries);
+        let least = NOTHING * largest(&entries);
         let of_masses = entries.into_iter().filter(|&entry| entry > least);
         let logarithms: Vec<f64> = of_masses.map(f64::log2).collect();
         let sum: f64 = logarithms.iter().sum();
@@ -175,11 +178,14 @@ fn inertias(model: &Model, roles: &JointRoles, masses: &[DenseMatrix]) -> Vec<f6
 fn without_mass(mut matrix: DenseMatrix, inertias: &[f64], limit: f64) -> Vec<usize> {
     let count = matrix.rows();
     assert_eq!(inertias.len(), count, "every joint has an inertia");
+    let entries: Vec<f64> = (0..count).map(|i| matrix[(i, i)]).collect();
     let mut left: Vec<usize> = (0..count).collect();
     loop {
-        let size = |i: usize| matrix[(i, i)] / inertias[i];
-        let best = (0..left.len()).max_by(|&a, &b| size(left[a]).total_cmp(&size(left[b])));
-        let Some(best) = best.filter(|&place| size(left[place]) > limit) else {
+        let is_mass =
+            |i: usize| entries[i] > NOTHING * inertias[i] && matrix[(i, i)] > limit * entries[i];
+        let size = |place: usize| matrix[(left[place], left[place])] / inertias[left[place]];
+        let places = (0..left.len()).filter(|&place| is_mass(left[place]));
+        let Some(best) = places.max_by(|&a, &b| size(a).total_cmp(&size(b))) else {
             return left;
         };
         let i = left.remove(best);

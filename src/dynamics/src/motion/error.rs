@@ -92,8 +92,8 @@ impl MotionError {
     pub fn advice(&self) -> Option<&'static str> {
         match self {
             MotionError::Singular { .. } => Some(
-                "give the bodies beyond it mass and inertia; if two joints have the same effect, \
-                 make one of them driven",
+                "give the bodies beyond it mass and inertia, hold it (--hold) or drive it (--laws); \
+                 constraints that a project computes are not part of the simulation",
             ),
             MotionError::DeadPoint { .. } => Some(
                 "which joints depend is fixed when the functions are generated: make that joint \
