@@ -51,6 +51,13 @@ pub(super) fn accelerations(
     };
     let frames = parameters.frames;
     let roles = JointRoles::of_loops(frames.source)?;
+    if options.user_constraints > roles.free.len() {
+        return Err(GenerateError::UserConstraints {
+            rows: options.user_constraints,
+            left: roles.free.len(),
+            of_loops: roles.dependent.len(),
+        });
+    }
     let massless = massless_joints(frames.source, &roles, options)?;
     let partition = roles.framed(frames);
     for joint in 0..model.joints.len() {
