@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// A main program that prints M and c of the leg along a motion.
+/// A main program that prints c of the leg along a motion.
 const MAIN: &str = r#"#include "mbs_data.h"
 #include <math.h>
 #include <stdio.h>

@@ -49,7 +49,7 @@ fn input(bytes: &mut Unstructured<'_>) -> Result<(Model, GenerationRequest, Lang
             small_angles: Vec::new(),
             multipliers: bytes.arbitrary()?,
             user_constraints: bytes.int_in_range(0..=2)?,
-            losses: bytes.arbitrary()?,
+            growth: bytes.arbitrary()?,
         },
     };
     Ok((model, request, *bytes.choose(&Language::ALL)?))

@@ -77,7 +77,12 @@ pub const KINDS: [EquationKind; 22] = [
         "accelerations",
         0,
         "Accelerations of Closed Loops under Given Forces",
-        &[("Lambda", 1), ("Loss", 1), ("Juserc", 2), ("jdqduserc", 1)],
+        &[
+            ("Lambda", 1),
+            ("Growth", 1),
+            ("Juserc", 2),
+            ("jdqduserc", 1),
+        ],
     ),
     kind(
         "actuator_forces",

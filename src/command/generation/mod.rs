@@ -165,7 +165,7 @@ impl GenArguments {
             small_angles: Vec::new(),
             multipliers: self.multipliers,
             user_constraints: self.user_constraints,
-            losses: false,
+            growth: false,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::calls::{self, ProjectCalls};
 use crate::command::CommandFailure;
-use robovec_cgen::kind::{Generation, file_stem};
+use robovec_cgen::kind::file_stem;
 use robovec_io::sources;
 use robovec_robotran::{FunctionKind, Language};
 use std::collections::BTreeMap;
@@ -34,7 +34,6 @@ pub(super) struct FoundProject {
     /// Folder of the equations.
     pub(super) symbolic: PathBuf,
     pub(super) language: Language,
-    pub(super) generation: Generation,
     /// Function and file, in the order of Robotran's numbers.
     pub(super) equations: Vec<(FunctionKind, PathBuf)>,
     pub(super) model: Option<PathBuf>,
@@ -46,7 +45,14 @@ pub(super) struct FoundProject {
 }
 
 impl FoundProject {
-    /// A path as it is within the project.
+    /// Folder of the equations, from that of the project.
+    pub(super) fn symbolic_inside(&self) -> &Path {
+        self.symbolic
+            .strip_prefix(&self.root)
+            .unwrap_or(&self.symbolic)
+    }
+
+    /// A path for messages, from the folder of the project.
     pub(super) fn shown(&self, path: &Path) -> String {
         match path.strip_prefix(&self.root) {
             Ok(inside) if inside != Path::new("") => inside.display().to_string(),
@@ -115,7 +121,6 @@ pub(super) fn project(root: &Path, model: Option<&Path>) -> Result<FoundProject,
     let sources = files.iter().filter(|file| file.parent() != Some(symbolic));
     Ok(FoundProject {
         root: root.to_owned(),
-        generation: generation(&equations),
         language: match *end {
             "m" => Language::Matlab,
             "py" => Language::Python,
@@ -197,18 +202,5 @@ fn model_of(files: &[PathBuf], name: &str, near: &Path) -> (Option<PathBuf>, Vec
     match named.or(only) {
         Some(path) => (Some((*path).clone()), Vec::new()),
         None => (None, models.into_iter().cloned().collect()),
-    }
-}
-
-/// The generator whose names the C has.
-fn generation(equations: &[(FunctionKind, PathBuf)]) -> Generation {
-    let is_old = equations.iter().any(|(_, path)| {
-        let text = fs::read(path).unwrap_or_default();
-        String::from_utf8_lossy(&text).contains("MBSdataStruct")
-    });
-    if is_old {
-        Generation::Old
-    } else {
-        Generation::Current
     }
 }

@@ -4,11 +4,11 @@
 //! the files that were added. **Invariant.** The list is written before any
 //! file is replaced, so that an interrupted run can be undone.
 
+use super::find::FoundProject;
 use crate::command::{CommandFailure, output};
-use robovec_io::files::{Replace, limited};
+use robovec_io::files::{self, Replace, limited};
 use robovec_ir::diagnostic::counted;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Folder of the originals.
 const KEPT: &str = ".robovec";
@@ -19,18 +19,17 @@ const LIST: &str = "replaced.txt";
 
 /// Replaces and adds files of a project.
 pub(super) fn apply(
-    root: &Path,
-    symbolic: &Path,
+    project: &FoundProject,
     files: &[(String, String)],
 ) -> Result<(), CommandFailure> {
-    let kept = root.join(KEPT);
+    let (kept, symbolic) = (project.root.join(KEPT), &project.symbolic);
     if kept.join(LIST).exists() {
         return Err(CommandFailure::advised(
             format!("{} has been replaced before", symbolic.display()),
             vec!["bring the originals back first: --undo".to_owned()],
         ));
     }
-    let mut list = format!("{}\n", relative(root, symbolic).display());
+    let mut list = format!("{}\n", project.symbolic_inside().display());
     for (name, _) in files {
         let path = symbolic.join(name);
         if path.exists() {
@@ -48,13 +47,9 @@ pub(super) fn apply(
     Ok(())
 }
 
-fn relative(root: &Path, path: &Path) -> PathBuf {
-    path.strip_prefix(root).unwrap_or(path).to_owned()
-}
-
 fn write(path: &Path, bytes: &[u8]) -> Result<(), CommandFailure> {
     if let Some(folder) = path.parent() {
-        robovec_io::files::make_folder(folder)
+        files::make_folder(folder)
             .map_err(|error| CommandFailure::plain(format!("{}: {error}", folder.display())))?;
     }
     output::write_over(path, Replace::Anything, |writer| writer.write_all(bytes))
@@ -83,9 +78,7 @@ pub(super) fn undo(root: &Path) -> Result<String, CommandFailure> {
         };
         let path = symbolic.join(name);
         if mark == "+ " {
-            if path.exists() {
-                fs::remove_file(&path).map_err(|error| failed(&path, error))?;
-            }
+            files::remove(&path).map_err(|error| failed(&path, error))?;
             removed += 1;
         } else {
             let bytes = limited::read(&kept.join(name), &limited::EQUATIONS)?;
@@ -93,7 +86,7 @@ pub(super) fn undo(root: &Path) -> Result<String, CommandFailure> {
             back += 1;
         }
     }
-    fs::remove_dir_all(&kept).map_err(|error| failed(&kept, error))?;
+    files::remove(&kept).map_err(|error| failed(&kept, error))?;
     Ok(format!(
         "{} brought back, {} removed\n",
         counted(back, "file"),

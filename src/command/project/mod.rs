@@ -66,18 +66,16 @@ pub(super) fn run(arguments: &ProjectArguments) -> Result<String, CommandFailure
     let model = model(&project, arguments)?;
     let new = replace::equations(&project, model.as_ref().map(|model| &model.model));
     let step = match &model {
-        Some(model) if project.language == Language::C => Some(replace::whole_step(
-            &project,
-            &model.model,
-            model.constraints,
-            new.iter().any(|one| one.is_stale),
-        )),
+        Some(model) if project.language == Language::C => {
+            Some(replace::whole_step(&new, &model.model, model.constraints))
+        }
         _ => None,
     };
     let mut text = headline(&project, model.as_ref(), &new);
     text += &table(&new, step.as_ref());
-    let all: Vec<&NewEquations> = new.iter().chain(&step).collect();
-    if all.iter().all(|one| one.files.is_empty()) {
+    let all = new.iter().chain(&step);
+    let files: Vec<(String, String)> = all.flat_map(|one| one.files.clone()).collect();
+    if files.is_empty() {
         return Err(CommandFailure::advised(
             format!("no equations of {} can be replaced", project.name),
             vec![text],
@@ -85,15 +83,11 @@ pub(super) fn run(arguments: &ProjectArguments) -> Result<String, CommandFailure
     }
     text += &match (&arguments.output, arguments.apply) {
         (Some(folder), _) => {
-            let files: Vec<(String, String)> =
-                all.iter().flat_map(|one| one.files.clone()).collect();
             output::write_files(folder, &files)?;
             format!("written to  {}\n", folder.display())
         }
         (None, true) => {
-            let files: Vec<(String, String)> =
-                all.iter().flat_map(|one| one.files.clone()).collect();
-            keep::apply(&arguments.folder, &project.symbolic, &files)?;
+            keep::apply(&project, &files)?;
             "replaced    bring the originals back with --undo\n".to_owned()
         }
         (None, false) if arguments.trial.is_asked() => String::new(),
@@ -103,13 +97,7 @@ pub(super) fn run(arguments: &ProjectArguments) -> Result<String, CommandFailure
         }
     };
     if arguments.trial.is_asked() {
-        text += &trial::run(
-            &arguments.trial,
-            &arguments.folder,
-            &project,
-            &new,
-            step.as_ref(),
-        )?;
+        text += &trial::run(&arguments.trial, &project, &new, step.as_ref())?;
     }
     Ok(text)
 }

@@ -4,6 +4,7 @@ use super::find::FoundProject;
 use crate::command::generation::{self, transform_remarking};
 use crate::command::{CommandFailure, input};
 use robovec_cgen::c;
+use robovec_cgen::kind::Generation;
 use robovec_dynamics::generate::{Formulation, Options};
 use robovec_dynamics::stale;
 use robovec_dynamics::whole_step::{self, StepFunction, StepStyle};
@@ -15,7 +16,7 @@ use robovec_model::Model;
 use robovec_robotran::drop_in::{DropInOptions, drop_in};
 use robovec_robotran::write::{WriteOptions, write};
 use robovec_robotran::{FunctionKind, Language};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// New equations of one function.
 pub(super) struct NewEquations {
@@ -29,19 +30,22 @@ pub(super) struct NewEquations {
     pub(super) remark: String,
     /// True where the file's equations are not those of the model.
     pub(super) is_stale: bool,
+    /// The generator whose names the file has.
+    generation: Generation,
     /// Names and texts of the new files; none where the old ones stay.
     pub(super) files: Vec<(String, String)>,
 }
 
 /// New equations for every file of a project.
 pub(super) fn equations(project: &FoundProject, model: Option<&Model>) -> Vec<NewEquations> {
-    let make = |(kind, path): &(FunctionKind, std::path::PathBuf)| {
+    let make = |(kind, path): &(FunctionKind, PathBuf)| {
         let mut new = NewEquations {
             function: kind.name().to_owned(),
             before: None,
             after: None,
             remark: String::new(),
             is_stale: false,
+            generation: Generation::Current,
             files: Vec::new(),
         };
         if let Err(reason) = renewed(project, model, (*kind, path), &mut new) {
@@ -60,6 +64,9 @@ fn renewed(
     new: &mut NewEquations,
 ) -> Result<(), String> {
     let read = sources::equations_or_stubs(path, None, None).map_err(|report| first(&report))?;
+    if let Some(function) = read.module.functions.first() {
+        new.generation = Generation::of(function);
+    }
     let before = operations(&read.module);
     new.before = Some(before);
     if before == 0 {
@@ -81,7 +88,7 @@ fn renewed(
     }
     new.after = Some(operations(&module));
     for function in &mut module.functions {
-        project.generation.mark(function);
+        new.generation.mark(function);
     }
     let options = WriteOptions {
         model: Some(project.name.clone()),
@@ -129,40 +136,45 @@ fn operations(module: &Module) -> usize {
     counts.map(|counts| counts.operations).sum()
 }
 
-/// The whole step of the model.
+/// The whole step of the model, beside new equations.
 pub(super) fn whole_step(
-    project: &FoundProject,
+    equations: &[NewEquations],
     model: &Model,
     user_constraints: usize,
-    is_stale: bool,
 ) -> NewEquations {
+    let is_stale = equations.iter().any(|one| one.is_stale);
+    let is_old = equations
+        .iter()
+        .any(|one| one.generation == Generation::Old);
+    let remark = if is_stale {
+        "whole step of the model, which some files are not"
+    } else {
+        "whole step: for the option accelred"
+    };
     let mut new = NewEquations {
         function: "accelred".to_owned(),
         before: None,
         after: None,
-        remark: match is_stale {
-            false => "whole step: for the option accelred".to_owned(),
-            true => "whole step of the model, which some files are not".to_owned(),
-        },
+        remark: remark.to_owned(),
         is_stale,
+        generation: if is_old {
+            Generation::Old
+        } else {
+            Generation::Current
+        },
         files: Vec::new(),
     };
     let options = Options {
         user_constraints,
         ..Options::default()
     };
-    if let Err(reason) = stepped(project, model, &options, &mut new) {
+    if let Err(reason) = stepped(model, &options, &mut new) {
         new.remark = format!("no whole step: {reason}");
     }
     new
 }
 
-fn stepped(
-    project: &FoundProject,
-    model: &Model,
-    options: &Options,
-    new: &mut NewEquations,
-) -> Result<(), String> {
+fn stepped(model: &Model, options: &Options, new: &mut NewEquations) -> Result<(), String> {
     let steps = [StepFunction::Accelerations];
     let formulation = generation::fewest(model, FunctionKind::Accelred, options);
     let mut module = whole_step::generate_parts(model, &steps, formulation, options)
@@ -171,7 +183,7 @@ fn stepped(
     new.after = Some(operations(&module));
     let style = StepStyle {
         c: &c::Options::default(),
-        generation: project.generation,
+        generation: new.generation,
         options,
     };
     new.files =

@@ -68,14 +68,13 @@ struct TrialRun {
 /// Tries a project; a failure where results differ.
 pub(super) fn run(
     arguments: &TrialArguments,
-    root: &Path,
     project: &FoundProject,
     new: &[NewEquations],
     step: Option<&NewEquations>,
 ) -> Result<String, CommandFailure> {
     let failed = |error: std::io::Error| CommandFailure::plain(format!("no copy: {error}"));
     let temporary = TemporaryFolder::new().map_err(failed)?;
-    let copy = ProjectCopy::new(arguments, root, project, temporary.path())?;
+    let copy = ProjectCopy::new(arguments, project, temporary.path())?;
     let spinner = progress::spinner();
     if let Some(command) = &arguments.configure {
         copy.shell(command)?;
@@ -151,21 +150,19 @@ fn row(
 impl<'a> ProjectCopy<'a> {
     fn new(
         arguments: &'a TrialArguments,
-        root: &Path,
         project: &FoundProject,
         temporary: &Path,
     ) -> Result<ProjectCopy<'a>, CommandFailure> {
         let folder = temporary.join("project");
-        let copied =
-            ProgramCall::new("cp").arguments([Path::new("-r"), &root.join("."), folder.as_path()]);
+        let copied = ProgramCall::new("cp").arguments([
+            Path::new("-r"),
+            &project.root.join("."),
+            folder.as_path(),
+        ]);
         run_tool(&copied, "the copy of the project")?;
-        let inside = project
-            .symbolic
-            .strip_prefix(root)
-            .unwrap_or(&project.symbolic);
         Ok(ProjectCopy {
             arguments,
-            symbolic: folder.join(inside),
+            symbolic: folder.join(project.symbolic_inside()),
             folder,
         })
     }

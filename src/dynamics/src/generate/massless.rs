@@ -17,11 +17,10 @@
 //! user first, it needs no pivots. `s` has no effect but on rounding, and is
 //! near the other masses.
 
-use super::roles::{JointRoles, constraints};
-use super::{Formulation, GenerateError, GenerationRequest, Options, generate};
+use super::roles::{JointRoles, compiled, constraints};
+use super::{Formulation, GenerateError, GenerationRequest, Options};
 use crate::kinematics::linear::{DenseMatrix, largest, solve_square};
-use crate::kinematics::{CompiledFunction, LoopClosure, MotionState, closed_states, stack};
-use robovec_ir::{Format, Module};
+use crate::kinematics::{LoopClosure, MotionState, closed_states, stack};
 use robovec_model::Model;
 use robovec_robotran::FunctionKind;
 
@@ -36,7 +35,7 @@ const ZERO: f64 = 1e-12;
 const WEAK: f64 = 1e-6;
 
 /// A mass in parts of a usual one that is rounding of loops.
-const NOTHING: f64 = 1e-20;
+const ROUNDING: f64 = 1e-20;
 
 /// A joint that gets its acceleration from rows of the user.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -118,22 +117,15 @@ fn masses(model: &Model, roles: &JointRoles) -> Result<Vec<DenseMatrix>, Generat
         return Ok(Vec::new());
     }
     states.extend(closed_states(&loops, STATES, SEED));
-    let kind = FunctionKind::Dirdyna;
     let request = GenerationRequest {
-        function: kind,
+        function: FunctionKind::Dirdyna,
         formulation: Formulation::Composite,
         options: Options {
             external_forces: false,
             ..Options::default()
         },
     };
-    let Module {
-        tables,
-        mut functions,
-    } = generate(model, &request)?;
-    let function = functions.pop().expect("the generator gives a function");
-    let compiled = CompiledFunction::new(model, kind.name(), &tables, function, Format::BINARY64)
-        .map_err(|error| GenerateError::Loops(error.to_string()))?;
+    let compiled = compiled(model, &request)?;
     let joints = model.joints.len();
     let reduced = |state: &MotionState| {
         let matrix = compiled.evaluate(state).matrix("M", joints, joints);
@@ -159,7 +151,7 @@ fn inertias(model: &Model, roles: &JointRoles, masses: &[DenseMatrix]) -> Vec<f6
             .filter(|&place| revolute(place) == is_revolute);
         let entries = of_kind.flat_map(|place| masses.iter().map(move |m| m[(place, place)]));
         let entries: Vec<f64> = entries.collect();
-        let least = NOTHING * largest(&entries);
+        let least = ROUNDING * largest(&entries);
         let of_masses = entries.into_iter().filter(|&entry| entry > least);
         let logarithms: Vec<f64> = of_masses.map(f64::log2).collect();
         let sum: f64 = logarithms.iter().sum();
@@ -182,7 +174,7 @@ fn without_mass(mut matrix: DenseMatrix, inertias: &[f64], limit: f64) -> Vec<us
     let mut left: Vec<usize> = (0..count).collect();
     loop {
         let is_mass =
-            |i: usize| entries[i] > NOTHING * inertias[i] && matrix[(i, i)] > limit * entries[i];
+            |i: usize| entries[i] > ROUNDING * inertias[i] && matrix[(i, i)] > limit * entries[i];
         let size = |place: usize| matrix[(left[place], left[place])] / inertias[left[place]];
         let places = (0..left.len()).filter(|&place| is_mass(left[place]));
         let Some(best) = places.max_by(|&a, &b| size(a).total_cmp(&size(b))) else {

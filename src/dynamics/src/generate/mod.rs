@@ -125,10 +125,10 @@ pub struct Options {
     /// number of joints that the model names dependent, besides those of the
     /// loops, follow from them.
     pub user_constraints: usize,
-    /// Give beside accelerations the factors `Loss` by which the elimination of
+    /// Give beside accelerations the factors `Growth` by which the elimination of
     /// each row of the user, and then of each of [`massless`], enlarges
     /// rounding.
-    pub losses: bool,
+    pub growth: bool,
 }
 
 impl Default for Options {
@@ -144,7 +144,7 @@ impl Default for Options {
             small_angles: Vec::new(),
             multipliers: false,
             user_constraints: 0,
-            losses: false,
+            growth: false,
         }
     }
 }

@@ -82,8 +82,8 @@ pub(super) fn accelerations(
         })?;
     let forced = solutions.split_off(1);
     let unbound = solutions.pop().expect("the forces are the first side");
-    let losses = options.losses;
-    let multipliers = user.multipliers(reduction.equations, &unbound, &forced, losses);
+    let growth = options.growth;
+    let multipliers = user.multipliers(reduction.equations, &unbound, &forced, growth);
     let solution = BoundAccelerations::bound(reduction.equations, &unbound, &forced, &multipliers);
     let accelerations = reduction.output(&partition, &loops, &solution);
     if options.multipliers {

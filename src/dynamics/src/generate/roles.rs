@@ -194,17 +194,25 @@ pub fn constraints(model: &Model) -> Result<LoopConstraints, GenerateError> {
     if model.cuts.is_empty() {
         return Ok(LoopConstraints::none(model, Format::BINARY64));
     }
-    let kind = FunctionKind::ConsHJ;
+    let format = Format::BINARY64;
+    let position = compiled(model, &GenerationRequest::new(FunctionKind::ConsHJ))?;
+    let row_cuts = cuts_of_rows(model)?;
+    Ok(LoopConstraints::new(model, format, position, row_cuts))
+}
+
+/// A function of a model, to be evaluated in binary64.
+pub(super) fn compiled(
+    model: &Model,
+    request: &GenerationRequest,
+) -> Result<CompiledFunction, GenerateError> {
     let Module {
         tables,
         mut functions,
-    } = generate(model, &GenerationRequest::new(kind))?;
+    } = generate(model, request)?;
     let function = functions.pop().expect("the generator gives a function");
-    let format = Format::BINARY64;
-    let position = CompiledFunction::new(model, kind.name(), &tables, function, format)
-        .map_err(|error| GenerateError::Loops(error.to_string()))?;
-    let row_cuts = cuts_of_rows(model)?;
-    Ok(LoopConstraints::new(model, format, position, row_cuts))
+    let name = request.function.name();
+    CompiledFunction::new(model, name, &tables, function, Format::BINARY64)
+        .map_err(|error| GenerateError::Loops(error.to_string()))
 }
 
 /// The independent joints, from 0, ascending: the accelerations of all others

@@ -123,16 +123,13 @@ impl BoundAccelerations {
             self.reduced.matrix.push(unit);
             self.reduced.rest.push(Scalar::ZERO);
             self.compliances.push(equations.number(-1.0 / inertia));
-            let sum = Sum::total(&[entry(&masses[place], place), equations.number(inertia)]);
-            let label = QuantityLabel::new("Mrs", 0, place + 1);
-            let diagonal = equations.define(label, sum);
-            masses[place].retain(|&(column, _)| column != place);
-            masses[place].push((place, diagonal));
+            let inertia = equations.number(inertia);
+            add_diagonal(equations, "Mrs", (masses, place), inertia);
         }
     }
 
     /// The multipliers of the rows, from accelerations without them and from
-    /// the effect of each row's own column on accelerations. With `losses`,
+    /// the effect of each row's own column on accelerations. With `growth`,
     /// writes for every row the factor by which its elimination enlarges
     /// rounding: the entry on the diagonal, or what is added to it, over the
     /// pivot.
@@ -141,7 +138,7 @@ impl BoundAccelerations {
         equations: &mut Equations,
         unbound: &[Scalar],
         forced: &[Vec<Scalar>],
-        losses: bool,
+        growth: bool,
     ) -> Vec<Scalar> {
         let matrix = &self.reduced.matrix;
         if matrix.is_empty() {
@@ -156,12 +153,7 @@ impl BoundAccelerations {
         let rows = self.rows.len();
         let mut sizes: Vec<Scalar> = (0..rows).map(|row| entry(&square[row], row)).collect();
         for (number, &compliance) in (rows..).zip(&self.compliances) {
-            let sum = Sum::total(&[entry(&square[number], number), compliance]);
-            let label = QuantityLabel::new("usz", 0, number + 1);
-            let diagonal = equations.define(label, sum);
-            square[number].retain(|&(column, _)| column != number);
-            square[number].push((number, diagonal));
-            square[number].sort_unstable_by_key(|&(column, _)| column);
+            add_diagonal(equations, "usz", (&mut square, number), compliance);
             sizes.push(compliance);
         }
         let mut right = Vec::with_capacity(matrix.len());
@@ -175,10 +167,10 @@ impl BoundAccelerations {
         let names = ["usu", "usl", "usi", "ush", "um"];
         let (multipliers, inverses) = solve_positive(equations, names, square, &right);
         for (number, (size, inverse)) in sizes.into_iter().zip(inverses).enumerate() {
-            if losses {
-                let label = QuantityLabel::new("uloss", 0, number + 1);
-                let loss = product(equations, label, size, inverse);
-                equations.output("Loss", &[number + 1], loss);
+            if growth {
+                let label = QuantityLabel::new("ugrow", 0, number + 1);
+                let growth = product(equations, label, size, inverse);
+                equations.output("Growth", &[number + 1], growth);
             }
         }
         multipliers
@@ -286,6 +278,21 @@ pub(super) fn products(
         rows.push(row);
     }
     rows
+}
+
+/// Adds a value to the entry of a row on the diagonal.
+fn add_diagonal(
+    equations: &mut Equations,
+    name: &'static str,
+    (rows, number): (&mut [SparseRow], usize),
+    value: Scalar,
+) {
+    let row = &mut rows[number];
+    let sum = Sum::total(&[entry(row, number), value]);
+    let diagonal = equations.define(QuantityLabel::new(name, 0, number + 1), sum);
+    row.retain(|&(column, _)| column != number);
+    let place = row.partition_point(|&(column, _)| column < number);
+    row.insert(place, (number, diagonal));
 }
 
 /// Solves with a definite or quasi-definite matrix, in the order of its rows;

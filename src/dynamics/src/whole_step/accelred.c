@@ -1,10 +1,10 @@
-/* Whether constraints of the user determine what they are to determine; Loss is
+/* Whether constraints of the user determine what they are to determine; Growth is
    the factor by which solving for each of them enlarges rounding. */
-static int robovec_determined(const double *Loss, double tsim)
+static int robovec_determined(const double *Growth, double tsim)
 {
     static const int massless[] = {@MASSLESS_JOINTS@};
     for (int row = 1; row <= USER_ROWS + MASSLESS; row++) {
-        if (fabs(Loss[row]) <= @LOSS@)
+        if (fabs(Growth[row]) <= @MOST_GROWTH@)
             continue;
         if (row <= USER_ROWS)
             fprintf(stderr, "@PREFIX@accelred: at %g s the constraint %d of the user repeats others, "
@@ -24,16 +24,16 @@ int @PREFIX@accelred(@FILLED@@DATA@ *s, double tsim)
     const int rounds = robovec_prepare(s, tsim, &user);
     if (rounds < 0)
         return -1;
-    double Loss[USER_ROWS + MASSLESS + 1] = {0};
+    double Growth[USER_ROWS + MASSLESS + 1] = {0};
 #if MULTIPLIERS
     double Lambda[LOOP_ROWS + USER_ROWS + 1] = {0};
-    @PREFIX@accelerations(Lambda, Loss, user.J, user.jdqd, s, tsim);
+    @PREFIX@accelerations(Lambda, Growth, user.J, user.jdqd, s, tsim);
     for (int i = 1; i <= s->nhu; i++)
         s->lambda[i] = Lambda[s->hu[i]];
 #else
-    @PREFIX@accelerations(NULL, Loss, user.J, user.jdqd, s, tsim);
+    @PREFIX@accelerations(NULL, Growth, user.J, user.jdqd, s, tsim);
 #endif
-    if (!robovec_determined(Loss, tsim))
+    if (!robovec_determined(Growth, tsim))
         return -1;
     for (int joint = 1; joint <= JOINTS; joint++)
         if (!isfinite(s->qdd[joint])) {

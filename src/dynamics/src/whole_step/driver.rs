@@ -48,7 +48,7 @@ pub(super) fn source(step: &StepPlan<'_>, function: StepFunction, generated: &st
             ("LOOP_ROWS", &step.rows.len()),
             ("MASSLESS", &step.massless.len()),
             ("MASSLESS_JOINTS", &numbers(&step.massless)),
-            ("LOSS", &if step.is_double { "1e12" } else { "1e5" }),
+            ("MOST_GROWTH", &if step.is_double { "1e12" } else { "1e5" }),
             (
                 "CUTS",
                 &texts(step.rows.iter().map(|&cut| &step.model.cuts[cut].name)),

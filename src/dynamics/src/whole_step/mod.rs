@@ -104,7 +104,7 @@ pub fn generate_parts(
             function,
             formulation,
             options: Options {
-                losses: options.user_constraints > 0,
+                growth: options.user_constraints > 0,
                 ..options.clone()
             },
         };

@@ -24,4 +24,4 @@ mod write;
 
 pub use own::{Replace, set_force};
 pub use temporary::TemporaryFolder;
-pub use write::{FileWriteError, make_folder, refuse_foreign, write_whole};
+pub use write::{FileWriteError, make_folder, refuse_foreign, remove, write_whole};

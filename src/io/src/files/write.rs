@@ -29,6 +29,22 @@ pub enum FileWriteError {
 /// counts as a circle: the limit of Linux.
 const MAX_LINKS: usize = 40;
 
+/// Removes a file, or a folder with all that is in it; nothing where there is
+/// none.
+///
+/// # Errors
+///
+/// As those of [`std::fs::remove_file`] and [`std::fs::remove_dir_all`].
+pub fn remove(path: &Path) -> io::Result<()> {
+    if path.is_dir() {
+        fs::remove_dir_all(path)
+    } else if path.exists() {
+        fs::remove_file(path)
+    } else {
+        Ok(())
+    }
+}
+
 /// Makes a folder, with those above it.
 ///
 /// # Errors
