@@ -39,6 +39,15 @@ fn every_choice_of_the_thesis_is_dominated() {
     let fronts = fronts.as_array().expect("a list");
     assert_eq!(fronts.len(), 2);
     for front in fronts {
+        let points = front["points"].as_array().expect("a list");
+        let searched = points.iter().filter(|point| !point["found"].is_null());
+        let searched: Vec<&Value> = searched.collect();
+        assert!(searched.len() >= 2, "{}", front["name"]);
+        for point in searched {
+            let [found, sampled] = [&point["found"], &point["normwise"]["worst"]]
+                .map(|error| error.as_f64().expect("a number"));
+            assert!(found > 0.9 * sampled, "{}: {found}", point["choice"]);
+        }
         let verdicts = front["verdicts"].as_array().expect("a list");
         assert_eq!(verdicts.len(), 10);
         for verdict in verdicts {

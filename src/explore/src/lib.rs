@@ -41,6 +41,7 @@ pub mod store;
 pub mod study;
 pub mod sweep;
 pub mod trigonometry;
+mod worst;
 
 /// Listener to the start and end of measurements.
 pub type ExplorationProgress<'a> = &'a (dyn Fn(&str) + Sync);

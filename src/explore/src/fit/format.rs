@@ -18,11 +18,6 @@ pub(super) const WIDEST: u32 = 52;
 /// Bits of a number in fixed point at most, beside its sign.
 const MOST_FIXED: u32 = 53;
 
-/// The part of a tolerance that the errors at the states of the search and of
-/// the validation may use up: other states have other worst cases, and a
-/// challenge that fails costs more than a bit.
-pub(super) const PART: f64 = 0.7;
-
 /// A format with the errors of a program in it at the states of the
 /// validation.
 pub(super) type MeasuredFormat = (Format, FormatErrors);
@@ -48,7 +43,7 @@ impl FormatQuestion<'_> {
     /// knows.
     pub(super) fn floating(&self) -> Result<Vec<MeasuredFormat>, FitError> {
         let mut found = vec![(Format::BINARY32, self.validated(Format::BINARY32)?)];
-        if self.program.model_share > PART {
+        if self.program.model_share > self.task.sampled() {
             // No format helps a series that is not exact enough.
             return Ok(found);
         }
@@ -93,9 +88,9 @@ impl FormatQuestion<'_> {
                 mantissa: (float.mantissa + digits).min(WIDEST),
                 subnormals: false,
             });
-            if meets(&self.searched(format)?, PART) {
+            if meets(&self.searched(format)?, self.task.sampled()) {
                 let errors = self.validated(format)?;
-                if meets(&errors, PART) {
+                if meets(&errors, self.task.sampled()) {
                     return Ok(Some((format, errors)));
                 }
             }
@@ -106,7 +101,7 @@ impl FormatQuestion<'_> {
     /// The narrowest format of fixed point that meets the tolerances; why
     /// there is none, in words.
     pub(super) fn fixed(&self) -> Result<Result<MeasuredFormat, String>, FitError> {
-        if self.program.model_share > PART {
+        if self.program.model_share > self.task.sampled() {
             return Ok(Err("its series are not exact enough".to_owned()));
         }
         let largest = self.largest_exponent()?;
@@ -137,14 +132,14 @@ impl FormatQuestion<'_> {
         [least, most]: [u32; 2],
         format: impl Fn(u32) -> Format,
     ) -> Result<Option<MeasuredFormat>, FitError> {
-        if !meets(&self.searched(format(most))?, PART) {
+        if !meets(&self.searched(format(most))?, self.task.sampled()) {
             return Ok(None);
         }
         // Invariant: `high` meets the tolerances, `low` does not.
         let (mut low, mut high) = (least - 1, most);
         while low + 1 < high {
             let middle = low.midpoint(high);
-            if meets(&self.searched(format(middle))?, PART) {
+            if meets(&self.searched(format(middle))?, self.task.sampled()) {
                 high = middle;
             } else {
                 low = middle;
@@ -152,7 +147,7 @@ impl FormatQuestion<'_> {
         }
         for bits in high..=most {
             let errors = self.validated(format(bits))?;
-            if meets(&errors, PART) {
+            if meets(&errors, self.task.sampled()) {
                 return Ok(Some((format(bits), errors)));
             }
         }

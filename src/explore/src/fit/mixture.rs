@@ -5,7 +5,7 @@
 //! elements compute in one format, so that the result is for other hardware,
 //! and its cost is the cells of its arithmetic.
 
-use super::format::{FormatQuestion, MeasuredFormat, PART, WIDEST, meets};
+use super::format::{FormatQuestion, MeasuredFormat, WIDEST, meets};
 use super::{FitError, FitProgram};
 use crate::program::transformed_by;
 use robovec_framework::scene::Scene;
@@ -87,7 +87,7 @@ pub(super) fn mixture(
             ..*question
         };
         let measured = asked.validated(in_bits(widest))?;
-        if meets(&measured, PART) {
+        if meets(&measured, question.task.sampled()) {
             return Ok(Some((program, (in_bits(widest), measured))));
         }
     }

@@ -87,6 +87,15 @@ const ACCEPTED: f64 = 0.8;
 /// by chance (1.8 times as much as another one in the tests' random scenes).
 const ACCEPTED_RELATIVE: f64 = 0.5;
 
+/// Share of what is accepted that errors at the states of the search and of the
+/// validation may use: other states have other worst cases, and a challenge
+/// that fails costs more than a bit.
+const SAMPLED: f64 = 0.875;
+
+/// Share of what is accepted that a series may use; the rest is for rounding,
+/// whose format is chosen afterwards.
+const SERIES: f64 = 0.625;
+
 /// Relative uncertainty of estimated costs; smaller differences are ties.
 const UNCERTAINTY: f64 = 0.05;
 
@@ -144,6 +153,16 @@ impl FitTask<'_> {
         } else {
             ACCEPTED
         }
+    }
+
+    /// The part of a tolerance that errors at sampled states may use.
+    fn sampled(&self) -> f64 {
+        SAMPLED * self.accepted()
+    }
+
+    /// The part of a tolerance that a series may use.
+    fn of_series(&self) -> f64 {
+        SERIES * self.accepted()
     }
 }
 

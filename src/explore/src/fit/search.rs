@@ -1,7 +1,7 @@
 //! Programs with the formats and sizes they are tried in.
 
 use super::challenge::Challenge;
-use super::format::{FormatErrors, FormatQuestion, MeasuredFormat, PART, WIDEST};
+use super::format::{FormatErrors, FormatQuestion, MeasuredFormat, WIDEST};
 use super::{
     CostMeasure, FitCandidate, FitError, FitOutcome, FitProgram, FitSources, FitTask, MOTION_STEPS,
     SinePlace, SineTreatment, bound, mixture, series, size, units, variants,
@@ -225,7 +225,7 @@ impl<'t, 'a> FitSearch<'t, 'a> {
                 continue;
             }
             progress(&format!("{}: units for sines and cosines", program.name));
-            let found = units::units(&self.question(program), format, PART)?;
+            let found = units::units(&self.question(program), format, self.task.sampled())?;
             for (unit, measured) in found {
                 self.add(unit, self.sizes[index].clone(), vec![measured]);
             }

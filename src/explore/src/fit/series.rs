@@ -64,10 +64,6 @@ impl fmt::Display for SineTreatment {
     }
 }
 
-/// The part of a tolerance that a series may use up; the rest is for
-/// rounding, whose format is chosen afterwards.
-const MODEL_PART: f64 = 0.5;
-
 /// Orders that are tried.
 const ORDERS: [u32; 7] = [1, 3, 5, 7, 9, 11, 13];
 
@@ -96,7 +92,7 @@ pub(super) fn write(
         for method in [SineTreatment::Taylor, SineTreatment::Minimax] {
             for treatment in ORDERS.map(method) {
                 let new = with_series(task, yardstick, &program, treatment)?;
-                let enough = new.model_share <= MODEL_PART;
+                let enough = new.model_share <= task.of_series();
                 written.push(new);
                 if enough {
                     break;

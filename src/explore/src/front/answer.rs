@@ -7,6 +7,7 @@ use robovec_error::yardstick::account::{measure_text, random_states};
 use robovec_fpga::hardware;
 use robovec_present::number::{exponential, share_percent};
 use robovec_present::text::{cut, distinct};
+use std::collections::BTreeSet;
 
 /// Indices of the points compared with a number of elements.
 #[derive(Clone, Copy, Debug)]
@@ -82,6 +83,16 @@ impl Front {
         places.filter_map(|place| self.answer(place)).collect()
     }
 
+    /// Points whose largest errors are searched for: those that an answer
+    /// compares and the steps, of all numbers of elements.
+    pub(super) fn searched(&self) -> BTreeSet<usize> {
+        let compared = self.answers().into_iter();
+        let compared = compared.flat_map(|answer| [Some(answer.thesis), answer.best]);
+        let places = 0..self.elements.len();
+        let steps = places.flat_map(|place| self.steps(place));
+        compared.flatten().chain(steps).collect()
+    }
+
     /// The comparison with the largest gain.
     pub(super) fn headlined(&self) -> Option<PlaceAnswer> {
         let answers = self.answers().into_iter().rev();
@@ -115,10 +126,13 @@ impl Front {
             let named = |point: &FrontPoint| format!("{}, {}", point.choice, point.format);
             lines.push(("thesis", named(thesis)));
             lines.extend(best.map(|best| ("ours", named(best))));
-            lines.push((
-                "worst error",
-                self.error_text(thesis, best.unwrap_or(thesis)),
-            ));
+            let best = best.unwrap_or(thesis);
+            lines.push(("worst error", self.error_text(thesis, best)));
+            if let (Some(before), Some(after)) = (thesis.found, best.found) {
+                let [before, after] = [before, after].map(exponential);
+                let text = format!("{before} -> {after}, found by a directed search");
+                lines.push(("", text));
+            }
         }
         let mut label = "elements";
         for answer in self.answers() {

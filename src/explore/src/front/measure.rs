@@ -47,6 +47,11 @@ pub struct FrontPoint {
     pub normwise: ErrorSpread,
     /// The output with the largest normwise error, and the state.
     pub worst: (String, usize),
+    /// Largest normwise error that a directed search finds, with the rounding
+    /// of real-valued inputs; `None` for points that others beat in cycles and
+    /// worst error.
+    #[serde(default)]
+    pub found: Option<f64>,
 }
 
 /// Measures a program in each of the choice's formats.
@@ -98,6 +103,7 @@ pub(super) fn measure(
             relative: errors.relative,
             normwise: errors.normwise,
             worst: worst(&errors),
+            found: None,
         })
     };
     choice.formats.iter().map(point).collect()

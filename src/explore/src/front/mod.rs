@@ -21,6 +21,7 @@ use crate::pareto::{self, EqualPoints};
 use crate::program::{ExplorationError, ProgramWorkshop, view};
 use crate::share::{SharedWork, WorkShare};
 use crate::store::PointKey;
+use crate::worst::worst;
 use crate::{ExplorationProgress, processor};
 use choice::FrontChoice;
 use measure::measure;
@@ -105,11 +106,13 @@ pub fn front(
     let left = leave_out(&yardstick, &mut function.others);
     let choices = choices(&function, question, progress)?;
     let keys = keys(&function, question, &choices);
+    let module = function.module.clone();
     let mut workshop = ProgramWorkshop::new(machine, function.module, function.others);
     let mut points: Vec<FrontPoint> = Vec::new();
+    let mut numbers: Vec<usize> = Vec::new();
     let (mut count, mut found) = (0, 0);
     let numbered = choices.iter().zip(keys).enumerate();
-    for (_, (choice, key)) in numbered.filter(|&(number, _)| work.share.holds(number)) {
+    for (number, (choice, key)) in numbered.filter(|&(number, _)| work.share.holds(number)) {
         progress(&choice.name);
         let kept: Option<Vec<FrontPoint>> = work.load(key);
         count += 1;
@@ -127,13 +130,14 @@ pub fn front(
         if question.cpu && operations <= processor::LARGEST {
             measure::time(&*program()?, &mut measured);
         }
+        numbers.resize(points.len() + measured.len(), number);
         points.extend(measured);
     }
     if work.share != WorkShare::ALL {
         return Ok(Explored::Share(counted(count, "choice"), found));
     }
     let verdicts = verdicts(&points, question.elements.len());
-    Ok(Explored::Whole(Front {
+    let mut front = Front {
         name: function.name,
         machine: machine.clone(),
         operations,
@@ -144,7 +148,16 @@ pub fn front(
         left,
         points,
         verdicts,
-    }))
+    };
+    progress("searching for the largest errors");
+    for index in front.searched() {
+        let (number, point) = (numbers[index], &mut front.points[index]);
+        let choice = &choices[number];
+        let program = workshop.program(choice.formulation, &choice.stages)?;
+        let format = point.format.parse().expect("formats of choices are valid");
+        point.found = Some(worst(&module, (&program, format), &function.states, None)?.found);
+    }
+    Ok(Explored::Whole(front))
 }
 
 /// The choices of the thesis, and those of robovec: a list, and the results of

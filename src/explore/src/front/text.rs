@@ -84,6 +84,7 @@ fn columns<'a>() -> ColumnList<'a, PointRow<'a>> {
         "normwise worst", [Exponent(1), Exponent(3)], |row| row.point.normwise.worst;
         "of", [Hidden, All], |row| row.point.worst.0.as_str();
         "in state", [Hidden, All], |row| row.point.worst.1;
+        "normwise found", [Exponent(1), Exponent(3)], |row| row.point.found;
         "standing", [All, All], |row| row.standing.clone();
     }
 }
@@ -203,6 +204,7 @@ impl Exploration for Front {
             "format", [All, All], |index| point(index).format.as_str();
             "cycles", [All, All], move |index| point(index).cycles[place];
             worst, [Exponent(1), All], |index| point(index).normwise.worst;
+            "found", [Exponent(1), All], |index| point(index).found;
             "", [All, All], mark;
         };
         list.text(&rows)
@@ -277,7 +279,7 @@ pub(crate) const STEPS: &str = "The steps connect the points that no other beats
 /// Maximum number of rows on the terminal.
 const SHOWN: usize = 10;
 /// Maximum number of characters of a choice there.
-const CHOICE: usize = 33;
+const CHOICE: usize = 24;
 
 /// Cycles against worst error with a number of elements: the front as steps, a
 /// colour and marker for every format, and both points that the answer

@@ -21,12 +21,12 @@ mod processor;
 mod proof;
 pub mod start;
 pub mod text;
-mod worst;
 
 use crate::device;
 use crate::placing::words_of_a_side;
 use crate::program::ExplorationError;
 use crate::share::SharedWork;
+use crate::worst::worst;
 pub use maker::MakerTally;
 use robovec_bench::Compiler;
 use robovec_error::yardstick::account::{ErrorAccount, random_states};
@@ -282,7 +282,8 @@ pub fn optimise(
     let front = optimised.shown(optimised.measure(question), text::SHOWN);
     let exact = &prepared.starts[0];
     for index in front {
-        let worst = worst::worst(exact, &modules[index], question);
+        let program = (&*modules[index], measure::format(question));
+        let worst = worst(exact, program, question.states, question.scene);
         let worst = worst.map_err(ExplorationError::from)?;
         optimised.points[index].found = Some(worst.found);
         optimised.points[index].proved = worst.proved;

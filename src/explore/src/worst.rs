@@ -6,15 +6,15 @@
 //! array that vanishes has no relative error. Inputs are real numbers, whose
 //! rounding to the format counts.
 
-use super::{OptimisationQuestion, measure};
 use crate::program::view;
 use robovec_analysis::adjoint::Tape;
 use robovec_analysis::interval::{GivenData, input_ranges};
 use robovec_analysis::norms::norm_bounds;
 use robovec_error::adversary::{Climbs, ROUND, StateBreeder};
 use robovec_error::yardstick::{QuickYardstick, Unmeasurable};
-use robovec_framework::scene::{Allowed, ArraySizes};
-use robovec_ir::{Input, Module};
+use robovec_framework::scene::{Allowed, ArraySizes, Scene};
+use robovec_ir::states::States;
+use robovec_ir::{Format, Input, Module};
 use robovec_num::interval::Interval;
 
 /// Operations that a search evaluates, about a second.
@@ -31,40 +31,42 @@ const LARGEST: usize = 6000;
 
 /// Largest errors of a program.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
-pub(super) struct WorstErrors {
+pub(crate) struct WorstErrors {
     /// The largest error that was found.
-    pub(super) found: f64,
+    pub(crate) found: f64,
     /// Bound for all states; `None` where there is none.
-    pub(super) proved: Option<f64>,
+    pub(crate) proved: Option<f64>,
 }
 
-/// The largest errors of a program for the function `exact`.
-pub(super) fn worst(
+/// The largest errors of a program in a number format for the function `exact`,
+/// in the ranges of the states. Sizes of arrays are those of the scene, or
+/// estimated. Fails when the program computes other arrays.
+pub(crate) fn worst(
     exact: &Module,
-    program: &Module,
-    question: &OptimisationQuestion<'_>,
+    (program, format): (&Module, Format),
+    states: &States,
+    scene: Option<&Scene>,
 ) -> Result<WorstErrors, Unmeasurable> {
     let (exact, program) = (view(exact), view(program));
-    let format = measure::format(question);
-    let sizes = ArraySizes::of(exact, question.scene);
+    let sizes = ArraySizes::of(exact, scene);
     let allowed = Allowed::new(program, None, 1.0, &sizes);
     let least = allowed.of(&vec![0.0; program.function.assignments.len()]);
     let quick = QuickYardstick::new(exact, (program, format), allowed)?;
     let ranges_of = |view| -> Vec<Interval> {
-        let inputs = input_ranges(view, question.states).into_iter();
+        let inputs = input_ranges(view, states).into_iter();
         inputs.map(|input| input.range).collect()
     };
     let ranges = ranges_of(exact);
     let breeder = StateBreeder::new((exact, format), |input| {
         let (array, indices, _) = exact.function.input_element(Input(input));
         let name = exact.tables.symbols.text(array.name);
-        let is_given = question.states.ranges().get(name, indices).is_some();
+        let is_given = states.ranges().get(name, indices).is_some();
         // Inertia tensors that are drawn are symmetric, which climbs do not keep.
         let Interval { low, high } = ranges[input as usize];
         (is_given || name != "In").then_some([low, high])
     });
-    let seed = question.states.seed();
-    let draw = |number: u64| question.states.draw(exact, number as u32);
+    let seed = states.seed();
+    let draw = |number: u64| states.draw(exact, number as u32);
     let starts: Vec<Vec<f64>> = (0..STARTS).map(draw).collect();
     let mut climbs = Climbs::new((&quick, &breeder), &starts, draw, seed);
     for _ in 0..(quick.states_of(WORK).min(STATES) / ROUND).max(1) {
