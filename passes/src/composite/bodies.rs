@@ -137,6 +137,20 @@ impl<N: Copy> Stand<N> {
         turned
     }
 
+    /// A vector of the parent in the axes of the frame.
+    pub(super) fn turn<R: Ring<Number = N>>(
+        &self,
+        ring: &mut R,
+        v: RingVector<N>,
+    ) -> RingVector<N> {
+        let zero = ring.zero();
+        let back = Stand {
+            sine: ring.sub(zero, self.sine),
+            ..*self
+        };
+        back.turn_back(ring, v)
+    }
+
     /// The transpose of the rotation times a matrix times the rotation.
     fn turn_matrix<R: Ring<Number = N>>(&self, ring: &mut R, m: RingMatrix<N>) -> RingMatrix<N> {
         let columns = transpose(m).map(|column| self.turn_back(ring, column));
@@ -189,6 +203,28 @@ impl<N: Copy> Stand<N> {
         let a = self.turn_matrix(ring, inertia.a);
         let b = self.turn_matrix(ring, inertia.b);
         let d = self.turn_matrix(ring, inertia.d);
+        self.shifted_inertia(ring, &CompositeInertia { a, b, d })
+    }
+
+    /// As [`Stand::inertia`] where `a` and `d` are symmetric over the reals.
+    pub(super) fn symmetric_inertia<R: Ring<Number = N>>(
+        &self,
+        ring: &mut R,
+        inertia: &CompositeInertia<N>,
+    ) -> CompositeInertia<N> {
+        let a = self.turn_symmetric(ring, &inertia.a);
+        let b = self.turn_matrix(ring, inertia.b);
+        let d = self.turn_symmetric(ring, &inertia.d);
+        self.shifted_inertia(ring, &CompositeInertia { a, b, d })
+    }
+
+    /// An inertia in the axes of the parent, about the parent's origin.
+    fn shifted_inertia<R: Ring<Number = N>>(
+        &self,
+        ring: &mut R,
+        inertia: &CompositeInertia<N>,
+    ) -> CompositeInertia<N> {
+        let CompositeInertia { a, b, d } = *inertia;
         let arm = self.arm(ring);
         // AM of the frame is AM - arm~ OM of the parent, and the torque gets
         // arm x FM: with ~ the cross product's matrix,
@@ -383,6 +419,47 @@ impl<N: Copy> CompositeInertia<N> {
         }
     }
 
+    /// What a joint that is free leaves of the inertia, for the wrench of its
+    /// unit acceleration and this wrench over its part along the joint. `a` and
+    /// `d` are taken to be symmetric.
+    pub(super) fn without<R: Ring<Number = N>>(
+        &self,
+        ring: &mut R,
+        joint: JointAxis,
+        unit: &UnitWrench<N>,
+        share: &UnitWrench<N>,
+    ) -> CompositeInertia<N> {
+        let zero = ring.zero();
+        let mut less = |whole: N, left: N, right: N| {
+            let part = ring.mul(left, right);
+            ring.sub(whole, part)
+        };
+        let mut free = *self;
+        for r in 0..3 {
+            for c in 0..3 {
+                free.b[r][c] = less(self.b[r][c], share.force[r], unit.torque[c]);
+            }
+            for c in r..3 {
+                free.a[r][c] = less(self.a[r][c], share.force[r], unit.force[c]);
+                free.d[r][c] = less(self.d[r][c], share.torque[r], unit.torque[c]);
+                (free.a[c][r], free.d[c][r]) = (free.a[r][c], free.d[r][c]);
+            }
+        }
+        for other in 0..3 {
+            match joint {
+                JointAxis::Revolute(axis) => {
+                    free.b[other][axis] = zero;
+                    (free.d[axis][other], free.d[other][axis]) = (zero, zero);
+                }
+                JointAxis::Prismatic(axis) => {
+                    free.b[axis][other] = zero;
+                    (free.a[axis][other], free.a[other][axis]) = (zero, zero);
+                }
+            }
+        }
+        free
+    }
+
     /// The row of the frame's own joint: the force component that does work in
     /// it, for any acceleration, and by symmetry the force for its own unit
     /// acceleration.
@@ -401,6 +478,28 @@ impl<N: Copy> CompositeInertia<N> {
 }
 
 impl<N: Copy> UnitWrench<N> {
+    /// The components of the force, then of the torque.
+    pub(super) fn parts(&self) -> impl Iterator<Item = N> {
+        self.force.into_iter().chain(self.torque)
+    }
+
+    /// The wrench with each component replaced.
+    pub(super) fn map(self, mut number: impl FnMut(N) -> N) -> UnitWrench<N> {
+        UnitWrench {
+            force: self.force.map(&mut number),
+            torque: self.torque.map(&mut number),
+        }
+    }
+
+    /// The wrench with another part along a joint.
+    pub(super) fn with(mut self, joint: JointAxis, part: N) -> UnitWrench<N> {
+        match joint {
+            JointAxis::Revolute(axis) => self.torque[axis] = part,
+            JointAxis::Prismatic(axis) => self.force[axis] = part,
+        }
+        self
+    }
+
     /// The part that does work in a joint.
     pub(super) fn along(&self, joint: JointAxis) -> N {
         match joint {

@@ -117,7 +117,7 @@ pub(super) fn bias_forces<S: MovingSystem>(
 }
 
 /// The sum of two wrenches about the same origin.
-fn sum<S: MovingSystem>(
+pub(super) fn sum<S: MovingSystem>(
     system: &mut S,
     first: UnitWrench<S::Number>,
     second: UnitWrench<S::Number>,

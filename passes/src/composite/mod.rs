@@ -1,8 +1,9 @@
-//! The mass matrix from composite bodies.
+//! The mass matrix, or accelerations, from composite bodies.
 //!
 //! `model` reads the inputs of the system, `tree`, with `axes` and `points`,
-//! finds the joints from the values of the function at the states of `probe`,
-//! `bodies`, `matrix` and `forces` have the mechanics over any ring, and
+//! finds the joints from the values of the function at the states of `probe`
+//! (`solved` for accelerations), `bodies`, `matrix`, `forces` and `solve` have
+//! the mechanics over any ring, `quotients` compares accelerations, and
 //! `write` makes the new equations as values of the network of `factor`, so
 //! that zero, equal or opposite values are never computed.
 
@@ -13,6 +14,9 @@ mod matrix;
 mod model;
 mod points;
 mod probe;
+mod quotients;
+mod solve;
+mod solved;
 mod tree;
 mod write;
 
@@ -45,6 +49,15 @@ declare_pass! {
     /// kept, and so are elements that do not follow from a tree, and a matrix
     /// that would not become cheaper.
     ///
+    /// A function of accelerations (`qdd` of all joints among the outputs, `Qq`
+    /// among the inputs) rests on a mass matrix: the inverse of the
+    /// derivatives of `qdd` by `Qq`. Its tree is found in the same way, with
+    /// usual masses added where a body alone would leave the matrix singular,
+    /// and the accelerations are computed by articulated bodies (the same book,
+    /// section 7.3) or by factors of the matrix that follow the tree (section
+    /// 6.5), whichever takes fewer operations. Driven joints and loops are not
+    /// recognised there.
+    ///
     /// The masses are the same in all frames only if sin^2 + cos^2 = 1.
     /// Robotran itself uses this when it adds masses.
     pub struct Composite("composite") {}
@@ -61,7 +74,8 @@ impl Pass for Composite {
         let weights = Weights::cycles(context.machine);
         let mut network = factor::read::read(function, context.tables, true);
         let Some(model) = ModelInputs::find(function, &network, context.tables) else {
-            let remark = "there is no mass matrix over Robotran's inputs";
+            let remark = "there is no mass matrix, and no acceleration of every joint for its \
+                          force, over Robotran's inputs";
             context.remarks.push(remark.to_owned());
             return Ok(());
         };
@@ -69,8 +83,11 @@ impl Pass for Composite {
         let before = network.cost;
         let rebuilt = write::rebuild(&mut network, &model, &places, function, context.tables);
         let unexplained = rebuilt.unexplained;
-        let given = model.elements.iter().flatten().count();
-        let explained = given - unexplained.len();
+        let outputs = match &model.solved {
+            Some(solved) => &solved.places,
+            None => &model.elements,
+        };
+        let explained = outputs.iter().flatten().count() - unexplained.len();
         context
             .remarks
             .extend(remark(&model, &unexplained, explained));
@@ -88,15 +105,26 @@ impl Pass for Composite {
     }
 }
 
-/// Remark on elements that no tree of bodies explains.
+/// Remark on outputs that no tree of bodies explains.
 fn remark(model: &ModelInputs, unexplained: &[usize], explained: usize) -> Option<String> {
     let (&first, count) = (unexplained.first()?, model.len());
-    let element = format!("M[{},{}]", first / count + 1, first % count + 1);
+    let (whole, elements, element) = match model.solved {
+        Some(_) => (
+            "the accelerations are not those",
+            "accelerations",
+            format!("qdd[{}]", first + 1),
+        ),
+        None => (
+            "the mass matrix is not that",
+            "elements of the mass matrix",
+            format!("M[{},{}]", first / count + 1, first % count + 1),
+        ),
+    };
     Some(match explained {
-        0 => "the mass matrix is not that of a tree of bodies".to_owned(),
+        0 => format!("{whole} of a tree of bodies"),
         _ => format!(
-            "{} of {} elements of the mass matrix, {element} the first, are not those of a tree \
-             of bodies and stay as they are",
+            "{} of {} {elements}, {element} the first, are not those of a tree of bodies and stay \
+             as they are",
             unexplained.len(),
             explained + unexplained.len(),
         ),

@@ -71,6 +71,16 @@ pub(super) struct ModelInputs {
     pub(super) elements: Vec<Option<usize>>,
     /// Other inputs on which the forces depend.
     pub(super) motion: MotionInputs,
+    /// The accelerations that are computed instead of the mass matrix.
+    pub(super) solved: Option<SolvedMotion>,
+}
+
+/// Accelerations of all joints for given forces.
+pub(super) struct SolvedMotion {
+    /// The place of the assignment of each acceleration, by joint.
+    pub(super) places: Vec<Option<usize>>,
+    /// The force of each joint.
+    pub(super) efforts: Vec<Option<Input>>,
 }
 
 /// The input elements that forces depend on and the mass matrix does not, by
@@ -92,14 +102,18 @@ pub(super) struct MotionInputs {
 /// in their number.
 const MAX_JOINTS: usize = 1000;
 
+/// The same where accelerations are computed, whose mass matrix takes an
+/// evaluation for each of its columns.
+const MAX_SOLVED: usize = 130;
+
 impl ModelInputs {
     /// The number of joints.
     pub(super) fn len(&self) -> usize {
         self.coordinates.len()
     }
 
-    /// Looks for Robotran's arrays; `None` when the function has no mass
-    /// matrix over them.
+    /// Looks for Robotran's arrays; `None` when the function computes neither a
+    /// mass matrix nor accelerations of all joints over them.
     pub(super) fn find(
         function: &Function,
         network: &FactorNetwork,
@@ -109,12 +123,16 @@ impl ModelInputs {
             let symbol = tables.symbols.find(name)?;
             arrays.iter().find(|array| array.name == symbol).copied()
         };
-        let matrix = named(function.outputs(), "M")?;
-        let Shape::Matrix(joints, columns) = matrix.shape else {
-            return None;
+        let matrix = named(function.outputs(), "M");
+        let accelerations = named(function.outputs(), "qdd");
+        let of = |array: Option<Array>| array.map(|array| array.shape);
+        let (joints, most) = match (of(matrix), of(accelerations)) {
+            (Some(Shape::Matrix(rows, columns)), _) if rows == columns => (rows, MAX_JOINTS),
+            (None, Some(Shape::Vector(joints))) => (joints, MAX_SOLVED),
+            _ => return None,
         };
         let count = joints as usize;
-        if joints != columns || count == 0 || count > MAX_JOINTS {
+        if count == 0 || count > most {
             return None;
         }
         let read = read_inputs(network);
@@ -145,23 +163,32 @@ impl ModelInputs {
                 .collect(),
             _ => Vec::new(),
         };
-        let mut elements = vec![None; count * count];
-        for (place, assignment) in function.assignments.iter().enumerate() {
-            let index = (assignment.output.0 as usize).wrapping_sub(matrix.offset as usize);
-            let zero = function.number(assignment.operand) == Some(0.0);
-            if index < elements.len() && !zero {
-                elements[index] = Some(place);
-            }
-        }
-        let mut biases = vec![None; count];
-        let forces = named(function.outputs(), "c");
-        if let Some(array) = forces.filter(|array| array.shape == Shape::Vector(joints)) {
+        // The places of the assignments of an array, if they are not zero.
+        let places = |array: Option<Array>, length: usize| {
+            let mut places = vec![None; length];
+            let Some(array) = array.filter(|array| array.shape.len() == length) else {
+                return places;
+            };
             for (place, assignment) in function.assignments.iter().enumerate() {
                 let index = (assignment.output.0 as usize).wrapping_sub(array.offset as usize);
-                if index < count && function.number(assignment.operand) != Some(0.0) {
-                    biases[index] = Some(place);
+                if index < length && function.number(assignment.operand) != Some(0.0) {
+                    places[index] = Some(place);
                 }
             }
+            places
+        };
+        let solved = match matrix {
+            Some(_) => None,
+            None => Some(SolvedMotion {
+                places: places(accelerations, count),
+                efforts: by_joint(named(inputs, "Qq")).collect(),
+            }),
+        };
+        let is_free = |solved: &SolvedMotion| {
+            solved.places.iter().all(Option::is_some) && solved.efforts.iter().all(Option::is_some)
+        };
+        if !solved.as_ref().is_none_or(is_free) {
+            return None;
         }
         Some(ModelInputs {
             coordinates: by_joint(q).collect(),
@@ -171,11 +198,12 @@ impl ModelInputs {
                 gravity: [1, 2, 3].map(|axis| element(g, &[axis])),
                 forces: by_body(frc).collect(),
                 torques: by_body(trq).collect(),
-                biases,
+                biases: places(named(function.outputs(), "c"), count),
             },
             bodies: bodies.collect(),
             points,
-            elements,
+            elements: places(matrix, count * count),
+            solved,
         })
     }
 

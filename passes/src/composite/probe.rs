@@ -9,15 +9,21 @@
 use super::bodies::{RigidBody, Ring, Stand};
 use super::matrix::{BodySystem, JointPlacement};
 use super::model::{ModelInputs, SystemInput};
+use super::solved::SolvedMatrix;
 use robovec_ir::Function;
 use robovec_ir::plan::EvaluationPlan;
 use robovec_num::arithmetic::Binary64;
+
+/// Part of the largest element of a matrix below which an element is zero.
+pub(super) const ZERO: f64 = 1e-11;
 
 /// A mass matrix in numbers.
 pub(super) struct ProbedMatrix {
     count: usize,
     values: Vec<f64>,
     largest: f64,
+    /// Part of it below which an element is zero.
+    zero: f64,
 }
 
 impl ProbedMatrix {
@@ -38,7 +44,7 @@ impl ProbedMatrix {
 
     /// True for an element that is zero except for rounding.
     pub(super) fn is_zero(&self, row: usize, column: usize) -> bool {
-        self.at(row, column).abs() <= 1e-11 * self.largest
+        self.at(row, column).abs() <= self.zero * self.largest
     }
 }
 
@@ -50,6 +56,19 @@ pub(super) fn near(a: f64, b: f64, size: f64) -> bool {
 /// Evaluates the mass matrix.
 pub(super) struct MatrixProbe<'a> {
     model: &'a ModelInputs,
+    source: MatrixSource<'a>,
+}
+
+/// Origin of the mass matrix.
+enum MatrixSource<'a> {
+    /// The outputs of the function.
+    Outputs(OutputMatrix),
+    /// Accelerations that the function computes.
+    Solved(SolvedMatrix<'a>),
+}
+
+/// A mass matrix among the outputs of a function.
+struct OutputMatrix {
     plan: EvaluationPlan,
     /// For each element of the matrix, row by row, its place among the
     /// outputs of the plan.
@@ -61,6 +80,40 @@ pub(super) struct MatrixProbe<'a> {
 impl<'a> MatrixProbe<'a> {
     /// Makes a function ready.
     pub(super) fn new(function: &Function, model: &'a ModelInputs) -> MatrixProbe<'a> {
+        let source = match &model.solved {
+            Some(solved) => MatrixSource::Solved(SolvedMatrix::new(function, model, solved)),
+            None => MatrixSource::Outputs(OutputMatrix::new(function, model)),
+        };
+        MatrixProbe { model, source }
+    }
+
+    /// Operations of one evaluation.
+    pub(super) fn work(&self) -> usize {
+        match &self.source {
+            MatrixSource::Outputs(matrix) => matrix.plan.len(),
+            MatrixSource::Solved(matrix) => matrix.work(),
+        }
+    }
+
+    /// The matrix at a state. Inputs that are none of the system's are one.
+    pub(super) fn matrix(&mut self, number: impl Fn(SystemInput) -> f64) -> ProbedMatrix {
+        let (values, zero) = match &mut self.source {
+            MatrixSource::Outputs(matrix) => (matrix.values(self.model, number), ZERO),
+            MatrixSource::Solved(matrix) => matrix.values(number),
+        };
+        ProbedMatrix {
+            count: self.model.len(),
+            largest: values
+                .iter()
+                .fold(0.0, |largest, value| value.abs().max(largest)),
+            values,
+            zero,
+        }
+    }
+}
+
+impl OutputMatrix {
+    fn new(function: &Function, model: &ModelInputs) -> OutputMatrix {
         let mut wanted: Vec<usize> = model.elements.iter().copied().flatten().collect();
         wanted.sort_unstable();
         let count = model.len();
@@ -70,8 +123,7 @@ impl<'a> MatrixProbe<'a> {
             let assignment = model.elements[index].or(model.elements[mirrored])?;
             wanted.binary_search(&assignment).ok()
         };
-        MatrixProbe {
-            model,
+        OutputMatrix {
             places: (0..count * count).map(place).collect(),
             plan: EvaluationPlan::of(function, |place| wanted.binary_search(&place).is_ok()),
             inputs: function.input_len(),
@@ -79,28 +131,14 @@ impl<'a> MatrixProbe<'a> {
         }
     }
 
-    /// Operations of one evaluation.
-    pub(super) fn work(&self) -> usize {
-        self.plan.len()
-    }
-
-    /// The matrix at a state. Inputs that are none of the system's are one.
-    pub(super) fn matrix(&mut self, number: impl Fn(SystemInput) -> f64) -> ProbedMatrix {
+    fn values(&mut self, model: &ModelInputs, number: impl Fn(SystemInput) -> f64) -> Vec<f64> {
         let mut inputs = vec![1.0; self.inputs];
-        self.model
-            .visit(|place, input| inputs[input.0 as usize] = number(place));
+        model.visit(|place, input| inputs[input.0 as usize] = number(place));
         let outputs = self.plan.run(&Binary64, &inputs, &mut self.memory);
         let places = self.places.iter();
-        let values: Vec<f64> = places
+        places
             .map(|place| place.map_or(0.0, |place| outputs[place]))
-            .collect();
-        ProbedMatrix {
-            count: self.model.len(),
-            largest: values
-                .iter()
-                .fold(0.0, |largest, value| value.abs().max(largest)),
-            values,
-        }
+            .collect()
     }
 }
 

@@ -3,7 +3,9 @@
 use super::bodies::{CompositeInertia, JointAxis, RigidBody, Ring, RingVector, Stand, UnitWrench};
 use super::forces::{MovingSystem, bias_forces};
 use super::matrix::{BodySystem, JointPlacement, mass_matrix};
-use super::model::ModelInputs;
+use super::model::{ModelInputs, SolvedMotion};
+use super::quotients;
+use super::solve::{SolvingSystem, articulated, factorised};
 use crate::factor::network::{Edge, FactorKind, FactorNetwork, NodeOrigin, ONE, ZERO};
 use robovec_framework::rewrite::output_symbol;
 use robovec_ir::{Function, Input, Name, Operand, Operation, Tables};
@@ -117,6 +119,22 @@ impl MovingSystem for EquationWriter<'_> {
     }
 }
 
+impl SolvingSystem for EquationWriter<'_> {
+    fn one(&mut self) -> Edge {
+        Edge::new(ONE as u32, false)
+    }
+
+    fn div(&mut self, a: Edge, b: Edge) -> Edge {
+        let operation = Operation::Div;
+        let [a_value, b_value] = [a, b].map(|edge| self.network.value(edge));
+        let images = &self.network.values.images;
+        let value = images.apply(operation, [a_value, b_value, b_value]);
+        let kind = FactorKind::Other(operation);
+        self.network
+            .find_or_push(kind, vec![a, b], value, self.origin)
+    }
+}
+
 /// Tree of bodies found in a function.
 pub(super) struct RebuiltEquations {
     /// The elements of the mass matrix, row by row and counted from 0, that
@@ -136,8 +154,11 @@ pub(super) fn rebuild(
     tables: &mut Tables,
 ) -> RebuiltEquations {
     let origins = origins(network, model, function, tables);
+    if let Some(solved) = &model.solved {
+        return resolve(network, (model, solved), places, &origins);
+    }
     let mut composites = Vec::new();
-    let unexplained = exchange(network, &model.elements, |network| {
+    let unexplained = exchange(network, &model.elements, same_values, |network| {
         let mut writer = EquationWriter {
             network,
             model,
@@ -157,7 +178,7 @@ pub(super) fn rebuild(
         .flat_map(CompositeInertia::parts)
         .collect();
     held.iter().for_each(|&edge| network.acquire(edge));
-    let kept = exchange(network, &model.motion.biases, |network| {
+    let kept = exchange(network, &model.motion.biases, same_values, |network| {
         let mut writer = EquationWriter {
             network,
             model,
@@ -170,16 +191,67 @@ pub(super) fn rebuild(
     let given = model.motion.biases.iter().flatten().count();
     let mut forces = given - kept.len();
     if network.cost >= before {
-        for &place in model.motion.biases.iter().flatten() {
-            network.acquire(old[place]);
-            network.release(network.outputs[place]);
-            network.outputs[place] = old[place];
-        }
+        restore(network, &model.motion.biases, &old);
         forces = 0;
     }
     RebuiltEquations {
         unexplained,
         forces,
+    }
+}
+
+/// Gives outputs their former equations.
+fn restore(network: &mut FactorNetwork, places: &[Option<usize>], old: &[Edge]) {
+    for &place in places.iter().flatten() {
+        network.acquire(old[place]);
+        network.release(network.outputs[place]);
+        network.outputs[place] = old[place];
+    }
+}
+
+/// Computes the accelerations of a network from the tree of bodies instead: by
+/// articulated bodies or the factorised mass matrix, whichever takes fewer
+/// operations.
+fn resolve(
+    network: &mut FactorNetwork,
+    (model, solved): (&ModelInputs, &SolvedMotion),
+    places: &[JointPlacement],
+    origins: &[NodeOrigin],
+) -> RebuiltEquations {
+    let write = |network: &mut FactorNetwork, is_articulated: bool| {
+        exchange(network, &solved.places, quotients::equal, |network| {
+            let mut writer = EquationWriter {
+                network,
+                model,
+                origins,
+                origin: NodeOrigin::NONE,
+            };
+            let (matrix, composites) = mass_matrix(&mut writer, places);
+            let biases = bias_forces(&mut writer, places, &composites);
+            let efforts = solved.efforts.iter().zip(biases);
+            let forces = efforts.map(|(&effort, bias)| {
+                let effort = writer.input(effort);
+                writer.sub(effort, bias)
+            });
+            let forces: Vec<Edge> = forces.collect();
+            if is_articulated {
+                articulated(&mut writer, places, &forces)
+            } else {
+                factorised(&mut writer, places, matrix, forces)
+            }
+        })
+    };
+    let mut unexplained = write(network, true);
+    let (before, old) = (network.cost, network.outputs.clone());
+    let others = write(network, false);
+    if (others.len(), network.cost) < (unexplained.len(), before) {
+        unexplained = others;
+    } else {
+        restore(network, &solved.places, &old);
+    }
+    RebuiltEquations {
+        unexplained,
+        forces: 0,
     }
 }
 
@@ -189,6 +261,7 @@ pub(super) fn rebuild(
 fn exchange(
     network: &mut FactorNetwork,
     places: &[Option<usize>],
+    equal: impl FnOnce(&FactorNetwork, &[[Edge; 2]]) -> Vec<bool>,
     make: impl FnOnce(&mut FactorNetwork) -> Vec<Edge>,
 ) -> Vec<usize> {
     let targets: Vec<(usize, usize, Edge)> = places
@@ -204,9 +277,11 @@ fn exchange(
     // What only the old equations need must not be found again by its value.
     network.forget_unused(&network.order());
     let made = make(network);
+    let pairs = targets.iter().map(|&(index, _, old)| [made[index], old]);
+    let pairs: Vec<[Edge; 2]> = pairs.collect();
+    let equal = equal(network, &pairs);
     let mut kept = Vec::new();
-    for (index, place, old) in targets {
-        let equal = network.value(made[index]) == network.value(old);
+    for ((index, place, old), equal) in targets.into_iter().zip(equal) {
         let chosen = if equal { made[index] } else { old };
         if !equal {
             kept.push(index);
@@ -215,6 +290,14 @@ fn exchange(
         network.acquire(chosen);
     }
     kept
+}
+
+/// Tests pairs of edges for the same value.
+fn same_values(network: &FactorNetwork, pairs: &[[Edge; 2]]) -> Vec<bool> {
+    let pairs = pairs.iter();
+    pairs
+        .map(|&[made, old]| network.value(made) == network.value(old))
+        .collect()
 }
 
 /// For each joint the origin of its equations: the diagonal element of the
@@ -229,7 +312,9 @@ fn origins(
     let mut origins = Vec::with_capacity(count);
     for joint in 0..count {
         let row = &model.elements[joint * count..(joint + 1) * count];
+        let solved = model.solved.as_ref();
         let place = row[joint]
+            .or_else(|| solved.and_then(|solved| solved.places[joint]))
             .or_else(|| row.iter().find_map(|&place| place))
             .or_else(|| model.elements.iter().find_map(|&place| place));
         let Some(place) = place else {
