@@ -319,6 +319,7 @@ fn laws(row: &LimitRow, value: &str, folder: &Path) -> Vec<Invocation> {
         .replacen("friction = 1.0\nfriction", "friction", 1),
         "value" => format!("[[event]]\nname = \"R1_Lower\"\n{name} = {value}\n"),
         "normal" => format!("[[contact]]\nname = \"*\"\n{name} = [0, {value}, 0]\n"),
+        "radius" | "axis" | "longitudinal" | "lateral" | "B" | "C" | "D" | "E" => tyre(name, value),
         "torque" => format!("[[force]]\nname = \"*\"\n{name} = [{value}, 0, 0]\n"),
         _ => format!(
             "[[driven]]\nname = \"R1_Upper\"\namplitude = 0.1\nfrequency = 1.0\n{name} = {value}\n"
@@ -336,6 +337,33 @@ fn laws(row: &LimitRow, value: &str, folder: &Path) -> Vec<Invocation> {
     vec![robovec(&format!(
         "sim {model} --laws laws.toml --time=0.1 --max-steps=100000"
     ))]
+}
+
+/// A tyre with one number.
+fn tyre(name: &str, value: &str) -> String {
+    let entry = |key: &str, usual: &str| {
+        let number = if key == name { value } else { usual };
+        format!("{key} = {number}")
+    };
+    let common = format!(
+        "[[tyre]]\nname = \"*\"\nstiffness = 1.0\n{}\n",
+        entry("radius", "0.3")
+    );
+    let curve = ["B", "C", "D", "E"].map(|key| entry(key, "1.0")).join(", ");
+    let law = match name {
+        "axis" => format!("axis = [0, 1, {value}]\n"),
+        _ => String::new(),
+    } + &match name {
+        "B" | "C" | "D" | "E" => {
+            format!("law = \"bakker\"\nlongitudinal = {{ {curve} }}\nlateral = {{ {curve} }}\n")
+        }
+        _ => format!(
+            "law = \"linear\"\nfriction = 1.0\n{}\n{}\n",
+            entry("longitudinal", "1e3"),
+            entry("lateral", "1e3")
+        ),
+    };
+    common + &law
 }
 
 fn plan_text(elements: &str, grid: &str) -> String {

@@ -9,4 +9,5 @@ mod failures;
 mod forces;
 mod models;
 mod runs;
+mod tyre;
 mod whole_step;

@@ -2,7 +2,9 @@
 //! pull, and dry friction along the plane.
 
 use super::energy::{CartesianVector, dot};
+use super::varied::{Varied, VariedVector, inner};
 use serde::Deserialize;
+use std::array::from_fn;
 
 /// The velocity around which friction turns over when a law does not specify it, m/s
 /// or rad/s.
@@ -51,13 +53,33 @@ impl Default for Contact {
     }
 }
 
-/// Force of a contact on its point.
+/// Force of the ground on a body.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
-pub(super) struct ContactForce {
-    /// On the point, along the axes of the base, N.
-    pub(super) force: CartesianVector,
-    /// The part of it that its spring keeps and gives back, N.
-    pub(super) spring: CartesianVector,
+pub(super) struct GroundForce {
+    /// Along the axes of the base, N.
+    pub(super) force: VariedVector,
+    /// About the point of the external force, N m.
+    pub(super) torque: VariedVector,
+    /// The power of what its spring does not keep and give back, W.
+    pub(super) power: f64,
+}
+
+/// Force of a contact along its normal.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct ContactPressure {
+    /// Size of the force, N.
+    pub(super) size: Varied,
+    /// The power of its damper, W.
+    pub(super) power: f64,
+}
+
+/// A vector of length one in the direction of another.
+pub(super) fn direction(vector: CartesianVector) -> CartesianVector {
+    // Scaled first, so that no square leaves the range.
+    let most = vector.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+    let scaled = vector.map(|x| x / most);
+    let length = dot(scaled, scaled).sqrt();
+    scaled.map(|x| x / length)
 }
 
 impl Contact {
@@ -66,78 +88,59 @@ impl Contact {
         self.stiffness != 0.0 || self.damping != 0.0
     }
 
-    /// The normal of length one.
-    fn direction(&self) -> CartesianVector {
-        // Scaled first, so that no square leaves the range.
-        let most = self.normal.iter().fold(0.0f64, |most, x| most.max(x.abs()));
-        let scaled = self.normal.map(|x| x / most);
-        let length = dot(scaled, scaled).sqrt();
-        scaled.map(|x| x / length)
-    }
-
     /// Height of a point above the plane, m, and its rate, m/s.
-    pub fn gap(&self, place: [f64; 3], velocity: [f64; 3]) -> [f64; 2] {
-        let normal = self.direction();
-        let arm: CartesianVector = std::array::from_fn(|k| place[k] - self.place[k]);
-        [dot(normal, arm), dot(normal, velocity)]
+    pub(super) fn gap(&self, place: VariedVector, velocity: VariedVector) -> [Varied; 2] {
+        let normal = self.unit_normal();
+        let arm = from_fn(|k| place[k] - Varied::fixed(self.place[k]));
+        [inner(normal, arm), inner(normal, velocity)]
     }
 
-    /// The energy of the spring, J.
-    pub(super) fn energy(&self, place: CartesianVector) -> f64 {
-        let [gap, _] = self.gap(place, [0.0; 3]);
-        let way = (-gap).max(0.0);
+    /// The normal of length one.
+    pub(super) fn unit_normal(&self) -> VariedVector {
+        direction(self.normal).map(Varied::fixed)
+    }
+
+    /// The energy of the spring at a height above the plane, J.
+    pub(super) fn energy(&self, gap: Varied) -> f64 {
+        let way = (-gap.value).max(0.0);
         0.5 * self.stiffness * way * way
     }
 
-    /// The derivative of the force on a point along a direction of its place
-    /// and its velocity. Where the point just touches, that of being in the air.
-    pub(super) fn force_along(
-        &self,
-        [place, velocity]: [CartesianVector; 2],
-        [place_slope, velocity_slope]: [CartesianVector; 2],
-    ) -> CartesianVector {
-        let [gap, rate] = self.gap(place, velocity);
-        let normal = self.direction();
-        let (gap_slope, rate_slope) = (dot(normal, place_slope), dot(normal, velocity_slope));
-        let pressure = -self.stiffness * gap - self.damping * rate;
-        if gap >= 0.0 || pressure <= 0.0 {
-            return [0.0; 3];
+    /// The force along the normal; `None` in the air, also where the point just
+    /// touches.
+    pub(super) fn pressure(&self, [gap, rate]: [Varied; 2]) -> Option<ContactPressure> {
+        if gap.value >= 0.0 {
+            return None;
         }
-        let slope = -self.stiffness * gap_slope - self.damping * rate_slope;
-        let slip: CartesianVector = std::array::from_fn(|k| velocity[k] - rate * normal[k]);
-        let moved: CartesianVector =
-            std::array::from_fn(|k| velocity_slope[k] - rate_slope * normal[k]);
-        let around = turning_velocity(self.slip);
-        let speed = dot(slip, slip).sqrt().hypot(around);
-        std::array::from_fn(|k| {
-            let turned = moved[k] - slip[k] * dot(slip, moved) / (speed * speed);
-            let along = (slope * slip[k] + pressure * turned) / speed;
-            slope * normal[k] - self.friction * along
+        let spring = gap * -self.stiffness;
+        let pushed = spring - rate * self.damping;
+        let size = if pushed.value > 0.0 {
+            pushed
+        } else {
+            Varied::default()
+        };
+        Some(ContactPressure {
+            size,
+            power: (size.value - spring.value) * rate.value,
         })
     }
 
     /// The force on a point.
-    pub(super) fn force(&self, place: CartesianVector, velocity: CartesianVector) -> ContactForce {
+    pub(super) fn force(&self, place: VariedVector, velocity: VariedVector) -> GroundForce {
         let [gap, rate] = self.gap(place, velocity);
-        if gap >= 0.0 {
-            return ContactForce::default();
-        }
-        let spring = -self.stiffness * gap;
-        let pressure = (spring - self.damping * rate).max(0.0);
-        let normal = self.direction();
-        let slip: CartesianVector = std::array::from_fn(|k| velocity[k] - rate * normal[k]);
-        let speed = dot(slip, slip).sqrt();
-        let share = self.friction * pressure * friction_share(speed, self.slip);
-        let along = |k: usize| {
-            if speed > 0.0 {
-                share * slip[k] / speed
-            } else {
-                0.0
-            }
+        let Some(pressure) = self.pressure([gap, rate]) else {
+            return GroundForce::default();
         };
-        ContactForce {
-            force: std::array::from_fn(|k| pressure * normal[k] - along(k)),
-            spring: normal.map(|part| spring * part),
+        let normal = self.unit_normal();
+        let slip: VariedVector = from_fn(|k| velocity[k] - rate * normal[k]);
+        let around = Varied::fixed(turning_velocity(self.slip));
+        let square = inner(slip, slip);
+        let speed = (square + around * around).sqrt();
+        let share = pressure.size * self.friction / speed;
+        GroundForce {
+            force: from_fn(|k| pressure.size * normal[k] - share * slip[k]),
+            torque: VariedVector::default(),
+            power: pressure.power - share.value * square.value,
         }
     }
 }

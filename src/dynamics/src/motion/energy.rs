@@ -1,8 +1,9 @@
 //! Energies, reckoned from the model by plain kinematics in the base frame
 //! and not from its equations.
 
+use super::varied::PointMotion;
 use crate::kinematics::MotionState;
-use robovec_model::{Anchor, Axis, Model};
+use robovec_model::{Axis, Model};
 use std::array::from_fn;
 
 /// A vector along the axes of the base, or of a body.
@@ -188,46 +189,32 @@ pub(super) fn momenta(model: &Model, state: &MotionState) -> Momenta {
     sum
 }
 
-/// The positions and velocities of places.
-fn motions<'a>(
-    model: &'a Model,
-    state: &MotionState,
-    places: impl IntoIterator<Item = Anchor> + 'a,
-) -> impl Iterator<Item = [CartesianVector; 2]> + 'a {
-    let frames = frames(model, state);
-    places.into_iter().map(move |place| {
-        let frame = frame(&frames, model.last_joint(place.body));
-        let coordinates = model.coordinates(place.point);
-        frame.point(coordinates).into()
-    })
-}
-
 /// The lengths of all links.
 pub(super) fn lengths(model: &Model, state: &MotionState) -> Vec<f64> {
-    let ends = model.links.iter().flat_map(|link| link.ends);
-    let positions: Vec<CartesianVector> = motions(model, state, ends)
-        .map(|[position, _]| position)
-        .collect();
-    positions
-        .chunks_exact(2)
-        .map(|ends| {
-            let span = add(ends[1], scaled(ends[0], -1.0));
-            dot(span, span).sqrt()
-        })
-        .collect()
-}
-
-/// The positions and velocities of the points of all external forces.
-pub(super) fn point_motions(model: &Model, state: &MotionState) -> Vec<[CartesianVector; 2]> {
-    let places = model.forces.iter().map(|force| Anchor {
-        body: model.points[force.point].body,
-        point: Some(force.point),
+    let frames = frames(model, state);
+    let lengths = model.links.iter().map(|link| {
+        let [from, to] = link.ends.map(|end| {
+            let frame = frame(&frames, model.last_joint(end.body));
+            frame.point(model.coordinates(end.point)).0
+        });
+        let span = add(to, scaled(from, -1.0));
+        dot(span, span).sqrt()
     });
-    motions(model, state, places).collect()
+    lengths.collect()
 }
 
-/// The positions of the points of all external forces.
-pub(super) fn force_points(model: &Model, state: &MotionState) -> Vec<CartesianVector> {
-    let motions = point_motions(model, state).into_iter();
-    motions.map(|[position, _]| position).collect()
+/// Motion of the points of all external forces.
+pub(super) fn point_motions(model: &Model, state: &MotionState) -> Vec<PointMotion> {
+    let frames = frames(model, state);
+    let motions = model.forces.iter().map(|force| {
+        let frame = frame(&frames, model.last_joint(model.points[force.point].body));
+        let (place, velocity) = frame.point(model.coordinates(Some(force.point)));
+        PointMotion {
+            place,
+            velocity,
+            spin: frame.spin,
+            axes: from_fn(|axis| from_fn(|k| frame.rotation[k][axis])),
+        }
+    });
+    motions.collect()
 }

@@ -3,6 +3,7 @@
 
 use super::MotionError;
 use super::generated_loops::GeneratedLoops;
+use super::varied::PointMotion;
 use crate::generate::{Formulation, GenerationRequest, Options, cuts_of_rows, generate};
 use crate::kinematics::linear::DenseMatrix;
 use crate::kinematics::{CompiledFunction, EvaluatedOutputs, LoopConstraints, MotionState};
@@ -208,9 +209,8 @@ impl MotionEquations {
             .collect()
     }
 
-    /// Position, velocity and angular velocity of the point of each external
-    /// force, in the base frame.
-    pub fn force_motion(&self, state: &MotionState) -> Vec<[[f64; 3]; 3]> {
+    /// Motion of the point of each external force.
+    pub fn force_motion(&self, state: &MotionState) -> Vec<PointMotion> {
         let Some(compiled) = &self.forces else {
             return Vec::new();
         };
@@ -278,7 +278,7 @@ impl MotionEquations {
         &self,
         state: &MotionState,
         direction: &MotionState,
-    ) -> Vec<[[f64; 3]; 3]> {
+    ) -> Vec<PointMotion> {
         let Some(compiled) = &self.forces else {
             return Vec::new();
         };
@@ -307,15 +307,22 @@ impl MotionEquations {
     }
 }
 
-/// Position, velocity and angular velocity of the points of external forces.
-fn point_motions(outputs: &EvaluatedOutputs<'_>, count: usize) -> Vec<[[f64; 3]; 3]> {
-    let vector = |prefix: &str, number: usize| {
-        let vector = outputs.vector(&format!("{prefix}{number}"), 3);
-        [vector[0], vector[1], vector[2]]
+/// Motion of the points of external forces.
+fn point_motions(outputs: &EvaluatedOutputs<'_>, count: usize) -> Vec<PointMotion> {
+    let motion = |number: usize| {
+        let vector = |prefix: &str| {
+            let vector = outputs.vector(&format!("{prefix}{number}"), 3);
+            [vector[0], vector[1], vector[2]]
+        };
+        let axes = outputs.matrix(&format!("RxF{number}"), 3, 3);
+        PointMotion {
+            place: vector("PxF"),
+            velocity: vector("VxF"),
+            spin: vector("OMxF"),
+            axes: std::array::from_fn(|row| std::array::from_fn(|column| axes[(row, column)])),
+        }
     };
-    (1..=count)
-        .map(|number| ["PxF", "VxF", "OMxF"].map(|prefix| vector(prefix, number)))
-        .collect()
+    (1..=count).map(motion).collect()
 }
 
 /// A program evaluated in its own numbers.

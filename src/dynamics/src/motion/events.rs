@@ -62,7 +62,7 @@ impl EventWatch {
             above: None,
         });
         let contacts = laws.forces.iter().enumerate();
-        let contacts = contacts.filter(|(_, law)| law.contact.acts());
+        let contacts = contacts.filter(|(_, law)| law.meets_ground());
         let contacts = contacts.map(|(subject, _)| Watched {
             law: EventLaw {
                 quantity: EventQuantity::Gap,
@@ -98,9 +98,8 @@ impl EventWatch {
                 EventQuantity::Position => (state.q[subject], Some(state.qd[subject])),
                 EventQuantity::Velocity => (state.qd[subject], None),
                 EventQuantity::Gap => {
-                    let [place, velocity] = points[subject];
-                    let [gap, rate] = laws.forces[subject].contact.gap(place, velocity);
-                    (gap, Some(rate))
+                    let [gap, rate] = laws.forces[subject].gap(&points[subject].fixed());
+                    (gap.value, Some(rate.value))
                 }
             };
             Signal {

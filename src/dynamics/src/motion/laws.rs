@@ -41,8 +41,25 @@
 //! friction = 0.7       # share of the pressure that acts against slip
 //! slip = 0.01          # velocity around which friction turns over, m/s
 //!
+//! [[tyre]]
+//! name = "tyre"        # the point of an external force is a wheel's centre
+//! place = [0, 0, 0]    # a point of the ground, m, and its normal
+//! normal = [0, 0, 1]
+//! radius = 0.3         # of the wheel, m
+//! axis = [0, 1, 0]     # of the wheel, in the frame of its body
+//! stiffness = 2e5      # against the way into the ground, N/m
+//! damping = 3e2        # against the velocity there, N s/m; it never pulls
+//! law = "linear"       # force = number times slip, up to friction
+//! longitudinal = 8e4   # N
+//! lateral = 6e4        # N
+//! friction = 0.9       # share of the pressure
+//! slip = 0.1           # velocity below which slip is regularised, m/s
+//! # law = "bakker"     # the magic formula
+//! # longitudinal = { B = 12, C = 1.65, D = 1.0, E = 0.3 }
+//! # lateral = { B = 10, C = 1.3, D = 0.9, E = -1 }
+//!
 //! [[event]]
-//! name = "knee"        # a joint, or an external force with a contact
+//! name = "knee"        # a joint, or an external force with a contact or tyre
 //! quantity = "position"    # "velocity", or "gap" of the contact
 //! value = 0.0          # that it passes
 //! direction = "both"   # "rising" or "falling"
@@ -56,18 +73,16 @@
 //! phase = 0.0          # rad
 //! ```
 
-use super::contact::{Contact, friction_share, turning_velocity};
-use super::event_law::{EventLaw, EventQuantity};
-use robovec_ir::diagnostic::{Diagnostic, Label, clip, did_you_mean};
-use robovec_ir::document::{self, DocumentError};
-use robovec_model::{Model, Nature};
-use robovec_num::limits::{Amount, NumberLimit};
+use super::contact::{Contact, GroundForce, friction_share, turning_velocity};
+use super::event_law::EventLaw;
+use super::tyre::Tyre;
+use super::varied::{PointMotion, Varied};
+use robovec_model::Model;
+use robovec_num::limits::NumberLimit;
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
-use toml::Spanned;
 
 /// Numbers of laws, in SI units.
-const LAW: NumberLimit = NumberLimit::real(
+pub(super) const LAW: NumberLimit = NumberLimit::real(
     -1e15,
     1e15,
     "binary64 has no digits left for such stiff motions",
@@ -86,6 +101,21 @@ const SLIP: NumberLimit = NumberLimit::real(
     "friction that changes sign faster is a jump for an integrator",
 );
 
+/// Radii of wheels.
+const RADIUS: NumberLimit = NumberLimit::real(1e-6, 1e6, "a wheel has a rim, and rolls");
+/// Shape factors of the magic formula.
+const SHAPE: NumberLimit = NumberLimit::real(
+    0.0,
+    2.0,
+    "the force of a larger one acts along with great slip and gives energy",
+);
+/// Curvature factors of the magic formula.
+const CURVATURE: NumberLimit = NumberLimit::real(
+    -1e6,
+    1.0,
+    "the force of a larger one acts along with great slip and gives energy",
+);
+
 /// The limits of the numbers of laws: name, limit, and the default.
 pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
     ("stiffness", LAW, "0"),
@@ -93,7 +123,15 @@ pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
     ("neutral", LAW, "initial"),
     ("force", LAW, "0"),
     ("friction", FRICTION, "0"),
-    ("slip", SLIP, "0.01"),
+    ("slip", SLIP, "0.01; of a tyre 0.1"),
+    ("radius", RADIUS, ""),
+    ("axis", LAW, "[0, 1, 0]"),
+    ("longitudinal", FRICTION, ""),
+    ("lateral", FRICTION, ""),
+    ("B", FRICTION, ""),
+    ("C", SHAPE, ""),
+    ("D", FRICTION, ""),
+    ("E", CURVATURE, "0"),
     ("normal", LAW, "[0, 0, 1]"),
     ("value", LAW, "0"),
     ("torque", LAW, "0"),
@@ -151,6 +189,9 @@ pub struct Support {
     /// Of the point with a plane; its own section in a file.
     #[serde(skip)]
     pub contact: Contact,
+    /// Of a wheel whose centre the point is; its own section in a file.
+    #[serde(skip)]
+    pub tyre: Option<Tyre>,
 }
 
 impl Spring {
@@ -182,7 +223,39 @@ impl Support {
     /// True where it can give a force or a torque.
     pub fn acts(&self) -> bool {
         let parts = [self.force, self.torque, self.stiffness, self.damping];
-        self.contact.acts() || parts.concat().iter().any(|&number| number != 0.0)
+        self.meets_ground() || parts.concat().iter().any(|&number| number != 0.0)
+    }
+
+    /// True where a contact or a tyre can give a force.
+    pub(super) fn meets_ground(&self) -> bool {
+        self.contact.acts() || self.tyre.is_some()
+    }
+
+    /// Height of the point, or of the lowest point of a wheel, above its plane,
+    /// m, and its rate, m/s.
+    pub(super) fn gap(&self, motion: &PointMotion<Varied>) -> [Varied; 2] {
+        match &self.tyre {
+            Some(tyre) => tyre.gap(motion),
+            None => self.contact.gap(motion.place, motion.velocity),
+        }
+    }
+
+    /// Force of contact or tyre.
+    pub(super) fn ground_force(&self, motion: &PointMotion<Varied>) -> GroundForce {
+        match &self.tyre {
+            Some(tyre) => tyre.force(motion),
+            None => self.contact.force(motion.place, motion.velocity),
+        }
+    }
+
+    /// The energy in the spring of contact or tyre, J.
+    pub(super) fn ground_energy(&self, motion: &PointMotion) -> f64 {
+        let contact = self
+            .tyre
+            .as_ref()
+            .map_or(&self.contact, |tyre| &tyre.contact);
+        let [gap, _] = self.gap(&motion.fixed());
+        contact.energy(gap)
     }
 
     /// Distance of the place from its mean at a time, m, and its velocity, m/s.
@@ -239,34 +312,6 @@ pub struct Laws {
     pub events: Vec<EventLaw>,
 }
 
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-struct LawsFile {
-    joint: Vec<toml::Table>,
-    link: Vec<toml::Table>,
-    force: Vec<toml::Table>,
-    contact: Vec<toml::Table>,
-    event: Vec<toml::Table>,
-    driven: Vec<toml::Table>,
-}
-
-/// The same file once more, for the places of names.
-#[derive(Deserialize, Default)]
-#[serde(default)]
-struct LawNames {
-    joint: Vec<Named>,
-    link: Vec<Named>,
-    force: Vec<Named>,
-    contact: Vec<Named>,
-    event: Vec<Named>,
-    driven: Vec<Named>,
-}
-
-#[derive(Deserialize)]
-struct Named {
-    name: Spanned<String>,
-}
-
 impl Laws {
     /// Laws of the model itself: the losses of its joints, and driven joints at
     /// rest. An entry of a file for a joint replaces its losses.
@@ -296,237 +341,4 @@ impl Laws {
         }
         self
     }
-
-    /// Reads the laws of a model.
-    ///
-    /// # Errors
-    ///
-    /// Messages that point into the text (file 0): text that is no TOML or no
-    /// law, a name that the model does not have or that occurs twice, a number
-    /// beyond its limit, a driven motion of a joint that is not driven or whose
-    /// equations contain no velocity.
-    pub fn parse(model: &Model, text: &str) -> Result<Laws, Vec<Diagnostic>> {
-        let file: LawsFile = document::read(text).map_err(|error| vec![syntax(error)])?;
-        let names: LawNames = document::read(text).map_err(|error| vec![syntax(error)])?;
-        let mut laws = Laws::of_model(model);
-        let mut errors = Vec::new();
-        let joints: Vec<&str> = model.joints.iter().map(|j| j.name.as_str()).collect();
-        let links: Vec<&str> = model.links.iter().map(|l| l.name.as_str()).collect();
-        let forces: Vec<&str> = model.forces.iter().map(|f| f.name.as_str()).collect();
-        let mut read = LawReader {
-            errors: &mut errors,
-        };
-        read.section(
-            "joint",
-            &file.joint,
-            &names.joint,
-            &joints,
-            &mut laws.joints,
-        );
-        read.section("link", &file.link, &names.link, &links, &mut laws.links);
-        read.section(
-            "external force",
-            &file.force,
-            &names.force,
-            &forces,
-            &mut laws.forces,
-        );
-        let mut contacts = vec![Contact::default(); model.forces.len()];
-        read.section(
-            "external force",
-            &file.contact,
-            &names.contact,
-            &forces,
-            &mut contacts,
-        );
-        for (law, contact) in laws.forces.iter_mut().zip(contacts) {
-            law.contact = contact;
-        }
-        for (entry, Named { name }) in file.contact.iter().zip(&names.contact) {
-            let normal = entry.get("normal").and_then(toml::Value::as_array);
-            if normal.is_some_and(|normal| is_zero(normal)) {
-                let message = "the normal of a plane has a direction";
-                read.errors.push(wrong(name.span(), message, None));
-            }
-        }
-        laws.events = read.events(&file.event, &names.event, [&joints, &forces]);
-        let driven = read.section(
-            "joint",
-            &file.driven,
-            &names.driven,
-            &joints,
-            &mut laws.drives,
-        );
-        for (joint, span) in driven {
-            let joint = &model.joints[joint];
-            let reason = if joint.nature != Nature::Driven {
-                format!("the joint '{}' is not driven", clip(&joint.name))
-            } else if !joint.has_velocity || !joint.has_acceleration {
-                format!(
-                    "the equations of '{}' keep it at rest: the model gives its velocity no symbol",
-                    clip(&joint.name)
-                )
-            } else {
-                continue;
-            };
-            errors.push(wrong(span, &reason, None));
-        }
-        if errors.is_empty() {
-            Ok(laws)
-        } else {
-            errors.truncate(20);
-            Err(errors)
-        }
-    }
-}
-
-/// Tests whether all numbers of a list are zero.
-fn is_zero(list: &[toml::Value]) -> bool {
-    let amount = |value: &toml::Value| {
-        value
-            .as_float()
-            .or(value.as_integer().map(|number| number as f64))
-    };
-    list.iter().all(|value| amount(value) == Some(0.0))
-}
-
-struct LawReader<'e> {
-    errors: &'e mut Vec<Diagnostic>,
-}
-
-type NameRange = std::ops::Range<usize>;
-
-impl LawReader<'_> {
-    /// Reads the entries of a section into the laws of the named items; returns
-    /// the indices with their places in the text.
-    fn section<T: DeserializeOwned + Copy>(
-        &mut self,
-        what: &str,
-        entries: &[toml::Table],
-        names: &[Named],
-        known: &[&str],
-        laws: &mut [T],
-    ) -> Vec<(usize, NameRange)> {
-        let mut general = None;
-        let mut found: Vec<(usize, NameRange)> = Vec::new();
-        for (entry, Named { name }) in entries.iter().zip(names) {
-            let span = name.span();
-            let Some(law) = self.entry::<T>(entry, &span) else {
-                continue;
-            };
-            if name.get_ref() == "*" {
-                general = Some(law);
-                continue;
-            }
-            let Some(index) = self.index(what, name, known) else {
-                continue;
-            };
-            let name = name.get_ref().as_str();
-            if found.iter().any(|&(other, _)| other == index) {
-                let message = format!("'{}' has a law already", clip(name));
-                self.errors.push(wrong(span, &message, None));
-                continue;
-            }
-            laws[index] = law;
-            found.push((index, span));
-        }
-        if let Some(general) = general {
-            for (index, law) in laws.iter_mut().enumerate() {
-                if !found.iter().any(|&(named, _)| named == index) {
-                    *law = general;
-                }
-            }
-        }
-        found
-    }
-
-    /// The law of an entry, without its name.
-    fn entry<T: DeserializeOwned>(&mut self, entry: &toml::Table, span: &NameRange) -> Option<T> {
-        let mut entry = entry.clone();
-        entry.remove("name");
-        if let Some(reason) = refused(&entry) {
-            self.errors.push(wrong(span.clone(), &reason, None));
-        }
-        match entry.try_into() {
-            Ok(law) => Some(law),
-            Err(error) => {
-                let error: toml::de::Error = error;
-                self.errors.push(wrong(span.clone(), error.message(), None));
-                None
-            }
-        }
-    }
-
-    /// The place of a name among those that are known.
-    fn index(&mut self, what: &str, name: &Spanned<String>, known: &[&str]) -> Option<usize> {
-        let text = name.get_ref().as_str();
-        let found = known.iter().position(|known| *known == text);
-        if found.is_none() {
-            let note = did_you_mean(text, known.iter().copied())
-                .map(|near| format!("did you mean '{near}'?"));
-            let message = format!("the model has no {what} '{}'", clip(text));
-            self.errors.push(wrong(name.span(), &message, note));
-        }
-        found
-    }
-
-    /// Reads events of joints and of external forces.
-    fn events(
-        &mut self,
-        entries: &[toml::Table],
-        names: &[Named],
-        [joints, forces]: [&[&str]; 2],
-    ) -> Vec<EventLaw> {
-        let mut events = Vec::new();
-        for (entry, Named { name }) in entries.iter().zip(names) {
-            let Some(mut event) = self.entry::<EventLaw>(entry, &name.span()) else {
-                continue;
-            };
-            let subject = match event.quantity {
-                EventQuantity::Gap => self.index("external force", name, forces),
-                EventQuantity::Position | EventQuantity::Velocity => {
-                    self.index("joint", name, joints)
-                }
-            };
-            if let Some(subject) = subject {
-                event.subject = subject;
-                events.push(event);
-            }
-        }
-        events
-    }
-}
-
-/// The fault in a number of an entry, if any.
-fn refused(entry: &toml::Table) -> Option<String> {
-    entry.iter().find_map(|(key, value)| {
-        let numbers = match value {
-            toml::Value::Array(list) => list.as_slice(),
-            _ => std::slice::from_ref(value),
-        };
-        let amounts = numbers.iter().filter_map(|value| match value {
-            toml::Value::Integer(number) => Some(*number as f64),
-            toml::Value::Float(number) => Some(*number),
-            _ => None,
-        });
-        let field = FIELDS.iter().find(|(name, ..)| name == key);
-        let limit = field.map_or(LAW, |(_, limit, _)| *limit);
-        let mut refusals = amounts.filter_map(|number| limit.check(Amount::Real(number)).err());
-        refusals
-            .next()
-            .map(|reason| format!("'{}': {reason}", clip(key)))
-    })
-}
-
-fn syntax(error: DocumentError) -> Diagnostic {
-    let span = error.span.unwrap_or(0..0);
-    let note = "see the manual of `robovec sim` for the sections [[joint]], [[link]], [[force]], [[contact]], [[driven]] and [[event]]";
-    wrong(span, &error.message, Some(note.to_owned()))
-}
-
-fn wrong(span: NameRange, message: &str, note: Option<String>) -> Diagnostic {
-    Diagnostic::error()
-        .with_message(message)
-        .with_labels(vec![Label::primary(0, span)])
-        .with_notes(note.into_iter().collect())
 }

@@ -309,12 +309,12 @@ impl MultibodySystem<'_> {
             assert_eq!(slopes.len(), motions.len(), "every motion has a slope");
             let forces = motions.iter().zip(&slopes).zip(&self.laws.forces);
             for (index, ((motion, slope), law)) in forces.enumerate() {
-                let contact = law
-                    .contact
-                    .force_along([motion[0], motion[1]], [slope[0], slope[1]]);
+                let ground = law.ground_force(&motion.along(slope));
                 for k in 0..3 {
-                    direction.external[index][k] =
-                        contact[k] - law.stiffness[k] * slope[0][k] - law.damping[k] * slope[1][k];
+                    let held = law.stiffness[k] * slope.place[k];
+                    let damped = law.damping[k] * slope.velocity[k];
+                    direction.external[index][k] = ground.force[k].slope - held - damped;
+                    direction.external[index][3 + k] = ground.torque[k].slope;
                 }
             }
             self.equations.add_forces_along(&bare, direction);

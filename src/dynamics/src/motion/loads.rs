@@ -78,23 +78,22 @@ impl MultibodySystem<'_> {
         );
         for (index, (motion, law)) in motions.iter().zip(&self.laws.forces).enumerate() {
             let point = &self.model.points[self.model.forces[index].point];
-            let [place, velocity, spin] = motion;
-            let [ground, rate] = law.ground(state.time);
-            let contact = law.contact.force(*place, *velocity);
+            let (place, velocity) = (motion.place, motion.velocity);
+            let [moved, rate] = law.ground(state.time);
+            let ground = law.ground_force(&motion.fixed());
             let mut outside = [0.0; 3];
             for k in 0..3 {
                 outside[k] = law.force[k] - law.damping[k] * (velocity[k] - rate[k]);
-                let held = self.places[index][k] + ground[k];
+                let held = self.places[index][k] + moved[k];
                 let spring = law.stiffness[k] * (place[k] - held);
                 // What moves the place works on the spring.
                 power -= spring * rate[k];
-                outside[k] += contact.force[k] - contact.spring[k];
-                state.external[index][k] = outside[k] - spring + contact.spring[k];
-                state.external[index][3 + k] = law.torque[k];
+                state.external[index][k] = outside[k] - spring + ground.force[k].value;
+                state.external[index][3 + k] = law.torque[k] + ground.torque[k].value;
                 state.external[index][6 + k] = point.coordinates[k];
             }
             if point.body.is_some() {
-                power += dot(outside, *velocity) + dot(law.torque, *spin);
+                power += dot(outside, velocity) + dot(law.torque, motion.spin) + ground.power;
             }
         }
         self.equations.add_forces(state);
@@ -122,16 +121,14 @@ impl MultibodySystem<'_> {
             let neutral = law.neutral_or(self.lengths[index].abs());
             springs += of(law.stiffness, lengths[index] - neutral);
         }
-        let places = energy::force_points(self.model, state);
+        let motions = energy::point_motions(self.model, state);
         for (index, law) in self.laws.forces.iter().enumerate() {
             let [ground, _] = law.ground(state.time);
-            for k in 0..3 {
-                let held = self.places[index][k] + ground[k];
-                springs += of(law.stiffness[k], places[index][k] - held);
+            for (k, moved) in ground.iter().enumerate() {
+                let held = self.places[index][k] + moved;
+                springs += of(law.stiffness[k], motions[index].place[k] - held);
             }
-            if law.contact.acts() {
-                springs += law.contact.energy(places[index]);
-            }
+            springs += law.ground_energy(&motions[index]);
         }
         Energy {
             kinetic,

@@ -20,10 +20,14 @@ mod linearise;
 mod loads;
 mod modes;
 pub mod plot;
+mod read_laws;
 pub mod runge_kutta;
 mod simulation;
 mod solving;
 mod system;
+mod tyre;
+mod tyre_entry;
+mod varied;
 mod write_laws;
 
 pub use contact::Contact;
@@ -42,6 +46,8 @@ pub use simulation::{
     IntegrationMethod, MotionSample, SimulationPlan, SimulationRun, mean_position, simulate,
 };
 pub use system::{EvaluationWork, MultibodySystem};
+pub use tyre::{MagicFormula, ROLLING_VELOCITY, SlipLaw, Tyre};
+pub use varied::PointMotion;
 
 #[cfg(test)]
 mod tests;

@@ -89,10 +89,10 @@ impl<'m> MultibodySystem<'m> {
             system.renew(&state)?;
         }
         system.initial.clone_from(&state.q);
-        system.places = energy::force_points(model, &state);
-        for (place, law) in system.places.iter_mut().zip(&system.laws.forces) {
-            *place = law.place.unwrap_or(*place);
-        }
+        let motions = energy::point_motions(model, &state).into_iter();
+        let places = motions.zip(&system.laws.forces);
+        let places = places.map(|(motion, law)| law.place.unwrap_or(motion.place));
+        system.places = places.collect();
         let lengths = system.equations.link_lengths(&state);
         system.lengths = lengths.into_iter().map(|[length, _]| length).collect();
         Ok((system, state))

@@ -3,6 +3,7 @@
 use super::contact::Contact;
 use super::event_law::EventLaw;
 use super::laws::{Drive, Laws, Spring, Support};
+use super::tyre::Tyre;
 use robovec_model::Model;
 use toml::{Table, Value};
 
@@ -38,6 +39,9 @@ impl Laws {
                 .map(|(name, law)| contact(name, &law.contact))
                 .collect(),
         );
+        let tyres = forces.zip(&self.forces);
+        let tyres = tyres.filter_map(|(name, law)| Some(tyre(name, law.tyre?)));
+        section("tyre", tyres.collect());
         let events = self.events.iter().map(|law| event(model, law));
         section("event", events.collect());
         let moved = model
@@ -121,6 +125,12 @@ fn contact(name: &str, law: &Contact) -> Table {
         contact.insert(key.to_owned(), list(vector));
     }
     contact
+}
+
+fn tyre(name: &str, law: Tyre) -> Table {
+    let mut tyre = entry(name, &[]);
+    tyre.extend(law.to_table());
+    tyre
 }
 
 fn event(model: &Model, law: &EventLaw) -> Table {
