@@ -98,6 +98,34 @@ fn sim_says_what_is_wrong() {
 }
 
 #[test]
+fn sim_warns_of_forces_that_are_zero_and_of_locked_wheels() {
+    let car = model("car.mbs");
+    let car = car.to_str().expect("a path");
+    let short = ["sim", car, "--time", "1e-4", "--samples", "1"];
+    let plain = robovec(&short);
+    let warned = text(&plain.stderr);
+    for part in ["zero, since no law", "Spring_Front_left", "Tyre_Rear_left"] {
+        assert_eq!(warned.matches(part).count(), 1, "{part}: {warned}");
+    }
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let laws = folder.path().join("laws.toml");
+    let tyres = "[[link]]\nname = '*'\nforce = 1.0\n\
+                 [[tyre]]\nname = '*'\nradius = 0.3\nstiffness = 1e5\nlaw = 'linear'\n\
+                 longitudinal = 1e3\nlateral = 1e3\nfriction = 1.0\n";
+    fs::write(&laws, tyres).expect("room");
+    let laws = laws.to_str().expect("a path");
+    let warned = robovec(&[&short[..], &["--laws", laws]].concat());
+    let warned = text(&warned.stderr);
+    // Its forces are those of knuckles.
+    assert!(warned.contains("about the axes of these wheels: tyres Tyre_Front_left"));
+    assert!(!warned.contains("no law"), "{warned}");
+    let quarter = model("quarter-car.mbs");
+    let quarter = quarter.to_str().expect("a path");
+    let wheel = robovec(&["sim", quarter, "--time", "1e-4", "--laws", laws]);
+    assert!(!text(&wheel.stderr).contains("warning"));
+}
+
+#[test]
 fn sim_holds_joints() {
     let car = model("quarter-car.mbs");
     let car = car.to_str().expect("a path");

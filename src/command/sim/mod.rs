@@ -2,6 +2,7 @@
 //! state (`modal`).
 
 mod standing;
+mod warnings;
 
 use super::flags::{real, whole};
 use super::{CommandFailure, input, output, progress};
@@ -96,6 +97,7 @@ impl MovedModel {
             None => Laws::of_model(&read.model),
             Some(path) => input::laws(&read.model, path)?,
         };
+        super::emit(&warnings::of_laws(&read.model, &laws));
         Ok((read.model, laws))
     }
 }
