@@ -79,7 +79,11 @@ impl Pass for Composite {
             context.remarks.push(remark.to_owned());
             return Ok(());
         };
-        let places = tree::find(function, &model);
+        let Some(places) = tree::find(function, &model) else {
+            let remark = "the accelerations are too many operations for a search for their bodies";
+            context.remarks.push(remark.to_owned());
+            return Ok(());
+        };
         let before = network.cost;
         let rebuilt = write::rebuild(&mut network, &model, &places, function, context.tables);
         let unexplained = rebuilt.unexplained;

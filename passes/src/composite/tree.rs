@@ -36,9 +36,19 @@ fn alone(body: usize) -> impl Fn(SystemInput) -> f64 {
 /// Operations that may be spent on axes that no single state shows.
 const WORK: usize = 2_000_000_000;
 
-/// The placement of every joint, as far as the matrix shows.
-pub(super) fn find(function: &Function, model: &ModelInputs) -> Vec<JointPlacement> {
+/// Operations that the matrices of accelerations may take, about two minutes:
+/// those of a chain of some 100 joints.
+const SOLVED_WORK: usize = 40_000_000_000;
+
+/// The placement of every joint, as far as the matrix shows; `None` where
+/// accelerations are too many operations to be evaluated so often.
+pub(super) fn find(function: &Function, model: &ModelInputs) -> Option<Vec<JointPlacement>> {
     let mut probe = MatrixProbe::new(function, model);
+    // A matrix for each body, twice, each joint that slides and each point.
+    let matrices = 4 * model.len() + model.points.len();
+    if model.solved.is_some() && probe.work().saturating_mul(matrices) > SOLVED_WORK {
+        return None;
+    }
     let tree = ancestors(&mut probe, model);
     let mut axes = axes::find(&mut probe, model, &tree);
     let usual = probe.matrix(SystemInput::usual);
@@ -59,7 +69,7 @@ pub(super) fn find(function: &Function, model: &ModelInputs) -> Vec<JointPlaceme
             axes.chosen[joint] = before;
         }
     }
-    places
+    Some(places)
 }
 
 /// The placement of every joint, for given axes.
