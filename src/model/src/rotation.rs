@@ -2,7 +2,7 @@
 //!
 //! An angle within the rounding of a decimal number of sixteen digits of a
 //! right angle is treated as one: a cosine of `6e-17` would be an operation.
-//! Angles of a file may be taken as one from further off ([`to_right_angle`]).
+//! For angles in files the tolerance is larger ([`to_right_angle`]).
 
 use crate::{Axis, ConstantTurn};
 use std::array::from_fn;

@@ -17,7 +17,7 @@ use super::vector::AxisRotation;
 use robovec_model::{Joint, JointKind, JointMounting, Model, Nature};
 use std::borrow::Cow;
 
-/// Half of half a turn: the angles whose sine and cosine are zero or one.
+/// A quarter turn: sine and cosine of its multiples are 0, 1 or -1.
 const RIGHT_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
 
 pub(super) struct ModelFrames<'m> {

@@ -73,9 +73,9 @@ pub(super) fn point(
     Ok(point)
 }
 
-/// The user's own C file, else the equations as Robotran writes them in C,
-/// compiled and timed; where that is no function of Robotran's or too long for
-/// one function, the C that is written for the same equations.
+/// Time of the user's own C file, or of the equations as Robotran writes them in
+/// C. Equations of another kind, and those too long for one function of C, are
+/// timed in the C that robovec writes.
 fn timed(
     start: &Module,
     question: &OptimisationQuestion<'_>,

@@ -3,12 +3,11 @@
 //! Equations come in the order of a recursion: all bodies outwards, then all
 //! inwards. Values made in the forward recursion are needed in the backward
 //! one, and of a mass matrix of 23 joints 525 values are alive at once: with
-//! eight states per value more than the nearest cache holds. The order made
-//! here does two things. It walks from the last outputs down to their operands,
-//! the longer branch first, which halves the number of live values. Then it
-//! passes through that order once more with a model of the registers, and
-//! prefers operations that are ready, read registers, and end the lives of
-//! values there.
+//! eight states per value more than the nearest cache holds. The order is
+//! made in two steps: a walk from the last outputs down to their operands, the
+//! longer branch first, halves the number of live values. A second pass through
+//! that order, with a model of the registers, prefers operations that are
+//! ready, read registers, and end the lives of values there.
 
 use super::{CodeStep, DepthWalk, Ties, follows_operands};
 use robovec_ir::{Function, Operand, OperandKind, Value};
