@@ -38,15 +38,15 @@ const WORK: usize = 2_000_000_000;
 
 /// Operations that the matrices of accelerations may take, about two minutes:
 /// those of a chain of some 100 joints.
-const SOLVED_WORK: usize = 40_000_000_000;
+const SOLVED_WORK: u64 = 40_000_000_000;
 
 /// The placement of every joint, as far as the matrix shows; `None` where
 /// accelerations are too many operations to be evaluated so often.
 pub(super) fn find(function: &Function, model: &ModelInputs) -> Option<Vec<JointPlacement>> {
     let mut probe = MatrixProbe::new(function, model);
     // A matrix for each body, twice, each joint that slides and each point.
-    let matrices = 4 * model.len() + model.points.len();
-    if model.solved.is_some() && probe.work().saturating_mul(matrices) > SOLVED_WORK {
+    let matrices = (4 * model.len() + model.points.len()) as u64;
+    if model.solved.is_some() && matrices.saturating_mul(probe.work() as u64) > SOLVED_WORK {
         return None;
     }
     let tree = ancestors(&mut probe, model);
