@@ -1,4 +1,5 @@
-//! The mass matrix that a function computes, and the inputs of its system.
+//! The mass matrix or the accelerations that a function computes, and the
+//! inputs of its system.
 
 use super::bodies::RigidBody;
 use crate::factor::network::{FactorKind, FactorNetwork};

@@ -9,7 +9,6 @@ use crate::factor::network::{Edge, FactorKind, FactorNetwork};
 use robovec_ir::Input;
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::field::{Field, PrimeField};
-use robovec_num::operation::Operation;
 
 /// Points at which values are compared, each in two fields.
 const POINTS: u64 = 4;
@@ -63,16 +62,12 @@ fn values(network: &FactorNetwork, order: &[usize], field: &PrimeField) -> Vec<u
             FactorKind::Other(operation) => {
                 let first = operands.next().expect("an operation has an operand");
                 let second = operands.next().unwrap_or(first);
-                apply(field, operation, [first, second])
+                field.apply(operation, [first, second, second])
             }
             FactorKind::Part(_) => PrimeField::UNDEFINED,
         };
     }
     values
-}
-
-fn apply(field: &PrimeField, operation: Operation, [first, second]: [u64; 2]) -> u64 {
-    field.apply(operation, [first, second, second])
 }
 
 fn signed(field: &PrimeField, values: &[u64], edge: Edge) -> u64 {

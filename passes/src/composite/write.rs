@@ -40,7 +40,20 @@ impl Ring for EquationWriter<'_> {
     }
 }
 
-impl EquationWriter<'_> {
+impl<'n> EquationWriter<'n> {
+    fn new(
+        network: &'n mut FactorNetwork,
+        model: &'n ModelInputs,
+        origins: &'n [NodeOrigin],
+    ) -> EquationWriter<'n> {
+        EquationWriter {
+            network,
+            model,
+            origins,
+            origin: NodeOrigin::NONE,
+        }
+    }
+
     fn input(&mut self, input: Option<Input>) -> Edge {
         let Some(input) = input else {
             return self.zero();
@@ -51,15 +64,15 @@ impl EquationWriter<'_> {
             .find_or_push(kind, Vec::new(), value, NodeOrigin::NONE)
     }
 
-    fn turn(&mut self, operation: Operation, angle: Edge) -> Edge {
-        let value = self
-            .network
-            .values
-            .images
-            .apply(operation, [self.network.value(angle); 3]);
+    /// An operation other than a sum or a product.
+    fn operation(&mut self, operation: Operation, operands: &[Edge]) -> Edge {
+        let [first, last] = [operands[0], operands[operands.len() - 1]];
+        let [first, last] = [first, last].map(|edge| self.network.value(edge));
+        let images = &self.network.values.images;
+        let value = images.apply(operation, [first, last, last]);
         let kind = FactorKind::Other(operation);
         self.network
-            .find_or_push(kind, vec![angle], value, self.origin)
+            .find_or_push(kind, operands.to_vec(), value, self.origin)
     }
 }
 
@@ -78,8 +91,8 @@ impl BodySystem for EquationWriter<'_> {
         let zero = self.zero();
         let (cosine, sine) = match (place.joint, self.model.coordinates[joint]) {
             (JointAxis::Revolute(_), Some(_)) => (
-                self.turn(Operation::Cos, coordinate),
-                self.turn(Operation::Sin, coordinate),
+                self.operation(Operation::Cos, &[coordinate]),
+                self.operation(Operation::Sin, &[coordinate]),
             ),
             _ => (Edge::new(ONE as u32, false), zero),
         };
@@ -125,13 +138,7 @@ impl SolvingSystem for EquationWriter<'_> {
     }
 
     fn div(&mut self, a: Edge, b: Edge) -> Edge {
-        let operation = Operation::Div;
-        let [a_value, b_value] = [a, b].map(|edge| self.network.value(edge));
-        let images = &self.network.values.images;
-        let value = images.apply(operation, [a_value, b_value, b_value]);
-        let kind = FactorKind::Other(operation);
-        self.network
-            .find_or_push(kind, vec![a, b], value, self.origin)
+        self.operation(Operation::Div, &[a, b])
     }
 }
 
@@ -159,12 +166,7 @@ pub(super) fn rebuild(
     }
     let mut composites = Vec::new();
     let unexplained = exchange(network, &model.elements, same_values, |network| {
-        let mut writer = EquationWriter {
-            network,
-            model,
-            origins: &origins,
-            origin: NodeOrigin::NONE,
-        };
+        let mut writer = EquationWriter::new(network, model, &origins);
         let (matrix, bodies) = mass_matrix(&mut writer, places);
         composites = bodies;
         matrix
@@ -179,12 +181,7 @@ pub(super) fn rebuild(
         .collect();
     held.iter().for_each(|&edge| network.acquire(edge));
     let kept = exchange(network, &model.motion.biases, same_values, |network| {
-        let mut writer = EquationWriter {
-            network,
-            model,
-            origins: &origins,
-            origin: NodeOrigin::NONE,
-        };
+        let mut writer = EquationWriter::new(network, model, &origins);
         bias_forces(&mut writer, places, &composites)
     });
     held.iter().for_each(|&edge| network.release(edge));
@@ -220,12 +217,7 @@ fn resolve(
 ) -> RebuiltEquations {
     let write = |network: &mut FactorNetwork, is_articulated: bool| {
         exchange(network, &solved.places, quotients::equal, |network| {
-            let mut writer = EquationWriter {
-                network,
-                model,
-                origins,
-                origin: NodeOrigin::NONE,
-            };
+            let mut writer = EquationWriter::new(network, model, origins);
             let (matrix, composites) = mass_matrix(&mut writer, places);
             let biases = bias_forces(&mut writer, places, &composites);
             let efforts = solved.efforts.iter().zip(biases);
